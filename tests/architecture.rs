@@ -81,7 +81,7 @@ const HOMES: [(&str, &[&str]); 13] = [
     ("plotters", &["report"]),
     ("resvg", &["report"]),
     ("pulp", &["model", "following"]),
-    ("clap", &["cli"]),
+    ("clap", &["study", "cli"]),
     ("miette", &["cli"]),
     ("statrs", &["stats"]),
     ("wasm-bindgen", &["seat-page"]),

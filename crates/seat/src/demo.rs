@@ -5,15 +5,14 @@ use maveric_domain::Design;
 use maveric_model::HeadsKind;
 use maveric_simulator::Scenario;
 use maveric_study::{
-    Watch,
+    Stage as _, Watch,
     atomic_write::atomic_write_bytes,
     stages::{
-        generate::{self, GenerateOptions},
-        ingest::{self, IngestOptions},
-        init::{self, InitOptions},
-        score::{self, Moments, ScoreOptions},
-        simulate::Scenes,
-        train::{self, TrainOptions},
+        generate::Generate,
+        ingest::Ingest,
+        init::Init,
+        score::{Moments, ScoreAnswers},
+        train::Train,
     },
 };
 use std::path::Path;
@@ -101,77 +100,65 @@ fn model(cache: &Path, jobs: usize, watch: Watch<'_>) -> Result<Vec<u8>, SeatErr
 
 fn train_in(work: &Path, jobs: usize, watch: Watch<'_>) -> Result<Vec<u8>, SeatError> {
     let folder = work.join("study");
-    let made = InitOptions {
+    let study = Init {
         folder: folder.clone(),
         synthetic: true,
-        ..InitOptions::default()
+        ..Init::default()
     };
-    init::init(&made, watch)?;
+    study.run(watch)?;
     let design = Some(folder.join("study.toml"));
-    generate::generate(
-        &GenerateOptions {
-            design: design.clone(),
-            out: None,
-            scenario: None,
-            population: None,
-            scales: None,
-            effects: None,
-            learn: PEOPLE,
-            test: 0,
-            duration_s: Some(DRIVES_S),
-            repeat_drives: false,
-            scenes: Scenes::None,
-            seed: 1,
-            jobs,
-        },
-        watch,
-    )?;
-    ingest::ingest(
-        &IngestOptions {
-            logs: Vec::new(),
-            design: design.clone(),
-            participants: None,
-            out: folder.join("drives"),
-            mapping: None,
-            rate_hz: None,
-            recover: false,
-            jobs,
-        },
-        watch,
-    )?;
+    let people = Generate {
+        design: design.clone(),
+        out: None,
+        scenario: None,
+        population: None,
+        scales: None,
+        effects: None,
+        learn: PEOPLE,
+        test: 0,
+        duration_s: Some(DRIVES_S),
+        repeat_drives: false,
+        scenes: None,
+        seed: 1,
+        jobs,
+    };
+    people.run(watch)?;
+    let drives = Ingest {
+        design: design.clone(),
+        out: folder.join("drives"),
+        jobs,
+        ..Ingest::default()
+    };
+    drives.run(watch)?;
     let study = maveric_study::DesignFile::find(design.as_deref())?;
     let files = study.design.files();
-    score::score(
-        &ScoreOptions {
-            design: design.clone(),
-            surveys: vec![study.resolve(&files.answers)],
-            participants: None,
-            scales: study.resolve(&files.scales),
-            drives: Vec::new(),
-            moments: Moments::All,
-            out: folder.join("scores.csv"),
-        },
-        watch,
-    )?;
+    let scores = ScoreAnswers {
+        design: design.clone(),
+        surveys: vec![study.resolve(&files.answers)],
+        participants: None,
+        scales: study.resolve(&files.scales),
+        drives: Vec::new(),
+        moments: Moments::All,
+        out: folder.join("scores.csv"),
+    };
+    scores.run(watch)?;
     let out = folder.join("model.maveric");
-    train::train(
-        &TrainOptions {
-            design,
-            participants: None,
-            drives: folder.join("drives"),
-            scores: Some(folder.join("scores.csv")),
-            out: out.clone(),
-            heads: HeadsKind::Linear,
-            embedding_size: 3,
-            epochs: 40,
-            fit_fraction: 1.0,
-            seed: 1,
-            jobs,
-            validation_fraction: 0.0,
-            patience: 0,
-        },
-        watch,
-    )?;
+    let model = Train {
+        design,
+        participants: None,
+        drives: folder.join("drives"),
+        scores: Some(folder.join("scores.csv")),
+        out: out.clone(),
+        heads: HeadsKind::Linear,
+        embedding_size: 3,
+        epochs: 40,
+        fit_fraction: 1.0,
+        seed: 1,
+        jobs,
+        validation_fraction: 0.0,
+        patience: 0,
+    };
+    model.run(watch)?;
     std::fs::read(&out).map_err(|source| SeatError::Io { path: out, source })
 }
 

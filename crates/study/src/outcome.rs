@@ -68,6 +68,11 @@ impl<'a> Watch<'a> {
     }
 }
 
+/// Threads to use when none are asked for: all cores.
+pub fn all_cores() -> usize {
+    std::thread::available_parallelism().map_or(1, usize::from)
+}
+
 /// Most threads of a command: more than any machine has cores, and fewer than exhaust it.
 const MOST_JOBS: usize = 1024;
 

@@ -4,6 +4,7 @@ use crate::{
     atomic_write::{if_there, read_text},
     design::DesignFile,
     error::StudyError,
+    stage::Files,
     tables::{
         Table,
         conditions::read_conditions,
@@ -27,6 +28,9 @@ use std::{
     collections::BTreeMap,
     path::{Path, PathBuf},
 };
+
+/// Tables of answers among the results.
+const ANSWERS: [&str; 3] = ["surveys.csv", "answers.csv", "ratings.csv"];
 
 /// Name of the model among a run's results.
 pub const MODEL_FILE: &str = "model.maveric";
@@ -227,6 +231,45 @@ pub(crate) fn read_study(
     Ok(StudyData::new(design, tables)?)
 }
 
+/// The files with what [`read_study`] reads.
+pub(crate) fn study_files(
+    files: Files,
+    folder: &Path,
+    study: &DesignFile,
+    participants: Option<&Path>,
+) -> Files {
+    let design = &study.design;
+    let steered = design.conditions().iter().any(|c| c.car.is_some());
+    let styled = design.style().is_some();
+    let tables = [
+        ("measurements.parquet", true),
+        ("embeddings.csv", styled || design.needs_a_model()),
+        ("conditions.csv", steered),
+        ("scores.csv", styled),
+    ];
+    let (made, others): (Vec<_>, Vec<_>) = tables.into_iter().partition(|(_, is_made)| *is_made);
+    let path = |(name, _): (&str, bool)| folder.join(name);
+    let mut files = files
+        .reads([study.resolve(&design.files().scales)])
+        .reads(made.into_iter().map(path))
+        .reads_if_there(others.into_iter().map(path))
+        .reads_if_there(["rating_scores.csv", "drives", "av"].map(|name| folder.join(name)));
+    files = match participants {
+        Some(given) => files.reads([given]),
+        None => files.reads_if_there([
+            folder.join("participants.csv"),
+            study.resolve(&design.people().file),
+        ]),
+    };
+    if design.exclude().straight_lined {
+        let answers = study.resolve(&design.files().answers);
+        files = files
+            .reads_if_there(Some(answers).filter(|_| design.files().software == Software::Table))
+            .reads_if_there(ANSWERS.map(|name| folder.join(name)));
+    }
+    files
+}
+
 /// What a stage of the design makes has to be there; what none makes need not.
 fn made<T: Default>(
     path: &Path,
@@ -251,7 +294,7 @@ fn answers(folder: &Path, study: &DesignFile) -> Result<Vec<Answer>, StudyError>
     if files.software == Software::Table && own.is_file() {
         found.extend(read_answers(&own)?);
     }
-    for name in ["surveys.csv", "answers.csv", "ratings.csv"] {
+    for name in ANSWERS {
         found.extend(if_there(&folder.join(name), read_answers)?);
     }
     Ok(found)

@@ -1,47 +1,35 @@
 //! One file per command: it parses, calls its library function, prints.
 
-pub(crate) mod ablate;
 pub(crate) mod cite;
 pub(crate) mod clean;
-pub(crate) mod codebook;
 pub(crate) mod completions;
 pub(crate) mod design;
 pub(crate) mod diff;
-pub(crate) mod evaluate;
 pub(crate) mod export;
-pub(crate) mod generate;
 pub(crate) mod graph;
-pub(crate) mod import;
-pub(crate) mod ingest;
-pub(crate) mod init;
-pub(crate) mod inspect;
 pub(crate) mod man;
-pub(crate) mod measure;
-pub(crate) mod personalize;
-pub(crate) mod rate;
-pub(crate) mod recommend;
-pub(crate) mod rehearse;
-pub(crate) mod rehearse_dial;
-pub(crate) mod report;
 pub(crate) mod run;
-pub(crate) mod score;
 pub(crate) mod seat;
-pub(crate) mod simulate;
 pub(crate) mod stats;
 pub(crate) mod status;
-pub(crate) mod steer;
 pub(crate) mod trace;
-pub(crate) mod train;
-pub(crate) mod validate;
 pub(crate) mod verify;
 
 use crate::{
     args::Format,
     diagnostics::{Failure, printable, tell},
-    interrupt, progress,
+    interrupt,
+    invocation::this_command,
+    progress,
 };
 use clap::{Parser, Subcommand};
-use maveric_study::{Outcome, StudyError, Watch};
+use maveric_study::{
+    Outcome, Stage, StudyError, Watch,
+    stages::{
+        ablate, codebook, evaluate, generate, import, ingest, init, inspect, measure, personalize,
+        rate, recommend, rehearse, rehearse_dial, report, score, simulate, steer, train, validate,
+    },
+};
 use std::io::Write as _;
 
 /// Learn a driver's style, drive as that driver would, and analyse the study: from driving logs to the
@@ -79,29 +67,29 @@ pub(crate) enum Command {
     Diff(diff::Diff),
     Trace(trace::Trace),
     Clean(clean::Clean),
-    Init(init::Init),
+    Init(Of<init::Init>),
     Design(design::Design),
-    Generate(generate::Generate),
-    Ingest(ingest::Ingest),
-    Inspect(inspect::Inspect),
-    Import(import::Import),
-    Score(score::Score),
-    Codebook(codebook::Codebook),
-    Train(train::Train),
-    Personalize(personalize::Personalize),
-    Steer(steer::Steer),
+    Generate(Of<generate::Generate>),
+    Ingest(Of<ingest::Ingest>),
+    Inspect(Of<inspect::Inspect>),
+    Import(Of<import::Import>),
+    Score(Of<score::ScoreAnswers>),
+    Codebook(Of<codebook::Describe>),
+    Train(Of<train::Train>),
+    Personalize(Of<personalize::Personalize>),
+    Steer(Of<steer::Steer>),
     Seat(seat::Seat),
-    Simulate(simulate::Simulate),
-    Measure(measure::Measure),
-    Rate(rate::Rate),
-    Evaluate(evaluate::Evaluate),
+    Simulate(Of<simulate::Simulate>),
+    Measure(Of<measure::Measure>),
+    Rate(Of<rate::Rate>),
+    Evaluate(Of<evaluate::Evaluate>),
     Stats(stats::Stats),
-    Ablate(ablate::Ablate),
-    Validate(validate::Validate),
-    Recommend(recommend::Recommend),
-    Rehearse(rehearse::Rehearse),
-    RehearseDial(rehearse_dial::RehearseDial),
-    Report(report::Report),
+    Ablate(Of<ablate::Ablate>),
+    Validate(Of<validate::Validate>),
+    Recommend(Of<recommend::Recommend>),
+    Rehearse(Of<rehearse::Rehearse>),
+    RehearseDial(Of<rehearse_dial::RehearseDial>),
+    Report(Of<report::DrawReport>),
     Export(export::Export),
     Completions(completions::Completions),
     #[command(hide = true)]
@@ -160,6 +148,29 @@ pub(crate) fn run(command: Command) -> Result<(), Failure> {
     }
 }
 
+// No doc: the stage's own is its help.
+#[derive(Debug, clap::Args)]
+pub(crate) struct Of<S: Stage> {
+    #[command(flatten)]
+    pub(crate) stage: S,
+    /// How to print the result
+    #[arg(long, value_enum, default_value_t)]
+    format: Format,
+}
+
+impl<S: Stage> Of<S> {
+    pub(crate) fn run(mut self) -> Result<(), Failure> {
+        self.stage.repeated_by(&this_command());
+        let mut success = true;
+        print_outcome(self.format, S::FAILURE, |watch| {
+            let outcome = self.stage.run(watch)?;
+            success = self.stage.is_success(&outcome.value);
+            Ok(outcome)
+        })?;
+        if success { Ok(()) } else { Err(Failure::Told) }
+    }
+}
+
 /// Runs `work` under a progress bar and Ctrl-C, prints its warnings on stderr and its result on stdout.
 pub(crate) fn print_outcome<T: serde::Serialize>(
     format: Format,
@@ -208,7 +219,4 @@ pub(crate) fn today() -> String {
     now.date_naive().to_string()
 }
 
-/// Threads to use when none are asked for: all cores.
-pub(crate) fn all_cores() -> usize {
-    std::thread::available_parallelism().map_or(1, usize::from)
-}
+pub(crate) use maveric_study::outcome::all_cores;

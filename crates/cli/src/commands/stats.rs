@@ -4,14 +4,14 @@ mod choices;
 mod designs;
 mod table;
 
-use super::print_outcome;
+use super::{Of, print_outcome};
 use crate::{args::Format, diagnostics::Failure};
 use choices::{ADJUST, CORRELATION, POSTHOC, STATISTIC, one_of};
 use clap::{Args, CommandFactory as _, FromArgMatches as _, Subcommand};
 use maveric_study::{
     Outcome,
     stages::{
-        analyse::{self, AnalyseOptions},
+        analyse::Analyse,
         stats::{
             self, Adjustment, CorrelationMethod, PosthocTest, Request, Resampled, Statistic, Test,
             WithinColumns,
@@ -21,10 +21,7 @@ use maveric_study::{
 };
 use path_slash::PathExt as _;
 use serde_json::Value;
-use std::{
-    path::PathBuf,
-    sync::{LazyLock, Mutex, PoisonError},
-};
+use std::sync::{LazyLock, Mutex, PoisonError};
 use table::{Conditions, Input, Within, needs};
 
 /// One test on a tidy table (CSV, Parquet or - for standard input), or the paper's whole analysis
@@ -211,30 +208,14 @@ Example: maveric stats recheck printed.csv")]
     },
     #[command(flatten)]
     Design(designs::DesignArgs),
-    /// Every analysis that a study's design asks for, over the results of a run
     #[command(visible_alias = "paper")]
-    Study {
-        /// Folder of results, as the pipeline leaves it
-        results: PathBuf,
-        /// Design of the study (TOML); study.toml of the folder one stands in when not given, else the paper's
-        #[arg(long, value_name = "FILE")]
-        design: Option<PathBuf>,
-        /// Who took part; participants.csv among the results when not given, else the design's table
-        #[arg(long)]
-        participants: Option<PathBuf>,
-        /// Analysis to write (JSON)
-        #[arg(long)]
-        out: PathBuf,
-        /// How to print the result
-        #[arg(long, value_enum, default_value_t)]
-        format: Format,
-    },
+    Study(Of<Analyse>),
 }
 
 /// What was asked for.
 enum Asked {
     Test(Format, Request),
-    Study(Format, AnalyseOptions),
+    Study(Of<Analyse>),
 }
 
 const DOING: &str = "could not run the test";
@@ -245,11 +226,7 @@ impl Stats {
             Asked::Test(format, request) => {
                 print_outcome(format, DOING, |_| stats::stats(&request))
             }
-            Asked::Study(format, options) => {
-                print_outcome(format, "could not analyse the study", |watch| {
-                    analyse::analyse(&options, watch)
-                })
-            }
+            Asked::Study(study) => study.run(),
         }
     }
 }
@@ -290,21 +267,7 @@ pub fn stats_of_table(words: &[String], table: TableBuilder) -> Result<Outcome<V
 impl TestArgs {
     fn asked(self) -> Result<Asked, Failure> {
         let (input, test) = match self {
-            TestArgs::Study {
-                results,
-                design,
-                participants,
-                out,
-                format,
-            } => {
-                let options = AnalyseOptions {
-                    design,
-                    results,
-                    participants,
-                    out,
-                };
-                return Ok(Asked::Study(format, options));
-            }
+            TestArgs::Study(study) => return Ok(Asked::Study(study)),
             TestArgs::Within(w) => with(w, Test::Within),
             TestArgs::RmAnova(w) => with(w, Test::RmAnova),
             TestArgs::Friedman(w) => with(w, Test::Friedman),

@@ -8,8 +8,8 @@ use crate::{
     judged::Judged,
     mean::mean,
     outcome::{Outcome, Watch, threads},
-    outputs::spare_inputs,
     run_folder::adb_of,
+    stage::{Files, Stage},
     tables::{drives::read_drives, surveys::read_scores},
 };
 use maveric_analysis::{Finding, Part, Question};
@@ -28,31 +28,52 @@ use maveric_report::{
 };
 use maveric_stats::proportion;
 use path_slash::PathExt as _;
-use std::{ops::ControlFlow, path::PathBuf};
+use std::{
+    ops::ControlFlow,
+    path::{Path, PathBuf},
+};
 
-/// What to compare, and how.
-#[derive(Debug, Clone)]
-pub struct AblateOptions {
-    /// Folder of drives.
+/// Compare embedding sizes, losses, window lengths and baselines on drivers held out in turn
+#[derive(Debug, Clone, clap::Args)]
+#[command(
+    after_help = "Example: maveric ablate --drives drives/study1 --scores scores.csv --sizes 1,2,5,8 --out ablation"
+)]
+pub struct Ablate {
+    /// Folder of drives
+    #[arg(long)]
     pub drives: PathBuf,
-    /// Questionnaire scores.
+    /// Questionnaire scores
+    #[arg(long)]
     pub scores: Option<PathBuf>,
-    /// Folder to write into.
+    /// Folder to write into: ablation.json and a page
+    #[arg(long)]
     pub out: PathBuf,
-    /// Embedding sizes beside the default one.
+    /// Embedding sizes beside the default
+    #[arg(long, value_delimiter = ',', default_value = "1,2,5,8")]
     pub sizes: Vec<usize>,
-    /// Lengths of a window beside the default one, in s.
+    /// Lengths of a window beside the default, in s
+    #[arg(
+        long = "windows",
+        value_name = "WINDOWS",
+        value_delimiter = ',',
+        default_value = "2,8"
+    )]
     pub windows_s: Vec<f64>,
-    /// Parts into which the drivers are split.
+    /// Parts into which the drivers are split
+    #[arg(long, default_value_t = 5)]
     pub folds: usize,
-    /// Passes over the rows of a training.
+    /// Passes over the rows of each training
+    #[arg(long, default_value_t = 40)]
     pub epochs: usize,
-    /// Root of every random choice.
+    /// Root of every random choice
+    #[arg(long, default_value_t = 1)]
     pub seed: u64,
-    /// Threads.
+    /// Threads
+    #[arg(short, long, default_value_t = crate::outcome::all_cores())]
     pub jobs: usize,
-    /// The command that makes the same again, for the page.
-    pub command: String,
+    /// The command that makes the same again, for the page; this one when not given
+    #[arg(long, value_name = "TEXT")]
+    pub command: Option<String>,
 }
 
 type Of = fn(&HeldOut) -> Option<f64>;
@@ -66,96 +87,104 @@ const LOSSES: [(&str, &str, Of); 3] = [
     ("*L*_{3} speed", "m/s", |h| h.speed_mps),
 ];
 
-/// Holds out each fold of drivers in turn for every variant; writes `ablation.json` and a page with the table and the
-/// figure.
-///
-/// # Errors
-/// [`StudyError`] if drives or scores cannot be read, there are fewer drivers than folds, or settings are out of range;
-/// [`StudyError::Interrupted`].
-///
-/// # Source
-/// Method section 3, "Embedding size"; the paper says that more than three numbers bring nothing.
-pub fn ablate(options: &AblateOptions, watch: Watch<'_>) -> Result<Outcome<Ablated>, StudyError> {
-    let out = options.out.join("ablation.json");
-    spare_inputs(
-        [&*options.drives]
-            .into_iter()
-            .chain(options.scores.as_deref()),
-        [&*out],
-    )?;
-    let drives = read_drives(&options.drives)?;
-    let scores = options.scores.as_deref().map(read_scores).transpose()?;
-    let scores = scores.unwrap_or_default();
-    let baseline = DesignFile::find(None)?.design.baseline_id();
-    let mut given = Vec::new();
-    for drive in &drives {
-        given.push(TrainingDrive {
-            drive,
-            adb: adb_of(drive, &scores, baseline)?,
-        });
+impl Stage for Ablate {
+    const NAME: &'static str = "ablate";
+    const FAILURE: &'static str = "could not ablate";
+    type Result = Ablated;
+
+    fn files(&self, _root: &Path) -> Result<Files, StudyError> {
+        Ok(Files::default()
+            .reads([&self.drives])
+            .reads(&self.scores)
+            .reads_design(None)
+            .writes_into(&self.out, &["ablation.json"]))
     }
-    // Unseen drivers judge; nobody is kept back of those learned from.
-    let base = TrainSettings {
-        epochs: options.epochs,
-        validation_fraction: 0.0,
-        ..TrainSettings::default()
-    };
-    let settings = AblationSettings {
-        folds: options.folds,
-        ..AblationSettings::default()
-    };
-    let all = variants(&base, &options.sizes, &options.windows_s);
-    let mut observe = |done, total| match watch.step(done, total, "trainings") {
-        Ok(()) => ControlFlow::Continue(()),
-        Err(_) => ControlFlow::Break(()),
-    };
-    let pool = threads(options.jobs)?;
-    let found = pool.install(|| compare(&given, &all, &settings, options.seed, &mut observe));
-    let found = match found {
-        Err(ModelError::Cancelled { .. }) => return Err(StudyError::Interrupted),
-        other => other?,
-    };
-    let synthetic = drives
-        .iter()
-        .any(|d| d.meta().driven_by == DrivenBy::Synthetic);
-    let context = Context::of(synthetic, options.seed);
-    let finding = parts(&found);
-    let judged = Judged {
-        result: &found,
-        findings: finding.as_slice(),
-    };
-    write_json(&out, &judged)?;
-    let table = table(&found);
-    let text = table.to_markdown();
-    let page = write_page(
-        &options.out,
-        &page(&found, finding.as_ref(), options, table, &context)?,
-    )?;
-    let short = found.variants[0]
-        .of_each
-        .iter()
-        .filter(|h| h.is_none())
-        .count();
-    let mut summary: Vec<String> = text.lines().map(str::to_owned).collect();
-    summary.push(format!(
-        "{} variants on {} drives, {} folds: {}",
-        found.variants.len(),
-        found.drives.len(),
-        options.folds,
-        page.to_slash_lossy()
-    ));
-    let mut warnings = Vec::new();
-    if short > 0 {
-        warnings.push(format!(
-            "{short} of {} drives are too short to be judged",
-            found.drives.len()
+
+    fn repeated_by(&mut self, command: &str) {
+        self.command.get_or_insert_with(|| command.to_owned());
+    }
+
+    /// Holds out each fold of drivers in turn for every variant; writes `ablation.json` and a page with the table and the
+    /// figure.
+    ///
+    /// # Source
+    /// Method section 3, "Embedding size"; the paper says that more than three numbers bring nothing.
+    fn work(&self, watch: Watch<'_>) -> Result<Outcome<Ablated>, StudyError> {
+        let out = self.out.join("ablation.json");
+        let drives = read_drives(&self.drives)?;
+        let scores = self.scores.as_deref().map(read_scores).transpose()?;
+        let scores = scores.unwrap_or_default();
+        let baseline = DesignFile::find(None)?.design.baseline_id();
+        let mut given = Vec::new();
+        for drive in &drives {
+            given.push(TrainingDrive {
+                drive,
+                adb: adb_of(drive, &scores, baseline)?,
+            });
+        }
+        // Unseen drivers judge; nobody is kept back of those learned from.
+        let base = TrainSettings {
+            epochs: self.epochs,
+            validation_fraction: 0.0,
+            ..TrainSettings::default()
+        };
+        let settings = AblationSettings {
+            folds: self.folds,
+            ..AblationSettings::default()
+        };
+        let all = variants(&base, &self.sizes, &self.windows_s);
+        let mut observe = |done, total| match watch.step(done, total, "trainings") {
+            Ok(()) => ControlFlow::Continue(()),
+            Err(_) => ControlFlow::Break(()),
+        };
+        let pool = threads(self.jobs)?;
+        let found = pool.install(|| compare(&given, &all, &settings, self.seed, &mut observe));
+        let found = match found {
+            Err(ModelError::Cancelled { .. }) => return Err(StudyError::Interrupted),
+            other => other?,
+        };
+        let synthetic = drives
+            .iter()
+            .any(|d| d.meta().driven_by == DrivenBy::Synthetic);
+        let context = Context::of(synthetic, self.seed);
+        let finding = parts(&found);
+        let judged = Judged {
+            result: &found,
+            findings: finding.as_slice(),
+        };
+        write_json(&out, &judged)?;
+        let table = table(&found);
+        let text = table.to_markdown();
+        let page = write_page(
+            &self.out,
+            &page(&found, finding.as_ref(), self, table, &context)?,
+        )?;
+        let short = found.variants[0]
+            .of_each
+            .iter()
+            .filter(|h| h.is_none())
+            .count();
+        let mut summary: Vec<String> = text.lines().map(str::to_owned).collect();
+        summary.push(format!(
+            "{} variants on {} drives, {} folds: {}",
+            found.variants.len(),
+            found.drives.len(),
+            self.folds,
+            page.to_slash_lossy()
         ));
+        let mut warnings = Vec::new();
+        if short > 0 {
+            warnings.push(format!(
+                "{short} of {} drives are too short to be judged",
+                found.drives.len()
+            ));
+        }
+        Ok(Outcome {
+            value: found,
+            summary,
+            warnings,
+        })
     }
-    Ok(Outcome {
-        value: found,
-        summary,
-        warnings,
-    })
 }
 
 /// A variant's value on every drive.
@@ -207,7 +236,7 @@ fn table(found: &Ablated) -> Table {
 fn page(
     found: &Ablated,
     finding: Option<&Finding>,
-    options: &AblateOptions,
+    options: &Ablate,
     table: Table,
     context: &Context,
 ) -> Result<Report, StudyError> {
@@ -245,7 +274,7 @@ fn page(
         ("What each part of the model is worth", subtitle),
         context,
         method,
-        (options.seed, &options.command),
+        (options.seed, options.command.as_deref().unwrap_or_default()),
     );
     Ok(Report {
         cards: finding

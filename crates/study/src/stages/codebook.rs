@@ -6,6 +6,7 @@ use crate::{
     outcome::{Outcome, Watch},
     outputs::spare_inputs,
     run_folder::read_scales,
+    stage::{Files, Stage},
     tables::write_rows,
     texts,
 };
@@ -13,14 +14,17 @@ use maveric_domain::{Scale, survey::Scoring};
 use minijinja::{Value, context};
 use path_slash::PathExt as _;
 use serde::{Deserialize, Serialize};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
-/// What to describe.
-#[derive(Debug, Clone)]
-pub struct CodebookOptions {
-    /// Folder of questionnaire definitions.
+/// Describe the questionnaires: items, ranges, reversals, subscales, norms
+#[derive(Debug, Clone, clap::Args)]
+#[command(after_help = "Example: maveric codebook --scales study_data/scales --out codebook")]
+pub struct Describe {
+    /// Folder of questionnaire definitions
+    #[arg(long, default_value = "study_data/scales")]
     pub scales: PathBuf,
-    /// Folder to write `codebook.md` and `codebook.csv` into.
+    /// Folder to write into: codebook.md, codebook.csv
+    #[arg(long)]
     pub out: PathBuf,
 }
 
@@ -46,60 +50,66 @@ struct ItemRow {
     wording: String,
 }
 
-/// Writes the codebook of every scale of a folder: Markdown for people; a CSV row an item of each subscale.
-///
-/// # Errors
-/// [`StudyError`] naming the scale file and key that is wrong, or if a file cannot be written.
-pub fn codebook(
-    options: &CodebookOptions,
-    watch: Watch<'_>,
-) -> Result<Outcome<Codebook>, StudyError> {
-    let csv = options.out.join("codebook.csv");
-    let markdown = options.out.join("codebook.md");
-    spare_inputs([&*options.scales], [&*csv, &markdown])?;
-    let scales = read_scales(&options.scales)?;
-    watch.check()?;
-    let described: Vec<Value> = scales.iter().map(described).collect();
-    let page = texts::fill(texts::CODEBOOK, context! { scales => described });
-    let mut rows = Vec::new();
-    for scale in &scales {
-        for subscale in &scale.subscales {
-            rows.extend(subscale.items.iter().map(|&item| {
-                ItemRow {
-                    scale: scale.id.clone(),
-                    subscale: subscale.id.clone(),
-                    item,
-                    column: scale.column_of(item),
-                    min: scale.min,
-                    max: scale.max,
-                    reversed: scale.is_reversed(subscale, item),
-                    wording: scale
-                        .wording
-                        .get(item as usize - 1)
-                        .cloned()
-                        .unwrap_or_default(),
-                }
-            }));
-        }
+impl Stage for Describe {
+    const NAME: &'static str = "codebook";
+    const FAILURE: &'static str = "could not write the codebook";
+    type Result = Codebook;
+
+    fn files(&self, _root: &Path) -> Result<Files, StudyError> {
+        Ok(Files::default()
+            .reads([&self.scales])
+            .writes_into(&self.out, &["codebook.csv", "codebook.md"]))
     }
-    write_rows(&csv, &rows)?;
-    atomic_write_bytes(&markdown, page.as_bytes())?;
-    let value = Codebook {
-        scales: scales.len(),
-        items: scales.iter().map(|s| s.items as usize).sum(),
-    };
-    let summary = vec![format!(
-        "{} scales, {} items: {}, {}",
-        value.scales,
-        value.items,
-        markdown.to_slash_lossy(),
-        csv.to_slash_lossy()
-    )];
-    Ok(Outcome {
-        value,
-        summary,
-        warnings: Vec::new(),
-    })
+
+    /// Writes the codebook of every scale of a folder: Markdown for people; a CSV row an item of each subscale.
+    fn work(&self, watch: Watch<'_>) -> Result<Outcome<Codebook>, StudyError> {
+        let csv = self.out.join("codebook.csv");
+        let markdown = self.out.join("codebook.md");
+        spare_inputs([&*self.scales], [&*csv, &markdown])?;
+        let scales = read_scales(&self.scales)?;
+        watch.check()?;
+        let described: Vec<Value> = scales.iter().map(described).collect();
+        let page = texts::fill(texts::CODEBOOK, context! { scales => described });
+        let mut rows = Vec::new();
+        for scale in &scales {
+            for subscale in &scale.subscales {
+                rows.extend(subscale.items.iter().map(|&item| {
+                    ItemRow {
+                        scale: scale.id.clone(),
+                        subscale: subscale.id.clone(),
+                        item,
+                        column: scale.column_of(item),
+                        min: scale.min,
+                        max: scale.max,
+                        reversed: scale.is_reversed(subscale, item),
+                        wording: scale
+                            .wording
+                            .get(item as usize - 1)
+                            .cloned()
+                            .unwrap_or_default(),
+                    }
+                }));
+            }
+        }
+        write_rows(&csv, &rows)?;
+        atomic_write_bytes(&markdown, page.as_bytes())?;
+        let value = Codebook {
+            scales: scales.len(),
+            items: scales.iter().map(|s| s.items as usize).sum(),
+        };
+        let summary = vec![format!(
+            "{} scales, {} items: {}, {}",
+            value.scales,
+            value.items,
+            markdown.to_slash_lossy(),
+            csv.to_slash_lossy()
+        )];
+        Ok(Outcome {
+            value,
+            summary,
+            warnings: Vec::new(),
+        })
+    }
 }
 
 /// A text as Markdown shows it: no mark-up of its own, and one line.

@@ -10,8 +10,8 @@ use crate::{
     error::StudyError,
     judged::Judged,
     outcome::{Outcome, Watch},
-    outputs::spare_inputs,
     run_folder::read_model,
+    stage::{Files, Stage},
     tables::{drives::read_drives, embeddings::read_embeddings},
 };
 use maveric_following::{
@@ -22,79 +22,97 @@ use maveric_model::Predictor;
 use path_slash::PathExt as _;
 use std::path::{Path, PathBuf};
 
-/// What to evaluate.
-#[derive(Debug, Clone)]
-pub struct EvaluateOptions {
-    /// Folder of the drives that are judged.
+/// Predict each drive's unseen last third in closed loop, beside car-following models
+///
+/// Trains a network through its own simulated following, calibrates constant time gap, Newell, Helly, Gipps and IDM to the first
+/// two thirds, drives by them and by F of a model, prints the whole table and says what is best on the fit rows.
+#[derive(Debug, Clone, clap::Args)]
+#[command(
+    after_help = "Examples: maveric evaluate --drives drives --model model.maveric --embeddings embeddings.csv --out following.json\n          \
+                  maveric evaluate --drives drives --learn other_drives --out following.json"
+)]
+pub struct Evaluate {
+    /// Folder of the drives that are judged
+    #[arg(long)]
     pub drives: PathBuf,
-    /// Folder of the drives whose people are learned from; without it those who are judged, each from the others.
+    /// Folder of drives to learn from instead: their first two thirds; a drive in both is judged by the others
+    #[arg(long)]
     pub learn: Option<PathBuf>,
-    /// A trained model, and embeddings fitted to the first two thirds of the drives; without them F is left out.
-    pub model: Option<(PathBuf, PathBuf)>,
-    /// Results to write.
+    /// Trained model, for F; left out without it
+    #[arg(long, requires = "embeddings")]
+    pub model: Option<PathBuf>,
+    /// Embeddings fitted to the first two thirds of the drives
+    #[arg(long, requires = "model")]
+    pub embeddings: Option<PathBuf>,
+    /// Results to write (JSON)
+    #[arg(long)]
     pub out: PathBuf,
-    /// Root of every random choice.
+    /// Root of every random choice
+    #[arg(long, default_value_t = 1)]
     pub seed: u64,
-    /// Ego speed above which a row has a time gap, in m/s.
+    /// Ego speed above which a row has a time gap, in m/s (1 in dense traffic)
+    #[arg(long, default_value_t = 2.0)]
     pub moving_above_mps: f64,
-    /// From how many seeds to train the network in closed loop; 0 leaves it out.
+    /// From how many seeds to train the network in closed loop; 0 leaves it out
+    #[arg(long, default_value_t = 5)]
     pub closed_loop_seeds: usize,
 }
 
-/// Simulates every driver's last third behind the recorded leader: by a network that is trained here through its own simulated
-/// following, by laws that are fitted here, and by F of a model.
-///
-/// # Errors
-/// [`StudyError`] if an input cannot be read, a drive has no embedding, or has rows without a lead vehicle.
-pub fn evaluate(
-    options: &EvaluateOptions,
-    watch: Watch<'_>,
-) -> Result<Outcome<FollowingEvaluation>, StudyError> {
-    let model = options
-        .model
-        .iter()
-        .flat_map(|(model, embeddings)| [&**model, embeddings]);
-    let folders = [&*options.drives]
-        .into_iter()
-        .chain(options.learn.as_deref());
-    spare_inputs(folders.chain(model), [&*options.out])?;
-    watch.step(0, 2, "laws and networks")?;
-    let judged = read_runs(&options.drives)?;
-    let learned = match &options.learn {
-        Some(folder) => read_runs(folder)?,
-        None => judged.clone(),
-    };
-    let settings = FollowingSettings {
-        seed: options.seed,
-        moving_above_mps: options.moving_above_mps,
-        closed_loop_seeds: options.closed_loop_seeds,
-        ..FollowingSettings::default()
-    };
-    let model = options.model.as_ref();
-    let f = model
-        .map(|(model, embeddings)| read_distances(model, embeddings, &judged))
-        .transpose()?;
-    let mut found = evaluate_following(&judged, &learned, f.as_ref(), &settings)?;
-    watch.step(1, 2, "comparing")?;
-    found.compared = compare::pairs(&found, options.seed)?;
-    let with_findings = Judged {
-        findings: &findings::findings(&found),
-        result: &found,
-    };
-    write_json(&options.out, &with_findings)?;
-    watch.step(2, 2, "comparing")?;
-    let mut summary = vec![format!(
-        "{} drivers, last third of each drive, closed loop; learned from {} people: {}",
-        judged.len(),
-        learned.len(),
-        options.out.to_slash_lossy()
-    )];
-    summary.extend(text::lines(&found));
-    Ok(Outcome {
-        value: found,
-        summary,
-        warnings: Vec::new(),
-    })
+impl Stage for Evaluate {
+    const NAME: &'static str = "evaluate";
+    const FAILURE: &'static str = "could not evaluate";
+    type Result = FollowingEvaluation;
+
+    fn files(&self, _root: &Path) -> Result<Files, StudyError> {
+        Ok(Files::default()
+            .reads([&self.drives])
+            .reads(&self.learn)
+            .reads(&self.model)
+            .reads(&self.embeddings)
+            .writes([&self.out]))
+    }
+
+    /// Simulates every driver's last third behind the recorded leader: by a network that is trained here through its own simulated
+    /// following, by laws that are fitted here, and by F of a model.
+    fn work(&self, watch: Watch<'_>) -> Result<Outcome<FollowingEvaluation>, StudyError> {
+        watch.step(0, 2, "laws and networks")?;
+        let judged = read_runs(&self.drives)?;
+        let learned = match &self.learn {
+            Some(folder) => read_runs(folder)?,
+            None => judged.clone(),
+        };
+        let settings = FollowingSettings {
+            seed: self.seed,
+            moving_above_mps: self.moving_above_mps,
+            closed_loop_seeds: self.closed_loop_seeds,
+            ..FollowingSettings::default()
+        };
+        let model = self.model.as_ref().zip(self.embeddings.as_ref());
+        let f = model
+            .map(|(model, embeddings)| read_distances(model, embeddings, &judged))
+            .transpose()?;
+        let mut found = evaluate_following(&judged, &learned, f.as_ref(), &settings)?;
+        watch.step(1, 2, "comparing")?;
+        found.compared = compare::pairs(&found, self.seed)?;
+        let with_findings = Judged {
+            findings: &findings::findings(&found),
+            result: &found,
+        };
+        write_json(&self.out, &with_findings)?;
+        watch.step(2, 2, "comparing")?;
+        let mut summary = vec![format!(
+            "{} drivers, last third of each drive, closed loop; learned from {} people: {}",
+            judged.len(),
+            learned.len(),
+            self.out.to_slash_lossy()
+        )];
+        summary.extend(text::lines(&found));
+        Ok(Outcome {
+            value: found,
+            summary,
+            warnings: Vec::new(),
+        })
+    }
 }
 
 fn read_runs(folder: &Path) -> Result<Vec<FollowingRun>, StudyError> {

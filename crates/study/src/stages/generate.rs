@@ -6,8 +6,8 @@ use crate::{
     error::StudyError,
     once::count,
     outcome::{Outcome, Watch, for_each_on},
-    outputs::spare_inputs,
     run_folder::{read_effects_on, read_scales, read_scenario},
+    stage::{Files, Stage},
     stages::simulate::Scenes,
     tables::{
         Table, drives::remove_former, participants::write_participants, surveys::write_answers,
@@ -24,34 +24,48 @@ use std::{
     path::{Path, PathBuf},
 };
 
-/// What to make up.
-#[derive(Debug, Clone)]
-pub struct GenerateOptions {
-    /// The study's design; `study.toml` of the folder one stands in without, else the paper's.
+/// Make up a whole study: synthetic participants, their answers and their driving logs
+#[derive(Debug, Clone, clap::Args)]
+#[command(after_help = "Example: maveric generate --out study_data/generated/paper --seed 1")]
+pub struct Generate {
+    /// Design of the study (TOML); study.toml of the folder one stands in when not given, else the paper's
+    #[arg(long, value_name = "FILE")]
     pub design: Option<PathBuf>,
-    /// Folder to write into; without, the files that the design names, from its folder.
+    /// Folder to write into: logs/study1, logs/study2, participants.csv, surveys.csv; the files that the design names when not given
+    #[arg(long)]
     pub out: Option<PathBuf>,
-    /// World to drive in; the design's without, else the paper's.
+    /// World to drive in (TOML); the design's when not given, else the paper's
+    #[arg(long)]
     pub scenario: Option<PathBuf>,
-    /// Who drives: a population or a scenario (TOML); the scenario's people without.
+    /// Who drives (TOML), such as study_data/population_misspecified.toml; the scenario's people when not given
+    #[arg(long)]
     pub population: Option<PathBuf>,
-    /// Folder of questionnaire definitions; the design's without.
+    /// Folder of questionnaire definitions; the design's when not given, else study_data/scales
+    #[arg(long)]
     pub scales: Option<PathBuf>,
-    /// Sizes of the effects in the answers; the design's without.
+    /// Sizes of the effects in their answers (TOML); the design's when not given, else study_data/effects.toml
+    #[arg(long)]
     pub effects: Option<PathBuf>,
-    /// People who are learned from.
+    /// People who are learned from
+    #[arg(long, alias = "study1", default_value_t = 30)]
     pub learn: usize,
-    /// People who are tested.
+    /// People who are tested
+    #[arg(long, alias = "study2", default_value_t = 24)]
     pub test: usize,
-    /// Length of a drive, in s; the scenario's without.
+    /// Length of a drive, in s; the scenario's when not given
+    #[arg(long = "duration", value_name = "DURATION")]
     pub duration_s: Option<f64>,
-    /// Whether everybody drives as themselves once more, on another day: `logs/study1-again`, `logs/study2-again`.
+    /// Everybody drives as themselves once more, on another day: logs/study1-again, logs/study2-again
+    #[arg(long)]
     pub repeat_drives: bool,
-    /// Whose logs get a scene for Foxglove and Lichtblick.
-    pub scenes: Scenes,
-    /// Root of every random choice.
+    /// Add a scene for Foxglove and Lichtblick to the logs: everybody's, or one participant's
+    #[arg(long = "scene", value_name = "PARTICIPANT", num_args = 0..=1, default_missing_value = "all")]
+    pub scenes: Option<Scenes>,
+    /// Root of every random choice
+    #[arg(long, default_value_t = 1)]
     pub seed: u64,
-    /// Threads.
+    /// Threads
+    #[arg(short, long, default_value_t = crate::outcome::all_cores())]
     pub jobs: usize,
 }
 
@@ -89,75 +103,82 @@ fn read_people(path: Option<&Path>, scenario: &Scenario) -> Result<People, Study
     }
 }
 
-/// Makes up participants, their answers and their driving logs, labelled as synthetic throughout.
-///
-/// # Errors
-/// [`StudyError`] where scenario, scales or effects are not as they should be, or a file cannot be written.
-pub fn generate(
-    options: &GenerateOptions,
-    watch: Watch<'_>,
-) -> Result<Outcome<Generated>, StudyError> {
-    let people = options.learn.saturating_add(options.test);
-    if people > MOST_PEOPLE {
-        return Err(StudyError::NotPossible {
-            problem: format!(
-                "{people} people, expected at most {MOST_PEOPLE}: each drives, and a log is about a megabyte"
-            ),
-            help: Some("make up fewer, or several studies with seeds of their own".to_owned()),
-        });
+impl Stage for Generate {
+    const NAME: &'static str = "generate";
+    const FAILURE: &'static str = "could not generate the study";
+    type Result = Generated;
+
+    fn files(&self, root: &Path) -> Result<Files, StudyError> {
+        let study = DesignFile::find_below(root, self.design.as_deref())?;
+        let place = Place::of(self, &study, root)?;
+        Ok(Files::default()
+            .reads_design(self.design.as_deref())
+            .reads(&self.population)
+            .reads(&place.scenario)
+            .reads([&place.scales, &place.effects])
+            .writes([&place.logs, &place.people, &place.answers]))
     }
-    let study = DesignFile::find(options.design.as_deref())?;
-    let place = Place::of(options, &study)?;
-    let given = [&options.design, &options.population, &place.scenario];
-    let given = given.into_iter().filter_map(Option::as_deref);
-    let inputs = given.chain([&*place.scales, &place.effects]);
-    spare_inputs(inputs, [&*place.people, &place.answers])?;
-    let scenario = read_scenario(place.scenario.as_deref(), options.duration_s)?;
-    let people = read_people(options.population.as_deref(), &scenario)?;
-    let scales = read_scales(&place.scales)?;
-    let effects = read_effects_on(&place.effects, &scales)?;
-    place.refuse_real_people()?;
-    let cohort = Cohort::draw(
-        options.learn,
-        options.test,
-        options.seed,
-        &CohortSettings::default(),
-        &study.design,
-    )?;
-    options
-        .scenes
-        .check(cohort.drives.iter().map(|d| &d.participant))?;
-    let answers = answer_before(&cohort, &scales, &effects, options.seed)?;
-    let mut planned: Vec<(PlannedDrive, &str)> =
-        cohort.drives.iter().map(|d| (d.clone(), "")).collect();
-    if options.repeat_drives {
-        planned.extend(again(&cohort)?.into_iter().map(|d| (d, "-again")));
+
+    /// Makes up participants, their answers and their driving logs, labelled as synthetic throughout.
+    fn work(&self, watch: Watch<'_>) -> Result<Outcome<Generated>, StudyError> {
+        let people = self.learn.saturating_add(self.test);
+        if people > MOST_PEOPLE {
+            return Err(StudyError::NotPossible {
+                problem: format!(
+                    "{people} people, expected at most {MOST_PEOPLE}: each drives, and a log is about a megabyte"
+                ),
+                help: Some("make up fewer, or several studies with seeds of their own".to_owned()),
+            });
+        }
+        let study = DesignFile::find(self.design.as_deref())?;
+        let place = Place::of(self, &study, Path::new(""))?;
+        let scenario = read_scenario(place.scenario.as_deref(), self.duration_s)?;
+        let people = read_people(self.population.as_deref(), &scenario)?;
+        let scales = read_scales(&place.scales)?;
+        let effects = read_effects_on(&place.effects, &scales)?;
+        place.refuse_real_people()?;
+        let cohort = Cohort::draw(
+            self.learn,
+            self.test,
+            self.seed,
+            &CohortSettings::default(),
+            &study.design,
+        )?;
+        if let Some(scenes) = &self.scenes {
+            scenes.check(cohort.drives.iter().map(|d| &d.participant))?;
+        }
+        let answers = answer_before(&cohort, &scales, &effects, self.seed)?;
+        let mut planned: Vec<(PlannedDrive, &str)> =
+            cohort.drives.iter().map(|d| (d.clone(), "")).collect();
+        if self.repeat_drives {
+            planned.extend(again(&cohort)?.into_iter().map(|d| (d, "-again")));
+        }
+        let collisions = for_each_on(self.jobs, &planned, watch, "drives", |(planned, day)| {
+            drive(self, &place, &scenario, &people, planned, day)
+        })?;
+        remove_former_logs(&place, &planned)?;
+        write_participants(&place.people, &cohort, &study.design)?;
+        write_answers(&place.answers, &answers)?;
+        let value = Generated {
+            participants: cohort.participants.len(),
+            drives: planned.len(),
+            answers: answers.len(),
+            collisions: collisions.iter().sum(),
+        };
+        let warnings = (value.collisions > 0)
+            .then(|| format!("{} collisions in the synthetic drives", value.collisions));
+        let summary = vec![format!(
+            "{} synthetic participants, {} drives: {}",
+            value.participants,
+            value.drives,
+            place.people.to_slash_lossy()
+        )];
+        Ok(Outcome {
+            value,
+            summary,
+            warnings: warnings.into_iter().collect(),
+        })
     }
-    let collisions = for_each_on(options.jobs, &planned, watch, "drives", |(planned, day)| {
-        drive(options, &place, &scenario, &people, planned, day)
-    })?;
-    remove_former_logs(&place, &planned)?;
-    write_participants(&place.people, &cohort, &study.design)?;
-    write_answers(&place.answers, &answers)?;
-    let value = Generated {
-        participants: cohort.participants.len(),
-        drives: planned.len(),
-        answers: answers.len(),
-        collisions: collisions.iter().sum(),
-    };
-    let warnings = (value.collisions > 0)
-        .then(|| format!("{} collisions in the synthetic drives", value.collisions));
-    let summary = vec![format!(
-        "{} synthetic participants, {} drives: {}",
-        value.participants,
-        value.drives,
-        place.people.to_slash_lossy()
-    )];
-    Ok(Outcome {
-        value,
-        summary,
-        warnings: warnings.into_iter().collect(),
-    })
 }
 
 /// Where everything is and goes.
@@ -171,7 +192,7 @@ struct Place {
 }
 
 impl Place {
-    fn of(options: &GenerateOptions, study: &DesignFile) -> Result<Self, StudyError> {
+    fn of(options: &Generate, study: &DesignFile, root: &Path) -> Result<Self, StudyError> {
         let files = study.design.files();
         let own = |given: &Option<PathBuf>, path: Option<&PathBuf>, usual: &str| {
             let of_design = || {
@@ -184,7 +205,9 @@ impl Place {
                 .unwrap_or_else(|| usual.into())
         };
         let world = Some(&files.scenario).filter(|_| study.path.is_some());
-        let world = world.map(|p| study.resolve(p)).filter(|p| p.is_file());
+        let world = world
+            .map(|p| study.resolve(p))
+            .filter(|p| root.join(p).is_file());
         let (logs, people, answers) = match &options.out {
             Some(out) => (
                 out.join("logs"),
@@ -282,7 +305,7 @@ fn again(cohort: &Cohort) -> Result<Vec<PlannedDrive>, StudyError> {
 
 /// Drives once and writes the log; gives the number of collisions.
 fn drive(
-    options: &GenerateOptions,
+    options: &Generate,
     place: &Place,
     scenario: &Scenario,
     people: &People,
@@ -306,7 +329,10 @@ fn drive(
         .join(format!("{folder}{day_name}"))
         .join(format!("{}.mcap", planned.drive));
     let beside = Beside {
-        scene: options.scenes.cover(&planned.participant),
+        scene: options
+            .scenes
+            .as_ref()
+            .is_some_and(|s| s.cover(&planned.participant)),
         ..Beside::default()
     };
     write_recording(&path, &driven.recording, &meta, &beside)?;

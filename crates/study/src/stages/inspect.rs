@@ -4,8 +4,8 @@ use crate::{
     atomic_write::atomic_write_bytes,
     error::StudyError,
     outcome::{Outcome, Watch},
-    outputs::spare_inputs,
     run_folder::read_model,
+    stage::{Files, Stage},
     tables::drives::write_samples,
     watching::{read_watched, write_watch_page},
 };
@@ -28,18 +28,30 @@ use std::{
     path::{Path, PathBuf},
 };
 
-/// What to look into.
-#[derive(Debug, Clone)]
-pub struct InspectOptions {
-    /// The files.
+/// Say what is in a log, a drive or a model: channels, columns, rates, gaps, what would be ingested and why not
+#[derive(Debug, Clone, clap::Args)]
+#[command(after_help = "\
+Example: maveric inspect recording.mcap --format json
+         maveric inspect P07-own.mcap av/logs/P07-*.mcap --watch P07.html
+         maveric inspect --suggest-mapping drives.csv > mapping.toml")]
+pub struct Inspect {
+    /// Files to look into; a folder whose mapping says that every signal has its own file
+    #[arg(required_unless_present = "suggest_mapping")]
     pub files: Vec<PathBuf>,
-    /// What the columns of a table mean.
+    /// What the columns of a table mean (TOML)
+    #[arg(long)]
     pub mapping: Option<PathBuf>,
-    /// Picture of the first file's drive to write (PNG).
+    /// Propose a mapping for this table, with its doubts as comments
+    #[arg(long, value_name = "FILE", conflicts_with_all = ["files", "mapping", "plot", "watch", "csv"])]
+    pub suggest_mapping: Option<PathBuf>,
+    /// Draw speed, gap and lane of the first file over time
+    #[arg(long, value_name = "OUT.png")]
     pub plot: Option<PathBuf>,
-    /// Page to write that plays the drives of all files side by side (HTML).
+    /// Write a page that plays the drives of all files side by side; logs only
+    #[arg(long, value_name = "OUT.html")]
     pub watch: Option<PathBuf>,
-    /// Table of the first file's drive to write, a row a sample (CSV).
+    /// Write the rows of the first file's drive, one a sample
+    #[arg(long, value_name = "OUT.csv")]
     pub csv: Option<PathBuf>,
 }
 
@@ -56,16 +68,26 @@ pub struct SuggestedMapping {
 ///
 /// # Errors
 /// [`StudyError::Ingest`] for what is no table.
-pub fn suggest(path: &Path) -> Result<Outcome<SuggestedMapping>, StudyError> {
+fn suggest(path: &Path) -> Result<Outcome<Looked>, StudyError> {
     let mapping = suggest_mapping(path)?;
     Ok(Outcome {
         summary: mapping.lines().map(str::to_owned).collect(),
-        value: SuggestedMapping {
+        value: Looked::Mapping(SuggestedMapping {
             path: path.to_owned(),
             mapping,
-        },
+        }),
         warnings: Vec::new(),
     })
+}
+
+/// What was found.
+#[derive(Debug, Clone, Serialize)]
+#[serde(untagged)]
+pub enum Looked {
+    /// In each file.
+    Files(InspectedFiles),
+    /// Of a table: what its columns may mean.
+    Mapping(SuggestedMapping),
 }
 
 /// What one file holds.
@@ -142,72 +164,76 @@ fn begins_with(path: &Path, magic: &[u8]) -> Result<bool, StudyError> {
     Ok(start == magic)
 }
 
-/// Says what each file holds; draws the first one's drive if asked to.
-///
-/// # Errors
-/// [`StudyError`] naming the file that cannot be read as any of the three.
-pub fn inspect(
-    options: &InspectOptions,
-    watch: Watch<'_>,
-) -> Result<Outcome<InspectedFiles>, StudyError> {
-    let inputs = options.files.iter().map(|path| &**path);
-    let outputs = [&options.plot, &options.watch, &options.csv];
-    spare_inputs(
-        inputs.chain(options.mapping.as_deref()),
-        outputs.into_iter().filter_map(Option::as_deref),
-    )?;
-    let settings = IngestSettings {
-        mapping: options.mapping.as_deref().map(Mapping::read).transpose()?,
-        ..IngestSettings::default()
-    };
-    let mut files = Vec::new();
-    let mut summary = Vec::new();
-    for (done, path) in options.files.iter().enumerate() {
-        let content = look_into(path, &settings)?;
-        summary.push(format!("{}", path.to_slash_lossy()));
-        summary.extend(
-            lines(&content)
+impl Stage for Inspect {
+    const NAME: &'static str = "inspect";
+    const FAILURE: &'static str = "could not inspect";
+    type Result = Looked;
+
+    fn files(&self, _root: &Path) -> Result<Files, StudyError> {
+        Ok(Files::default()
+            .reads(&self.files)
+            .reads(&self.mapping)
+            .reads(&self.suggest_mapping)
+            .writes(&self.plot)
+            .writes(&self.watch)
+            .writes(&self.csv))
+    }
+
+    /// Says what each file holds; draws the first one's drive if asked to.
+    fn work(&self, watch: Watch<'_>) -> Result<Outcome<Looked>, StudyError> {
+        if let Some(path) = &self.suggest_mapping {
+            return suggest(path);
+        }
+        let settings = IngestSettings {
+            mapping: self.mapping.as_deref().map(Mapping::read).transpose()?,
+            ..IngestSettings::default()
+        };
+        let mut files = Vec::new();
+        let mut summary = Vec::new();
+        for (done, path) in self.files.iter().enumerate() {
+            let content = look_into(path, &settings)?;
+            summary.push(format!("{}", path.to_slash_lossy()));
+            summary.extend(
+                lines(&content)
+                    .iter()
+                    .map(|line| format!("  {}", one_line(line))),
+            );
+            files.push(InspectedFile {
+                path: path.clone(),
+                content,
+            });
+            watch.step(done + 1, self.files.len(), "files")?;
+        }
+        if let (Some(out), Some(first)) = (&self.plot, self.files.first()) {
+            plot(first, &settings, out)?;
+            summary.push(format!("picture: {}", out.to_slash_lossy()));
+        }
+        if let (Some(out), Some(first)) = (&self.csv, self.files.first()) {
+            let drive = any_drive(first, &settings)?;
+            write_samples(out, &drive)?;
+            summary.push(format!("{} rows: {}", drive.len(), out.to_slash_lossy()));
+        }
+        if let Some(out) = &self.watch {
+            let drives = self.files.iter().map(|path| read_watched(path, &settings));
+            let drives: Vec<_> = drives.collect::<Result<Vec<_>, _>>()?.concat();
+            let logs = self
+                .files
                 .iter()
-                .map(|line| format!("  {}", one_line(line))),
-        );
-        files.push(InspectedFile {
-            path: path.clone(),
-            content,
-        });
-        watch.step(done + 1, options.files.len(), "files")?;
+                .map(|path| path.to_slash_lossy().into_owned());
+            let provenance = [
+                ("Version", env!("CARGO_PKG_VERSION").to_owned()),
+                ("Logs", logs.collect::<Vec<_>>().join(", ")),
+            ]
+            .map(|(name, value)| (name.to_owned(), value));
+            write_watch_page(out, drives, None, &provenance)?;
+            summary.push(format!("drives to watch: {}", out.to_slash_lossy()));
+        }
+        Ok(Outcome {
+            value: Looked::Files(InspectedFiles { files }),
+            summary,
+            warnings: Vec::new(),
+        })
     }
-    if let (Some(out), Some(first)) = (&options.plot, options.files.first()) {
-        plot(first, &settings, out)?;
-        summary.push(format!("picture: {}", out.to_slash_lossy()));
-    }
-    if let (Some(out), Some(first)) = (&options.csv, options.files.first()) {
-        let drive = any_drive(first, &settings)?;
-        write_samples(out, &drive)?;
-        summary.push(format!("{} rows: {}", drive.len(), out.to_slash_lossy()));
-    }
-    if let Some(out) = &options.watch {
-        let drives = options
-            .files
-            .iter()
-            .map(|path| read_watched(path, &settings));
-        let drives: Vec<_> = drives.collect::<Result<Vec<_>, _>>()?.concat();
-        let logs = options
-            .files
-            .iter()
-            .map(|path| path.to_slash_lossy().into_owned());
-        let provenance = [
-            ("Version", env!("CARGO_PKG_VERSION").to_owned()),
-            ("Logs", logs.collect::<Vec<_>>().join(", ")),
-        ]
-        .map(|(name, value)| (name.to_owned(), value));
-        write_watch_page(out, drives, None, &provenance)?;
-        summary.push(format!("drives to watch: {}", out.to_slash_lossy()));
-    }
-    Ok(Outcome {
-        value: InspectedFiles { files },
-        summary,
-        warnings: Vec::new(),
-    })
 }
 
 /// The drive in a file of ours; none for another table in Parquet.

@@ -6,7 +6,7 @@ use crate::{
     gate::{Gate, counted},
     once::{count, told_once},
     outcome::{Outcome, Watch},
-    outputs::spare_inputs,
+    stage::{Files, Stage},
     tables::{
         drives::read_drives,
         measurements::{MeasuredDrive, write_measurements},
@@ -18,19 +18,26 @@ use path_slash::PathExt as _;
 use serde::Serialize;
 use std::{
     collections::{BTreeMap, BTreeSet},
-    path::PathBuf,
+    path::{Path, PathBuf},
 };
 
-/// What to measure.
-#[derive(Debug, Clone)]
-pub struct MeasureOptions {
-    /// The study's design; `study.toml` of the folder one stands in without. Without either every drive is measured.
-    pub design: Option<PathBuf>,
-    /// Who takes part; the design's table without.
-    pub participants: Option<PathBuf>,
-    /// Folders of drives.
+/// Measure drives: the seven objective measures, a row a drive
+#[derive(Debug, Clone, clap::Args)]
+#[command(
+    after_help = "Example: maveric measure --drives drives/study2 --drives av/drives --out measurements.parquet"
+)]
+pub struct Measure {
+    /// Folder of drives; may be given more than once
+    #[arg(long, required = true)]
     pub drives: Vec<PathBuf>,
-    /// Table to write.
+    /// Design of the study (TOML); study.toml of the folder one stands in when not given. Without either nothing is left out
+    #[arg(long, value_name = "FILE")]
+    pub design: Option<PathBuf>,
+    /// Who takes part; the design's table when not given
+    #[arg(long)]
+    pub participants: Option<PathBuf>,
+    /// Table to write (CSV or Parquet by its name)
+    #[arg(long)]
     pub out: PathBuf,
 }
 
@@ -45,112 +52,116 @@ pub struct Measured {
     pub missing: Vec<usize>,
 }
 
-/// Measures every drive of the folders.
-///
-/// # Errors
-/// [`StudyError`] if a drive cannot be read or the table not written.
-pub fn measure(
-    options: &MeasureOptions,
-    watch: Watch<'_>,
-) -> Result<Outcome<Measured>, StudyError> {
-    let given = [&options.design, &options.participants];
-    let given = given.into_iter().filter_map(Option::as_deref);
-    let folders = options.drives.iter().map(|folder| &**folder);
-    spare_inputs(given.chain(folders), [&*options.out])?;
-    let measures = maveric_measures::objective::all();
-    let names: Vec<&'static str> = measures.iter().map(|m| m.name).collect();
-    let study = DesignFile::here(options.design.as_deref())?;
-    let gate = study
-        .as_ref()
-        .map(|study| Gate::of(study, options.participants.as_deref()))
-        .transpose()?;
-    let (mut rows, mut left_out, mut exposures) = (Vec::new(), Vec::new(), Vec::new());
-    let mut from: BTreeMap<DriveId, &PathBuf> = BTreeMap::new();
-    for (done, folder) in options.drives.iter().enumerate() {
-        for drive in read_drives(folder)? {
-            watch.check()?;
-            if let Some(first) = from.insert(drive.meta().drive.clone(), folder) {
-                return Err(StudyError::BadFile {
-                    path: folder.clone(),
-                    problem: format!(
-                        "holds drive {}, which {} holds too",
-                        drive.meta().drive,
-                        first.to_slash_lossy()
-                    ),
-                    help: Some(
-                        "measure each drive once: leave out one of the folders or files".to_owned(),
-                    ),
-                });
-            }
-            let duration_s = drive.rows().time_s.last().copied().unwrap_or(0.0);
-            let why = gate
-                .as_ref()
-                .and_then(|g| g.drive(drive.meta(), duration_s));
-            if let Some(why) = why {
-                left_out.push((drive.meta().drive.clone(), why));
-                continue;
-            }
-            let values = measures
-                .iter()
-                .map(|m| (m.name.to_owned(), m.of(&drive)))
-                .collect();
-            rows.push(MeasuredDrive {
-                meta: drive.meta().clone(),
-                values,
-                counted_s: None,
-            });
-            exposures.push((done, Exposure::of(&drive)));
-        }
-        watch.step(done + 1, options.drives.len(), "folders measured")?;
+impl Stage for Measure {
+    const NAME: &'static str = "measure";
+    const FAILURE: &'static str = "could not measure";
+    type Result = Measured;
+
+    fn files(&self, root: &Path) -> Result<Files, StudyError> {
+        Ok(Files::default()
+            .reads(&self.drives)
+            .reads_people(root, self.design.as_deref(), self.participants.as_deref())?
+            .writes([&self.out]))
     }
-    let compared = |condition: ConditionId| {
-        study.as_ref().is_none_or(|study| {
-            let design = &study.design;
-            design.baseline_id() == Some(condition) || design.condition(condition).is_some()
+
+    /// Measures every drive of the folders.
+    fn work(&self, watch: Watch<'_>) -> Result<Outcome<Measured>, StudyError> {
+        let measures = maveric_measures::objective::all();
+        let names: Vec<&'static str> = measures.iter().map(|m| m.name).collect();
+        let study = DesignFile::here(self.design.as_deref())?;
+        let gate = study
+            .as_ref()
+            .map(|study| Gate::of(study, self.participants.as_deref()))
+            .transpose()?;
+        let (mut rows, mut left_out, mut exposures) = (Vec::new(), Vec::new(), Vec::new());
+        let mut from: BTreeMap<DriveId, &PathBuf> = BTreeMap::new();
+        for (done, folder) in self.drives.iter().enumerate() {
+            for drive in read_drives(folder)? {
+                watch.check()?;
+                if let Some(first) = from.insert(drive.meta().drive.clone(), folder) {
+                    return Err(StudyError::BadFile {
+                        path: folder.clone(),
+                        problem: format!(
+                            "holds drive {}, which {} holds too",
+                            drive.meta().drive,
+                            first.to_slash_lossy()
+                        ),
+                        help: Some(
+                            "measure each drive once: leave out one of the folders or files"
+                                .to_owned(),
+                        ),
+                    });
+                }
+                let duration_s = drive.rows().time_s.last().copied().unwrap_or(0.0);
+                let why = gate
+                    .as_ref()
+                    .and_then(|g| g.drive(drive.meta(), duration_s));
+                if let Some(why) = why {
+                    left_out.push((drive.meta().drive.clone(), why));
+                    continue;
+                }
+                let values = measures
+                    .iter()
+                    .map(|m| (m.name.to_owned(), m.of(&drive)))
+                    .collect();
+                rows.push(MeasuredDrive {
+                    meta: drive.meta().clone(),
+                    values,
+                    counted_s: None,
+                });
+                exposures.push((done, Exposure::of(&drive)));
+            }
+            watch.step(done + 1, self.drives.len(), "folders measured")?;
+        }
+        let compared = |condition: ConditionId| {
+            study.as_ref().is_none_or(|study| {
+                let design = &study.design;
+                design.baseline_id() == Some(condition) || design.condition(condition).is_some()
+            })
+        };
+        let parts = comparable_parts(&rows, &exposures, compared);
+        let cut = count_in_parts(&self.drives, &parts, &mut rows, watch)?;
+        write_measurements(&self.out, &names, &rows)?;
+        let missing: Vec<usize> = names
+            .iter()
+            .map(|name| rows.iter().filter(|r| r.values[*name].is_none()).count())
+            .collect();
+        let mut warnings: Vec<String> = measures
+            .iter()
+            .zip(&missing)
+            .filter(|(_, count)| **count > 0)
+            .map(|(m, count)| {
+                format!(
+                    "{count} of {} drives have no {}: {}",
+                    rows.len(),
+                    m.title.to_lowercase(),
+                    m.why_missing
+                )
+            })
+            .collect();
+        warnings.extend(cut);
+        let out = left_out.iter();
+        let out = out.map(|(drive, why)| (drive.to_string(), why.to_string()));
+        warnings.extend(told_once("drive", out));
+        let mut summary = vec![format!(
+            "{} drives measured: {}",
+            rows.len(),
+            self.out.to_slash_lossy()
+        )];
+        summary.extend(counted(
+            ["drive", "drives"],
+            left_out.iter().map(|(_, why)| why),
+        ));
+        Ok(Outcome {
+            value: Measured {
+                drives: rows.len(),
+                measures: names,
+                missing,
+            },
+            summary,
+            warnings,
         })
-    };
-    let parts = comparable_parts(&rows, &exposures, compared);
-    let cut = count_in_parts(&options.drives, &parts, &mut rows, watch)?;
-    write_measurements(&options.out, &names, &rows)?;
-    let missing: Vec<usize> = names
-        .iter()
-        .map(|name| rows.iter().filter(|r| r.values[*name].is_none()).count())
-        .collect();
-    let mut warnings: Vec<String> = measures
-        .iter()
-        .zip(&missing)
-        .filter(|(_, count)| **count > 0)
-        .map(|(m, count)| {
-            format!(
-                "{count} of {} drives have no {}: {}",
-                rows.len(),
-                m.title.to_lowercase(),
-                m.why_missing
-            )
-        })
-        .collect();
-    warnings.extend(cut);
-    let out = left_out.iter();
-    let out = out.map(|(drive, why)| (drive.to_string(), why.to_string()));
-    warnings.extend(told_once("drive", out));
-    let mut summary = vec![format!(
-        "{} drives measured: {}",
-        rows.len(),
-        options.out.to_slash_lossy()
-    )];
-    summary.extend(counted(
-        ["drive", "drives"],
-        left_out.iter().map(|(_, why)| why),
-    ));
-    Ok(Outcome {
-        value: Measured {
-            drives: rows.len(),
-            measures: names,
-            missing,
-        },
-        summary,
-        warnings,
-    })
+    }
 }
 
 /// A drive that is not compared whole: its row, its folder, and the part of it that is.
@@ -290,14 +301,14 @@ mod tests {
             write_drive(&drives, &made).unwrap();
         }
         let out = folder.path().join("measurements.parquet");
-        let options = MeasureOptions {
+        let options = Measure {
             design: None,
             participants: None,
             drives: vec![drives],
             out: out.clone(),
         };
         let (quiet, go_on) = (|_: usize, _: usize, _: &str| (), AtomicBool::new(false));
-        let outcome = measure(&options, Watch::new(&quiet, &go_on)).unwrap();
+        let outcome = options.run(Watch::new(&quiet, &go_on)).unwrap();
         let counted: Vec<(String, Option<f64>, bool)> = read_measurements(&out)
             .unwrap()
             .into_iter()

@@ -5,8 +5,8 @@ use crate::{
     error::StudyError,
     once::count,
     outcome::{Outcome, Watch},
-    outputs::spare_inputs,
     run_folder::{read_effects_on, read_scales},
+    stage::{Files, Stage},
     tables::{
         measurements::{MeasuredDrive, one_drive_a_condition, read_measurements},
         participants::read_participants,
@@ -16,24 +16,34 @@ use crate::{
 use maveric_domain::{ConditionId, MeasureValues, spread};
 use path_slash::PathExt as _;
 use serde::Serialize;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
-/// What to rate.
-#[derive(Debug, Clone)]
-pub struct RateOptions {
-    /// The study's design; `study.toml` of the folder one stands in without, else the paper's.
+/// Let the synthetic participants rate what each condition did
+#[derive(Debug, Clone, clap::Args)]
+#[command(
+    after_help = "Example: maveric rate --measures measurements.parquet --participants participants.csv --out ratings.csv"
+)]
+pub struct Rate {
+    /// Design of the study (TOML); study.toml of the folder one stands in when not given, else the paper's
+    #[arg(long, value_name = "FILE")]
     pub design: Option<PathBuf>,
-    /// Measurements of own and AV drives.
+    /// Measurements of own and AV drives
+    #[arg(long)]
     pub measures: PathBuf,
-    /// The synthetic participants.
+    /// The synthetic participants
+    #[arg(long)]
     pub participants: PathBuf,
-    /// Sizes of the effects.
+    /// Sizes of the effects (TOML)
+    #[arg(long, default_value = "study_data/effects.toml")]
     pub effects: PathBuf,
-    /// Folder of questionnaire definitions.
+    /// Folder of questionnaire definitions
+    #[arg(long, default_value = "study_data/scales")]
     pub scales: PathBuf,
-    /// Answers to write.
+    /// Answers to write
+    #[arg(long)]
     pub out: PathBuf,
-    /// Root of every random choice.
+    /// Root of every random choice
+    #[arg(long, default_value_t = 1)]
     pub seed: u64,
 }
 
@@ -46,114 +56,120 @@ pub struct Ratings {
     pub answers: usize,
 }
 
-/// Lets each synthetic participant who is tested rate the conditions that they sat through and that the car drove; a condition
-/// that was recorded elsewhere has no made-up ratings.
-///
-/// # Errors
-/// [`StudyError`] if a table cannot be read, and for participants without an own drive.
-pub fn rate(options: &RateOptions, watch: Watch<'_>) -> Result<Outcome<Ratings>, StudyError> {
-    let inputs = [
-        &*options.measures,
-        &options.participants,
-        &options.effects,
-        &options.scales,
-    ];
-    spare_inputs(
-        inputs.into_iter().chain(options.design.as_deref()),
-        [&*options.out],
-    )?;
-    let drives = read_measurements(&options.measures)?;
-    one_drive_a_condition(&options.measures, &drives)?;
-    let study = DesignFile::find(options.design.as_deref())?;
-    let design = &study.design;
-    let tested = study.people(Some(&options.participants))?.tested();
-    let people = read_participants(&options.participants, design)?;
-    let Some(baseline) = design.baseline_id() else {
-        return Err(study.wrong(
-            "`baseline`: found none, expected a drive by hand that people compare the car with",
-            Some("add [baseline] with the id of that drive, such as id = \"own\"".to_owned()),
-        ));
-    };
-    let driven: Vec<ConditionId> = design
-        .conditions()
-        .iter()
-        .filter(|c| c.simulated())
-        .map(|c| c.id)
-        .collect();
-    let scales = read_scales(&options.scales)?;
-    let effects = read_effects_on(&options.effects, &scales)?;
-    let own = |d: &&MeasuredDrive| d.meta.condition == baseline;
-    let by_hand: Vec<&MeasureValues> = drives.iter().filter(own).map(|d| &d.values).collect();
-    let spread = spread(&by_hand);
-    let mut answers = Vec::new();
-    let mut warnings = Vec::new();
-    let mut raters = 0;
-    for person in people.iter().filter(|p| tested.contains(&p.id)) {
-        watch.check()?;
-        let mine: Vec<&MeasuredDrive> = drives
-            .iter()
-            .filter(|d| d.meta.participant == person.id)
-            .collect();
-        let Some(own_drive) = mine.iter().copied().find(|d| own(d)) else {
-            warnings.push(format!(
-                "participant {}: no own drive, so no ratings",
-                person.id
-            ));
-            continue;
-        };
-        let trial = |c: &ConditionId| {
-            mine.iter()
-                .find(|d| d.meta.condition == *c)
-                .map(|d| (*c, d.values.clone()))
-        };
-        let mut asked = person.order.clone();
-        asked.retain(|c| driven.contains(c));
-        let trials: Vec<(ConditionId, MeasureValues)> = asked.iter().filter_map(trial).collect();
-        if trials.len() < asked.len() {
-            let missing = asked.len() - trials.len();
-            warnings.push(format!(
-                "participant {}: {} not driven, so not rated",
-                person.id,
-                count(missing, "condition was", "conditions were")
-            ));
-        }
-        let rated = maveric_participants::rate(
-            person,
-            &own_drive.values,
-            &trials,
-            &spread,
-            &scales,
-            &effects,
-            options.seed,
-        )?;
-        warnings.extend(rated.warnings.iter().map(ToString::to_string));
-        answers.extend(rated.answers);
-        raters += 1;
+impl Stage for Rate {
+    const NAME: &'static str = "rate";
+    const FAILURE: &'static str = "could not rate";
+    type Result = Ratings;
+
+    fn files(&self, _root: &Path) -> Result<Files, StudyError> {
+        Ok(Files::default()
+            .reads([
+                &self.measures,
+                &self.participants,
+                &self.effects,
+                &self.scales,
+            ])
+            .reads_design(self.design.as_deref())
+            .writes([&self.out]))
     }
-    if raters == 0 {
-        return Err(StudyError::NotPossible {
+
+    /// Lets each synthetic participant who is tested rate the conditions that they sat through and that the car drove; a condition
+    /// that was recorded elsewhere has no made-up ratings.
+    fn work(&self, watch: Watch<'_>) -> Result<Outcome<Ratings>, StudyError> {
+        let drives = read_measurements(&self.measures)?;
+        one_drive_a_condition(&self.measures, &drives)?;
+        let study = DesignFile::find(self.design.as_deref())?;
+        let design = &study.design;
+        let tested = study.people(Some(&self.participants))?.tested();
+        let people = read_participants(&self.participants, design)?;
+        let Some(baseline) = design.baseline_id() else {
+            return Err(study.wrong(
+                "`baseline`: found none, expected a drive by hand that people compare the car with",
+                Some("add [baseline] with the id of that drive, such as id = \"own\"".to_owned()),
+            ));
+        };
+        let driven: Vec<ConditionId> = design
+            .conditions()
+            .iter()
+            .filter(|c| c.simulated())
+            .map(|c| c.id)
+            .collect();
+        let scales = read_scales(&self.scales)?;
+        let effects = read_effects_on(&self.effects, &scales)?;
+        let own = |d: &&MeasuredDrive| d.meta.condition == baseline;
+        let by_hand: Vec<&MeasureValues> = drives.iter().filter(own).map(|d| &d.values).collect();
+        let spread = spread(&by_hand);
+        let mut answers = Vec::new();
+        let mut warnings = Vec::new();
+        let mut raters = 0;
+        for person in people.iter().filter(|p| tested.contains(&p.id)) {
+            watch.check()?;
+            let mine: Vec<&MeasuredDrive> = drives
+                .iter()
+                .filter(|d| d.meta.participant == person.id)
+                .collect();
+            let Some(own_drive) = mine.iter().copied().find(|d| own(d)) else {
+                warnings.push(format!(
+                    "participant {}: no own drive, so no ratings",
+                    person.id
+                ));
+                continue;
+            };
+            let trial = |c: &ConditionId| {
+                mine.iter()
+                    .find(|d| d.meta.condition == *c)
+                    .map(|d| (*c, d.values.clone()))
+            };
+            let mut asked = person.order.clone();
+            asked.retain(|c| driven.contains(c));
+            let trials: Vec<(ConditionId, MeasureValues)> =
+                asked.iter().filter_map(trial).collect();
+            if trials.len() < asked.len() {
+                let missing = asked.len() - trials.len();
+                warnings.push(format!(
+                    "participant {}: {} not driven, so not rated",
+                    person.id,
+                    count(missing, "condition was", "conditions were")
+                ));
+            }
+            let rated = maveric_participants::rate(
+                person,
+                &own_drive.values,
+                &trials,
+                &spread,
+                &scales,
+                &effects,
+                self.seed,
+            )?;
+            warnings.extend(rated.warnings.iter().map(ToString::to_string));
+            answers.extend(rated.answers);
+            raters += 1;
+        }
+        if raters == 0 {
+            return Err(StudyError::NotPossible {
             problem: format!(
                 "no participant of {} has an own drive in {}",
-                options.participants.to_slash_lossy(),
-                options.measures.to_slash_lossy()
+                self.participants.to_slash_lossy(),
+                self.measures.to_slash_lossy()
             ),
             help: Some(
                 "measure the drives of the same study: --drives drives/study2 --drives av/drives"
                     .to_owned(),
             ),
         });
+        }
+        write_answers(&self.out, &answers)?;
+        let summary = vec![format!(
+            "{raters} synthetic participants rated their conditions: {}",
+            self.out.to_slash_lossy()
+        )];
+        Ok(Outcome {
+            value: Ratings {
+                participants: raters,
+                answers: answers.len(),
+            },
+            summary,
+            warnings,
+        })
     }
-    write_answers(&options.out, &answers)?;
-    let summary = vec![format!(
-        "{raters} synthetic participants rated their conditions: {}",
-        options.out.to_slash_lossy()
-    )];
-    Ok(Outcome {
-        value: Ratings {
-            participants: raters,
-            answers: answers.len(),
-        },
-        summary,
-        warnings,
-    })
 }

@@ -6,7 +6,8 @@ use crate::{
     error::StudyError,
     outcome::{Outcome, Watch},
     outputs::spare_inputs,
-    run_folder::read_study,
+    run_folder::{read_study, study_files},
+    stage::{Files, Stage},
     tables::dial::read_turns,
 };
 use maveric_analysis::{Learned, Preferred, Recommendation, StudyData};
@@ -14,16 +15,20 @@ use maveric_domain::ParticipantId;
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 
-/// For whom to recommend.
-#[derive(Debug, Clone)]
-pub struct RecommendOptions {
-    /// The study's design; `study.toml` of the folder one stands in without, else the paper's.
+/// Say how far to turn the dial for a person: the recommended shift, how sure it is, why, and which shift to show next
+#[derive(Debug, Clone, clap::Args)]
+#[command(after_help = "Example: maveric recommend study_data/generated/paper --participant S2P07")]
+pub struct Recommend {
+    /// Design of the study (TOML); study.toml of the folder one stands in when not given, else the paper's
+    #[arg(long, value_name = "FILE")]
     pub design: Option<PathBuf>,
-    /// Folder of results, as the pipeline leaves it.
+    /// Folder of results, as the pipeline leaves it
     pub results: PathBuf,
-    /// One participant; everybody without.
+    /// Whom to recommend to; everybody when not given
+    #[arg(long)]
     pub participant: Option<String>,
-    /// Recommendations to write (JSON).
+    /// Recommendations to write (JSON)
+    #[arg(long)]
     pub out: Option<PathBuf>,
 }
 
@@ -36,69 +41,77 @@ pub struct Recommended {
     pub recommendations: Vec<Recommendation>,
 }
 
-/// Recommends a setting of the dial to the people of a study, each by a model learned from all others and by their own ratings, and by where they
-/// left the dial in a ride in the seat.
-///
-/// # Errors
-/// [`StudyError`] if a table cannot be read, the participant is not of the study, or the study is too small to learn from.
-pub fn recommend(
-    options: &RecommendOptions,
-    watch: Watch<'_>,
-) -> Result<Outcome<Recommended>, StudyError> {
-    spare_inputs(options.design.as_deref(), options.out.as_deref())?;
-    let study = DesignFile::find(options.design.as_deref())?;
-    let turns = read_turns(&study.resolve(Path::new("seat")))?;
-    let data = read_study(&options.results, &study, None)?.with_turns(&turns);
-    let wanted: Vec<&ParticipantId> = match &options.participant {
-        None => data.participants.iter().collect(),
-        Some(name) => {
-            let found = data.participants.iter().find(|p| p.as_str() == name);
-            vec![found.ok_or_else(|| unknown(name, &data))?]
+impl Stage for Recommend {
+    const NAME: &'static str = "recommend";
+    const FAILURE: &'static str = "could not recommend a shift";
+    type Result = Recommended;
+
+    fn files(&self, root: &Path) -> Result<Files, StudyError> {
+        let study = DesignFile::find_below(root, self.design.as_deref())?;
+        let files = Files::default().reads_design(self.design.as_deref());
+        Ok(study_files(files, &self.results, &study, None)
+            .reads_if_there([study.resolve(Path::new("seat"))])
+            .writes(&self.out))
+    }
+
+    /// Recommends a setting of the dial to the people of a study, each by a model learned from all others and by their own ratings, and by where they
+    /// left the dial in a ride in the seat.
+    fn work(&self, watch: Watch<'_>) -> Result<Outcome<Recommended>, StudyError> {
+        spare_inputs(self.design.as_deref(), self.out.as_deref())?;
+        let study = DesignFile::find(self.design.as_deref())?;
+        let turns = read_turns(&study.resolve(Path::new("seat")))?;
+        let data = read_study(&self.results, &study, None)?.with_turns(&turns);
+        let wanted: Vec<&ParticipantId> = match &self.participant {
+            None => data.participants.iter().collect(),
+            Some(name) => {
+                let found = data.participants.iter().find(|p| p.as_str() == name);
+                vec![found.ok_or_else(|| unknown(name, &data))?]
+            }
+        };
+        let mut recommendations = Vec::new();
+        for (done, p) in wanted.iter().enumerate() {
+            watch.step(done, wanted.len(), "people")?;
+            let others: Vec<ParticipantId> = data
+                .participants
+                .iter()
+                .filter(|o| o != p)
+                .cloned()
+                .collect();
+            let learned = Learned::from(&data, &others, None)?;
+            recommendations.push(learned.recommendation(&data, p));
         }
-    };
-    let mut recommendations = Vec::new();
-    for (done, p) in wanted.iter().enumerate() {
-        watch.step(done, wanted.len(), "people")?;
-        let others: Vec<ParticipantId> = data
-            .participants
+        let value = Recommended {
+            participants: data.participants.len(),
+            recommendations,
+        };
+        if let Some(out) = &self.out {
+            write_json(out, &value)?;
+        }
+        let mut summary: Vec<String> = value
+            .recommendations
             .iter()
-            .filter(|o| o != p)
-            .cloned()
+            .flat_map(|r| lines(r, self.participant.is_some()))
             .collect();
-        let learned = Learned::from(&data, &others, None)?;
-        recommendations.push(learned.recommendation(&data, p));
-    }
-    let value = Recommended {
-        participants: data.participants.len(),
-        recommendations,
-    };
-    if let Some(out) = &options.out {
-        write_json(out, &value)?;
-    }
-    let mut summary: Vec<String> = value
-        .recommendations
-        .iter()
-        .flat_map(|r| lines(r, options.participant.is_some()))
-        .collect();
-    if data.is_synthetic() {
-        summary.push("synthetic participants".to_owned());
-    }
-    let warnings = value
-        .recommendations
-        .iter()
-        .filter(|r| r.preferred.is_none())
-        .map(|r| {
-            format!(
-                "{}: the ratings have no highest point, so nothing is recommended",
-                r.participant
-            )
+        if data.is_synthetic() {
+            summary.push("synthetic participants".to_owned());
+        }
+        let warnings = value
+            .recommendations
+            .iter()
+            .filter(|r| r.preferred.is_none())
+            .map(|r| {
+                format!(
+                    "{}: the ratings have no highest point, so nothing is recommended",
+                    r.participant
+                )
+            })
+            .collect();
+        Ok(Outcome {
+            value,
+            summary,
+            warnings,
         })
-        .collect();
-    Ok(Outcome {
-        value,
-        summary,
-        warnings,
-    })
+    }
 }
 
 fn unknown(name: &str, data: &StudyData) -> StudyError {

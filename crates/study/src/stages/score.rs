@@ -7,8 +7,8 @@ use crate::{
     mean::{mean, sd},
     once::count,
     outcome::{Outcome, Watch},
-    outputs::spare_inputs,
     run_folder::{exclusions_path, items_path, read_scales, reliabilities_path},
+    stage::{Files, Stage},
     tables::{
         Table, TableBuilder,
         drives::kept_out,
@@ -31,32 +31,40 @@ use std::{
     path::{Path, PathBuf},
 };
 
-/// What to score.
-#[derive(Debug, Clone)]
-pub struct ScoreOptions {
-    /// The study's design; `study.toml` of the folder one stands in without. Without either every answer is scored.
+/// Turn questionnaire answers into scores and reliabilities
+#[derive(Debug, Clone, clap::Args)]
+#[command(after_help = "Example: maveric score --surveys surveys.csv --out scores.csv")]
+pub struct ScoreAnswers {
+    /// Design of the study (TOML); study.toml of the folder one stands in when not given. Without either nothing is left out
+    #[arg(long, value_name = "FILE")]
     pub design: Option<PathBuf>,
-    /// Files of answers.
+    /// Answers: participant, moment, scale, item, answer; may be given more than once
+    #[arg(long, required = true)]
     pub surveys: Vec<PathBuf>,
-    /// Who should have answered: whoever of them did not is listed, and strangers are left out.
+    /// Table of who should have answered: whoever of them did not is listed
+    #[arg(long)]
     pub participants: Option<PathBuf>,
-    /// Folder of questionnaire definitions.
+    /// Folder of questionnaire definitions
+    #[arg(long, default_value = "study_data/scales")]
     pub scales: PathBuf,
-    /// Folders of drives: what was said of those that are left out there as too short is left out too.
+    /// Folder of drives: what was said of those left out there as too short is left out too; may be given more than once
+    #[arg(long)]
     pub drives: Vec<PathBuf>,
-    /// Which answers to score.
+    /// Score all answers, or only those given after a drive
+    #[arg(long, value_enum, default_value_t)]
     pub moments: Moments,
-    /// Scores to write.
+    /// Scores to write; NAME_reliabilities.csv, NAME_items.csv and NAME_exclusions.csv go beside them
+    #[arg(long)]
     pub out: PathBuf,
 }
 
 /// Which answers to score.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, clap::ValueEnum)]
 pub enum Moments {
-    /// All.
+    /// All of them
     #[default]
     All,
-    /// Those given after a drive.
+    /// Those given after a drive
     After,
 }
 
@@ -224,103 +232,107 @@ fn item_parts(
         .collect()
 }
 
-/// Scores answers by the scales of a folder and writes scores and reliabilities.
-///
-/// # Errors
-/// [`StudyError`] naming file and row, or participant, scale and item.
-pub fn score(
-    options: &ScoreOptions,
-    watch: Watch<'_>,
-) -> Result<Outcome<ScoredSurveys>, StudyError> {
-    let given = [&options.design, &options.participants];
-    let given = given.into_iter().filter_map(Option::as_deref);
-    let surveys = options.surveys.iter().map(|path| &**path);
-    let beside = [reliabilities_path, items_path, exclusions_path].map(|of| of(&options.out));
-    let outputs = beside.iter().map(|path| &**path).chain([&*options.out]);
-    spare_inputs(given.chain(surveys).chain([&*options.scales]), outputs)?;
-    let scales = read_scales(&options.scales)?;
-    let mut answers: Vec<Answer> = Vec::new();
-    let mut times = Vec::new();
-    let study = DesignFile::here(options.design.as_deref())?;
-    for path in &options.surveys {
-        let (found, timed) = read_timed_answers(path)?;
-        if let Some(study) = &study {
-            refuse_unclear(path, &found, &study.design)?;
+impl Stage for ScoreAnswers {
+    const NAME: &'static str = "score";
+    const FAILURE: &'static str = "could not score the questionnaires";
+    type Result = ScoredSurveys;
+
+    fn files(&self, root: &Path) -> Result<Files, StudyError> {
+        Ok(Files::default()
+            .reads(&self.surveys)
+            .reads([&self.scales])
+            .reads(&self.drives)
+            .reads_people(root, self.design.as_deref(), self.participants.as_deref())?
+            .writes([&self.out])
+            .writes([reliabilities_path, items_path, exclusions_path].map(|of| of(&self.out))))
+    }
+
+    /// Scores answers by the scales of a folder and writes scores and reliabilities.
+    fn work(&self, watch: Watch<'_>) -> Result<Outcome<ScoredSurveys>, StudyError> {
+        let scales = read_scales(&self.scales)?;
+        let mut answers: Vec<Answer> = Vec::new();
+        let mut times = Vec::new();
+        let study = DesignFile::here(self.design.as_deref())?;
+        for path in &self.surveys {
+            let (found, timed) = read_timed_answers(path)?;
+            if let Some(study) = &study {
+                refuse_unclear(path, &found, &study.design)?;
+            }
+            answers.extend(found);
+            times.extend(timed);
         }
-        answers.extend(found);
-        times.extend(timed);
-    }
-    if options.moments == Moments::After {
-        answers.retain(|a| a.moment != Moment::Pre);
-        times.retain(|t| t.moment != Moment::Pre);
-    }
-    watch.check()?;
-    let left_out = let_in(study.as_ref(), options, &scales, &mut answers, &mut times)?;
-    if answers.is_empty() {
-        return Err(StudyError::NotPossible {
-            problem: "the surveys hold no answers".to_owned(),
-            help: None,
+        if self.moments == Moments::After {
+            answers.retain(|a| a.moment != Moment::Pre);
+            times.retain(|t| t.moment != Moment::Pre);
+        }
+        watch.check()?;
+        let left_out = let_in(study.as_ref(), self, &scales, &mut answers, &mut times)?;
+        if answers.is_empty() {
+            return Err(StudyError::NotPossible {
+                problem: "the surveys hold no answers".to_owned(),
+                help: None,
+            });
+        }
+        let participants: Option<Vec<ParticipantId>> = self
+            .participants
+            .as_deref()
+            .map(|path| Table::read(path)?.ids("participant"))
+            .transpose()?;
+        let scored = maveric_measures::score(&scales, &answers, participants.as_deref())?;
+        let mut warnings = scored.warnings;
+        let known = |w: &ScoreWarning| {
+            participants
+                .as_ref()
+                .is_none_or(|p| p.contains(w.participant()))
+        };
+        let doubtful = response_styles(&scales, &answers)
+            .into_iter()
+            .chain(too_fast(&times));
+        warnings.extend(doubtful.filter(known));
+        let reliabilities: Vec<Reliability> = scored
+            .matrices
+            .iter()
+            .map(|matrix| reliability(matrix, &scales, &scored.scores))
+            .collect();
+        write_scores(&self.out, &scored.scores)?;
+        write_reliabilities(&self.out, &reliabilities)?;
+        let doubted = warnings.iter().map(|warning| Exclusion {
+            who: warning.participant().to_string(),
+            what: "questionnaires".to_owned(),
+            why: warning.to_string(),
         });
+        let kept_out = left_out.keys().map(|(who, moment, why)| Exclusion {
+            who: who.to_string(),
+            what: format!("answers ({moment})"),
+            why: why.to_string(),
+        });
+        let exclusions: Vec<Exclusion> = doubted.chain(kept_out).collect();
+        write_rows(&exclusions_path(&self.out), &exclusions)?;
+        let missing = scored.scores.iter().filter(|s| s.value.is_none()).count();
+        let mut summary = vec![format!(
+            "{} scores ({missing} missing): {}",
+            scored.scores.len(),
+            self.out.to_slash_lossy()
+        )];
+        summary.extend(counted(
+            ["sheet of answers", "sheets of answers"],
+            left_out.keys().map(|(.., why)| why),
+        ));
+        let mut warnings: Vec<String> = warnings.iter().map(ToString::to_string).collect();
+        warnings.extend(left_out.iter().map(|((who, moment, why), n)| {
+            let n = count(*n, "answer", "answers");
+            format!("participant {who} ({moment}): {n} {why}")
+        }));
+        Ok(Outcome {
+            value: ScoredSurveys {
+                scores: scored.scores.len(),
+                missing,
+                reliabilities,
+            },
+            summary,
+            warnings,
+        })
     }
-    let participants: Option<Vec<ParticipantId>> = options
-        .participants
-        .as_deref()
-        .map(|path| Table::read(path)?.ids("participant"))
-        .transpose()?;
-    let scored = maveric_measures::score(&scales, &answers, participants.as_deref())?;
-    let mut warnings = scored.warnings;
-    let known = |w: &ScoreWarning| {
-        participants
-            .as_ref()
-            .is_none_or(|p| p.contains(w.participant()))
-    };
-    let doubtful = response_styles(&scales, &answers)
-        .into_iter()
-        .chain(too_fast(&times));
-    warnings.extend(doubtful.filter(known));
-    let reliabilities: Vec<Reliability> = scored
-        .matrices
-        .iter()
-        .map(|matrix| reliability(matrix, &scales, &scored.scores))
-        .collect();
-    write_scores(&options.out, &scored.scores)?;
-    write_reliabilities(&options.out, &reliabilities)?;
-    let doubted = warnings.iter().map(|warning| Exclusion {
-        who: warning.participant().to_string(),
-        what: "questionnaires".to_owned(),
-        why: warning.to_string(),
-    });
-    let kept_out = left_out.keys().map(|(who, moment, why)| Exclusion {
-        who: who.to_string(),
-        what: format!("answers ({moment})"),
-        why: why.to_string(),
-    });
-    let exclusions: Vec<Exclusion> = doubted.chain(kept_out).collect();
-    write_rows(&exclusions_path(&options.out), &exclusions)?;
-    let missing = scored.scores.iter().filter(|s| s.value.is_none()).count();
-    let mut summary = vec![format!(
-        "{} scores ({missing} missing): {}",
-        scored.scores.len(),
-        options.out.to_slash_lossy()
-    )];
-    summary.extend(counted(
-        ["sheet of answers", "sheets of answers"],
-        left_out.keys().map(|(.., why)| why),
-    ));
-    let mut warnings: Vec<String> = warnings.iter().map(ToString::to_string).collect();
-    warnings.extend(left_out.iter().map(|((who, moment, why), n)| {
-        let n = count(*n, "answer", "answers");
-        format!("participant {who} ({moment}): {n} {why}")
-    }));
-    Ok(Outcome {
-        value: ScoredSurveys {
-            scores: scored.scores.len(),
-            missing,
-            reliabilities,
-        },
-        summary,
-        warnings,
-    })
 }
 
 /// Whose answers, when, and why they are left out → how many.
@@ -329,7 +341,7 @@ type LeftOutAnswers = BTreeMap<(ParticipantId, Moment, Why), usize>;
 /// Takes out the answers that the design does not let in.
 fn let_in(
     study: Option<&DesignFile>,
-    options: &ScoreOptions,
+    options: &ScoreAnswers,
     scales: &[Scale],
     answers: &mut Vec<Answer>,
     times: &mut Vec<SheetTime>,
@@ -389,7 +401,7 @@ mod tests {
         let surveys = folder.path().join("surveys.csv");
         let header = "participant,moment,scale,item,answer,seconds\n";
         std::fs::write(&surveys, format!("{header}{rows}")).unwrap();
-        let options = ScoreOptions {
+        let options = ScoreAnswers {
             design: None,
             surveys: vec![surveys],
             participants: None,
@@ -399,7 +411,9 @@ mod tests {
             out: folder.path().join("scores.csv"),
         };
         let (quiet, go_on) = (|_: usize, _: usize, _: &str| (), AtomicBool::new(false));
-        let done = score(&options, Watch::new(&quiet, &go_on)).map_err(|e| e.to_string())?;
+        let done = options
+            .run(Watch::new(&quiet, &go_on))
+            .map_err(|e| e.to_string())?;
         let listed = std::fs::read_to_string(exclusions_path(&options.out)).unwrap();
         Ok((done, listed))
     }

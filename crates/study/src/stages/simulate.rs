@@ -7,8 +7,8 @@ use crate::{
     forget::refuse_learned_from_gone,
     once::count,
     outcome::{Outcome, Watch, for_each_on},
-    outputs::spare_inputs,
     run_folder::{read_model, read_scenario},
+    stage::{Files, Stage},
     tables::{
         TableBuilder,
         conditions::{ConditionRow, read_conditions},
@@ -27,51 +27,55 @@ use maveric_simulator::{Driver, Rollout, RolloutReport, Scenario, SimulatorError
 use maveric_steering::ModelPlanner;
 use path_slash::PathExt as _;
 use serde::Serialize;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
-/// What to drive.
-#[derive(Debug, Clone)]
-pub struct SimulateOptions {
-    /// The study's design, which says what is not simulated; `study.toml` of the folder one stands in without. Without either every
-    /// condition is.
+/// Drive each participant's conditions in the simulator
+#[derive(Debug, Clone, clap::Args)]
+#[command(
+    after_help = "Example: maveric simulate --model model.maveric --conditions conditions.csv --out av --watch P07.html --watch-participant P07"
+)]
+pub struct Simulate {
+    /// Design of the study (TOML); study.toml of the folder one stands in when not given. Without either every condition is driven
+    #[arg(long, value_name = "FILE")]
     pub design: Option<PathBuf>,
-    /// Trained model.
+    /// Trained model
+    #[arg(long)]
     pub model: PathBuf,
-    /// Conditions to drive.
+    /// Conditions to drive
+    #[arg(long)]
     pub conditions: PathBuf,
-    /// Folder to write into.
+    /// Folder to write into: logs (MCAP), drives (Parquet), rollouts.csv
+    #[arg(long)]
     pub out: PathBuf,
-    /// World to drive in; the paper's without.
+    /// World to drive in (TOML); the paper's when not given
+    #[arg(long)]
     pub scenario: Option<PathBuf>,
-    /// Length of a drive, in s; the scenario's without.
+    /// Length of a drive, in s; the scenario's when not given
+    #[arg(long = "duration", value_name = "DURATION")]
     pub duration_s: Option<f64>,
-    /// Page to write that plays one participant's conditions.
-    pub watch: Option<WatchOptions>,
-    /// Whose logs get a scene for Foxglove and Lichtblick.
-    pub scenes: Scenes,
-    /// Root of every random choice.
+    /// Write a page that plays one participant's conditions from above, side by side
+    #[arg(long, value_name = "FILE.html")]
+    pub watch: Option<PathBuf>,
+    /// Whose conditions to watch; the first participant's when not given
+    #[arg(long, value_name = "PARTICIPANT", requires = "watch")]
+    pub watch_participant: Option<String>,
+    /// Log of that participant's own drive, to be shown first
+    #[arg(long, value_name = "LOG", requires = "watch")]
+    pub watch_own: Option<PathBuf>,
+    /// Add a scene for Foxglove and Lichtblick to the logs: everybody's, or one participant's
+    #[arg(long = "scene", value_name = "PARTICIPANT", num_args = 0..=1, default_missing_value = "all")]
+    pub scenes: Option<Scenes>,
+    /// Root of every random choice
+    #[arg(long, default_value_t = 1)]
     pub seed: u64,
-    /// Threads.
+    /// Threads
+    #[arg(short, long, default_value_t = crate::outcome::all_cores())]
     pub jobs: usize,
 }
 
-/// Which drives to watch, and where.
-#[derive(Debug, Clone)]
-pub struct WatchOptions {
-    /// HTML page to write.
-    pub page: PathBuf,
-    /// Whose conditions; the first participant's without.
-    pub participant: Option<String>,
-    /// Log of the participant's own drive, to be shown first.
-    pub own: Option<PathBuf>,
-}
-
 /// Whose logs get a scene.
-#[derive(Debug, Clone, PartialEq, Eq, Default)]
+#[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Scenes {
-    /// Nobody's.
-    #[default]
-    None,
     /// Everybody's.
     All,
     /// One participant's.
@@ -92,7 +96,6 @@ impl Scenes {
     /// Whether a participant's logs get one.
     pub fn cover(&self, participant: &ParticipantId) -> bool {
         match self {
-            Self::None => false,
             Self::All => true,
             Self::Of(one) => one == participant.as_str(),
         }
@@ -108,7 +111,7 @@ impl Scenes {
     ) -> Result<(), StudyError> {
         match self {
             Self::Of(one) => known(one, participants),
-            _ => Ok(()),
+            Self::All => Ok(()),
         }
     }
 }
@@ -151,153 +154,145 @@ pub struct Simulated {
     pub interventions: usize,
 }
 
-/// Drives every condition and writes logs, drives and what was counted in each.
-///
-/// A drive that a set-point which is no number ended early is left out, with a row of `drives/exclusions.csv`.
-///
-/// # Errors
-/// [`StudyError`] if model, conditions or scenario cannot be read, an embedding does not fit the model, or every drive
-/// ended early.
-pub fn simulate(
-    options: &SimulateOptions,
-    watch: Watch<'_>,
-) -> Result<Outcome<Simulated>, StudyError> {
-    let given = [&options.design, &options.scenario];
-    let given = given.into_iter().filter_map(Option::as_deref);
-    let own = options.watch.as_ref().and_then(|w| w.own.as_deref());
-    let tables = ["drives/drives.csv", "drives/exclusions.csv", "rollouts.csv"]
-        .map(|name| options.out.join(name));
-    let page = options.watch.as_ref().map(|w| &*w.page);
-    spare_inputs(
-        given
-            .chain(own)
-            .chain([&*options.model, &options.conditions]),
-        tables.iter().map(|path| &**path).chain(page),
-    )?;
-    let study = DesignFile::here(options.design.as_deref())?;
-    if let Some(study) = &study {
-        refuse_learned_from_gone(study, &options.model)?;
+impl Stage for Simulate {
+    const NAME: &'static str = "simulate";
+    const FAILURE: &'static str = "could not simulate";
+    type Result = Simulated;
+
+    fn files(&self, _root: &Path) -> Result<Files, StudyError> {
+        let tables = ["drives/drives.csv", "drives/exclusions.csv", "rollouts.csv"];
+        Ok(Files::default()
+            .reads([&self.model, &self.conditions])
+            .reads(&self.scenario)
+            .reads(&self.watch_own)
+            .reads_design(self.design.as_deref())
+            .writes_into(&self.out, &tables)
+            .writes(&self.watch))
     }
-    let model = read_model(&options.model)?;
-    let mut conditions = read_conditions(&options.conditions)?;
-    if let Some(study) = study {
-        // A sweep drives what the design does not name; of what it names, only what is not recorded elsewhere.
-        let simulated = |id| study.design.condition(id).is_some_and(Condition::simulated);
-        conditions.retain(|row| row.sweep.is_some() || simulated(row.condition));
-        if conditions.is_empty() {
-            let problem = "holds no condition that the design lets the program drive";
-            return Err(StudyError::file(&options.conditions, problem));
+
+    /// Drives every condition and writes logs, drives and what was counted in each.
+    ///
+    /// A drive that a set-point which is no number ended early is left out, with a row of `drives/exclusions.csv`.
+    fn work(&self, watch: Watch<'_>) -> Result<Outcome<Simulated>, StudyError> {
+        let study = DesignFile::here(self.design.as_deref())?;
+        if let Some(study) = &study {
+            refuse_learned_from_gone(study, &self.model)?;
         }
-    }
-    let mut names = std::collections::BTreeSet::new();
-    for row in &conditions {
-        let drive = row.drive()?;
-        if !names.insert(drive.clone()) {
-            let problem = format!("two rows are drive {drive}, expected a name for each");
-            return Err(StudyError::file(&options.conditions, problem));
+        let model = read_model(&self.model)?;
+        let mut conditions = read_conditions(&self.conditions)?;
+        if let Some(study) = study {
+            // A sweep drives what the design does not name; of what it names, only what is not recorded elsewhere.
+            let simulated = |id| study.design.condition(id).is_some_and(Condition::simulated);
+            conditions.retain(|row| row.sweep.is_some() || simulated(row.condition));
+            if conditions.is_empty() {
+                let problem = "holds no condition that the design lets the program drive";
+                return Err(StudyError::file(&self.conditions, problem));
+            }
         }
-    }
-    refuse_foreign(
-        &options.out.join("drives"),
-        names.iter().map(DriveId::as_str),
-    )?;
-    let people = || conditions.iter().map(|row| &row.participant);
-    options.scenes.check(people())?;
-    let watched = options.watch.as_ref().map(|w| {
-        let first = || people().next().map(ToString::to_string);
-        w.participant.clone().or_else(first)
-    });
-    let watched = watched.flatten();
-    if let Some(participant) = &watched {
-        known(participant, people())?;
-    }
-    let scenario = read_scenario(options.scenario.as_deref(), options.duration_s)?;
-    let driven = for_each_on(options.jobs, &conditions, watch, "drives", |row| {
-        drive(
-            options,
-            &model,
-            &scenario,
-            row,
-            watched.as_deref() == Some(row.participant.as_str()),
-        )
-    })?;
-    let mut stopped = Vec::new();
-    let driven: Vec<Driven> = driven
-        .into_iter()
-        .filter_map(|ended| ended.map_err(|why| stopped.push(why)).ok())
-        .collect();
-    TableBuilder::default()
-        .text("drive", stopped.iter().map(|(drive, _)| drive.as_str()))
-        .text("what", stopped.iter().map(|(_, why)| why.to_string()))
-        .write(&options.out.join("drives").join("exclusions.csv"))?;
-    let ended_early = stopped.len();
-    if let (true, Some((_, why))) = (driven.is_empty(), stopped.pop()) {
-        return Err(why.into());
-    }
-    let list: Vec<(DriveMeta, usize, f64)> =
-        driven.iter().map(|d| (d.0.clone(), d.1, d.2)).collect();
-    let drives = options.out.join("drives");
-    for gone in former_drives(&drives, list.iter().map(|d| d.0.drive.as_str())) {
-        let log = options.out.join("logs").join(format!("{gone}.mcap"));
-        remove_former(&log)?;
-    }
-    write_drive_list(&drives, &list)?;
-    TableBuilder::default()
-        .text("drive", driven.iter().map(|d| d.0.drive.as_str()))
-        .beside(TableBuilder::of(driven.iter().map(|d| &d.3))?)
-        .write(&options.out.join("rollouts.csv"))?;
-    if let Some(page) = &options.watch {
-        write_page(options, page, &driven)?;
-    }
-    let total =
-        |of: fn(&RolloutReport) -> u32| driven.iter().map(|d| of(&d.3) as usize).sum::<usize>();
-    let value = Simulated {
-        drives: driven.len(),
-        collisions: total(|r| r.collisions),
-        rule_violations: total(|r| r.rule_violations),
-        interventions: total(|r| r.interventions),
-    };
-    let collisions = (value.collisions > 0)
-        .then(|| format!("{} collisions: see rollouts.csv", value.collisions));
-    let early = (ended_early > 0).then(|| {
-        format!(
-            "{} left out: see drives/exclusions.csv",
-            count(
-                ended_early,
-                "drive ended early and is",
-                "drives ended early and are"
+        let mut names = std::collections::BTreeSet::new();
+        for row in &conditions {
+            let drive = row.drive()?;
+            if !names.insert(drive.clone()) {
+                let problem = format!("two rows are drive {drive}, expected a name for each");
+                return Err(StudyError::file(&self.conditions, problem));
+            }
+        }
+        refuse_foreign(&self.out.join("drives"), names.iter().map(DriveId::as_str))?;
+        let people = || conditions.iter().map(|row| &row.participant);
+        if let Some(scenes) = &self.scenes {
+            scenes.check(people())?;
+        }
+        let watched = self.watch.as_ref().and_then(|_| {
+            let first = || people().next().map(ToString::to_string);
+            self.watch_participant.clone().or_else(first)
+        });
+        if let Some(participant) = &watched {
+            known(participant, people())?;
+        }
+        let scenario = read_scenario(self.scenario.as_deref(), self.duration_s)?;
+        let driven = for_each_on(self.jobs, &conditions, watch, "drives", |row| {
+            drive(
+                self,
+                &model,
+                &scenario,
+                row,
+                watched.as_deref() == Some(row.participant.as_str()),
             )
-        )
-    });
-    let mut summary = vec![format!(
-        "{} AV drives, {} collisions, {} safety interventions: {}",
-        value.drives,
-        value.collisions,
-        value.interventions,
-        options.out.to_slash_lossy()
-    )];
-    if let (Some(page), Some(participant)) = (&options.watch, &watched) {
-        summary.push(format!(
-            "drives of {participant} to watch: {}",
-            page.page.to_slash_lossy()
-        ));
+        })?;
+        let mut stopped = Vec::new();
+        let driven: Vec<Driven> = driven
+            .into_iter()
+            .filter_map(|ended| ended.map_err(|why| stopped.push(why)).ok())
+            .collect();
+        TableBuilder::default()
+            .text("drive", stopped.iter().map(|(drive, _)| drive.as_str()))
+            .text("what", stopped.iter().map(|(_, why)| why.to_string()))
+            .write(&self.out.join("drives").join("exclusions.csv"))?;
+        let ended_early = stopped.len();
+        if let (true, Some((_, why))) = (driven.is_empty(), stopped.pop()) {
+            return Err(why.into());
+        }
+        let list: Vec<(DriveMeta, usize, f64)> =
+            driven.iter().map(|d| (d.0.clone(), d.1, d.2)).collect();
+        let drives = self.out.join("drives");
+        for gone in former_drives(&drives, list.iter().map(|d| d.0.drive.as_str())) {
+            let log = self.out.join("logs").join(format!("{gone}.mcap"));
+            remove_former(&log)?;
+        }
+        write_drive_list(&drives, &list)?;
+        TableBuilder::default()
+            .text("drive", driven.iter().map(|d| d.0.drive.as_str()))
+            .beside(TableBuilder::of(driven.iter().map(|d| &d.3))?)
+            .write(&self.out.join("rollouts.csv"))?;
+        if let Some(page) = &self.watch {
+            write_page(self, page, &driven)?;
+        }
+        let total =
+            |of: fn(&RolloutReport) -> u32| driven.iter().map(|d| of(&d.3) as usize).sum::<usize>();
+        let value = Simulated {
+            drives: driven.len(),
+            collisions: total(|r| r.collisions),
+            rule_violations: total(|r| r.rule_violations),
+            interventions: total(|r| r.interventions),
+        };
+        let collisions = (value.collisions > 0)
+            .then(|| format!("{} collisions: see rollouts.csv", value.collisions));
+        let early = (ended_early > 0).then(|| {
+            format!(
+                "{} left out: see drives/exclusions.csv",
+                count(
+                    ended_early,
+                    "drive ended early and is",
+                    "drives ended early and are"
+                )
+            )
+        });
+        let mut summary = vec![format!(
+            "{} AV drives, {} collisions, {} safety interventions: {}",
+            value.drives,
+            value.collisions,
+            value.interventions,
+            self.out.to_slash_lossy()
+        )];
+        if let (Some(page), Some(participant)) = (&self.watch, &watched) {
+            summary.push(format!(
+                "drives of {participant} to watch: {}",
+                page.to_slash_lossy()
+            ));
+        }
+        Ok(Outcome {
+            value,
+            summary,
+            warnings: collisions.into_iter().chain(early).collect(),
+        })
     }
-    Ok(Outcome {
-        value,
-        summary,
-        warnings: collisions.into_iter().chain(early).collect(),
-    })
 }
 
 type Driven = (DriveMeta, usize, f64, RolloutReport, Option<WatchedDrive>);
 
 /// Writes the page that plays the drives kept for it, the own drive first.
-fn write_page(
-    options: &SimulateOptions,
-    page: &WatchOptions,
-    driven: &[Driven],
-) -> Result<(), StudyError> {
-    let mut drives = match &page.own {
+fn write_page(options: &Simulate, page: &Path, driven: &[Driven]) -> Result<(), StudyError> {
+    let mut drives = match &options.watch_own {
         None => Vec::new(),
         Some(log) => read_watched(log, &IngestSettings::default())?,
     };
@@ -317,7 +312,7 @@ fn write_page(
         ("Scenario", scenario),
     ]
     .map(|(name, value)| (name.to_owned(), value));
-    write_watch_page(&page.page, drives, Some(options.seed), &provenance)
+    write_watch_page(page, drives, Some(options.seed), &provenance)
 }
 
 /// The car with a style in a world of the scenario.
@@ -341,7 +336,7 @@ pub(crate) fn drive_style(
 type Stopped = (DriveId, SimulatorError);
 
 fn drive(
-    options: &SimulateOptions,
+    options: &Simulate,
     model: &Model,
     scenario: &Scenario,
     row: &ConditionRow,
@@ -365,7 +360,10 @@ fn drive(
         .join(format!("{}.mcap", meta.drive));
     let beside = Beside {
         trace: &driven.trace,
-        scene: options.scenes.cover(&meta.participant),
+        scene: options
+            .scenes
+            .as_ref()
+            .is_some_and(|s| s.cover(&meta.participant)),
         ..Beside::default()
     };
     write_recording(&log, &driven.recording, &meta, &beside)?;

@@ -6,8 +6,8 @@ use crate::{
     error::StudyError,
     once::{count, told_once},
     outcome::{Outcome, Watch, threads},
-    outputs::spare_inputs,
     run_folder::{adb_of, embeddings_path, training_path},
+    stage::{Files, Stage},
     style_scale::style_scores,
     tables::{
         embeddings::{EmbeddingRow, write_embeddings},
@@ -29,35 +29,52 @@ use std::{
     time::Instant,
 };
 
-/// What to train on, and how.
-#[derive(Debug, Clone)]
-pub struct TrainOptions {
-    /// The study's design; `study.toml` of the folder one stands in without. Without either every drive counts.
+/// Learn heads and the training drivers' embeddings
+#[derive(Debug, Clone, clap::Args)]
+#[command(
+    after_help = "Example: maveric train --drives drives/study1 --scores scores.csv --out model.maveric"
+)]
+pub struct Train {
+    /// Design of the study (TOML); study.toml of the folder one stands in when not given. Without either every drive counts
+    #[arg(long, value_name = "FILE")]
     pub design: Option<PathBuf>,
-    /// Who takes part; the design's table without.
+    /// Who takes part; the design's table when not given
+    #[arg(long)]
     pub participants: Option<PathBuf>,
-    /// Folder of drives.
+    /// Folder of drives
+    #[arg(long)]
     pub drives: PathBuf,
-    /// Questionnaire scores.
+    /// Questionnaire scores; without them there is no style head and no aggression line
+    #[arg(long)]
     pub scores: Option<PathBuf>,
-    /// Model to write.
+    /// Model to write; its report and the training embeddings go beside it
+    #[arg(long)]
     pub out: PathBuf,
-    /// Which heads learn.
+    /// Which heads learn: linear (habits as events) or paper (its five networks, which the epochs, fractions and patience below
+    /// are about)
+    #[arg(long, default_value = "linear", value_name = "linear|paper")]
     pub heads: HeadsKind,
-    /// Size of the embedding.
+    /// Size of the embedding
+    #[arg(long, default_value_t = 3)]
     pub embedding_size: usize,
-    /// Passes over the rows.
+    /// Passes over the training rows
+    #[arg(long, default_value_t = 40)]
     pub epochs: usize,
-    /// Share of each drive, from its start, that may be learned from.
+    /// Share of each drive, from its start, that may be learned from
+    #[arg(long, default_value_t = 1.0)]
     pub fit_fraction: f64,
-    /// Root of every random choice.
-    pub seed: u64,
-    /// Threads.
-    pub jobs: usize,
-    /// Share of the people whom a run of its own keeps back to choose the number of passes by; 0: no such run.
+    /// Share of the people whom a run of its own keeps back, to choose the number of passes by (0: no such run)
+    #[arg(long, default_value_t = 0.15)]
     pub validation_fraction: f64,
-    /// Passes without a lower loss on them after which that run stops; 0: never.
+    /// Passes without a lower loss on those people after which that run stops (0: never)
+    #[arg(long, default_value_t = 0)]
     pub patience: usize,
+    /// Root of every random choice
+    #[arg(long, default_value_t = 1)]
+    pub seed: u64,
+    /// Threads
+    #[arg(short, long, default_value_t = crate::outcome::all_cores())]
+    pub jobs: usize,
 }
 
 /// How the training went, as it is written beside the model.
@@ -86,127 +103,134 @@ pub struct TrainingSummary {
     pub scores_without_drive: usize,
 }
 
-/// Trains on every drive of a folder; writes the model, the training's report and the training embeddings.
-///
-/// # Errors
-/// [`StudyError`] if drives or scores cannot be read or settings are out of range; [`StudyError::Interrupted`].
-pub fn train(
-    options: &TrainOptions,
-    watch: Watch<'_>,
-) -> Result<Outcome<TrainingSummary>, StudyError> {
-    let given = [&options.design, &options.participants, &options.scores];
-    let given = given.into_iter().filter_map(Option::as_deref);
-    let beside = [training_path(&options.out), embeddings_path(&options.out)];
-    let outputs = beside.iter().map(|path| &**path).chain([&*options.out]);
-    spare_inputs(given.chain([&*options.drives]), outputs)?;
-    let design = options.design.as_deref();
-    let drives = drives_of(
-        &options.drives,
-        design,
-        options.participants.as_deref(),
-        Part::Learn,
-    )?;
-    let scores = options
-        .scores
-        .as_deref()
-        .map(read_scores)
-        .transpose()?
-        .unwrap_or_default();
-    let (scores, scale) = style_scores(scores, design)?;
-    let settings = TrainSettings {
-        heads: options.heads,
-        embedding_size: options.embedding_size,
-        epochs: options.epochs,
-        fit_fraction: options.fit_fraction,
-        validation_fraction: options.validation_fraction,
-        patience: options.patience,
-        ..TrainSettings::default()
-    };
-    let baseline = DesignFile::find(design)?.design.baseline_id();
-    let mut unscored = Vec::new();
-    let mut training = Vec::new();
-    for drive in &drives {
-        let adb = adb_of(drive, &scores, baseline)?;
-        if adb.is_none() && options.scores.is_some() {
-            let why = "no score of the style, so it does not teach the style head";
-            unscored.push((drive.meta().drive.to_string(), why.to_owned()));
-        }
-        training.push(TrainingDrive { drive, adb });
+impl Stage for Train {
+    const NAME: &'static str = "train";
+    const FAILURE: &'static str = "could not train";
+    type Result = TrainingSummary;
+
+    fn files(&self, root: &Path) -> Result<Files, StudyError> {
+        Ok(Files::default()
+            .reads([&self.drives])
+            .reads(&self.scores)
+            .reads_people(root, self.design.as_deref(), self.participants.as_deref())?
+            .writes([
+                &self.out,
+                &training_path(&self.out),
+                &embeddings_path(&self.out),
+            ]))
     }
-    let scores_without_drive = without_drive(&scores, &drives);
-    if let (Some(path), true) = (&options.scores, training.iter().all(|t| t.adb.is_none())) {
-        refuse_foreign_scores(path, &scores, &drives, scores_without_drive)?;
-    }
-    let mut progress = EpochProgress::new(watch);
-    let mut observe = |report: &EpochReport| progress.show(report);
-    let pool = threads(options.jobs)?;
-    let seed = options.seed;
-    let trained = match pool.install(|| learn(&training, &settings, seed, &mut observe)) {
-        Err(ModelError::Cancelled { .. }) => return Err(StudyError::Interrupted),
-        other => other?,
-    };
-    atomic_write_bytes(&options.out, &model_file::to_bytes(&trained.model)?)?;
-    let report = trained.report;
-    let summary = TrainingSummary {
-        drives: report.drives,
-        drives_with_adb: report.drives_with_adb,
-        parameters: trained.model.parameters(),
-        warnings: told_once("drive", unscored)
-            .into_iter()
-            .chain(report.warnings.iter().map(ToString::to_string))
-            .collect(),
-        seed: options.seed,
-        settings,
-        heads: report.heads,
-        // In points of the study's own score, as every file has them.
-        style: report.style.map(|style| scale.outward_head(style)),
-        networks: report.networks,
-        scores_without_drive,
-    };
-    write_json(&training_path(&options.out), &summary)?;
-    let axis = LinearHead::aggression(&trained.model).ok();
-    let mut rows = Vec::new();
-    for (id, embedding) in trained.embeddings {
-        let Some(drive) = drives.iter().find(|d| d.meta().drive == id) else {
-            continue;
+
+    /// Trains on every drive of a folder; writes the model, the training's report and the training embeddings.
+    fn work(&self, watch: Watch<'_>) -> Result<Outcome<TrainingSummary>, StudyError> {
+        let design = self.design.as_deref();
+        let drives = drives_of(
+            &self.drives,
+            design,
+            self.participants.as_deref(),
+            Part::Learn,
+        )?;
+        let scores = self
+            .scores
+            .as_deref()
+            .map(read_scores)
+            .transpose()?
+            .unwrap_or_default();
+        let (scores, scale) = style_scores(scores, design)?;
+        let settings = TrainSettings {
+            heads: self.heads,
+            embedding_size: self.embedding_size,
+            epochs: self.epochs,
+            fit_fraction: self.fit_fraction,
+            validation_fraction: self.validation_fraction,
+            patience: self.patience,
+            ..TrainSettings::default()
         };
-        let meta = drive.meta();
-        let adb = adb_of(drive, &scores, baseline)?;
-        rows.push(EmbeddingRow {
-            drive: id,
-            participant: meta.participant.clone(),
-            condition: meta.condition,
-            // Linear heads learn where drivers lie from their driving alone.
-            adb_used: options.heads == HeadsKind::Paper && adb.is_some(),
-            adb: adb.map(AdbScore::points),
-            adb_hat: axis.as_ref().map(|a| a.read(&embedding)).transpose()?,
-            line_position: axis.as_ref().map(|a| a.position(&embedding)).transpose()?,
-            readings: None,
-            covariance: None,
-            line_position_se: None,
-            embedding,
-        });
+        let baseline = DesignFile::find(design)?.design.baseline_id();
+        let mut unscored = Vec::new();
+        let mut training = Vec::new();
+        for drive in &drives {
+            let adb = adb_of(drive, &scores, baseline)?;
+            if adb.is_none() && self.scores.is_some() {
+                let why = "no score of the style, so it does not teach the style head";
+                unscored.push((drive.meta().drive.to_string(), why.to_owned()));
+            }
+            training.push(TrainingDrive { drive, adb });
+        }
+        let scores_without_drive = without_drive(&scores, &drives);
+        if let (Some(path), true) = (&self.scores, training.iter().all(|t| t.adb.is_none())) {
+            refuse_foreign_scores(path, &scores, &drives, scores_without_drive)?;
+        }
+        let mut progress = EpochProgress::new(watch);
+        let mut observe = |report: &EpochReport| progress.show(report);
+        let pool = threads(self.jobs)?;
+        let seed = self.seed;
+        let trained = match pool.install(|| learn(&training, &settings, seed, &mut observe)) {
+            Err(ModelError::Cancelled { .. }) => return Err(StudyError::Interrupted),
+            other => other?,
+        };
+        atomic_write_bytes(&self.out, &model_file::to_bytes(&trained.model)?)?;
+        let report = trained.report;
+        let summary = TrainingSummary {
+            drives: report.drives,
+            drives_with_adb: report.drives_with_adb,
+            parameters: trained.model.parameters(),
+            warnings: told_once("drive", unscored)
+                .into_iter()
+                .chain(report.warnings.iter().map(ToString::to_string))
+                .collect(),
+            seed: self.seed,
+            settings,
+            heads: report.heads,
+            // In points of the study's own score, as every file has them.
+            style: report.style.map(|style| scale.outward_head(style)),
+            networks: report.networks,
+            scores_without_drive,
+        };
+        write_json(&training_path(&self.out), &summary)?;
+        let axis = LinearHead::aggression(&trained.model).ok();
+        let mut rows = Vec::new();
+        for (id, embedding) in trained.embeddings {
+            let Some(drive) = drives.iter().find(|d| d.meta().drive == id) else {
+                continue;
+            };
+            let meta = drive.meta();
+            let adb = adb_of(drive, &scores, baseline)?;
+            rows.push(EmbeddingRow {
+                drive: id,
+                participant: meta.participant.clone(),
+                condition: meta.condition,
+                // Linear heads learn where drivers lie from their driving alone.
+                adb_used: self.heads == HeadsKind::Paper && adb.is_some(),
+                adb: adb.map(AdbScore::points),
+                adb_hat: axis.as_ref().map(|a| a.read(&embedding)).transpose()?,
+                line_position: axis.as_ref().map(|a| a.position(&embedding)).transpose()?,
+                readings: None,
+                covariance: None,
+                line_position_se: None,
+                embedding,
+            });
+        }
+        scale.outward_rows(&mut rows);
+        write_embeddings(&embeddings_path(&self.out), &rows)?;
+        let warnings = summary.warnings.clone();
+        let mut lines = vec![format!(
+            "{} heads, {} parameters trained on {} drives: {}",
+            self.heads,
+            summary.parameters,
+            summary.drives,
+            self.out.to_slash_lossy()
+        )];
+        lines.extend(summary.heads.iter().map(head_line));
+        lines.extend(summary.style.as_ref().map(style_line));
+        let selection = summary.networks.as_ref().and_then(|n| n.selection.as_ref());
+        lines.extend(selection.map(validation_line));
+        lines.extend(progress.rate_line());
+        Ok(Outcome {
+            value: summary,
+            summary: lines,
+            warnings,
+        })
     }
-    scale.outward_rows(&mut rows);
-    write_embeddings(&embeddings_path(&options.out), &rows)?;
-    let warnings = summary.warnings.clone();
-    let mut lines = vec![format!(
-        "{} heads, {} parameters trained on {} drives: {}",
-        options.heads,
-        summary.parameters,
-        summary.drives,
-        options.out.to_slash_lossy()
-    )];
-    lines.extend(summary.heads.iter().map(head_line));
-    lines.extend(summary.style.as_ref().map(style_line));
-    let selection = summary.networks.as_ref().and_then(|n| n.selection.as_ref());
-    lines.extend(selection.map(validation_line));
-    lines.extend(progress.rate_line());
-    Ok(Outcome {
-        value: summary,
-        summary: lines,
-        warnings,
-    })
 }
 
 /// What a head learned from and how it does on driving kept back, in a line.

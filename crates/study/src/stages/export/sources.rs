@@ -5,7 +5,7 @@ use crate::{
     design::DesignFile,
     error::StudyError,
     stages::ingest::{
-        IngestOptions,
+        Ingest,
         logs::{self, Log},
     },
     tables::collected::EVENTS,
@@ -44,11 +44,11 @@ impl Sources {
             seat: options.seat.clone(),
         };
         if !options.logs.is_empty() {
-            let ingested = IngestOptions {
+            let ingested = Ingest {
                 logs: options.logs.clone(),
                 mapping: options.mapping.clone(),
                 rate_hz: options.rate_hz,
-                ..IngestOptions::default()
+                ..Ingest::default()
             };
             let logs = logs::of(&ingested, study)?;
             return Ok(Self { logs, ..named });
@@ -66,10 +66,10 @@ impl Sources {
             Software::Table => there(&files.answers),
             Software::Otree | Software::Jspsych => there(&Path::new(RESULTS).join(IMPORTED)),
         };
-        let ingested = IngestOptions {
+        let ingested = Ingest {
             mapping: options.mapping.clone(),
             rate_hz: options.rate_hz,
-            ..IngestOptions::default()
+            ..Ingest::default()
         };
         Ok(Self {
             logs: logs::of_study(&ingested, study)?,

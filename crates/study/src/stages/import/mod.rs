@@ -10,8 +10,8 @@ use crate::{
     error::StudyError,
     gate::{Gate, counted},
     outcome::{Outcome, Watch},
-    outputs::spare_inputs,
     run_folder::{exclusions_path, read_scales},
+    stage::{Files, Stage},
     tables::{Table, TableBuilder, write_rows},
 };
 use columns::ColumnMap;
@@ -26,29 +26,39 @@ use std::{
 };
 
 /// What wrote the file.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
 pub enum SurveySoftware {
-    /// oTree, all apps, wide CSV: a row a participant, columns `app.round.player.field`. Other tables with a row a participant
-    /// are read the same way.
+    /// A row a participant, columns `app.round.player.field`
+    #[value(name = "otree")]
     OTree,
-    /// jsPsych: JSON, an array of trials a session.
+    /// An array of trials a session
+    #[value(name = "jspsych")]
     JsPsych,
 }
 
-/// What to import.
-#[derive(Debug, Clone)]
-pub struct ImportOptions {
-    /// The study's design, which says what conditions there are; `study.toml` of the folder one stands in without, else the paper's.
-    pub design: Option<PathBuf>,
-    /// What wrote it.
-    pub from: SurveySoftware,
-    /// The export.
+/// Read answers as survey software exports them, and write the table that `score` takes
+#[derive(Debug, Clone, clap::Args)]
+#[command(after_help = "\
+Example: maveric import all_apps_wide.csv --from otree --out surveys.csv
+         maveric import results.json --from jspsych --columns columns.toml --out surveys.csv")]
+pub struct Import {
+    /// The export: oTree's wide CSV of all apps (or any table with a row a participant), or jsPsych's JSON
     pub file: PathBuf,
-    /// Folder of questionnaire definitions.
-    pub scales: PathBuf,
-    /// What its columns mean (TOML), where they do not follow the convention.
+    /// What wrote it
+    #[arg(long, value_enum)]
+    pub from: SurveySoftware,
+    /// Design of the study (TOML), which says what conditions there are; study.toml of the folder one stands in when not given,
+    /// else the paper's
+    #[arg(long, value_name = "FILE")]
+    pub design: Option<PathBuf>,
+    /// What its columns mean (TOML), where they are not called SCALE_ITEM
+    #[arg(long)]
     pub columns: Option<PathBuf>,
-    /// Answers to write; who is left out is listed beside them.
+    /// Folder of questionnaire definitions
+    #[arg(long, default_value = "study_data/scales")]
+    pub scales: PathBuf,
+    /// Answers to write: participant, moment, scale, item, answer, and seconds where they were measured
+    #[arg(long)]
     pub out: PathBuf,
 }
 
@@ -86,131 +96,131 @@ struct Found {
     warnings: Vec<String>,
 }
 
-/// Imports answers and writes them as a long table: participant, moment, scale, item, answer, and seconds where the software measured
-/// them.
-///
-/// # Errors
-/// [`StudyError`] naming the file, and participant, scale and item of an answer that is text or out of range, of a sheet given
-/// twice, or of a scale of which only some items have a column.
-pub fn import(options: &ImportOptions, watch: Watch<'_>) -> Result<Outcome<Imported>, StudyError> {
-    let given = [&options.design, &options.columns];
-    let given = given.into_iter().filter_map(Option::as_deref);
-    spare_inputs(
-        given.chain([&*options.file, &options.scales]),
-        [&*options.out, &exclusions_path(&options.out)],
-    )?;
-    let scales = read_scales(&options.scales)?;
-    let map = options
-        .columns
-        .as_deref()
-        .map(ColumnMap::read)
-        .transpose()?;
-    let mut map = map.unwrap_or_default();
-    let study = DesignFile::find(options.design.as_deref())?;
-    map.know(&study.design);
-    map.check(options.columns.as_deref(), &scales)?;
-    let found = match options.from {
-        SurveySoftware::OTree => otree::read(&Table::read(&options.file)?, &scales, &map)?,
-        SurveySoftware::JsPsych => {
-            jspsych::read(&options.file, &read_text(&options.file)?, &scales, &map)?
-        }
-    };
-    watch.check()?;
-    let Found {
-        mut rows,
-        unused,
-        mut warnings,
-    } = found;
-    let unknown = unknown_moments(&mut rows, &study);
-    let left_out: usize = unknown.values().sum();
-    warnings.extend(unknown.into_iter().map(|((moment, place), n)| {
-        format!(
-            "{n} answers left out: condition `{moment}` ({place}) is none of the design's: {}",
-            ConditionId::listed(&study.design.labels())
-        )
-    }));
-    refuse_twice(&options.file, &rows, &scales)?;
-    let nobody = rows.is_empty();
-    let kept_out = let_in(&mut rows, options.design.as_deref())?;
-    if rows.is_empty() && !nobody {
-        return Err(StudyError::BadFile {
-            path: options.file.clone(),
-            problem: "holds no answers of anybody who is let in".to_owned(),
-            help: Some(counted(["answer", "answers"], kept_out.values().flatten()).join("; ")),
-        });
+impl Stage for Import {
+    const NAME: &'static str = "import";
+    const FAILURE: &'static str = "could not import the answers";
+    type Result = Imported;
+
+    fn files(&self, root: &Path) -> Result<Files, StudyError> {
+        Ok(Files::default()
+            .reads([&self.file, &self.scales])
+            .reads(&self.columns)
+            .reads_people(root, self.design.as_deref(), None)?
+            .writes([&self.out, &exclusions_path(&self.out)]))
     }
-    if rows.is_empty() {
-        let patterns: Vec<String> = scales.iter().map(|s| map.pattern(s)).collect();
-        return Err(StudyError::BadFile {
-            path: options.file.clone(),
+
+    /// Imports answers and writes them as a long table: participant, moment, scale, item, answer, and seconds where the software measured
+    /// them.
+    fn work(&self, watch: Watch<'_>) -> Result<Outcome<Imported>, StudyError> {
+        let scales = read_scales(&self.scales)?;
+        let map = self.columns.as_deref().map(ColumnMap::read).transpose()?;
+        let mut map = map.unwrap_or_default();
+        let study = DesignFile::find(self.design.as_deref())?;
+        map.know(&study.design);
+        map.check(self.columns.as_deref(), &scales)?;
+        let found = match self.from {
+            SurveySoftware::OTree => otree::read(&Table::read(&self.file)?, &scales, &map)?,
+            SurveySoftware::JsPsych => {
+                jspsych::read(&self.file, &read_text(&self.file)?, &scales, &map)?
+            }
+        };
+        watch.check()?;
+        let Found {
+            mut rows,
+            unused,
+            mut warnings,
+        } = found;
+        let unknown = unknown_moments(&mut rows, &study);
+        let left_out: usize = unknown.values().sum();
+        warnings.extend(unknown.into_iter().map(|((moment, place), n)| {
+            format!(
+                "{n} answers left out: condition `{moment}` ({place}) is none of the design's: {}",
+                ConditionId::listed(&study.design.labels())
+            )
+        }));
+        refuse_twice(&self.file, &rows, &scales)?;
+        let nobody = rows.is_empty();
+        let kept_out = let_in(&mut rows, self.design.as_deref())?;
+        if rows.is_empty() && !nobody {
+            return Err(StudyError::BadFile {
+                path: self.file.clone(),
+                problem: "holds no answers of anybody who is let in".to_owned(),
+                help: Some(counted(["answer", "answers"], kept_out.values().flatten()).join("; ")),
+            });
+        }
+        if rows.is_empty() {
+            let patterns: Vec<String> = scales.iter().map(|s| map.pattern(s)).collect();
+            return Err(StudyError::BadFile {
+            path: self.file.clone(),
             problem: format!("holds no answers to any scale; looked for {}", patterns.join(", ")),
             help: Some(
                 "say what the columns are called: `column` in a scale's file, or --columns MAP.toml".to_owned(),
             ),
         });
+        }
+        rows.sort_by(|a, b| {
+            (&a.participant, a.moment, a.scale, a.item).cmp(&(
+                &b.participant,
+                b.moment,
+                b.scale,
+                b.item,
+            ))
+        });
+        write(&self.out, &rows, &scales)?;
+        let listed = kept_out.iter().map(|((who, moment), why)| Exclusion {
+            who: who.to_string(),
+            what: format!("answers ({moment})"),
+            why: why[0].to_string(),
+        });
+        write_rows(
+            &exclusions_path(&self.out),
+            &listed.collect::<Vec<Exclusion>>(),
+        )?;
+        let participants: BTreeSet<&ParticipantId> = rows.iter().map(|r| &r.participant).collect();
+        let mut sheets: BTreeMap<String, usize> = BTreeMap::new();
+        for row in rows.iter().filter(|r| r.item == 1) {
+            *sheets.entry(scales[row.scale].id.clone()).or_default() += 1;
+        }
+        for scale in scales.iter().filter(|s| !sheets.contains_key(&s.id)) {
+            warnings.push(format!(
+                "scale `{}`: nobody answered it ({})",
+                scale.id,
+                map.pattern(scale)
+            ));
+        }
+        let list = |n: &BTreeMap<String, usize>| {
+            let each: Vec<String> = n.iter().map(|(scale, n)| format!("{scale} {n}")).collect();
+            each.join(", ")
+        };
+        let mut summary = vec![
+            format!(
+                "{} answers of {} participants: {}",
+                rows.len(),
+                participants.len(),
+                self.out.to_slash_lossy()
+            ),
+            format!(
+                "sheets: {}; {} columns that belong to no scale were not read",
+                list(&sheets),
+                unused.len()
+            ),
+        ];
+        if left_out > 0 {
+            summary.push(format!("{left_out} answers left out by unknown condition"));
+        }
+        summary.extend(counted(["answer", "answers"], kept_out.values().flatten()));
+        let value = Imported {
+            participants: participants.len(),
+            answers: rows.len(),
+            sheets,
+            unused: unused.len(),
+        };
+        Ok(Outcome {
+            value,
+            summary,
+            warnings,
+        })
     }
-    rows.sort_by(|a, b| {
-        (&a.participant, a.moment, a.scale, a.item).cmp(&(
-            &b.participant,
-            b.moment,
-            b.scale,
-            b.item,
-        ))
-    });
-    write(&options.out, &rows, &scales)?;
-    let listed = kept_out.iter().map(|((who, moment), why)| Exclusion {
-        who: who.to_string(),
-        what: format!("answers ({moment})"),
-        why: why[0].to_string(),
-    });
-    write_rows(
-        &exclusions_path(&options.out),
-        &listed.collect::<Vec<Exclusion>>(),
-    )?;
-    let participants: BTreeSet<&ParticipantId> = rows.iter().map(|r| &r.participant).collect();
-    let mut sheets: BTreeMap<String, usize> = BTreeMap::new();
-    for row in rows.iter().filter(|r| r.item == 1) {
-        *sheets.entry(scales[row.scale].id.clone()).or_default() += 1;
-    }
-    for scale in scales.iter().filter(|s| !sheets.contains_key(&s.id)) {
-        warnings.push(format!(
-            "scale `{}`: nobody answered it ({})",
-            scale.id,
-            map.pattern(scale)
-        ));
-    }
-    let list = |n: &BTreeMap<String, usize>| {
-        let each: Vec<String> = n.iter().map(|(scale, n)| format!("{scale} {n}")).collect();
-        each.join(", ")
-    };
-    let mut summary = vec![
-        format!(
-            "{} answers of {} participants: {}",
-            rows.len(),
-            participants.len(),
-            options.out.to_slash_lossy()
-        ),
-        format!(
-            "sheets: {}; {} columns that belong to no scale were not read",
-            list(&sheets),
-            unused.len()
-        ),
-    ];
-    if left_out > 0 {
-        summary.push(format!("{left_out} answers left out by unknown condition"));
-    }
-    summary.extend(counted(["answer", "answers"], kept_out.values().flatten()));
-    let value = Imported {
-        participants: participants.len(),
-        answers: rows.len(),
-        sheets,
-        unused: unused.len(),
-    };
-    Ok(Outcome {
-        value,
-        summary,
-        warnings,
-    })
 }
 
 /// The column that says whose each row of an export is; none where it has none.
@@ -327,7 +337,7 @@ mod tests {
             std::fs::write(folder.path().join(name), text).unwrap();
             folder.path().join(name)
         };
-        let options = ImportOptions {
+        let options = Import {
             design: None,
             from,
             file: write("export", text),
@@ -336,7 +346,9 @@ mod tests {
             out: folder.path().join("surveys.csv"),
         };
         let (quiet, go_on) = (|_: usize, _: usize, _: &str| (), AtomicBool::new(false));
-        let done = import(&options, Watch::new(&quiet, &go_on)).map_err(|e| e.to_string())?;
+        let done = options
+            .run(Watch::new(&quiet, &go_on))
+            .map_err(|e| e.to_string())?;
         Ok((
             done.warnings,
             std::fs::read_to_string(&options.out).unwrap(),

@@ -1,7 +1,7 @@
 //! Which logs are read, and by which mapping.
 
-use super::IngestOptions;
-use crate::{design::DesignFile, error::StudyError};
+use super::Ingest;
+use crate::{design::DesignFile, error::StudyError, stage::Files};
 use maveric_domain::{ParticipantId, design::Mappings};
 use maveric_ingest::{IngestSettings, Mapping, log_files, read_log};
 use std::path::{Path, PathBuf};
@@ -18,10 +18,7 @@ pub(crate) struct Log {
 ///
 /// # Errors
 /// [`StudyError::BadFile`] for a folder without logs; [`StudyError::Ingest`] for a mapping that is none.
-pub(crate) fn of(
-    options: &IngestOptions,
-    study: Option<&DesignFile>,
-) -> Result<Vec<Log>, StudyError> {
+pub(crate) fn of(options: &Ingest, study: Option<&DesignFile>) -> Result<Vec<Log>, StudyError> {
     gathered(options, study, true)
 }
 
@@ -29,10 +26,7 @@ pub(crate) fn of(
 ///
 /// # Errors
 /// [`StudyError::Ingest`] for a mapping that is none; [`StudyError::Io`].
-pub(crate) fn of_study(
-    options: &IngestOptions,
-    study: &DesignFile,
-) -> Result<Vec<Log>, StudyError> {
+pub(crate) fn of_study(options: &Ingest, study: &DesignFile) -> Result<Vec<Log>, StudyError> {
     gathered(options, Some(study), false)
 }
 
@@ -45,7 +39,7 @@ pub(crate) fn logs_of(
     id: &ParticipantId,
 ) -> Result<(Vec<PathBuf>, Vec<PathBuf>), StudyError> {
     let (mut theirs, mut shared) = (Vec::new(), Vec::new());
-    for log in of_study(&IngestOptions::default(), study)? {
+    for log in of_study(&Ingest::default(), study)? {
         let Ok(drives) = read_log(&log.path, &log.settings) else {
             continue;
         };
@@ -59,9 +53,28 @@ pub(crate) fn logs_of(
     Ok((theirs, shared))
 }
 
+/// The files with the mappings that a design has for these logs, and with the logs that it names where none are named.
+pub(super) fn declared_files(files: Files, options: &Ingest, study: &DesignFile) -> Files {
+    let declared = study.design.files();
+    let named = !options.logs.is_empty();
+    let (folders, mappings) = match &declared.mapping {
+        Mappings::One(file) => (Vec::new(), vec![file]),
+        Mappings::Rigs(rigs) => (
+            rigs.iter().map(|rig| &rig.logs).collect(),
+            rigs.iter().filter_map(|rig| rig.file.as_ref()).collect(),
+        ),
+    };
+    let folders = folders.into_iter().chain([&declared.logs]);
+    let folders = folders.filter(|_| !named).map(|path| study.resolve(path));
+    let mappings = mappings.into_iter().filter(|_| options.mapping.is_none());
+    files
+        .reads_if_there(folders)
+        .reads_if_there(mappings.map(|path| study.resolve(path)))
+}
+
 /// As [`of`]; a folder without logs is an error where some are `needed`.
 fn gathered(
-    options: &IngestOptions,
+    options: &Ingest,
     study: Option<&DesignFile>,
     needed: bool,
 ) -> Result<Vec<Log>, StudyError> {
@@ -139,7 +152,7 @@ fn declared(study: &DesignFile, path: &Path) -> Option<PathBuf> {
 }
 
 fn settings(
-    options: &IngestOptions,
+    options: &Ingest,
     mapping: Option<PathBuf>,
 ) -> Result<(Option<PathBuf>, IngestSettings), StudyError> {
     let settings = IngestSettings {

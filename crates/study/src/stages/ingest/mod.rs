@@ -12,6 +12,7 @@ use crate::{
     once::{count, names, together, told_once},
     outcome::{Outcome, Watch, for_each_on},
     outputs::{put_in_place, spare_inputs},
+    stage::{Files, Stage},
     tables::{
         drives::{ExclusionRow, refuse_foreign, write_drive_list, write_drive_of},
         write_rows,
@@ -28,24 +29,35 @@ use std::{
     path::{Path, PathBuf},
 };
 
-/// What to ingest.
-#[derive(Debug, Clone, Default)]
-pub struct IngestOptions {
-    /// Logs, or folders of logs; none for all that the design names.
+/// Turn driving logs (MCAP, CSV, Parquet) into evenly sampled drives
+#[derive(Debug, Clone, Default, clap::Args)]
+#[command(after_help = "Example: maveric ingest logs/study1 --out drives/study1")]
+pub struct Ingest {
+    /// Logs, or folders of logs; those of the design when none are given
     pub logs: Vec<PathBuf>,
-    /// The study's design; `study.toml` of the folder one stands in without. Without either every drive is let in.
+    /// Design of the study (TOML); study.toml of the folder one stands in when not given. Without either nothing is left out
+    #[arg(long, value_name = "FILE")]
     pub design: Option<PathBuf>,
-    /// Who takes part; the design's table without.
+    /// Who takes part; the design's table when not given
+    #[arg(long)]
     pub participants: Option<PathBuf>,
-    /// Folder to write into.
+    /// Folder to write into: one Parquet file a drive, drives.csv, exclusions.csv
+    #[arg(long)]
     pub out: PathBuf,
-    /// What columns mean, for tables.
+    /// What the columns of a table mean (TOML); needed for tables
+    #[arg(long)]
     pub mapping: Option<PathBuf>,
-    /// Samples a second; 20 when neither this nor the mapping says otherwise.
+    /// Samples a second
+    #[arg(long = "rate", value_name = "RATE")]
     pub rate_hz: Option<f64>,
-    /// Whether to take what can be read of a damaged log.
+    /// Take what can be read of a damaged log, and say what could not
+    #[arg(long)]
     pub recover: bool,
-    /// Threads.
+    /// End well although logs could not be ingested, as long as one drive came through: exclusions.csv lists them
+    #[arg(long)]
+    pub keep_going: bool,
+    /// Threads
+    #[arg(short, long, default_value_t = crate::outcome::all_cores())]
     pub jobs: usize,
 }
 
@@ -94,131 +106,146 @@ struct Written {
     warnings: Vec<Warning>,
 }
 
-/// Reads logs, finds reference vehicle, lane changes and following rows, and writes the drives.
-///
-/// Each drive is written as soon as it is read, into a hidden folder on the same disk, and all are renamed into `out`
-/// at the end: memory holds one log a thread. A log that cannot be read is listed with its reason, and so is what was repaired or
-/// left out within a log: a warning, and a row of `exclusions.csv`.
-///
-/// # Errors
-/// [`StudyError`] if no log gives a drive, two logs are one drive or a file cannot be written: then nothing is.
-pub fn ingest(
-    options: &IngestOptions,
-    watch: Watch<'_>,
-) -> Result<Outcome<IngestedDrives>, StudyError> {
-    let study = DesignFile::here(options.design.as_deref())?;
-    let gate = study
-        .as_ref()
-        .map(|study| Gate::of(study, options.participants.as_deref()))
-        .transpose()?;
-    let logs = logs::of(options, study.as_ref())?;
-    let (list, exclusions) = (
-        options.out.join("drives.csv"),
-        options.out.join("exclusions.csv"),
-    );
-    let tables = logs
-        .iter()
-        .filter_map(|log| log.mapping.as_deref())
-        .chain(logs.iter().map(|log| &*log.path));
-    spare_inputs(tables, [&*list, &exclusions])?;
-    let aside = Aside::new(&options.out)?;
-    let numbered: Vec<(usize, &logs::Log)> = logs.iter().enumerate().collect();
-    let written = for_each_on(
-        options.jobs,
-        &numbered,
-        watch,
-        "logs ingested",
-        |log| match write_log(*log, aside.path()) {
-            Ok(written) => Ok(Ok(written)),
-            Err(StudyError::Ingest(error)) => Ok(Err((log.1.path.clone(), error))),
-            Err(StudyError::Domain(error)) => {
-                let (path, source) = (log.1.path.clone(), error);
-                Ok(Err((path.clone(), IngestError::Refused { path, source })))
-            }
-            Err(error) => Err(error),
-        },
-    )?;
-    let mut failed = Vec::new();
-    let read = written
-        .into_iter()
-        .filter_map(|log| log.map_err(|e| failed.push(e)).ok());
-    let (mut drives, left_out) = sorted_out(read.flatten(), gate.as_ref());
-    if drives.is_empty() && left_out.is_empty() {
-        return Err(none_ingested(failed));
+impl Stage for Ingest {
+    const NAME: &'static str = "ingest";
+    const FAILURE: &'static str = "could not ingest";
+    type Result = IngestedDrives;
+
+    fn files(&self, root: &Path) -> Result<Files, StudyError> {
+        let design = self.design.as_deref();
+        let files = Files::default()
+            .reads(&self.logs)
+            .reads(&self.mapping)
+            .reads_people(root, design, self.participants.as_deref())?
+            .writes_into(&self.out, &["drives.csv", "exclusions.csv"]);
+        Ok(match DesignFile::below(root, design)? {
+            Some(study) => logs::declared_files(files, self, &study),
+            None => files,
+        })
     }
-    let failed: Vec<FailedLog> = failed.into_iter().map(FailedLog::from).collect();
-    if let (true, Some(first)) = (drives.is_empty(), left_out.first()) {
-        return Err(StudyError::NotPossible {
+
+    fn is_success(&self, drives: &IngestedDrives) -> bool {
+        self.keep_going || drives.failed.is_empty()
+    }
+
+    /// Reads logs, finds reference vehicle, lane changes and following rows, and writes the drives.
+    ///
+    /// Each drive is written as soon as it is read, into a hidden folder on the same disk, and all are renamed into `out`
+    /// at the end: memory holds one log a thread. A log that cannot be read is listed with its reason, and so is what was repaired or
+    /// left out within a log: a warning, and a row of `exclusions.csv`.
+    fn work(&self, watch: Watch<'_>) -> Result<Outcome<IngestedDrives>, StudyError> {
+        let study = DesignFile::here(self.design.as_deref())?;
+        let gate = study
+            .as_ref()
+            .map(|study| Gate::of(study, self.participants.as_deref()))
+            .transpose()?;
+        let logs = logs::of(self, study.as_ref())?;
+        let (list, exclusions) = (self.out.join("drives.csv"), self.out.join("exclusions.csv"));
+        let tables = logs
+            .iter()
+            .filter_map(|log| log.mapping.as_deref())
+            .chain(logs.iter().map(|log| &*log.path));
+        spare_inputs(tables, [&*list, &exclusions])?;
+        let aside = Aside::new(&self.out)?;
+        let numbered: Vec<(usize, &logs::Log)> = logs.iter().enumerate().collect();
+        let written =
+            for_each_on(
+                self.jobs,
+                &numbered,
+                watch,
+                "logs ingested",
+                |log| match write_log(*log, aside.path()) {
+                    Ok(written) => Ok(Ok(written)),
+                    Err(StudyError::Ingest(error)) => Ok(Err((log.1.path.clone(), error))),
+                    Err(StudyError::Domain(error)) => {
+                        let (path, source) = (log.1.path.clone(), error);
+                        Ok(Err((path.clone(), IngestError::Refused { path, source })))
+                    }
+                    Err(error) => Err(error),
+                },
+            )?;
+        let mut failed = Vec::new();
+        let read = written
+            .into_iter()
+            .filter_map(|log| log.map_err(|e| failed.push(e)).ok());
+        let (mut drives, left_out) = sorted_out(read.flatten(), gate.as_ref());
+        if drives.is_empty() && left_out.is_empty() {
+            return Err(none_ingested(failed));
+        }
+        let failed: Vec<FailedLog> = failed.into_iter().map(FailedLog::from).collect();
+        if let (true, Some(first)) = (drives.is_empty(), left_out.first()) {
+            return Err(StudyError::NotPossible {
             problem: format!("no drive is let in; {}: {}", first.meta.drive, first.why),
             help: Some(
                 "say whose drives these are under [names] of the mapping, or add people and conditions to the study".to_owned(),
             ),
         });
-    }
-    let mut ids = BTreeSet::new();
-    if let Some(twice) = drives.iter().find(|d| !ids.insert(&d.meta.drive)) {
-        return Err(StudyError::NotPossible {
-            problem: format!(
-                "two logs, or two vehicles of one, make the drive `{}`",
-                twice.meta.drive
-            ),
-            help: Some("leave one of them out, or ingest them into two folders".to_owned()),
+        }
+        let mut ids = BTreeSet::new();
+        if let Some(twice) = drives.iter().find(|d| !ids.insert(&d.meta.drive)) {
+            return Err(StudyError::NotPossible {
+                problem: format!(
+                    "two logs, or two vehicles of one, make the drive `{}`",
+                    twice.meta.drive
+                ),
+                help: Some("leave one of them out, or ingest them into two folders".to_owned()),
+            });
+        }
+        watch.check()?;
+        refuse_foreign(&self.out, drives.iter().map(|d| d.meta.drive.as_str()))?;
+        std::fs::create_dir_all(&self.out).map_err(StudyError::write(&self.out))?;
+        for drive in &drives {
+            let place = self.out.join(format!("{}.parquet", drive.meta.drive));
+            put_in_place(&drive.file, &place)?;
+        }
+        write_exclusions(&self.out, &drives, &left_out, &failed)?;
+        let mut warnings: Vec<String> = failed.iter().map(FailedLog::to_string).collect();
+        let doubts = drives.iter().flat_map(|d| &d.warnings);
+        let doubts = doubts.map(|w| (w.file.to_slash_lossy().into_owned(), w));
+        warnings.extend(doubted(doubts));
+        drives.sort_by(|a, b| a.meta.drive.cmp(&b.meta.drive));
+        let alone = drives.iter().filter(|d| !d.led).map(|d| {
+            let why = "no lead vehicle in any row; it cannot teach following or lane changes";
+            (d.meta.drive.to_string(), why.to_owned())
         });
-    }
-    watch.check()?;
-    refuse_foreign(&options.out, drives.iter().map(|d| d.meta.drive.as_str()))?;
-    std::fs::create_dir_all(&options.out).map_err(StudyError::write(&options.out))?;
-    for drive in &drives {
-        let place = options.out.join(format!("{}.parquet", drive.meta.drive));
-        put_in_place(&drive.file, &place)?;
-    }
-    write_exclusions(&options.out, &drives, &left_out, &failed)?;
-    let mut warnings: Vec<String> = failed.iter().map(FailedLog::to_string).collect();
-    let doubts = drives.iter().flat_map(|d| &d.warnings);
-    let doubts = doubts.map(|w| (w.file.to_slash_lossy().into_owned(), w));
-    warnings.extend(doubted(doubts));
-    drives.sort_by(|a, b| a.meta.drive.cmp(&b.meta.drive));
-    let alone = drives.iter().filter(|d| !d.led).map(|d| {
-        let why = "no lead vehicle in any row; it cannot teach following or lane changes";
-        (d.meta.drive.to_string(), why.to_owned())
-    });
-    warnings.extend(told_once("drive", alone));
-    let out = left_out.iter();
-    let out = out.map(|out| (out.meta.drive.to_string(), out.why.to_string()));
-    warnings.extend(told_once("drive", out));
-    let rows = drives.iter().map(|d| d.rows).sum();
-    let list: Vec<(DriveMeta, usize, f64)> = drives
-        .into_iter()
-        .map(|d| (d.meta, d.rows, d.duration_s))
-        .collect();
-    write_drive_list(&options.out, &list)?;
-    let mut summary = vec![format!(
-        "{}, {rows} rows: {}",
-        count(list.len(), "drive", "drives"),
-        options.out.to_slash_lossy()
-    )];
-    summary.extend(counted(
-        ["drive", "drives"],
-        left_out.iter().map(|out| &out.why),
-    ));
-    if !failed.is_empty() {
-        summary.push(format!(
-            "{} of {} logs could not be ingested: see {}",
-            failed.len(),
-            logs.len(),
-            exclusions.to_slash_lossy()
+        warnings.extend(told_once("drive", alone));
+        let out = left_out.iter();
+        let out = out.map(|out| (out.meta.drive.to_string(), out.why.to_string()));
+        warnings.extend(told_once("drive", out));
+        let rows = drives.iter().map(|d| d.rows).sum();
+        let list: Vec<(DriveMeta, usize, f64)> = drives
+            .into_iter()
+            .map(|d| (d.meta, d.rows, d.duration_s))
+            .collect();
+        write_drive_list(&self.out, &list)?;
+        let mut summary = vec![format!(
+            "{}, {rows} rows: {}",
+            count(list.len(), "drive", "drives"),
+            self.out.to_slash_lossy()
+        )];
+        summary.extend(counted(
+            ["drive", "drives"],
+            left_out.iter().map(|out| &out.why),
         ));
+        if !failed.is_empty() {
+            summary.push(format!(
+                "{} of {} logs could not be ingested: see {}",
+                failed.len(),
+                logs.len(),
+                exclusions.to_slash_lossy()
+            ));
+        }
+        Ok(Outcome {
+            value: IngestedDrives {
+                drives: list.into_iter().map(|l| l.0).collect(),
+                rows,
+                left_out,
+                failed,
+            },
+            summary,
+            warnings,
+        })
     }
-    Ok(Outcome {
-        value: IngestedDrives {
-            drives: list.into_iter().map(|l| l.0).collect(),
-            rows,
-            left_out,
-            failed,
-        },
-        summary,
-        warnings,
-    })
 }
 
 /// What is doubtful in logs: of one log as it says itself, the same of several once, with how often it came in all.
@@ -383,18 +410,15 @@ mod tests {
 
     fn run(logs: Vec<PathBuf>, out: &Path) -> Result<Outcome<IngestedDrives>, StudyError> {
         let mappings = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../study_data/mappings");
-        let options = IngestOptions {
+        let options = Ingest {
             logs,
-            design: None,
-            participants: None,
             out: out.to_owned(),
             mapping: Some(mappings.join("ours.toml")),
-            rate_hz: None,
-            recover: false,
             jobs: 2,
+            ..Ingest::default()
         };
         let (quiet, go_on) = (|_: usize, _: usize, _: &str| (), AtomicBool::new(false));
-        ingest(&options, Watch::new(&quiet, &go_on))
+        options.run(Watch::new(&quiet, &go_on))
     }
 
     fn names(folder: &Path) -> BTreeSet<String> {

@@ -8,6 +8,7 @@ use crate::{
     design::DESIGN_FILE,
     error::StudyError,
     outcome::{Outcome, Watch},
+    stage::{Files, Stage},
 };
 use maveric_domain::{
     ConditionId, Scale,
@@ -15,7 +16,7 @@ use maveric_domain::{
 };
 use path_slash::PathExt as _;
 use serde::Serialize;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use study_text::{Wanted, study_text};
 
 /// Folders that start empty.
@@ -54,18 +55,29 @@ after = [\"aggressiveness\", \"rosas\", \"godspeed_intelligence\", \"jian_trust\
 /// The paper's design.
 const PAPER: &str = maveric_data::DESIGNS_PAPER;
 
-/// What to make.
-#[derive(Debug, Clone, Default)]
-pub struct InitOptions {
-    /// The study's folder; not there yet, or empty.
+/// Make the folder of a study of your own: its design, scales, a mapping, and what goes where
+#[derive(Debug, Clone, Default, clap::Args)]
+#[command(after_help = "\
+Examples: maveric init my_study                                                     the paper's study, for recordings of your own
+          maveric init --paper                                                      here, the paper's study as shipped: made-up people, ready to run
+          maveric init my_study --conditions calm,normal,sporty --style none        cars of your own, only their logs are read
+          maveric init my_study --conditions calm,sporty --style mdsi.risky         a dial of another score
+          maveric init my_study --conditions calm,sporty --synthetic                to rehearse with made-up people")]
+pub struct Init {
+    /// The folder; not there yet, or empty; the one you stand in when not given
+    #[arg(default_value = ".")]
     pub folder: PathBuf,
-    /// The conditions, in the order of the page; the paper's study without.
+    /// The conditions, in the order of the page; the paper's study when not given
+    #[arg(long, value_delimiter = ',', value_name = "IDS")]
     pub conditions: Vec<String>,
-    /// What the dial turns: `SCALE.SUBSCALE` of a shipped scale, or `none`; the ADB score without.
+    /// The score that the dial turns, or none where every car was recorded; adb.total when not given
+    #[arg(long, value_name = "none|SCALE.SUBSCALE", requires = "conditions")]
     pub style: Option<String>,
-    /// Whether the people will be made up.
+    /// The people will be made up
+    #[arg(long)]
     pub synthetic: bool,
-    /// The paper's study as it is shipped, with its pipelines and made-up people; the rest then says nothing.
+    /// The paper's study as this program ships it, with made-up people: pipelines, design, scales, scenarios
+    #[arg(long, conflicts_with_all = ["conditions", "style", "synthetic"])]
     pub paper: bool,
 }
 
@@ -76,75 +88,79 @@ pub struct Initialised {
     pub files: Vec<String>,
 }
 
-/// Makes the folder of a study: its design to fill in, the scales, a mapping, and a README that says what goes where. Without
-/// conditions it is the paper's study, for recordings of one's own; as `paper`, what is shipped, in which the pipelines run.
-///
-/// # Errors
-/// [`StudyError::BadFile`] for a folder with something in it: nothing is overwritten; [`StudyError::NotPossible`] for a condition
-/// that is no id or a style that no shipped scale has; [`StudyError::Io`].
-pub fn init(options: &InitOptions, watch: Watch<'_>) -> Result<Outcome<Initialised>, StudyError> {
-    let folder = &options.folder;
-    let (design, people);
-    let (files, folders) = if options.paper {
-        (maveric_data::FILES.to_vec(), &[][..])
-    } else {
-        (design, people) = texts(options)?;
-        (own_files(options, &design, people), &FOLDERS[..])
-    };
-    std::fs::create_dir_all(folder).map_err(StudyError::write(folder))?;
-    // What a killed call left of a folder goes here.
-    let aside = Aside::new(folder)?;
-    for entry in std::fs::read_dir(folder).map_err(StudyError::read(folder))? {
-        if entry.map_err(StudyError::read(folder))?.path().file_name() != aside.path().file_name() {
-            return Err(StudyError::BadFile {
-                path: folder.clone(),
-                problem: "is not empty, expected a new or an empty folder".to_owned(),
-                help: Some("choose another name; nothing is overwritten".to_owned()),
-            });
+impl Stage for Init {
+    const NAME: &'static str = "init";
+    const FAILURE: &'static str = "could not make the study's folder";
+    type Result = Initialised;
+
+    fn files(&self, _root: &Path) -> Result<Files, StudyError> {
+        Ok(Files::default().writes([&self.folder]))
+    }
+
+    /// Makes the folder of a study: its design to fill in, the scales, a mapping, and a README that says what goes where. Without
+    /// conditions it is the paper's study, for recordings of one's own; as `paper`, what is shipped, in which the pipelines run.
+    fn work(&self, watch: Watch<'_>) -> Result<Outcome<Initialised>, StudyError> {
+        let folder = &self.folder;
+        let (design, people);
+        let (files, folders) = if self.paper {
+            (maveric_data::FILES.to_vec(), &[][..])
+        } else {
+            (design, people) = texts(self)?;
+            (own_files(self, &design, people), &FOLDERS[..])
+        };
+        std::fs::create_dir_all(folder).map_err(StudyError::write(folder))?;
+        // What a killed call left of a folder goes here.
+        let aside = Aside::new(folder)?;
+        for entry in std::fs::read_dir(folder).map_err(StudyError::read(folder))? {
+            if entry.map_err(StudyError::read(folder))?.path().file_name()
+                != aside.path().file_name()
+            {
+                return Err(StudyError::BadFile {
+                    path: folder.clone(),
+                    problem: "is not empty, expected a new or an empty folder".to_owned(),
+                    help: Some("choose another name; nothing is overwritten".to_owned()),
+                });
+            }
         }
+        let fresh = aside.path().join("study");
+        for name in folders {
+            let path = fresh.join(name);
+            std::fs::create_dir_all(&path).map_err(StudyError::write(&path))?;
+        }
+        for (name, text) in &files {
+            watch.check()?;
+            atomic_write_bytes(&fresh.join(name), text.as_bytes())?;
+        }
+        for entry in std::fs::read_dir(&fresh).map_err(StudyError::read(&fresh))? {
+            let entry = entry.map_err(StudyError::read(&fresh))?;
+            let place = folder.join(entry.file_name());
+            std::fs::rename(entry.path(), &place).map_err(StudyError::write(&place))?;
+        }
+        let next = if self.paper {
+            "there: maveric run, or small and quick maveric run pipelines/smoke.toml".to_owned()
+        } else {
+            let readme = folder.join("README.md");
+            format!(
+                "read {}, fill in {DESIGN_FILE} and the folder, then there: maveric run",
+                readme.to_slash_lossy(),
+            )
+        };
+        let summary = vec![
+            format!("a study's folder: {}", folder.to_slash_lossy()),
+            next,
+        ];
+        Ok(Outcome {
+            value: Initialised {
+                files: files.iter().map(|(name, _)| (*name).to_owned()).collect(),
+            },
+            summary,
+            warnings: Vec::new(),
+        })
     }
-    let fresh = aside.path().join("study");
-    for name in folders {
-        let path = fresh.join(name);
-        std::fs::create_dir_all(&path).map_err(StudyError::write(&path))?;
-    }
-    for (name, text) in &files {
-        watch.check()?;
-        atomic_write_bytes(&fresh.join(name), text.as_bytes())?;
-    }
-    for entry in std::fs::read_dir(&fresh).map_err(StudyError::read(&fresh))? {
-        let entry = entry.map_err(StudyError::read(&fresh))?;
-        let place = folder.join(entry.file_name());
-        std::fs::rename(entry.path(), &place).map_err(StudyError::write(&place))?;
-    }
-    let next = if options.paper {
-        "there: maveric run, or small and quick maveric run pipelines/smoke.toml".to_owned()
-    } else {
-        let readme = folder.join("README.md");
-        format!(
-            "read {}, fill in {DESIGN_FILE} and the folder, then there: maveric run",
-            readme.to_slash_lossy(),
-        )
-    };
-    let summary = vec![
-        format!("a study's folder: {}", folder.to_slash_lossy()),
-        next,
-    ];
-    Ok(Outcome {
-        value: Initialised {
-            files: files.iter().map(|(name, _)| (*name).to_owned()).collect(),
-        },
-        summary,
-        warnings: Vec::new(),
-    })
 }
 
 /// The files of a study of one's own.
-fn own_files<'a>(
-    options: &InitOptions,
-    design: &'a str,
-    people: &'a str,
-) -> Vec<(&'a str, &'a str)> {
+fn own_files<'a>(options: &Init, design: &'a str, people: &'a str) -> Vec<(&'a str, &'a str)> {
     let mut files: Vec<(&str, &str)> = FILES.into_iter().chain(scales()).collect();
     files.push((DESIGN_FILE, design));
     files.push(("participants.csv", people));
@@ -158,7 +174,7 @@ fn own_files<'a>(
 }
 
 /// The design, and the header of the table of people.
-fn texts(options: &InitOptions) -> Result<(String, &'static str), StudyError> {
+fn texts(options: &Init) -> Result<(String, &'static str), StudyError> {
     if options.conditions.is_empty() {
         let software = if options.synthetic {
             "software = \"table\""
@@ -243,7 +259,7 @@ mod tests {
 
     #[test]
     fn the_papers_study_in_a_folder_of_its_own_is_a_design_with_files_below_it() {
-        let (text, _) = texts(&InitOptions::default()).unwrap();
+        let (text, _) = texts(&Init::default()).unwrap();
         let design = maveric_domain::Design::from_toml(&text).unwrap();
         assert_eq!(design.files().scales, PathBuf::from("scales"));
         assert_eq!(design.files().claims, Some(PathBuf::from("claims.toml")));
@@ -264,30 +280,30 @@ mod tests {
         let left = folder.path().join(".maveric-aside-left");
         std::fs::create_dir(&left).unwrap();
         std::fs::write(left.join("in-use"), "").unwrap();
-        let options = InitOptions {
+        let options = Init {
             folder: folder.path().to_owned(),
-            ..InitOptions::default()
+            ..Init::default()
         };
         let (quiet, go_on) = (
             |_: usize, _: usize, _: &str| (),
             std::sync::atomic::AtomicBool::new(false),
         );
-        init(&options, Watch::new(&quiet, &go_on)).unwrap();
+        options.run(Watch::new(&quiet, &go_on)).unwrap();
         let names: BTreeSet<String> = std::fs::read_dir(folder.path())
             .unwrap()
             .map(|e| e.unwrap().file_name().to_string_lossy().into_owned())
             .collect();
         assert!(names.contains(DESIGN_FILE) && names.iter().all(|n| !n.starts_with(".maveric")));
-        let error = init(&options, Watch::new(&quiet, &go_on)).unwrap_err();
+        let error = options.run(Watch::new(&quiet, &go_on)).unwrap_err();
         assert!(error.to_string().contains("is not empty"), "{error}");
     }
 
     #[test]
     fn a_style_that_no_scale_has_is_named_with_the_nearest() {
-        let options = InitOptions {
+        let options = Init {
             conditions: vec!["calm".to_owned()],
             style: Some("mdsi.riskyy".to_owned()),
-            ..InitOptions::default()
+            ..Init::default()
         };
         let error = texts(&options).unwrap_err();
         assert!(

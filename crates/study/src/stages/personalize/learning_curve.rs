@@ -1,6 +1,6 @@
 //! The learning curve over all drives: means with intervals.
 
-use super::PersonalizeOptions;
+use super::Personalize;
 use crate::{
     atomic_write::write_json,
     error::StudyError,
@@ -64,7 +64,7 @@ struct CurveFile<'a> {
 pub(super) fn of_drives(
     personalizer: &Personalizer<'_>,
     drives: &[Drive],
-    options: &PersonalizeOptions,
+    options: &Personalize,
     watch: Watch<'_>,
 ) -> Result<Outcome<CurveOfDrives>, StudyError> {
     let Some(path) = &options.learning_curve else {

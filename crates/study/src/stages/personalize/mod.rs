@@ -11,8 +11,8 @@ use crate::{
     forget::refuse_learned_from_gone,
     once::told_once,
     outcome::{Outcome, Watch, for_each_on},
-    outputs::spare_inputs,
     run_folder::{adb_of, read_model},
+    stage::{Files, Stage},
     style_scale::style_scores,
     tables::{
         embeddings::{EmbeddingRow, write_embeddings},
@@ -23,30 +23,46 @@ use maveric_domain::{AdbScore, Drive, Score};
 use maveric_model::{ModelError, Personalizer, style_space::LinearHead};
 use maveric_participants::Part;
 use serde::Serialize;
-use std::{collections::BTreeSet, path::PathBuf};
+use std::{
+    collections::BTreeSet,
+    path::{Path, PathBuf},
+};
 
-/// What to fit.
-#[derive(Debug, Clone)]
-pub struct PersonalizeOptions {
-    /// The study's design; `study.toml` of the folder one stands in without. Without either every drive counts.
+/// Fit an embedding to each drive, the networks frozen
+#[derive(Debug, Clone, clap::Args)]
+#[command(
+    after_help = "Example: maveric personalize --model model.maveric --drives drives/study2 --scores scores.csv --out embeddings.csv"
+)]
+pub struct Personalize {
+    /// Design of the study (TOML); study.toml of the folder one stands in when not given. Without either every drive counts
+    #[arg(long, value_name = "FILE")]
     pub design: Option<PathBuf>,
-    /// Who takes part; the design's table without.
+    /// Who takes part; the design's table when not given
+    #[arg(long)]
     pub participants: Option<PathBuf>,
-    /// Trained model.
+    /// Trained model
+    #[arg(long)]
     pub model: PathBuf,
-    /// Folder of drives.
+    /// Folder of drives
+    #[arg(long)]
     pub drives: PathBuf,
-    /// Questionnaire scores.
+    /// Questionnaire scores; each drive is then fitted both with and without its ADB score
+    #[arg(long)]
     pub scores: Option<PathBuf>,
-    /// Embeddings to write.
+    /// Embeddings to write
+    #[arg(long)]
     pub out: PathBuf,
-    /// Learning curve to write, as CSV or JSON by its name.
+    /// Write how good embeddings are after 1, 2, 5 and 10 minutes, judged on each drive's last fifth (CSV or JSON by name)
+    #[arg(long, value_name = "FILE")]
     pub learning_curve: Option<PathBuf>,
-    /// Share of each drive, from its start, that may be learned from.
+    /// Share of each drive, from its start, that may be learned from
+    #[arg(long, default_value_t = 1.0)]
     pub fit_fraction: f64,
-    /// Root of every random choice.
+    /// Root of every random choice
+    #[arg(long, default_value_t = 1)]
     pub seed: u64,
-    /// Threads.
+    /// Threads
+    #[arg(short, long, default_value_t = crate::outcome::all_cores())]
     pub jobs: usize,
 }
 
@@ -76,151 +92,152 @@ struct Task<'a> {
     use_adb: bool,
 }
 
-/// Fits an embedding to every drive of a folder: with its ADB score where there is one, and always without.
-///
-/// A drive that is too short is left out with a warning; one that shows no habit says nothing, with a warning.
-///
-/// # Errors
-/// [`StudyError`] if model, drives or scores cannot be read, no drive is as long as a window, or no score belongs to any
-/// drive.
-pub fn personalize(
-    options: &PersonalizeOptions,
-    watch: Watch<'_>,
-) -> Result<Outcome<PersonalizedDrives>, StudyError> {
-    let given = [&options.design, &options.participants, &options.scores];
-    let given = given.into_iter().filter_map(Option::as_deref);
-    let outputs = [&*options.out]
-        .into_iter()
-        .chain(options.learning_curve.as_deref());
-    spare_inputs(given.chain([&*options.model, &options.drives]), outputs)?;
-    let design = options.design.as_deref();
-    let study = DesignFile::find(design)?;
-    refuse_learned_from_gone(&study, &options.model)?;
-    let model = read_model(&options.model)?;
-    let baseline = study.design.baseline_id();
-    let drives = drives_of(
-        &options.drives,
-        design,
-        options.participants.as_deref(),
-        Part::Test,
-    )?;
-    let scores = options.scores.as_deref().map(read_scores).transpose()?;
-    let stretched = scores
-        .map(|scores| style_scores(scores, design))
-        .transpose()?;
-    let scale = stretched.as_ref().map(|(_, scale)| *scale);
-    let scores = stretched.map(|(scores, _)| scores);
-    let scored_without_drive = match (&scores, &options.scores) {
-        (Some(scores), Some(path)) => scored_without_drive(scores, &drives, path)?,
-        _ => 0,
-    };
-    let scores = scores.unwrap_or_default();
-    let personalizer = Personalizer::of_first(&model, options.fit_fraction)?;
-    let mut tasks = Vec::new();
-    let mut warnings = Vec::new();
-    let mut unscored = Vec::new();
-    for drive in &drives {
-        let adb = adb_of(drive, &scores, baseline)?;
-        if adb.is_some() && model.knows_aggression() {
+impl Stage for Personalize {
+    const NAME: &'static str = "personalize";
+    const FAILURE: &'static str = "could not personalize";
+    type Result = PersonalizedDrives;
+
+    fn files(&self, root: &Path) -> Result<Files, StudyError> {
+        Ok(Files::default()
+            .reads([&self.model, &self.drives])
+            .reads(&self.scores)
+            .reads_people(root, self.design.as_deref(), self.participants.as_deref())?
+            .writes([&self.out])
+            .writes(&self.learning_curve))
+    }
+
+    /// Fits an embedding to every drive of a folder: with its ADB score where there is one, and always without.
+    ///
+    /// A drive that is too short is left out with a warning; one that shows no habit says nothing, with a warning.
+    fn work(&self, watch: Watch<'_>) -> Result<Outcome<PersonalizedDrives>, StudyError> {
+        let design = self.design.as_deref();
+        let study = DesignFile::find(design)?;
+        refuse_learned_from_gone(&study, &self.model)?;
+        let model = read_model(&self.model)?;
+        let baseline = study.design.baseline_id();
+        let drives = drives_of(
+            &self.drives,
+            design,
+            self.participants.as_deref(),
+            Part::Test,
+        )?;
+        let scores = self.scores.as_deref().map(read_scores).transpose()?;
+        let stretched = scores
+            .map(|scores| style_scores(scores, design))
+            .transpose()?;
+        let scale = stretched.as_ref().map(|(_, scale)| *scale);
+        let scores = stretched.map(|(scores, _)| scores);
+        let scored_without_drive = match (&scores, &self.scores) {
+            (Some(scores), Some(path)) => scored_without_drive(scores, &drives, path)?,
+            _ => 0,
+        };
+        let scores = scores.unwrap_or_default();
+        let personalizer = Personalizer::of_first(&model, self.fit_fraction)?;
+        let mut tasks = Vec::new();
+        let mut warnings = Vec::new();
+        let mut unscored = Vec::new();
+        for drive in &drives {
+            let adb = adb_of(drive, &scores, baseline)?;
+            if adb.is_some() && model.knows_aggression() {
+                tasks.push(Task {
+                    drive,
+                    adb,
+                    use_adb: true,
+                });
+            }
             tasks.push(Task {
                 drive,
                 adb,
-                use_adb: true,
+                use_adb: false,
             });
-        }
-        tasks.push(Task {
-            drive,
-            adb,
-            use_adb: false,
-        });
-        if adb.is_none() && options.scores.is_some() {
-            let why = "no score of the style, so fitted without";
-            unscored.push((drive.meta().drive.to_string(), why.to_owned()));
-        }
-    }
-    warnings.extend(told_once("drive", unscored));
-    let fitted = for_each_on(options.jobs, &tasks, watch, "embeddings", |task| match fit(
-        &personalizer,
-        task,
-    ) {
-        Err(StudyError::Model(short @ ModelError::DriveTooShort { .. })) => Ok(Err(short)),
-        other => other.map(Ok),
-    })?;
-    let mut rows = Vec::new();
-    let mut short = BTreeSet::new();
-    for result in fitted {
-        match result {
-            Ok(row) => rows.push(row),
-            Err(error) => {
-                short.insert(format!("{error}; left out"));
+            if adb.is_none() && self.scores.is_some() {
+                let why = "no score of the style, so fitted without";
+                unscored.push((drive.meta().drive.to_string(), why.to_owned()));
             }
         }
-    }
-    if rows.is_empty() {
-        return Err(StudyError::NotPossible {
-            problem: format!(
-                "{}: none of {} drives shows how its driver drives",
-                options.drives.to_slash_lossy(),
-                drives.len()
-            ),
-            help: Some("record longer drives".to_owned()),
-        });
-    }
-    let left_out = short.len();
-    warnings.extend(short);
-    let blank: BTreeSet<&str> = rows
-        .iter()
-        .filter(|row| row.readings == Some(0))
-        .map(|row| row.drive.as_str())
-        .collect();
-    let without_habits = blank.len();
-    let why = "shows no habit (no free road, nobody followed or passed), so its driver is taken as anybody";
-    let blank = blank
-        .into_iter()
-        .map(|drive| (drive.to_owned(), why.to_owned()));
-    warnings.extend(told_once("drive", blank));
-    let mut summary = Vec::new();
-    let learning_curve = match &options.learning_curve {
-        Some(path) => {
-            let curve = learning_curve::of_drives(&personalizer, &drives, options, watch)?;
-            warnings.extend(curve.warnings);
-            summary.push(format!(
-                "learning curve of {} drives: {}",
-                curve.value.drives,
-                path.to_slash_lossy()
-            ));
-            summary.extend(curve.summary);
-            curve.value.rows
+        warnings.extend(told_once("drive", unscored));
+        let fitted = for_each_on(self.jobs, &tasks, watch, "embeddings", |task| {
+            match fit(&personalizer, task) {
+                Err(StudyError::Model(short @ ModelError::DriveTooShort { .. })) => Ok(Err(short)),
+                other => other.map(Ok),
+            }
+        })?;
+        let mut rows = Vec::new();
+        let mut short = BTreeSet::new();
+        for result in fitted {
+            match result {
+                Ok(row) => rows.push(row),
+                Err(error) => {
+                    short.insert(format!("{error}; left out"));
+                }
+            }
         }
-        None => Vec::new(),
-    };
-    if let Some(scale) = scale {
-        scale.outward_rows(&mut rows);
+        if rows.is_empty() {
+            return Err(StudyError::NotPossible {
+                problem: format!(
+                    "{}: none of {} drives shows how its driver drives",
+                    self.drives.to_slash_lossy(),
+                    drives.len()
+                ),
+                help: Some("record longer drives".to_owned()),
+            });
+        }
+        let left_out = short.len();
+        warnings.extend(short);
+        let blank: BTreeSet<&str> = rows
+            .iter()
+            .filter(|row| row.readings == Some(0))
+            .map(|row| row.drive.as_str())
+            .collect();
+        let without_habits = blank.len();
+        let why = "shows no habit (no free road, nobody followed or passed), so its driver is taken as anybody";
+        let blank = blank
+            .into_iter()
+            .map(|drive| (drive.to_owned(), why.to_owned()));
+        warnings.extend(told_once("drive", blank));
+        let mut summary = Vec::new();
+        let learning_curve = match &self.learning_curve {
+            Some(path) => {
+                let curve = learning_curve::of_drives(&personalizer, &drives, self, watch)?;
+                warnings.extend(curve.warnings);
+                summary.push(format!(
+                    "learning curve of {} drives: {}",
+                    curve.value.drives,
+                    path.to_slash_lossy()
+                ));
+                summary.extend(curve.summary);
+                curve.value.rows
+            }
+            None => Vec::new(),
+        };
+        if let Some(scale) = scale {
+            scale.outward_rows(&mut rows);
+        }
+        write_embeddings(&self.out, &rows)?;
+        let median_standard_error = median_standard_error(&rows);
+        let error = median_standard_error.map(|e| format!(", standard error {e:.2} (median)"));
+        let line = format!(
+            "{} drives personalised{}: {}",
+            drives.len() - left_out,
+            error.unwrap_or_default(),
+            self.out.to_slash_lossy()
+        );
+        summary.insert(0, line);
+        let value = PersonalizedDrives {
+            drives: drives.len() - left_out,
+            left_out,
+            without_habits,
+            scored_without_drive,
+            median_standard_error,
+            learning_curve,
+            embeddings: rows,
+        };
+        Ok(Outcome {
+            value,
+            summary,
+            warnings,
+        })
     }
-    write_embeddings(&options.out, &rows)?;
-    let median_standard_error = median_standard_error(&rows);
-    let error = median_standard_error.map(|e| format!(", standard error {e:.2} (median)"));
-    let line = format!(
-        "{} drives personalised{}: {}",
-        drives.len() - left_out,
-        error.unwrap_or_default(),
-        options.out.to_slash_lossy()
-    );
-    summary.insert(0, line);
-    let value = PersonalizedDrives {
-        drives: drives.len() - left_out,
-        left_out,
-        without_habits,
-        scored_without_drive,
-        median_standard_error,
-        learning_curve,
-        embeddings: rows,
-    };
-    Ok(Outcome {
-        value,
-        summary,
-        warnings,
-    })
 }
 
 /// Counts the participants with an ADB score and without a drive; if that is all of them, the files do not belong

@@ -16,41 +16,62 @@ use crate::{
     design::DesignFile,
     error::StudyError,
     outcome::{Outcome, Watch, for_each_on},
+    stage::{Files, Stage},
     stages::report::write_page,
 };
 use maveric_analysis::{Finding, Friedman};
 use maveric_domain::stream_seed;
 use maveric_rehearsal::{World, findings, found_in};
 use serde::Serialize;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
-/// What to rehearse.
-#[derive(Debug, Clone)]
-pub struct RehearseOptions {
-    /// The study's design; `study.toml` of the folder one stands in without, else the paper's.
+/// Run the whole analysis of a design on many made-up studies without driving: false-positive rates, power, sample sizes
+#[derive(Debug, Clone, clap::Args)]
+#[command(after_help = "\
+Examples: maveric rehearse --effects-times 0 --studies 4000 --out reports/null
+          maveric rehearse --participants 12,24,48,96 --effects-times 0.5,1 --studies 300 --out reports/power")]
+pub struct Rehearse {
+    /// Design of the study (TOML); study.toml of the folder one stands in when not given, else the paper's
+    #[arg(long, value_name = "FILE")]
     pub design: Option<PathBuf>,
-    /// What drives look like (TOML); as shipped without.
+    /// What drives look like (TOML); as shipped when not given
+    #[arg(long)]
     pub population: Option<PathBuf>,
-    /// Sizes of the effects; the design's without, else as shipped.
+    /// Sizes of the effects (TOML); the design's when not given, else as shipped
+    #[arg(long)]
     pub effects: Option<PathBuf>,
-    /// Folder of questionnaire definitions; the design's without.
+    /// Folder of questionnaire definitions; the design's when not given
+    #[arg(long)]
     pub scales: Option<PathBuf>,
-    /// What the paper reported, to compare signs with.
+    /// What the paper reported (TOML): signs are compared with it
+    #[arg(long)]
     pub claims: Option<PathBuf>,
-    /// Sizes of the studies.
+    /// Participants of a study; several sizes, ascending
+    #[arg(long, value_delimiter = ',', default_value = "24")]
     pub participants: Vec<usize>,
-    /// What every effect is multiplied with; 0 is a study without any.
+    /// What every effect is multiplied with; 0 for none at all
+    #[arg(
+        long = "effects-times",
+        value_name = "EFFECTS_TIMES",
+        value_delimiter = ',',
+        default_value = "0"
+    )]
     pub effect_scales: Vec<f64>,
-    /// Studies of each size and scale.
+    /// Studies of each size and scale of the effects
+    #[arg(long, default_value_t = 1000)]
     pub studies: usize,
-    /// Folder to write into.
+    /// Folder to write into: rehearsal.json and a page with figures and tables
+    #[arg(long)]
     pub out: PathBuf,
-    /// Root of every random choice.
+    /// Root of every random choice
+    #[arg(long, default_value_t = 1)]
     pub seed: u64,
-    /// Threads.
+    /// Threads
+    #[arg(short, long, default_value_t = crate::outcome::all_cores())]
     pub jobs: usize,
-    /// The command that makes the same again, for the page.
-    pub command: String,
+    /// The command that makes the same again, for the page; this one when not given
+    #[arg(long, value_name = "TEXT")]
+    pub command: Option<String>,
 }
 
 /// What was found.
@@ -78,81 +99,103 @@ impl Rehearsal {
     }
 }
 
-/// Runs the analysis of `stats study` on `studies` made-up studies of each size and scale of the effects; writes `rehearsal.json` and a
-/// page with figures and tables.
-///
-/// # Errors
-/// [`StudyError`] if an input cannot be read, a size, scale or count makes no study, or a file cannot be written.
-///
-/// # Source
-/// Method, end of section 7: without effects no more significant results than chance.
-pub fn rehearse(
-    options: &RehearseOptions,
-    watch: Watch<'_>,
-) -> Result<Outcome<Rehearsal>, StudyError> {
-    check(options)?;
-    let world = read_world(
-        &DesignFile::find(options.design.as_deref())?,
-        [&options.population, &options.effects, &options.scales].map(Option::as_deref),
-    )?;
-    let mut grid = Vec::new();
-    for &scale in &options.effect_scales {
-        grid.extend(options.participants.iter().map(|n| (scale, *n)));
+impl Stage for Rehearse {
+    const NAME: &'static str = "rehearse";
+    const FAILURE: &'static str = "could not rehearse";
+    type Result = Rehearsal;
+
+    fn files(&self, root: &Path) -> Result<Files, StudyError> {
+        let study = DesignFile::find_below(root, self.design.as_deref())?;
+        let files = study.design.files();
+        let effects = files.effects.as_ref().filter(|_| self.effects.is_none());
+        let scales = self
+            .scales
+            .clone()
+            .unwrap_or_else(|| study.resolve(&files.scales));
+        Ok(Files::default()
+            .reads_design(self.design.as_deref())
+            .reads(&self.population)
+            .reads(&self.effects)
+            .reads_if_there(effects.map(|path| study.resolve(path)))
+            .reads([scales])
+            .reads(&self.claims)
+            .writes([&self.out]))
     }
-    let worlds: Vec<World> = options
-        .effect_scales
-        .iter()
-        .map(|s| world.scaled(*s))
-        .collect();
-    let mut items = Vec::new();
-    for (cell, _) in grid.iter().enumerate() {
-        items.extend((0..options.studies).map(|index| (cell, index)));
+
+    fn repeated_by(&mut self, command: &str) {
+        self.command.get_or_insert_with(|| command.to_owned());
     }
-    let found = for_each_on(options.jobs, &items, watch, "studies", |&(cell, index)| {
-        let (scale, n) = grid[cell];
-        let labels = [format!("{scale}"), n.to_string(), index.to_string()];
-        let [scale, size, index] = labels.each_ref().map(String::as_str);
-        let seed = stream_seed(options.seed, &["rehearsal", scale, size, index]);
-        let study = worlds[cell / options.participants.len()].study(n, seed)?;
-        let analysis = maveric_analysis::analyse(&study.data, Friedman::Approximate)?;
-        Ok(found_in(&analysis))
-    })?;
-    let cells: Vec<Cell> = grid
-        .iter()
-        .zip(found.chunks(options.studies))
-        .map(|((scale, n), studies)| Cell::of(*n, *scale, studies))
-        .collect();
-    let signs = match &options.claims {
-        Some(path) => signs::signs(path, &cells)?,
-        None => Vec::new(),
-    };
-    let mut value = Rehearsal {
-        synthetic: true,
-        cells,
-        findings: Vec::new(),
-        signs,
-    };
-    value.findings = match (value.is_null(), value.cells.first(), value.largest()) {
-        (true, Some(cell), _) => vec![findings::families(cell), findings::single(cell)],
-        (false, _, Some(cell)) => vec![findings::power(cell)],
-        _ => Vec::new(),
-    };
-    write_json(&options.out.join("rehearsal.json"), &value)?;
-    let page = write_page(&options.out, &page::page(&value, options)?)?;
-    let mut summary = tables::summary(&value);
-    summary.push(format!(
-        "{} synthetic studies: {}",
-        items.len(),
-        page.to_slash_lossy()
-    ));
-    Ok(Outcome {
-        value,
-        summary,
-        warnings: Vec::new(),
-    })
+
+    /// Runs the analysis of `stats study` on `studies` made-up studies of each size and scale of the effects; writes `rehearsal.json` and a
+    /// page with figures and tables.
+    ///
+    /// # Source
+    /// Method, end of section 7: without effects no more significant results than chance.
+    fn work(&self, watch: Watch<'_>) -> Result<Outcome<Rehearsal>, StudyError> {
+        check(self)?;
+        let world = read_world(
+            &DesignFile::find(self.design.as_deref())?,
+            [&self.population, &self.effects, &self.scales].map(Option::as_deref),
+        )?;
+        let mut grid = Vec::new();
+        for &scale in &self.effect_scales {
+            grid.extend(self.participants.iter().map(|n| (scale, *n)));
+        }
+        let worlds: Vec<World> = self
+            .effect_scales
+            .iter()
+            .map(|s| world.scaled(*s))
+            .collect();
+        let mut items = Vec::new();
+        for (cell, _) in grid.iter().enumerate() {
+            items.extend((0..self.studies).map(|index| (cell, index)));
+        }
+        let found = for_each_on(self.jobs, &items, watch, "studies", |&(cell, index)| {
+            let (scale, n) = grid[cell];
+            let labels = [format!("{scale}"), n.to_string(), index.to_string()];
+            let [scale, size, index] = labels.each_ref().map(String::as_str);
+            let seed = stream_seed(self.seed, &["rehearsal", scale, size, index]);
+            let study = worlds[cell / self.participants.len()].study(n, seed)?;
+            let analysis = maveric_analysis::analyse(&study.data, Friedman::Approximate)?;
+            Ok(found_in(&analysis))
+        })?;
+        let cells: Vec<Cell> = grid
+            .iter()
+            .zip(found.chunks(self.studies))
+            .map(|((scale, n), studies)| Cell::of(*n, *scale, studies))
+            .collect();
+        let signs = match &self.claims {
+            Some(path) => signs::signs(path, &cells)?,
+            None => Vec::new(),
+        };
+        let mut value = Rehearsal {
+            synthetic: true,
+            cells,
+            findings: Vec::new(),
+            signs,
+        };
+        value.findings = match (value.is_null(), value.cells.first(), value.largest()) {
+            (true, Some(cell), _) => vec![findings::families(cell), findings::single(cell)],
+            (false, _, Some(cell)) => vec![findings::power(cell)],
+            _ => Vec::new(),
+        };
+        write_json(&self.out.join("rehearsal.json"), &value)?;
+        let page = write_page(&self.out, &page::page(&value, self)?)?;
+        let mut summary = tables::summary(&value);
+        summary.push(format!(
+            "{} synthetic studies: {}",
+            items.len(),
+            page.to_slash_lossy()
+        ));
+        Ok(Outcome {
+            value,
+            summary,
+            warnings: Vec::new(),
+        })
+    }
 }
 
-fn check(options: &RehearseOptions) -> Result<(), StudyError> {
+fn check(options: &Rehearse) -> Result<(), StudyError> {
     let refuse = |problem: String| {
         Err(StudyError::NotPossible {
             problem,

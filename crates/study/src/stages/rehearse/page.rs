@@ -1,6 +1,6 @@
 //! The page of a rehearsal: its figures and tables.
 
-use super::{Cell, Rehearsal, RehearseOptions, tables};
+use super::{Cell, Rehearsal, Rehearse, tables};
 use crate::{error::StudyError, stages::report::page_of};
 use maveric_pages::cards::rehearsal::of_studies;
 use maveric_report::{
@@ -12,7 +12,7 @@ use maveric_report::{
     html::Section,
 };
 
-pub(super) fn page(found: &Rehearsal, options: &RehearseOptions) -> Result<Report, StudyError> {
+pub(super) fn page(found: &Rehearsal, options: &Rehearse) -> Result<Report, StudyError> {
     let context = Context::synthetic(options.seed);
     let sections = if found.is_null() {
         let sections = found
@@ -50,7 +50,7 @@ pub(super) fn page(found: &Rehearsal, options: &RehearseOptions) -> Result<Repor
             (title, subtitle),
             &context,
             method,
-            (options.seed, &options.command),
+            (options.seed, options.command.as_deref().unwrap_or_default()),
         )
     })
 }
@@ -104,7 +104,7 @@ fn null_section(cell: &Cell, context: &Context) -> Result<Section, StudyError> {
 
 fn power_figure(
     found: &Rehearsal,
-    options: &RehearseOptions,
+    options: &Rehearse,
     context: &Context,
 ) -> Result<Vec<Figure>, StudyError> {
     let shown: Vec<f64> = options.effect_scales.iter().copied().take(5).collect();

@@ -24,13 +24,10 @@ pub(crate) fn read_world(
     [population, effects, scales]: [Option<&Path>; 3],
 ) -> Result<World, StudyError> {
     let files = study.design.files();
-    let own = || files.effects.as_ref().map(|path| study.resolve(path));
-    let effects = match effects
-        .map(Path::to_owned)
-        .or_else(own)
-        .filter(|p| p.is_file())
-    {
-        Some(path) => read_effects(&path)?,
+    let own = files.effects.as_ref().map(|path| study.resolve(path));
+    let own = own.filter(|path| path.is_file());
+    let effects = match effects.or(own.as_deref()) {
+        Some(path) => read_effects(path)?,
         None => effects_of(Path::new("effects.toml"), EFFECTS)?,
     };
     let own = study.resolve(&files.scales);

@@ -10,37 +10,51 @@ use crate::{
     design::DesignFile,
     error::StudyError,
     outcome::{Outcome, Watch, for_each_on},
+    stage::{Files, Stage},
     stages::{rehearse::read_world, report::write_page},
 };
 use maveric_analysis::{Dial, Finding};
 use maveric_domain::stream_seed;
 use maveric_rehearsal::{DialTrials, findings};
 use serde::Serialize;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
-/// What to rehearse.
-#[derive(Debug, Clone)]
-pub struct RehearseDialOptions {
-    /// What drives look like (TOML).
+/// Try the recommended shift on made-up people whose preference is known, and count the trials it takes to learn one
+#[derive(Debug, Clone, clap::Args)]
+#[command(
+    after_help = "Example: maveric rehearse-dial --participants 24,48,96 --studies 20 --out reports/dial"
+)]
+pub struct RehearseDial {
+    /// What drives look like (TOML)
+    #[arg(long, default_value = "study_data/population.toml")]
     pub population: PathBuf,
-    /// Sizes of the effects.
+    /// Sizes of the effects (TOML)
+    #[arg(long, default_value = "study_data/effects.toml")]
     pub effects: PathBuf,
-    /// Folder of questionnaire definitions.
+    /// Folder of questionnaire definitions
+    #[arg(long, default_value = "study_data/scales")]
     pub scales: PathBuf,
-    /// Sizes of the studies to learn from.
+    /// Participants of the studies to learn from; several sizes, ascending
+    #[arg(long, value_delimiter = ',', default_value = "24,48,96")]
     pub participants: Vec<usize>,
-    /// Studies of each size.
+    /// Studies of each size
+    #[arg(long, default_value_t = 20)]
     pub studies: usize,
-    /// Further trials of a person.
+    /// Trials of each new person
+    #[arg(long, default_value_t = 14)]
     pub trials: usize,
-    /// Folder to write into.
+    /// Folder to write into: dial.json and a page with figures and tables
+    #[arg(long)]
     pub out: PathBuf,
-    /// Root of every random choice.
+    /// Root of every random choice
+    #[arg(long, default_value_t = 1)]
     pub seed: u64,
-    /// Threads.
+    /// Threads
+    #[arg(short, long, default_value_t = crate::outcome::all_cores())]
     pub jobs: usize,
-    /// The command that makes the same again, for the page.
-    pub command: String,
+    /// The command that makes the same again, for the page; this one when not given
+    #[arg(long, value_name = "TEXT")]
+    pub command: Option<String>,
 }
 
 /// What was found.
@@ -58,67 +72,77 @@ pub struct DialRehearsal {
     pub dial: Dial,
 }
 
-/// Learns from made-up studies, recommends to new people, and holds it against the preference that they were made with.
-///
-/// # Errors
-/// [`StudyError`] if an input cannot be read, a size or count makes no study, or a file cannot be written.
-pub fn rehearse_dial(
-    options: &RehearseDialOptions,
-    watch: Watch<'_>,
-) -> Result<Outcome<DialRehearsal>, StudyError> {
-    let ascend = options.participants.is_sorted_by(|a, b| a < b);
-    let sizes = options.participants.iter().all(|n| (6..=500).contains(n));
-    if options.participants.is_empty() || !ascend || !sizes || options.studies == 0 {
-        return Err(StudyError::NotPossible {
+impl Stage for RehearseDial {
+    const NAME: &'static str = "rehearse-dial";
+    const FAILURE: &'static str = "could not rehearse the dial";
+    type Result = DialRehearsal;
+
+    fn files(&self, _root: &Path) -> Result<Files, StudyError> {
+        Ok(Files::default()
+            .reads([&self.population, &self.effects, &self.scales])
+            .writes([&self.out]))
+    }
+
+    fn repeated_by(&mut self, command: &str) {
+        self.command.get_or_insert_with(|| command.to_owned());
+    }
+
+    /// Learns from made-up studies, recommends to new people, and holds it against the preference that they were made with.
+    fn work(&self, watch: Watch<'_>) -> Result<Outcome<DialRehearsal>, StudyError> {
+        let ascend = self.participants.is_sorted_by(|a, b| a < b);
+        let sizes = self.participants.iter().all(|n| (6..=500).contains(n));
+        if self.participants.is_empty() || !ascend || !sizes || self.studies == 0 {
+            return Err(StudyError::NotPossible {
             problem: "studies to learn from must have 6 to 500 participants, ascending, and there must be one at least".to_owned(),
             help: Some("such as --participants 24,48,96 --studies 20".to_owned()),
         });
+        }
+        let given = [&self.population, &self.effects, &self.scales];
+        let world = read_world(
+            &DesignFile::paper()?,
+            given.map(|path| Some(path.as_path())),
+        )?;
+        let trials = DialTrials::new(&world, self.seed)?;
+        let mut items = Vec::new();
+        for &n in &self.participants {
+            items.extend((0..self.studies).map(|index| (n, index)));
+        }
+        let tried = for_each_on(self.jobs, &items, watch, "studies", |&(n, index)| {
+            let labels = ["dial", &n.to_string(), &index.to_string()];
+            Ok(trials.one(n, stream_seed(self.seed, &labels))?)
+        })?;
+        let learned_from: Vec<LearnedFrom> = self
+            .participants
+            .iter()
+            .zip(tried.chunks(self.studies))
+            .map(|(n, studies)| LearnedFrom::of(*n, studies))
+            .collect();
+        let largest = self.participants[self.participants.len() - 1];
+        let indices: Vec<usize> = (0..self.studies).collect();
+        let searched = for_each_on(self.jobs, &indices, watch, "searches", |index| {
+            let seed = stream_seed(self.seed, &["search", &index.to_string()]);
+            Ok(trials.search(largest, self.trials, seed)?)
+        })?;
+        let search = TrialError::of(&searched.concat(), self.trials);
+        let recommends = learned_from.last().map(findings::recommends);
+        let value = DialRehearsal {
+            synthetic: true,
+            findings: recommends
+                .into_iter()
+                .chain(findings::saves(&search))
+                .collect(),
+            learned_from,
+            search,
+            dial: trials.dial(),
+        };
+        write_json(&self.out.join("dial.json"), &value)?;
+        let page = write_page(&self.out, &page::page(&value, self)?)?;
+        let mut summary = page::summary(&value);
+        summary.push(format!("synthetic participants: {}", page.to_slash_lossy()));
+        Ok(Outcome {
+            value,
+            summary,
+            warnings: Vec::new(),
+        })
     }
-    let given = [&options.population, &options.effects, &options.scales];
-    let world = read_world(
-        &DesignFile::paper()?,
-        given.map(|path| Some(path.as_path())),
-    )?;
-    let trials = DialTrials::new(&world, options.seed)?;
-    let mut items = Vec::new();
-    for &n in &options.participants {
-        items.extend((0..options.studies).map(|index| (n, index)));
-    }
-    let tried = for_each_on(options.jobs, &items, watch, "studies", |&(n, index)| {
-        let labels = ["dial", &n.to_string(), &index.to_string()];
-        Ok(trials.one(n, stream_seed(options.seed, &labels))?)
-    })?;
-    let learned_from: Vec<LearnedFrom> = options
-        .participants
-        .iter()
-        .zip(tried.chunks(options.studies))
-        .map(|(n, studies)| LearnedFrom::of(*n, studies))
-        .collect();
-    let largest = options.participants[options.participants.len() - 1];
-    let indices: Vec<usize> = (0..options.studies).collect();
-    let searched = for_each_on(options.jobs, &indices, watch, "searches", |index| {
-        let seed = stream_seed(options.seed, &["search", &index.to_string()]);
-        Ok(trials.search(largest, options.trials, seed)?)
-    })?;
-    let search = TrialError::of(&searched.concat(), options.trials);
-    let recommends = learned_from.last().map(findings::recommends);
-    let value = DialRehearsal {
-        synthetic: true,
-        findings: recommends
-            .into_iter()
-            .chain(findings::saves(&search))
-            .collect(),
-        learned_from,
-        search,
-        dial: trials.dial(),
-    };
-    write_json(&options.out.join("dial.json"), &value)?;
-    let page = write_page(&options.out, &page::page(&value, options)?)?;
-    let mut summary = page::summary(&value);
-    summary.push(format!("synthetic participants: {}", page.to_slash_lossy()));
-    Ok(Outcome {
-        value,
-        summary,
-        warnings: Vec::new(),
-    })
 }

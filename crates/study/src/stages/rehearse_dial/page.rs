@@ -1,6 +1,6 @@
 //! The page of the dial's rehearsal: figures, tables, lines.
 
-use super::{DialRehearsal, LearnedFrom, Method, RehearseDialOptions, TrialError};
+use super::{DialRehearsal, LearnedFrom, Method, RehearseDial, TrialError};
 use crate::{error::StudyError, stages::report::page_of};
 use maveric_analysis::Question;
 use maveric_pages::cards::rehearsal::{recommends, saves};
@@ -15,10 +15,7 @@ use maveric_report::{
 };
 use maveric_stats::Proportion;
 
-pub(super) fn page(
-    found: &DialRehearsal,
-    options: &RehearseDialOptions,
-) -> Result<Report, StudyError> {
+pub(super) fn page(found: &DialRehearsal, options: &RehearseDial) -> Result<Report, StudyError> {
     let context = Context::synthetic(options.seed);
     let section = |title: &str, intro: &str, figures, tables| Section {
         title: title.to_owned(),
@@ -38,7 +35,7 @@ pub(super) fn page(
         ("How far to turn the dial for this person", subtitle),
         &context,
         "A Bayesian linear regression with shrinkage, learned from one study and tried on people of another; docs/rehearsal.md gives the model.",
-        (options.seed, &options.command),
+        (options.seed, options.command.as_deref().unwrap_or_default()),
     );
     Ok(Report {
         cards: cards(found)?,

@@ -1,7 +1,7 @@
 //! The page of an evaluation on recorded driving.
 
 use super::{
-    ReportOptions,
+    DrawReport,
     inputs::{hashed, in_folder},
     page_of,
 };
@@ -58,7 +58,7 @@ const SHOWN: [(FollowingMethod, Follower); 4] = [
     (FollowingMethod::IdmOwn, Follower::Idm),
 ];
 
-pub(super) fn page(options: &ReportOptions) -> Result<(Report, Vec<String>), StudyError> {
+pub(super) fn page(options: &DrawReport) -> Result<(Report, Vec<String>), StudyError> {
     let folder = options.results.as_path();
     let found: FollowingEvaluation = read_json(&folder.join("following.json"))?;
     let training: TrainingSummary = read_json(&training_path(&folder.join(MODEL_FILE)))?;
@@ -169,7 +169,10 @@ pub(super) fn page(options: &ReportOptions) -> Result<(Report, Vec<String>), Stu
         (&title, subtitle),
         &context,
         method,
-        (training.seed, &options.command),
+        (
+            training.seed,
+            options.command.as_deref().unwrap_or_default(),
+        ),
     );
     let inputs = ["following.json", "model.maveric", "model_training.json"];
     let report = Report {

@@ -1,6 +1,10 @@
 //! The files that a report is made from: hashed, and those that hold parameters shown whole.
 
-use crate::{atomic_write::read_text, error::StudyError};
+use super::{DrawReport, study::READ};
+use crate::{
+    atomic_write::read_text, design::DesignFile, error::StudyError, run_folder::MODEL_FILE,
+    stage::Files,
+};
 use maveric_report::html::{Input, ParameterFile};
 use path_slash::PathExt as _;
 use std::path::{Path, PathBuf};
@@ -49,6 +53,34 @@ pub(super) fn shown_whole(files: &[PathBuf]) -> Result<Vec<ParameterFile>, Study
         })
     };
     files.iter().filter(short).map(whole).collect()
+}
+
+/// What a page of these results may be drawn from.
+pub(super) fn drawn_from(options: &DrawReport, root: &Path) -> Result<Files, StudyError> {
+    let folder = &options.results;
+    let others = [
+        "following.json",
+        "answers_exclusions.csv",
+        "participants.csv",
+        "drives",
+        "av",
+        "logs",
+    ];
+    let is_file = |path: &PathBuf| root.join(path).is_file();
+    let values = options.parameters.iter().map(|(_, value)| value.into());
+    let study = DesignFile::find_below(root, options.design.as_deref())?;
+    let files = study.design.files();
+    let claims = files.claims.as_ref().filter(|_| options.claims.is_none());
+    Ok(Files::default()
+        .reads_design(options.design.as_deref())
+        .reads(&options.participants)
+        .reads(&options.claims)
+        .reads(claims.map(|path| study.resolve(path)))
+        .reads_if_there(in_folder(folder, &READ))
+        .reads_if_there(in_folder(folder, &others))
+        .reads_if_there([folder.join(MODEL_FILE), study.resolve(&files.scales)])
+        .reads_if_there(study.path.as_ref().map(|_| study.resolve(&files.logs)))
+        .reads_if_there(values.filter(is_file)))
 }
 
 /// `folder` with each of these names.

@@ -13,6 +13,7 @@ use crate::{
     error::StudyError,
     outcome::{Outcome, Watch},
     outputs::spare_inputs,
+    stage::{Files, Stage},
 };
 pub(crate) use inputs::hashed;
 use maveric_report::{
@@ -24,23 +25,30 @@ use path_slash::PathExt as _;
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 
-/// What to report.
-#[derive(Debug, Clone)]
-pub struct ReportOptions {
-    /// The study's design; `study.toml` of the folder one stands in without, else the paper's.
+/// Draw the figures, tables and the page from the results of a run
+#[derive(Debug, Clone, clap::Args)]
+#[command(after_help = "Example: maveric report study_data/generated/paper --out reports/paper")]
+pub struct DrawReport {
+    /// Design of the study (TOML); study.toml of the folder one stands in when not given, else the paper's
+    #[arg(long, value_name = "FILE")]
     pub design: Option<PathBuf>,
-    /// Folder of results, as the pipeline leaves it.
+    /// Folder of results, as the pipeline leaves it
     pub results: PathBuf,
-    /// Folder to write into.
+    /// Folder to write into: index.html, figures, tables
+    #[arg(long)]
     pub out: PathBuf,
-    /// The ledger of claims; the design's without, and none where it names none.
+    /// Ledger of claims (TOML); the design's when not given, and none where it names none
+    #[arg(long)]
     pub claims: Option<PathBuf>,
-    /// The command that makes the same again, for the page.
-    pub command: String,
-    /// Parameters of the run, listed on the page; a value that is a file stands there whole, with its hash.
+    /// A parameter of the run, for the page; a value that is a file is shown whole, with its hash
+    #[arg(long = "param", value_name = "KEY=VALUE", value_parser = parameter)]
     pub parameters: Vec<(String, String)>,
-    /// Who took part; `participants.csv` among the results without.
+    /// Table of who took part; RESULTS/participants.csv when not given
+    #[arg(long)]
     pub participants: Option<PathBuf>,
+    /// The command that makes the same again, for the page; this one when not given
+    #[arg(long, value_name = "TEXT")]
+    pub command: Option<String>,
 }
 
 /// What was written.
@@ -54,48 +62,65 @@ pub struct Reported {
     pub findings: Vec<String>,
 }
 
-/// Draws every figure and table that the results have numbers for, and the page that holds them.
-///
-/// A folder with `analysis.json` is a study; one with `following.json` is an evaluation on recorded driving.
-///
-/// # Errors
-/// [`StudyError`] if the folder holds neither, a result cannot be read, or a figure refuses its numbers.
-pub fn report(options: &ReportOptions, watch: Watch<'_>) -> Result<Outcome<Reported>, StudyError> {
-    let folder = &options.results;
-    // What a page is drawn from has names that the page's own tables have too.
-    spare_inputs([&**folder], [&*options.out])?;
-    let (page, findings) = if folder.join("analysis.json").exists() {
-        study::page(options, watch)?
-    } else if folder.join("following.json").exists() {
-        evaluation::page(options)?
-    } else {
-        return Err(StudyError::BadFile {
-            path: folder.clone(),
-            problem:
-                "holds neither analysis.json nor following.json, so there is nothing to report"
-                    .to_owned(),
-            help: Some(
-                "run a pipeline first, or `maveric stats study` over a study's results".to_owned(),
-            ),
-        });
-    };
-    watch.step(1, 2, "report")?;
-    let files = maveric_report::render(&page)?;
-    write_all(&options.out, &files)?;
-    watch.step(2, 2, "report")?;
-    let index = options.out.join("index.html");
-    let mut summary: Vec<String> = findings.iter().map(|line| markup::plain(line)).collect();
-    summary.push(format!("report: {}", index.to_slash_lossy()));
-    let value = Reported {
-        page: index,
-        files: files.len(),
-        findings,
-    };
-    Ok(Outcome {
-        value,
-        summary,
-        warnings: page.warnings,
-    })
+impl Stage for DrawReport {
+    const NAME: &'static str = "report";
+    const FAILURE: &'static str = "could not write the report";
+    type Result = Reported;
+
+    fn files(&self, root: &Path) -> Result<Files, StudyError> {
+        Ok(inputs::drawn_from(self, root)?.writes([&self.out]))
+    }
+
+    fn repeated_by(&mut self, command: &str) {
+        self.command.get_or_insert_with(|| command.to_owned());
+    }
+
+    /// Draws every figure and table that the results have numbers for, and the page that holds them.
+    ///
+    /// A folder with `analysis.json` is a study; one with `following.json` is an evaluation on recorded driving.
+    fn work(&self, watch: Watch<'_>) -> Result<Outcome<Reported>, StudyError> {
+        let folder = &self.results;
+        spare_inputs([&**folder], [&*self.out])?;
+        let (page, findings) = if folder.join("analysis.json").exists() {
+            study::page(self, watch)?
+        } else if folder.join("following.json").exists() {
+            evaluation::page(self)?
+        } else {
+            return Err(StudyError::BadFile {
+                path: folder.clone(),
+                problem:
+                    "holds neither analysis.json nor following.json, so there is nothing to report"
+                        .to_owned(),
+                help: Some(
+                    "run a pipeline first, or `maveric stats study` over a study's results"
+                        .to_owned(),
+                ),
+            });
+        };
+        watch.step(1, 2, "report")?;
+        let files = maveric_report::render(&page)?;
+        write_all(&self.out, &files)?;
+        watch.step(2, 2, "report")?;
+        let index = self.out.join("index.html");
+        let mut summary: Vec<String> = findings.iter().map(|line| markup::plain(line)).collect();
+        summary.push(format!("report: {}", index.to_slash_lossy()));
+        let value = Reported {
+            page: index,
+            files: files.len(),
+            findings,
+        };
+        Ok(Outcome {
+            value,
+            summary,
+            warnings: page.warnings,
+        })
+    }
+}
+
+fn parameter(text: &str) -> Result<(String, String), String> {
+    let parts = text.split_once('=').filter(|(key, _)| !key.is_empty());
+    let (key, value) = parts.ok_or_else(|| format!("`{text}` is not KEY=VALUE, such as seed=1"))?;
+    Ok((key.to_owned(), value.to_owned()))
 }
 
 /// A page with its head, the words that it explains, how its numbers were made and the command that repeats them; the results are

@@ -1,6 +1,6 @@
 //! Scores of the training drivers, by name, and the heads fitted to them.
 
-use super::AttributeOptions;
+use super::Steer;
 use crate::{
     error::StudyError,
     run_folder::embeddings_path,
@@ -70,23 +70,28 @@ pub(super) struct Heads {
 impl Heads {
     pub(super) fn fit(
         model: &Model,
-        model_path: &Path,
         axis: &LinearHead,
-        options: &AttributeOptions,
+        (options, attribute): (&Steer, &String),
         baseline: Option<ConditionId>,
     ) -> Result<Self, StudyError> {
-        let training = read_embeddings(&embeddings_path(model_path))?;
+        let Some(scores) = &options.scores else {
+            return Err(StudyError::NotPossible {
+                problem: format!("no table is named in which {attribute} stands"),
+                help: Some("name it with --scores".to_owned()),
+            });
+        };
+        let training = read_embeddings(&embeddings_path(&options.model))?;
         let mut heads = Self {
             all: Vec::new(),
             summaries: Vec::new(),
             warnings: Vec::new(),
         };
-        for name in std::iter::once(&options.name).chain(&options.hold) {
+        for name in std::iter::once(attribute).chain(&options.hold) {
             if name == AGGRESSION {
                 heads.all.push(axis.clone());
                 continue;
             }
-            let found = scores_of(&options.scores, name, &training, baseline)?;
+            let found = scores_of(scores, name, &training, baseline)?;
             let head = AttributeHead::fit(model, name, &found.scores)?;
             heads.note(&head, &found);
             heads.all.push(head.head);

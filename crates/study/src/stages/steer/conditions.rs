@@ -1,6 +1,6 @@
 //! Where each condition of the design lies for each person.
 
-use super::{SteerOptions, Steered, is_beyond};
+use super::{Steer, Steered, is_beyond};
 use crate::{
     design::DesignFile,
     error::StudyError,
@@ -41,7 +41,7 @@ struct Steering<'a> {
 
 /// One row a participant and condition that has a learned car; the person's own turning of the dial has none.
 pub(super) fn conditions(
-    options: &SteerOptions,
+    options: &Steer,
     study: &DesignFile,
     model: &Model,
     axis: Option<&LinearHead>,

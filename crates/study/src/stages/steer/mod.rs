@@ -11,8 +11,8 @@ use crate::{
     error::StudyError,
     forget::refuse_learned_from_gone,
     outcome::{Outcome, Watch},
-    outputs::spare_inputs,
     run_folder::read_model,
+    stage::{Files, Stage},
     tables::{
         conditions::{ConditionRow, write_conditions},
         embeddings::{EmbeddingRow, read_embeddings},
@@ -24,38 +24,51 @@ use maveric_model::{
     style_space::{LinearHead, share_outside_training},
 };
 use serde::Serialize;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
-/// What to steer.
-#[derive(Debug, Clone)]
-pub struct SteerOptions {
-    /// The study's design; `study.toml` of the folder one stands in without, else the paper's.
+/// Place the conditions of the design in style space
+#[derive(Debug, Clone, clap::Args)]
+#[command(
+    after_help = "Example: maveric steer --model model.maveric --embeddings embeddings.csv --out conditions.csv\n\
+    A sweep: maveric steer --model model.maveric --embeddings embeddings.csv --sweep=-20,-10,0,10,20 --out sweep.csv\n\
+    Another direction: maveric steer --model model.maveric --embeddings embeddings.csv --attribute mini_ipip.openness --scores scores.csv --points 1 --hold aggression --out openness.csv"
+)]
+pub struct Steer {
+    /// Design of the study (TOML); study.toml of the folder one stands in when not given, else the paper's
+    #[arg(long, value_name = "FILE")]
     pub design: Option<PathBuf>,
-    /// Trained model.
+    /// Trained model
+    #[arg(long)]
     pub model: PathBuf,
-    /// Fitted embeddings.
+    /// Fitted embeddings
+    #[arg(long)]
     pub embeddings: PathBuf,
-    /// Conditions to write.
+    /// Conditions to write
+    #[arg(long)]
     pub out: PathBuf,
-    /// A step of the dial, in points of the style or of the attribute; the design's without.
+    /// A step of the dial, in points of the style or of the attribute; the design's when not given
+    #[arg(long)]
     pub points: Option<f64>,
-    /// Points to sweep over in place of the conditions; may be empty.
+    /// Place these points in place of the conditions, such as --sweep=-20,-10,0,10,20
+    #[arg(
+        long,
+        value_delimiter = ',',
+        allow_hyphen_values = true,
+        value_name = "POINTS"
+    )]
     pub sweep: Vec<f64>,
-    /// What to move along in place of aggression.
-    pub attribute: Option<AttributeOptions>,
-    /// Root of every random choice.
-    pub seed: u64,
-}
-
-/// A move along something else than aggression.
-#[derive(Debug, Clone)]
-pub struct AttributeOptions {
-    /// The score to move: `SCALE.SUBSCALE` of a table of scores, or a column of any other table.
-    pub name: String,
-    /// The table it stands in.
-    pub scores: PathBuf,
-    /// Scores to hold; `aggression` is the model's own head.
+    /// Move along this score in place of aggression: SCALE.SUBSCALE of a table of scores, or any table's column
+    #[arg(long, requires = "scores", value_name = "NAME")]
+    pub attribute: Option<String>,
+    /// Table that the attribute stands in
+    #[arg(long, requires = "attribute", value_name = "FILE")]
+    pub scores: Option<PathBuf>,
+    /// Hold this score while moving along the attribute; `aggression` is the model's own
+    #[arg(long, requires = "attribute", value_name = "NAME")]
     pub hold: Vec<String>,
+    /// Root of every random choice
+    #[arg(long, default_value_t = 1)]
+    pub seed: u64,
 }
 
 /// Where the conditions lie.
@@ -71,50 +84,54 @@ pub struct Steered {
     pub conditions: Vec<ConditionRow>,
 }
 
-/// Places every condition of the design that has a learned car, for every baseline embedding that was fitted with the score of
-/// the style; for one without a score, the fit without. With a sweep or an attribute, places its points instead.
-///
-/// # Errors
-/// [`StudyError`] if model, embeddings or scores cannot be read, an attribute cannot be fitted or moved, or the model has no style
-/// head and the design a dial: without one, cars such as the average driver's need no such head.
-///
-/// # Source
-/// Method section 4.
-pub fn steer(options: &SteerOptions, watch: Watch<'_>) -> Result<Outcome<Steered>, StudyError> {
-    let named = options.design.as_deref().into_iter();
-    let named = named.chain(options.attribute.as_ref().map(|a| &*a.scores));
-    spare_inputs(
-        named.chain([&*options.model, &options.embeddings]),
-        [&*options.out],
-    )?;
-    let study = DesignFile::find(options.design.as_deref())?;
-    refuse_learned_from_gone(&study, &options.model)?;
-    let model = read_model(&options.model)?;
-    let rows = read_embeddings(&options.embeddings)?;
-    let sweeps = !options.sweep.is_empty() || options.attribute.is_some();
-    let axis = match LinearHead::aggression(&model) {
-        Err(ModelError::NoAggressionAxis) if !sweeps && !study.design.has_a_dial() => None,
-        axis => Some(axis?),
-    };
-    let Some(baseline) = study.design.baseline_id() else {
-        return Err(study.wrong(
-            "`baseline`: found none, expected the drive by hand that the car is fitted to",
-            Some("add [baseline] with the id of that drive, such as id = \"own\"".to_owned()),
-        ));
-    };
-    let own = own_drives(&rows, baseline);
-    if own.is_empty() {
-        return Err(StudyError::file(
-            &options.embeddings,
-            "holds no own drive to steer from",
-        ));
+impl Stage for Steer {
+    const NAME: &'static str = "steer";
+    const FAILURE: &'static str = "could not steer";
+    type Result = Steered;
+
+    fn files(&self, _root: &Path) -> Result<Files, StudyError> {
+        Ok(Files::default()
+            .reads([&self.model, &self.embeddings])
+            .reads(&self.scores)
+            .reads_design(self.design.as_deref())
+            .writes([&self.out]))
     }
-    let outcome = match &axis {
-        Some(axis) if sweeps => sweep::sweep(options, &study.design, (&model, axis), &own, watch)?,
-        _ => conditions::conditions(options, &study, &model, axis.as_ref(), &own, watch)?,
-    };
-    write_conditions(&options.out, &outcome.value.conditions)?;
-    Ok(outcome)
+
+    /// Places every condition of the design that has a learned car, for every baseline embedding that was fitted with the score of
+    /// the style; for one without a score, the fit without. With a sweep or an attribute, places its points instead.
+    ///
+    /// # Source
+    /// Method section 4.
+    fn work(&self, watch: Watch<'_>) -> Result<Outcome<Steered>, StudyError> {
+        let study = DesignFile::find(self.design.as_deref())?;
+        refuse_learned_from_gone(&study, &self.model)?;
+        let model = read_model(&self.model)?;
+        let rows = read_embeddings(&self.embeddings)?;
+        let sweeps = !self.sweep.is_empty() || self.attribute.is_some();
+        let axis = match LinearHead::aggression(&model) {
+            Err(ModelError::NoAggressionAxis) if !sweeps && !study.design.has_a_dial() => None,
+            axis => Some(axis?),
+        };
+        let Some(baseline) = study.design.baseline_id() else {
+            return Err(study.wrong(
+                "`baseline`: found none, expected the drive by hand that the car is fitted to",
+                Some("add [baseline] with the id of that drive, such as id = \"own\"".to_owned()),
+            ));
+        };
+        let own = own_drives(&rows, baseline);
+        if own.is_empty() {
+            return Err(StudyError::file(
+                &self.embeddings,
+                "holds no own drive to steer from",
+            ));
+        }
+        let outcome = match &axis {
+            Some(axis) if sweeps => sweep::sweep(self, &study.design, (&model, axis), &own, watch)?,
+            _ => conditions::conditions(self, &study, &model, axis.as_ref(), &own, watch)?,
+        };
+        write_conditions(&self.out, &outcome.value.conditions)?;
+        Ok(outcome)
+    }
 }
 
 /// One row a participant: the fit with the ADB score where there is one.

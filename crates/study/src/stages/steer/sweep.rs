@@ -1,7 +1,7 @@
 //! A sweep: the same embeddings at several points along aggression, or along another attribute.
 
 use super::{
-    SteerOptions, Steered,
+    Steer, Steered,
     attribute_scores::{AttributeSummary, Heads},
     is_beyond,
 };
@@ -29,7 +29,7 @@ const STEP_POINTS: f64 = 15.0;
 const UNMOVED: f64 = 1e-6;
 
 pub(super) fn sweep(
-    options: &SteerOptions,
+    options: &Steer,
     design: &Design,
     (model, axis): (&Model, &LinearHead),
     own: &[&EmbeddingRow],
@@ -54,9 +54,8 @@ pub(super) fn sweep(
     let heads = match &options.attribute {
         Some(attribute) => Some(Heads::fit(
             model,
-            &options.model,
             axis,
-            attribute,
+            (options, attribute),
             design.baseline_id(),
         )?),
         None => None,
@@ -75,7 +74,7 @@ pub(super) fn sweep(
     let name = options
         .attribute
         .as_ref()
-        .map_or("aggression", |a| a.name.as_str());
+        .map_or("aggression", String::as_str);
     let mut conditions = Vec::new();
     let mut clamped = 0;
     for row in own {

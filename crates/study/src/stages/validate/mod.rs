@@ -17,8 +17,8 @@ use crate::{
     atomic_write::{atomic_write_bytes, write_json},
     error::StudyError,
     outcome::{Outcome, Watch},
-    outputs::spare_inputs,
     run_folder::{read_model, read_scenario},
+    stage::{Files, Stage},
     stages::report::write_page,
 };
 use maveric_analysis::Finding;
@@ -26,31 +26,43 @@ use maveric_domain::DrivenBy;
 use maveric_rehearsal::validation::{MEASURES, mean, title, values};
 use maveric_report::tables::Table;
 use serde::Serialize;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
-/// What to validate, and how.
-#[derive(Debug, Clone)]
-pub struct ValidateOptions {
-    /// A run's results, with second drives.
+/// Check on people who drove twice whether the learned style is theirs: identity, fidelity, dial, aggression line
+#[derive(Debug, Clone, clap::Args)]
+#[command(
+    after_help = "Example: maveric validate study_data/generated/validate --model models/1.maveric --model models/2.maveric --out validation"
+)]
+pub struct Validate {
+    /// A run's results with second drives: see `generate --repeat-drives` and pipelines/validate.toml
     pub run: PathBuf,
-    /// Trained models: the same training with several seeds.
+    /// Trained model; several of them, of the same training with other seeds, give ranges
+    #[arg(long = "model", required = true)]
     pub models: Vec<PathBuf>,
-    /// Folder to write into.
+    /// Folder to write into: validation.md, validation.json, one CSV a table
+    #[arg(long)]
     pub out: PathBuf,
-    /// World to drive in; the paper's without.
+    /// World to drive in (TOML); the paper's when not given
+    #[arg(long)]
     pub scenario: Option<PathBuf>,
-    /// Length of a drive, in s; the scenario's without.
+    /// Length of a drive, in s; the scenario's when not given
+    #[arg(long = "duration", value_name = "DURATION")]
     pub duration_s: Option<f64>,
-    /// How far a step of the dial to either side is from the own style, in ADB points.
+    /// How far a step of the dial to either side is from the own style, in points of the ADB scale
+    #[arg(long, default_value_t = 15.0)]
     pub points: f64,
-    /// Roads on which each setting of the dial is driven; the measures are averaged.
+    /// Roads on which each setting of the dial is driven; the measures are averaged
+    #[arg(long, default_value_t = 1)]
     pub worlds: usize,
-    /// Root of every random choice.
+    /// Root of every random choice
+    #[arg(long, default_value_t = 1)]
     pub seed: u64,
-    /// Threads.
+    /// Threads
+    #[arg(short, long, default_value_t = crate::outcome::all_cores())]
     pub jobs: usize,
-    /// The command that makes the same again, for the page.
-    pub command: String,
+    /// The command that makes the same again, for the page; this one when not given
+    #[arg(long, value_name = "TEXT")]
+    pub command: Option<String>,
 }
 
 /// What was found.
@@ -68,79 +80,83 @@ pub struct Validated {
     pub findings: Vec<Finding>,
 }
 
-/// Examines every model on the people of a run who drove twice; writes `validation.json`, `validation.md` and a
-/// page with figures and tables.
-///
-/// # Errors
-/// [`StudyError`] if the run, a model or the scenario cannot be read, nobody drove twice, or a file cannot be written.
-pub fn validate(
-    options: &ValidateOptions,
-    watch: Watch<'_>,
-) -> Result<Outcome<Validated>, StudyError> {
-    if options.models.is_empty() || options.worlds == 0 {
-        return Err(StudyError::NotPossible {
-            problem: format!(
-                "{} models on {} roads: expected at least one of each",
-                options.models.len(),
-                options.worlds
-            ),
-            help: Some("name models with --model FILE".to_owned()),
-        });
+impl Stage for Validate {
+    const NAME: &'static str = "validate";
+    const FAILURE: &'static str = "could not validate";
+    type Result = Validated;
+
+    fn files(&self, _root: &Path) -> Result<Files, StudyError> {
+        Ok(Files::default()
+            .reads([self.run.join("drives"), self.run.join("scores.csv")])
+            .reads_if_there([self.run.join("participants.csv")])
+            .reads(&self.models)
+            .reads(&self.scenario)
+            .writes_into(&self.out, &["validation.md", "validation.json"]))
     }
-    let models = options.models.iter().map(|path| &**path);
-    let out = ["validation.md", "validation.json"].map(|name| options.out.join(name));
-    spare_inputs(
-        models.chain(options.scenario.as_deref()),
-        out.iter().map(|path| &**path),
-    )?;
-    let people = people::read(&options.run)?;
-    let scenario = read_scenario(options.scenario.as_deref(), options.duration_s)?;
-    let examination = examine::Examination {
-        people: &people,
-        scenario: &scenario,
-        points: options.points,
-        worlds: options.worlds,
-        seed: options.seed,
-        jobs: options.jobs,
-    };
-    let mut models = Vec::new();
-    for path in &options.models {
-        let name = path.to_slash_lossy().into_owned();
-        models.push(examination.examine(&name, &read_model(path)?, watch)?);
+
+    fn repeated_by(&mut self, command: &str) {
+        self.command.get_or_insert_with(|| command.to_owned());
     }
-    let tables = tables::tables(&models, options.points);
-    let markdown: Vec<String> = tables.iter().map(Table::to_markdown).collect();
-    let text = markdown.join("\n");
-    atomic_write_bytes(&options.out.join("validation.md"), text.as_bytes())?;
-    let collisions: u32 = models.iter().map(|m| m.collisions).sum();
-    let value = Validated {
-        synthetic: people
-            .test
-            .iter()
-            .any(|p| p.first.meta().driven_by == DrivenBy::Synthetic),
-        drivers: people.test.len(),
-        training_drivers: people.training.len(),
-        findings: examine::findings(&models),
-        models,
-    };
-    write_json(&options.out.join("validation.json"), &value)?;
-    let warnings = warnings(&people, collisions);
-    let page = write_page(
-        &options.out,
-        &page::page(&value, options, tables, &warnings)?,
-    )?;
-    let mut summary: Vec<String> = text.lines().map(str::to_owned).collect();
-    summary.push(format!(
-        "{} drivers who drove twice, {} models: {}",
-        value.drivers,
-        value.models.len(),
-        page.to_slash_lossy()
-    ));
-    Ok(Outcome {
-        value,
-        summary,
-        warnings,
-    })
+
+    /// Examines every model on the people of a run who drove twice; writes `validation.json`, `validation.md` and a
+    /// page with figures and tables.
+    fn work(&self, watch: Watch<'_>) -> Result<Outcome<Validated>, StudyError> {
+        if self.models.is_empty() || self.worlds == 0 {
+            return Err(StudyError::NotPossible {
+                problem: format!(
+                    "{} models on {} roads: expected at least one of each",
+                    self.models.len(),
+                    self.worlds
+                ),
+                help: Some("name models with --model FILE".to_owned()),
+            });
+        }
+        let people = people::read(&self.run)?;
+        let scenario = read_scenario(self.scenario.as_deref(), self.duration_s)?;
+        let examination = examine::Examination {
+            people: &people,
+            scenario: &scenario,
+            points: self.points,
+            worlds: self.worlds,
+            seed: self.seed,
+            jobs: self.jobs,
+        };
+        let mut models = Vec::new();
+        for path in &self.models {
+            let name = path.to_slash_lossy().into_owned();
+            models.push(examination.examine(&name, &read_model(path)?, watch)?);
+        }
+        let tables = tables::tables(&models, self.points);
+        let markdown: Vec<String> = tables.iter().map(Table::to_markdown).collect();
+        let text = markdown.join("\n");
+        atomic_write_bytes(&self.out.join("validation.md"), text.as_bytes())?;
+        let collisions: u32 = models.iter().map(|m| m.collisions).sum();
+        let value = Validated {
+            synthetic: people
+                .test
+                .iter()
+                .any(|p| p.first.meta().driven_by == DrivenBy::Synthetic),
+            drivers: people.test.len(),
+            training_drivers: people.training.len(),
+            findings: examine::findings(&models),
+            models,
+        };
+        write_json(&self.out.join("validation.json"), &value)?;
+        let warnings = warnings(&people, collisions);
+        let page = write_page(&self.out, &page::page(&value, self, tables, &warnings)?)?;
+        let mut summary: Vec<String> = text.lines().map(str::to_owned).collect();
+        summary.push(format!(
+            "{} drivers who drove twice, {} models: {}",
+            value.drivers,
+            value.models.len(),
+            page.to_slash_lossy()
+        ));
+        Ok(Outcome {
+            value,
+            summary,
+            warnings,
+        })
+    }
 }
 
 /// What could not be compared, and what should not have happened.

@@ -1,6 +1,6 @@
 //! The page of a validation: its figures and tables.
 
-use super::{Dial, Fidelity, ValidateOptions, Validated, tables::over};
+use super::{Dial, Fidelity, Validate, Validated, tables::over};
 use crate::{
     error::StudyError,
     stages::report::{hashed, page_of},
@@ -41,7 +41,7 @@ fn cards(found: &Validated, points: f64) -> Result<Vec<Card>, StudyError> {
 
 pub(super) fn page(
     found: &Validated,
-    options: &ValidateOptions,
+    options: &Validate,
     mut tables: Vec<Table>,
     warnings: &[String],
 ) -> Result<Report, StudyError> {
@@ -70,7 +70,7 @@ pub(super) fn page(
         ("Is the learned style the driver’s?", subtitle),
         &context,
         method,
-        (options.seed, &options.command),
+        (options.seed, options.command.as_deref().unwrap_or_default()),
     );
     Ok(Report {
         cards: cards(found, options.points)?,
@@ -127,7 +127,7 @@ fn fidelity_of(found: &Validated, context: &Context) -> Result<Vec<Figure>, Stud
 
 fn dial_of(
     found: &Validated,
-    options: &ValidateOptions,
+    options: &Validate,
     context: &Context,
 ) -> Result<Vec<Figure>, StudyError> {
     let Some(one) = found.models.first() else {

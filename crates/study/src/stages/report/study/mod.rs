@@ -14,7 +14,7 @@ mod setup;
 mod watch;
 
 use super::{
-    ReportOptions,
+    DrawReport,
     inputs::{hashed, in_folder, parameter_files, shown_whole},
     keys::{made, results},
     people::People,
@@ -50,7 +50,7 @@ use setup::setup;
 use std::{collections::BTreeSet, path::Path};
 
 /// What the page is made from, beside the drives.
-const READ: [&str; 11] = [
+pub(super) const READ: [&str; 11] = [
     "analysis.json",
     "model_training.json",
     "model_embeddings.csv",
@@ -65,7 +65,7 @@ const READ: [&str; 11] = [
 ];
 
 pub(super) fn page(
-    options: &ReportOptions,
+    options: &DrawReport,
     watch: Watch<'_>,
 ) -> Result<(Report, Vec<String>), StudyError> {
     let folder = options.results.as_path();
@@ -191,7 +191,7 @@ pub(super) fn page(
         provenance: Provenance {
             version: env!("CARGO_PKG_VERSION").to_owned(),
             seed: run.seed(),
-            command: options.command.clone(),
+            command: options.command.clone().unwrap_or_default(),
             parameters: parameters
                 .chain(run.training.iter().flat_map(parameters_of))
                 .collect(),
