@@ -9,6 +9,7 @@ mod interrupt;
 mod invocation;
 mod place;
 mod progress;
+mod stage_files;
 
 pub use commands::stats::stats_of_table;
 pub use invocation::Invocation;

@@ -1,6 +1,6 @@
 //! Where a pipeline stands, and what its stages may call.
 
-use crate::{diagnostics::Failure, invocation};
+use crate::{diagnostics::Failure, invocation, stage_files::COMMANDS};
 use maveric_pipeline::{Ledger, Pipeline, Place, Program, Settings, command_line, parse_override};
 use maveric_study::design::DESIGN_FILE;
 use std::path::{Path, PathBuf};
@@ -90,6 +90,7 @@ impl PipelineArgs {
             set: set.map_err(Failure::pipeline("could not read --set"))?,
             variant: self.variant.clone(),
             provided: [("command".to_owned(), self.command(file, &root))].into(),
+            commands: Some(COMMANDS),
         };
         Pipeline::read(file, &root, &settings)
             .map_err(Failure::pipeline("could not read the pipeline"))

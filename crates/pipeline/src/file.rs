@@ -29,6 +29,7 @@
 //! Unknown keys are errors.
 
 mod code;
+mod commands;
 mod fan;
 pub(crate) mod keys;
 mod layers;
@@ -37,6 +38,7 @@ mod tables;
 mod value;
 
 pub use code::NewStage;
+pub use commands::{CommandFiles, Commands};
 pub use schema::schema;
 
 use std::collections::BTreeMap;
@@ -44,14 +46,15 @@ use std::path::{Path, PathBuf};
 
 use crate::fetched_places::Places;
 use crate::{PipelineError, Stage};
+use commands::add_what_is_there;
 use layers::{
     Layer, check_added, merged_fetch, merged_params, merged_stages, move_roots, with_layers,
 };
-use tables::read_stages;
+use tables::{Surroundings, read_stages};
 use value::{check_name, required, string};
 
 /// What a run gives to a pipeline or changes in it.
-#[derive(Debug, Clone, Default, PartialEq, Eq)]
+#[derive(Debug, Clone, Default)]
 pub struct Settings {
     /// `--set` pairs, of which the last one wins.
     pub set: Vec<(String, String)>,
@@ -60,6 +63,8 @@ pub struct Settings {
     pub variant: Option<String>,
     /// Parameters that stages may use and that the file need not have.
     pub provided: BTreeMap<String, String>,
+    /// A program whose commands say themselves what they read and write.
+    pub commands: Option<Commands>,
 }
 
 /// A pipeline as its file describes it, with every `{parameter}` replaced.
@@ -143,11 +148,16 @@ impl Pipeline {
             params.set(key, value)?;
         }
         let entries = merged_stages(layers)?;
+        let fetch = merged_fetch(layers)?;
+        let commands = settings.commands;
+        let surroundings = Surroundings { root, commands };
+        let (mut stages, mut if_there) = read_stages(&entries, &params, surroundings)?;
         if let Some(variant) = &settings.variant {
-            move_roots(&entries, &mut params, variant)?;
+            move_roots(&entries, &stages, &mut params, variant)?;
+            (stages, if_there) = read_stages(&entries, &params, surroundings)?;
         }
-        let stages = read_stages(&entries, &params, root)?;
         check_added(layers, &stages)?;
+        add_what_is_there(&mut stages, if_there, fetch.keys(), root);
         Ok(Self {
             name: text,
             path: path.to_owned(),
@@ -155,7 +165,7 @@ impl Pipeline {
             variant: settings.variant.clone(),
             text: top.text.to_owned(),
             stages,
-            fetch: merged_fetch(layers)?,
+            fetch,
         })
     }
 

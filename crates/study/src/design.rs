@@ -76,28 +76,23 @@ impl DesignFile {
         }
     }
 
-    /// As [`DesignFile::here`] in the folder `root`, its paths seen from there.
-    ///
-    /// # Errors
-    /// As [`DesignFile::read`].
-    pub(crate) fn below(root: &Path, given: Option<&Path>) -> Result<Option<Self>, StudyError> {
+    /// As [`DesignFile::here`] in the folder `root`, its paths seen from there, to say which files a stage reads; none where it cannot be
+    /// read either, which the stage's work says.
+    pub(crate) fn below(root: &Path, given: Option<&Path>) -> Option<Self> {
         let path = given.unwrap_or(Path::new(DESIGN_FILE));
-        if given.is_none() && !root.join(path).is_file() {
-            return Ok(None);
-        }
-        let study = Self::read(&root.join(path))?;
-        Ok(Some(Self {
+        let study = Self::read(&root.join(path)).ok()?;
+        Some(Self {
             path: Some(path.to_owned()),
             ..study
-        }))
+        })
     }
 
-    /// As [`DesignFile::find`] in the folder `root`, its paths seen from there.
+    /// The same, else the paper's.
     ///
     /// # Errors
-    /// As [`DesignFile::read`].
-    pub(crate) fn find_below(root: &Path, given: Option<&Path>) -> Result<Self, StudyError> {
-        Self::below(root, given)?.map_or_else(Self::paper, Ok)
+    /// As [`DesignFile::paper`].
+    pub(crate) fn below_or_paper(root: &Path, given: Option<&Path>) -> Result<Self, StudyError> {
+        Self::below(root, given).map_or_else(Self::paper, Ok)
     }
 
     /// The paper's design.

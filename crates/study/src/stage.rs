@@ -20,7 +20,7 @@ pub trait Stage: clap::Args {
     /// What it reads and what it writes, run in the folder `root`: paths as it would be given them there.
     ///
     /// # Errors
-    /// [`StudyError`] if the design that says so cannot be read.
+    /// [`StudyError`] where nothing says what it writes.
     fn files(&self, root: &Path) -> Result<Files, StudyError>;
 
     /// The work itself, by [`Stage::run`].
@@ -87,23 +87,20 @@ impl Files {
     }
 
     /// With the design, if there is one, and the table of who takes part.
-    ///
-    /// # Errors
-    /// [`StudyError`] if the design cannot be read.
+    #[must_use]
     pub fn reads_people(
         self,
         root: &Path,
         design: Option<&Path>,
         participants: Option<&Path>,
-    ) -> Result<Self, StudyError> {
-        let of_design = match (participants, DesignFile::below(root, design)?) {
+    ) -> Self {
+        let of_design = match (participants, DesignFile::below(root, design)) {
             (None, Some(study)) => Some(study.resolve(&study.design.people().file)),
             _ => None,
         };
-        Ok(self
-            .reads_design(design)
+        self.reads_design(design)
             .reads(participants)
-            .reads_if_there(of_design))
+            .reads_if_there(of_design)
     }
 
     /// With these outputs.

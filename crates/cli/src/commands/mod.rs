@@ -24,13 +24,13 @@ use crate::{
 };
 use clap::{Parser, Subcommand};
 use maveric_study::{
-    Outcome, Stage, StudyError, Watch,
+    Files, Outcome, Stage, StudyError, Watch,
     stages::{
         ablate, codebook, evaluate, generate, import, ingest, init, inspect, measure, personalize,
         rate, recommend, rehearse, rehearse_dial, report, score, simulate, steer, train, validate,
     },
 };
-use std::io::Write as _;
+use std::{io::Write as _, path::Path};
 
 /// Learn a driver's style, drive as that driver would, and analyse the study: from driving logs to the
 /// printed figure.
@@ -118,48 +118,71 @@ pub(crate) fn run(command: Command) -> Result<(), Failure> {
         Command::Diff(c) => c.run(),
         Command::Trace(c) => c.run(),
         Command::Clean(c) => c.run(),
-        Command::Init(c) => c.run(),
         Command::Design(c) => c.run(),
-        Command::Generate(c) => c.run(),
-        Command::Ingest(c) => c.run(),
-        Command::Inspect(c) => c.run(),
-        Command::Import(c) => c.run(),
-        Command::Score(c) => c.run(),
-        Command::Codebook(c) => c.run(),
-        Command::Train(c) => c.run(),
-        Command::Personalize(c) => c.run(),
-        Command::Steer(c) => c.run(),
         Command::Seat(c) => c.run(),
-        Command::Simulate(c) => c.run(),
-        Command::Measure(c) => c.run(),
-        Command::Rate(c) => c.run(),
-        Command::Evaluate(c) => c.run(),
         Command::Stats(c) => c.run(),
-        Command::Ablate(c) => c.run(),
-        Command::Validate(c) => c.run(),
-        Command::Recommend(c) => c.run(),
-        Command::Rehearse(c) => c.run(),
-        Command::RehearseDial(c) => c.run(),
-        Command::Report(c) => c.run(),
         Command::Export(c) => c.run(),
         Command::Completions(c) => c.run(),
         Command::Man(c) => c.run(),
         Command::Cite(c) => c.run(),
+        mut other => other.stage().map_or(Ok(()), |stage| stage.run()),
     }
+}
+
+impl Command {
+    /// The stage that it is; none of what works on a pipeline, a design or a table.
+    pub(crate) fn stage(&mut self) -> Option<&mut dyn Runs> {
+        Some(match self {
+            Self::Init(c) => c,
+            Self::Generate(c) => c,
+            Self::Ingest(c) => c,
+            Self::Inspect(c) => c,
+            Self::Import(c) => c,
+            Self::Score(c) => c,
+            Self::Codebook(c) => c,
+            Self::Train(c) => c,
+            Self::Personalize(c) => c,
+            Self::Steer(c) => c,
+            Self::Simulate(c) => c,
+            Self::Measure(c) => c,
+            Self::Rate(c) => c,
+            Self::Evaluate(c) => c,
+            Self::Ablate(c) => c,
+            Self::Validate(c) => c,
+            Self::Recommend(c) => c,
+            Self::Rehearse(c) => c,
+            Self::RehearseDial(c) => c,
+            Self::Report(c) => c,
+            Self::Stats(c) => return c.study(),
+            _ => return None,
+        })
+    }
+}
+
+/// A stage with the form in which its result is printed.
+pub(crate) trait Runs {
+    /// What it reads and writes in a folder.
+    fn files(&self, root: &Path) -> Result<Files, StudyError>;
+    /// Does its work and prints the result.
+    fn run(&mut self) -> Result<(), Failure>;
 }
 
 // No doc: the stage's own is its help.
 #[derive(Debug, clap::Args)]
 pub(crate) struct Of<S: Stage> {
     #[command(flatten)]
-    pub(crate) stage: S,
+    stage: S,
     /// How to print the result
     #[arg(long, value_enum, default_value_t)]
     format: Format,
 }
 
-impl<S: Stage> Of<S> {
-    pub(crate) fn run(mut self) -> Result<(), Failure> {
+impl<S: Stage> Runs for Of<S> {
+    fn files(&self, root: &Path) -> Result<Files, StudyError> {
+        self.stage.files(root)
+    }
+
+    fn run(&mut self) -> Result<(), Failure> {
         self.stage.repeated_by(&this_command());
         let mut success = true;
         print_outcome(self.format, S::FAILURE, |watch| {

@@ -4,7 +4,7 @@ mod choices;
 mod designs;
 mod table;
 
-use super::{Of, print_outcome};
+use super::{Of, Runs, print_outcome};
 use crate::{args::Format, diagnostics::Failure};
 use choices::{ADJUST, CORRELATION, POSTHOC, STATISTIC, one_of};
 use clap::{Args, CommandFactory as _, FromArgMatches as _, Subcommand};
@@ -221,12 +221,20 @@ enum Asked {
 const DOING: &str = "could not run the test";
 
 impl Stats {
+    /// The analysis of a whole study, if that is what it is.
+    pub(crate) fn study(&mut self) -> Option<&mut dyn Runs> {
+        match &mut self.test {
+            TestArgs::Study(study) => Some(study),
+            _ => None,
+        }
+    }
+
     pub(crate) fn run(self) -> Result<(), Failure> {
         match self.test.asked()? {
             Asked::Test(format, request) => {
                 print_outcome(format, DOING, |_| stats::stats(&request))
             }
-            Asked::Study(study) => study.run(),
+            Asked::Study(mut study) => study.run(),
         }
     }
 }

@@ -168,6 +168,22 @@ pub enum FileProblem {
     /// `{{files}}` beside other text.
     #[error("`{{files}}` must be a word of its own: it stands for several arguments")]
     FilesInsideWord,
+    /// Words that are no command of the program whose own they are.
+    #[error("{message}")]
+    NoCommand {
+        /// What the program says.
+        message: String,
+    },
+    /// A list of files that is not that of the command.
+    #[error("`{key}` is not what the command {}: {}", if *key == "inputs" { "reads" } else { "writes" }, apart(lacks, strange))]
+    OtherFiles {
+        /// The key.
+        key: &'static str,
+        /// Paths that it lacks.
+        lacks: Vec<String>,
+        /// Paths that it has and the command does not.
+        strange: Vec<String>,
+    },
     /// An input or output that would take in everything.
     #[error("`{path}` cannot be an input or output: it names no file or directory below the root")]
     BadPath {
@@ -192,8 +208,24 @@ impl FileProblem {
             Self::CannotQuote { name, .. } => Some(format!(
                 "pass it to the script as an argument: [\"sh\", \"-c\", \"... \\\"$1\\\" ...\", \"sh\", \"{{{name}}}\"]"
             )),
+            Self::OtherFiles { .. } => Some(
+                "leave out `inputs` and `outputs` of this stage: they follow from its command"
+                    .to_owned(),
+            ),
             Self::TwoFanOuts => Some("write the combinations into the table".to_owned()),
             _ => None,
         }
     }
+}
+
+fn apart(lacks: &[String], strange: &[String]) -> String {
+    let named = |what: &str, paths: &[String]| {
+        (!paths.is_empty()).then(|| format!("{what} {}", listing(paths)))
+    };
+    let parts = [named("it lacks", lacks), named("it has", strange)];
+    parts
+        .into_iter()
+        .flatten()
+        .collect::<Vec<_>>()
+        .join(" and ")
 }

@@ -93,12 +93,14 @@ pub(crate) const STAGE_KEYS: &[Key] = &[
     key(
         "inputs",
         Kind::Texts,
-        "Files or whole directories that it reads, relative to the root.",
+        "Files or whole directories that it reads, relative to the root. Of a command of `maveric` \
+         they follow from its words.",
     ),
     key(
         "outputs",
         Kind::Texts,
-        "Files or whole directories that it makes, and no other stage.",
+        "Files or whole directories that it makes, and no other stage. Of a command of `maveric` \
+         they follow from its words.",
     ),
     key(
         "version",

@@ -11,6 +11,7 @@ use crate::PipelineError;
 use crate::error::{FileProblem, nearest};
 use crate::fetched_places::{Places, is_allowed};
 use crate::params::{Params, is_name};
+use crate::paths::normalise;
 
 const TOP: &str = "the pipeline";
 
@@ -192,6 +193,7 @@ fn name_of<'t>(value: &'t Value<'t>) -> Option<&'t str> {
 /// Adds `-VARIANT` to every parameter with which an output begins.
 pub(super) fn move_roots(
     entries: &[Entry<'_>],
+    stages: &[crate::Stage],
     params: &mut Params,
     variant: &str,
 ) -> Result<(), PipelineError> {
@@ -199,6 +201,11 @@ pub(super) fn move_roots(
         let name = variant.to_owned();
         return Err(PipelineError::BadVariant { name });
     }
+    let no_root = |stage: &str, output: &str| PipelineError::NoRoot {
+        variant: variant.to_owned(),
+        stage: stage.to_owned(),
+        output: output.to_owned(),
+    };
     let mut roots = BTreeSet::new();
     for entry in entries {
         let outputs = match entry.value.get_ref() {
@@ -210,14 +217,27 @@ pub(super) fn move_roots(
             continue;
         };
         for output in outputs.iter().filter_map(|value| value.get_ref().as_str()) {
-            let root = params
-                .root_of(output)
-                .ok_or_else(|| PipelineError::NoRoot {
-                    variant: variant.to_owned(),
-                    stage: name_of(entry.value).unwrap_or_default().to_owned(),
-                    output: output.to_owned(),
-                })?;
-            roots.insert(root);
+            let stage = name_of(entry.value).unwrap_or_default();
+            let root = params.root_of(output);
+            roots.insert(root.ok_or_else(|| no_root(stage, output))?);
+        }
+    }
+    // Outputs that follow from a command begin with the value of a parameter of that command.
+    let written = |stage: &str| {
+        let mut of = entries.iter().filter(|e| name_of(e.value) == Some(stage));
+        of.any(|e| matches!(e.value.get_ref(), DeValue::Table(t) if t.contains_key("outputs")))
+    };
+    for stage in stages.iter().filter(|stage| !written(&stage.family)) {
+        for output in &stage.outputs {
+            let begins = |value: &str| {
+                let rest =
+                    normalise(value).and_then(|v| output.strip_prefix(&v).map(str::to_owned));
+                rest.is_some_and(|rest| rest.is_empty() || rest.starts_with('/'))
+            };
+            let beginning = stage.params.iter().filter(|(_, value)| begins(value));
+            let longest = beginning.max_by_key(|(_, value)| value.len());
+            let root = longest.and_then(|(name, _)| params.root_of(&format!("{{{name}}}")));
+            roots.insert(root.ok_or_else(|| no_root(&stage.name, output))?);
         }
     }
     for root in roots {

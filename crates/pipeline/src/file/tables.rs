@@ -5,6 +5,7 @@ use std::path::Path;
 
 use toml::de::{DeTable, DeValue};
 
+use super::commands::Commands;
 use super::fan::{self, Branch};
 use super::keys::{RESOURCE_KEYS, STAGE_KEYS};
 use super::layers::Entry;
@@ -20,29 +21,43 @@ use crate::stage::{FILES, Resources, Stage};
 
 const STAGE: &str = "[[stage]]";
 
+/// The stages, and what each reads if it is there.
 pub(super) fn read_stages(
     entries: &[Entry<'_>],
     params: &Params,
-    root: &Path,
-) -> Result<Vec<Stage>, PipelineError> {
+    surroundings: Surroundings<'_>,
+) -> Result<(Vec<Stage>, Vec<Vec<String>>), PipelineError> {
     let mut read = Read::default();
     for entry in entries {
-        read.add(entry, params, root)
+        read.add(entry, params, surroundings)
             .map_err(|at| entry.layer.error(at))?;
     }
-    Ok(read.stages)
+    Ok((read.stages, read.if_there))
+}
+
+/// Where the stages run, and the program that knows its own files.
+#[derive(Clone, Copy)]
+pub(super) struct Surroundings<'a> {
+    pub(super) root: &'a Path,
+    pub(super) commands: Option<Commands>,
 }
 
 /// The stages so far, and by name the number of each and the byte where it is named.
 #[derive(Default)]
 struct Read {
     stages: Vec<Stage>,
+    if_there: Vec<Vec<String>>,
     firsts: BTreeMap<String, (usize, usize)>,
 }
 
 impl Read {
     /// Adds the stages of one `[[stage]]`.
-    fn add(&mut self, entry: &Entry<'_>, params: &Params, root: &Path) -> Result<(), Located> {
+    fn add(
+        &mut self,
+        entry: &Entry<'_>,
+        params: &Params,
+        surroundings: Surroundings<'_>,
+    ) -> Result<(), Located> {
         let DeValue::Table(table) = entry.value.get_ref() else {
             return Err(wrong_type("stage", entry.value, "a table"));
         };
@@ -52,14 +67,14 @@ impl Read {
             let value = params.substitute(text, &mut BTreeSet::new());
             value.map_err(|problem| Located { at, problem })
         };
-        for branch in fan::branches(table, root, at, &mut substitute)? {
+        for branch in fan::branches(table, surroundings.root, at, &mut substitute)? {
             let clash = |(name, _): &&(String, Param)| params.0.contains_key(name);
             let clash = branch
                 .values
                 .iter()
                 .find(clash)
                 .map(|(name, _)| name.clone());
-            let (stage, at) = read_stage(table, params, branch, at)?;
+            let (stage, if_there, at) = read_stage(table, params, branch, (at, surroundings))?;
             if let Some(name) = clash.filter(|name| stage.params.contains_key(name)) {
                 let problem = FileProblem::AlsoParameter { name };
                 return Err(Located { at, problem });
@@ -67,7 +82,10 @@ impl Read {
             let next = (self.stages.len(), at);
             let (first, first_at) = *self.firsts.entry(stage.name.clone()).or_insert(next);
             match self.stages.get(first) {
-                None => self.stages.push(stage),
+                None => {
+                    self.stages.push(stage);
+                    self.if_there.push(if_there);
+                }
                 Some(same) if is_same_branch(same, &stage) => {}
                 Some(_) => {
                     let first_line = position(entry.layer.text, first_at).0;
@@ -90,13 +108,13 @@ fn is_same_branch(first: &Stage, other: &Stage) -> bool {
         && first.share == other.share
 }
 
-/// One stage, and the byte where its name stands.
+/// One stage, what it reads if it is there, and the byte where its name stands.
 fn read_stage(
     table: &DeTable<'_>,
     params: &Params,
     branch: Branch,
-    at: usize,
-) -> Result<(Stage, usize), Located> {
+    (at, surroundings): (usize, Surroundings<'_>),
+) -> Result<(Stage, Vec<String>, usize), Located> {
     let name_value = required(table, "name", STAGE, at)?;
     let family = string("name", name_value)?;
     let name_at = name_value.span().start;
@@ -129,7 +147,24 @@ fn read_stage(
         Some(value) => read_paths(key, value, params, &mut in_paths),
         None => Ok(Vec::new()),
     };
-    let (inputs, outputs) = (paths("inputs")?, paths("outputs")?);
+    let (mut inputs, mut outputs) = (paths("inputs")?, paths("outputs")?);
+    let mut if_there = Vec::new();
+    let files = match surroundings.commands {
+        Some(commands) => commands.files_of(surroundings.root, &command, at)?,
+        None => None,
+    };
+    if let Some(files) = files {
+        files.check("inputs", table.get("inputs"), &inputs)?;
+        files.check("outputs", table.get("outputs"), &outputs)?;
+        let in_path = |(_, cell): &&(String, Param)| files.has_in_path(&cell.text);
+        let found = branch.values.iter().filter(in_path);
+        in_paths.extend(
+            found
+                .map(|(name, _)| name.clone())
+                .filter(|name| used.contains(name)),
+        );
+        (inputs, outputs, if_there) = (files.inputs, files.outputs, files.if_there);
+    }
     check_ids(&branch, &in_paths, at)?;
     used.append(&mut in_paths);
     let summary = match table.get("summary") {
@@ -169,7 +204,7 @@ fn read_stage(
         },
         resources: read_resources(table)?,
     };
-    Ok((stage, name_at))
+    Ok((stage, if_there, name_at))
 }
 
 /// Refuses a cell that stands in a path and could lead anywhere else.

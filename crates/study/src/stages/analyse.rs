@@ -36,7 +36,7 @@ impl Stage for Analyse {
 
     fn files(&self, root: &Path) -> Result<Files, StudyError> {
         let design = self.design.as_deref();
-        let study = DesignFile::find_below(root, design)?;
+        let study = DesignFile::below_or_paper(root, design)?;
         let files = Files::default().reads_design(design);
         let participants = self.participants.as_deref();
         Ok(study_files(files, &self.results, &study, participants).writes([&self.out]))

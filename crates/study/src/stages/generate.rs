@@ -109,7 +109,7 @@ impl Stage for Generate {
     type Result = Generated;
 
     fn files(&self, root: &Path) -> Result<Files, StudyError> {
-        let study = DesignFile::find_below(root, self.design.as_deref())?;
+        let study = DesignFile::below_or_paper(root, self.design.as_deref())?;
         let place = Place::of(self, &study, root)?;
         Ok(Files::default()
             .reads_design(self.design.as_deref())

@@ -60,7 +60,7 @@ impl Stage for Measure {
     fn files(&self, root: &Path) -> Result<Files, StudyError> {
         Ok(Files::default()
             .reads(&self.drives)
-            .reads_people(root, self.design.as_deref(), self.participants.as_deref())?
+            .reads_people(root, self.design.as_deref(), self.participants.as_deref())
             .writes([&self.out]))
     }
 

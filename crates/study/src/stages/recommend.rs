@@ -47,7 +47,7 @@ impl Stage for Recommend {
     type Result = Recommended;
 
     fn files(&self, root: &Path) -> Result<Files, StudyError> {
-        let study = DesignFile::find_below(root, self.design.as_deref())?;
+        let study = DesignFile::below_or_paper(root, self.design.as_deref())?;
         let files = Files::default().reads_design(self.design.as_deref());
         Ok(study_files(files, &self.results, &study, None)
             .reads_if_there([study.resolve(Path::new("seat"))])

@@ -242,7 +242,7 @@ impl Stage for ScoreAnswers {
             .reads(&self.surveys)
             .reads([&self.scales])
             .reads(&self.drives)
-            .reads_people(root, self.design.as_deref(), self.participants.as_deref())?
+            .reads_people(root, self.design.as_deref(), self.participants.as_deref())
             .writes([&self.out])
             .writes([reliabilities_path, items_path, exclusions_path].map(|of| of(&self.out))))
     }

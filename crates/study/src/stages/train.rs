@@ -112,7 +112,7 @@ impl Stage for Train {
         Ok(Files::default()
             .reads([&self.drives])
             .reads(&self.scores)
-            .reads_people(root, self.design.as_deref(), self.participants.as_deref())?
+            .reads_people(root, self.design.as_deref(), self.participants.as_deref())
             .writes([
                 &self.out,
                 &training_path(&self.out),

@@ -105,7 +105,7 @@ impl Stage for Import {
         Ok(Files::default()
             .reads([&self.file, &self.scales])
             .reads(&self.columns)
-            .reads_people(root, self.design.as_deref(), None)?
+            .reads_people(root, self.design.as_deref(), None)
             .writes([&self.out, &exclusions_path(&self.out)]))
     }
 

@@ -116,9 +116,9 @@ impl Stage for Ingest {
         let files = Files::default()
             .reads(&self.logs)
             .reads(&self.mapping)
-            .reads_people(root, design, self.participants.as_deref())?
+            .reads_people(root, design, self.participants.as_deref())
             .writes_into(&self.out, &["drives.csv", "exclusions.csv"]);
-        Ok(match DesignFile::below(root, design)? {
+        Ok(match DesignFile::below(root, design) {
             Some(study) => logs::declared_files(files, self, &study),
             None => files,
         })

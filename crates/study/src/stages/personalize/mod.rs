@@ -101,7 +101,7 @@ impl Stage for Personalize {
         Ok(Files::default()
             .reads([&self.model, &self.drives])
             .reads(&self.scores)
-            .reads_people(root, self.design.as_deref(), self.participants.as_deref())?
+            .reads_people(root, self.design.as_deref(), self.participants.as_deref())
             .writes([&self.out])
             .writes(&self.learning_curve))
     }

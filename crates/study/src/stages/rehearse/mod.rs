@@ -105,7 +105,7 @@ impl Stage for Rehearse {
     type Result = Rehearsal;
 
     fn files(&self, root: &Path) -> Result<Files, StudyError> {
-        let study = DesignFile::find_below(root, self.design.as_deref())?;
+        let study = DesignFile::below_or_paper(root, self.design.as_deref())?;
         let files = study.design.files();
         let effects = files.effects.as_ref().filter(|_| self.effects.is_none());
         let scales = self

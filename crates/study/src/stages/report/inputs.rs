@@ -1,6 +1,6 @@
 //! The files that a report is made from: hashed, and those that hold parameters shown whole.
 
-use super::{DrawReport, study::READ};
+use super::DrawReport;
 use crate::{
     atomic_write::read_text, design::DesignFile, error::StudyError, run_folder::MODEL_FILE,
     stage::Files,
@@ -8,6 +8,21 @@ use crate::{
 use maveric_report::html::{Input, ParameterFile};
 use path_slash::PathExt as _;
 use std::path::{Path, PathBuf};
+
+/// What the page of a study is made from, beside the drives.
+pub(super) const READ: [&str; 11] = [
+    "analysis.json",
+    "model_training.json",
+    "model_embeddings.csv",
+    "embeddings.csv",
+    "conditions.csv",
+    "measurements.parquet",
+    "scores.csv",
+    "scores_reliabilities.csv",
+    "scores_exclusions.csv",
+    "rating_scores_reliabilities.csv",
+    "rating_scores_exclusions.csv",
+];
 
 /// The largest file of parameters that is shown whole, in bytes.
 const MOST_BYTES: u64 = 100_000;
@@ -68,7 +83,7 @@ pub(super) fn drawn_from(options: &DrawReport, root: &Path) -> Result<Files, Stu
     ];
     let is_file = |path: &PathBuf| root.join(path).is_file();
     let values = options.parameters.iter().map(|(_, value)| value.into());
-    let study = DesignFile::find_below(root, options.design.as_deref())?;
+    let study = DesignFile::below_or_paper(root, options.design.as_deref())?;
     let files = study.design.files();
     let claims = files.claims.as_ref().filter(|_| options.claims.is_none());
     Ok(Files::default()

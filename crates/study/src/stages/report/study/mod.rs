@@ -15,7 +15,7 @@ mod watch;
 
 use super::{
     DrawReport,
-    inputs::{hashed, in_folder, parameter_files, shown_whole},
+    inputs::{READ, hashed, in_folder, parameter_files, shown_whole},
     keys::{made, results},
     people::People,
 };
@@ -48,21 +48,6 @@ pub(in crate::stages::report) use run::Run;
 use setting::{Reliable, listed_exclusions, reliabilities, section_study};
 use setup::setup;
 use std::{collections::BTreeSet, path::Path};
-
-/// What the page is made from, beside the drives.
-pub(super) const READ: [&str; 11] = [
-    "analysis.json",
-    "model_training.json",
-    "model_embeddings.csv",
-    "embeddings.csv",
-    "conditions.csv",
-    "measurements.parquet",
-    "scores.csv",
-    "scores_reliabilities.csv",
-    "scores_exclusions.csv",
-    "rating_scores_reliabilities.csv",
-    "rating_scores_exclusions.csv",
-];
 
 pub(super) fn page(
     options: &DrawReport,
