@@ -613,7 +613,7 @@ fn a_run_that_is_killed_takes_its_stages_with_it_and_the_next_begins_at_once() {
         "pipelines/long.toml",
         format!(
             "name = \"long\"\n[[stage]]\nname = \"generate\"\ncmd = [\"maveric\", \"generate\", \"--out\", \"{out}\", \"--study1\", \"100\", \
-             \"--duration\", \"3600\"]\noutputs = [\"long/logs\"]\n"
+             \"--duration\", \"3600\"]\n"
         ),
     );
     let mut run = std::process::Command::new(env!("CARGO_BIN_EXE_maveric"))

@@ -4,7 +4,7 @@ use crate::{
     design::{DESIGN_FILE, DesignFile},
     texts,
 };
-use maveric_domain::design::{By, Condition, Mappings, Software};
+use maveric_domain::design::{By, Condition, Software};
 use minijinja::{Value, context};
 use path_slash::PathExt as _;
 use std::path::Path;
@@ -32,7 +32,6 @@ pub fn design_pipeline(study: &DesignFile) -> String {
         learns => design.needs_a_model() && design.model().is_none(),
         style => design.style().is_some(),
         made_up_ratings => design.synthetic() && simulates && design.baseline().is_some_and(|b| b.by == By::Hand),
-        rigs => rigs(study),
         given => Value::from_pairs(given),
         paths,
     };
@@ -44,26 +43,10 @@ fn quoted(path: &Path) -> String {
     format!("{:?}", path.to_slash_lossy())
 }
 
-/// What is read of rigs with logs and mappings of their own, beside the study's.
-fn rigs(study: &DesignFile) -> Vec<String> {
-    let files = study.design.files();
-    let Mappings::Rigs(rigs) = &files.mapping else {
-        return Vec::new();
-    };
-    let apart = rigs.iter().map(|r| &r.logs);
-    let apart = apart.filter(|logs| !logs.starts_with(&files.logs));
-    let mappings = rigs.iter().filter_map(|r| r.file.as_ref());
-    apart.chain(mappings).map(|path| quoted(path)).collect()
-}
-
 /// The files of the study by the names under which the stages know them; one that is not there and not needed is left out.
 fn paths(study: &DesignFile, simulates: bool) -> Vec<(&'static str, String)> {
     let (design, files) = (&study.design, study.design.files());
     let there = |path: &Path| study.resolve(path).exists().then(|| quoted(path));
-    let mapping = match &files.mapping {
-        Mappings::One(file) => there(file),
-        Mappings::Rigs(_) => None,
-    };
     let scenario = there(&files.scenario).filter(|_| simulates);
     let model = design.model().filter(|_| design.needs_a_model());
     let own = |file: &Option<std::path::PathBuf>| file.as_deref().map(quoted);
@@ -73,8 +56,6 @@ fn paths(study: &DesignFile, simulates: bool) -> Vec<(&'static str, String)> {
         ("people", Some(quoted(&design.people().file))),
         ("answers", Some(quoted(&files.answers))),
         ("scales", Some(quoted(&files.scales))),
-        ("logs", there(&files.logs)),
-        ("mapping", mapping),
         ("scenario", scenario),
         ("model", model.map(|m| quoted(&m.file))),
         ("columns", own(&files.columns)),

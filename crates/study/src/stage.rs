@@ -103,6 +103,14 @@ impl Files {
             .reads_if_there(of_design)
     }
 
+    /// With the questionnaires that say the range of a design's style, where the design does not say it itself.
+    #[must_use]
+    pub fn reads_style(self, study: Option<&DesignFile>) -> Self {
+        let asks = |s: &&DesignFile| s.design.style().is_some_and(|style| style.range.is_none());
+        let scales = |s: &DesignFile| s.resolve(&s.design.files().scales);
+        self.reads_if_there(study.filter(asks).map(scales))
+    }
+
     /// With these outputs.
     #[must_use]
     pub fn writes(mut self, paths: impl IntoIterator<Item = impl AsRef<Path>>) -> Self {

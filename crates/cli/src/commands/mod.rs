@@ -125,7 +125,7 @@ pub(crate) fn run(command: Command) -> Result<(), Failure> {
         Command::Completions(c) => c.run(),
         Command::Man(c) => c.run(),
         Command::Cite(c) => c.run(),
-        mut other => other.stage().map_or(Ok(()), |stage| stage.run()),
+        mut other => other.stage().map_or(Ok(()), Runs::run),
     }
 }
 

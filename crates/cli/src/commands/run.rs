@@ -7,7 +7,9 @@ use crate::{
     interrupt,
     place::{PipelineArgs, place},
 };
-use maveric_pipeline::{Event, Outcome, RunOptions, RunReport, StageStatus, State, plan, run, why};
+use maveric_pipeline::{
+    Event, Outcome, Pipeline, RunOptions, RunReport, StageStatus, State, plan, run, why,
+};
 use path_slash::PathExt as _;
 use std::{fmt::Write as _, num::NonZeroUsize, path::PathBuf};
 
@@ -92,7 +94,7 @@ impl Run {
         let (file, targets) = PipelineArgs::split(self.words);
         let pipeline = self.pipeline.read(&file)?;
         if self.show {
-            return print_lines(&[pipeline.text().trim_end().to_owned()]);
+            return print_lines(&shown(&pipeline));
         }
         let place = place(&file)?;
         if let Some(stage) = &self.why {
@@ -123,6 +125,19 @@ impl Run {
         let report = report.map_err(Failure::pipeline("could not run the pipeline"))?;
         print_report(self.format, &report)
     }
+}
+
+/// The text of a pipeline, and as comments what its stages read and make.
+fn shown(pipeline: &Pipeline) -> Vec<String> {
+    const HEAD: &str = "# What each stage reads, and what it makes:";
+    // The text of a file that was made of this holds the comments already.
+    let text = pipeline.text().split(HEAD).next().unwrap_or_default();
+    let text = format!("{}\n\n{HEAD}", text.trim_end());
+    let files = pipeline.stages().iter().map(|stage| {
+        let (inputs, outputs) = (stage.inputs.join(", "), stage.outputs.join(", "));
+        format!("# {}: {inputs} -> {outputs}", stage.name)
+    });
+    std::iter::once(text).chain(files).collect()
 }
 
 /// Lines about stages that are up to date: of many in a row there are some thousands a second, which are told together.

@@ -4,6 +4,7 @@ use super::value::{Located, Value};
 use crate::error::FileProblem;
 use crate::paths::{normalise, with_ancestors};
 use crate::stage::{FILES, Stage};
+use path_slash::PathExt as _;
 use std::collections::BTreeSet;
 use std::path::Path;
 
@@ -47,10 +48,13 @@ impl Commands {
             problem: FileProblem::NoCommand { message },
         })?;
         let Some(files) = files else { return Ok(None) };
+        let above = std::path::absolute(root).unwrap_or_else(|_| root.to_owned());
         let spelled = |paths: Vec<String>| {
             let mut spelled: Vec<String> = Vec::new();
             for path in paths.into_iter().filter(|path| path != FILES) {
-                let Some(path) = normalise(&path) else {
+                let below = Path::new(&path).strip_prefix(&above);
+                let below = below.map_or(path.clone(), |p| p.to_slash_lossy().into_owned());
+                let Some(path) = normalise(&below) else {
                     let problem = FileProblem::BadPath { path };
                     return Err(Located { at, problem });
                 };
@@ -132,5 +136,119 @@ pub(super) fn add_what_is_there<'f>(
                 stage.inputs.push(path);
             }
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{Pipeline, PipelineError, Settings};
+
+    /// `tool copy FROM TO [IF_THERE]`
+    fn copies(_: &Path, words: &[String]) -> Result<Option<CommandFiles>, String> {
+        let list = |word: Option<&String>| word.cloned().into_iter().collect();
+        match words.first().map(String::as_str) {
+            Some("copy") if words.len() < 3 => Err("copy needs FROM and TO".to_owned()),
+            Some("copy") => Ok(Some(CommandFiles {
+                inputs: list(words.get(1)),
+                if_there: list(words.get(3)),
+                outputs: list(words.get(2)),
+            })),
+            _ => Ok(None),
+        }
+    }
+
+    fn read(stages: &str, root: &Path, variant: Option<&str>) -> Result<Vec<Stage>, PipelineError> {
+        let text =
+            format!("name = \"p\"\n[params]\nout = \"made\"\nmodel = \"{{out}}/model\"\n{stages}");
+        let settings = Settings {
+            variant: variant.map(str::to_owned),
+            commands: Some(Commands {
+                program: "tool",
+                files: copies,
+            }),
+            ..Settings::default()
+        };
+        let pipeline = Pipeline::parse(&text, "p.toml".as_ref(), root, &settings)?;
+        Ok(pipeline.stages().to_vec())
+    }
+
+    fn stage(name: &str, words: &str) -> String {
+        let words: Vec<String> = words.split(' ').map(|word| format!("\"{word}\"")).collect();
+        format!(
+            "[[stage]]\nname = \"{name}\"\ncmd = [{}]\n",
+            words.join(", ")
+        )
+    }
+
+    #[test]
+    fn inputs_and_outputs_follow_from_a_command_that_is_known() {
+        let here = Path::new(".");
+        let stages = read(&stage("a", "tool copy in.csv {out}/./a.csv"), here, None).unwrap();
+        assert_eq!(stages[0].inputs, ["in.csv"]);
+        assert_eq!(stages[0].outputs, ["made/a.csv"]);
+        let other = read(&stage("a", "tool other in.csv {out}/a.csv"), here, None).unwrap();
+        assert!(other[0].inputs.is_empty() && other[0].outputs.is_empty());
+        let whole = std::path::absolute(here).unwrap().join("a.csv");
+        let below = read(
+            &stage("a", &format!("tool copy in.csv {}", whole.to_slash_lossy())),
+            here,
+            None,
+        );
+        assert_eq!(below.unwrap()[0].outputs, ["a.csv"]);
+        let wrong = read(&stage("a", "tool copy in.csv"), here, None).unwrap_err();
+        assert_eq!(wrong.to_string(), "p.toml:5:1: copy needs FROM and TO");
+    }
+
+    #[test]
+    fn a_list_that_says_them_too_and_differs_is_refused() {
+        let here = Path::new(".");
+        let with = |lists: &str| read(&(stage("a", "tool copy x y z") + lists), here, None);
+        assert!(with("inputs = [\"x\"]\noutputs = [\"./y\"]").is_ok());
+        assert!(
+            with("inputs = [\"x\", \"z\"]").is_ok(),
+            "z is read if it is there"
+        );
+        let said = |lists: &str| with(lists).unwrap_err().to_string();
+        assert_eq!(
+            said("inputs = [\"z\"]"),
+            "p.toml:8:10: `inputs` is not what the command reads: it lacks x"
+        );
+        assert_eq!(
+            said("outputs = [\"y\", \"more\"]"),
+            "p.toml:8:11: `outputs` is not what the command writes: it has more"
+        );
+    }
+
+    #[test]
+    fn what_is_read_if_there_is_an_input_where_it_is_made_or_stands_on_the_disk() {
+        let folder = tempfile::tempdir().unwrap();
+        std::fs::write(folder.path().join("notes"), "x").unwrap();
+        let inputs = |if_there: &str| {
+            let two = stage("a", "tool copy x {out}/drives")
+                + &stage("b", &format!("tool copy x y {if_there}"));
+            read(&two, folder.path(), None).unwrap()[1].inputs.clone()
+        };
+        assert_eq!(inputs("notes"), ["x", "notes"]);
+        assert_eq!(inputs("made/drives/a.csv"), ["x", "made/drives/a.csv"]);
+        assert_eq!(
+            inputs("made"),
+            ["x", "made"],
+            "another stage makes a part of it"
+        );
+        assert_eq!(inputs("nowhere"), ["x"]);
+        assert_eq!(inputs("y"), ["x"], "its own output");
+    }
+
+    #[test]
+    fn a_variant_moves_outputs_that_follow_from_a_command() {
+        let here = Path::new(".");
+        let two = stage("a", "tool copy x {model}") + &stage("b", "tool copy {model} {out}/b");
+        let moved = read(&two, here, Some("b")).unwrap();
+        assert_eq!(moved[0].outputs, ["made-b/model"]);
+        assert_eq!(moved[1].inputs, ["made-b/model"]);
+        assert_eq!(moved[1].outputs, ["made-b/b"]);
+        let fixed = read(&stage("a", "tool copy x fixed/y"), here, Some("b")).unwrap_err();
+        assert!(matches!(fixed, PipelineError::NoRoot { .. }), "{fixed}");
     }
 }

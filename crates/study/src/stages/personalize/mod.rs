@@ -98,10 +98,13 @@ impl Stage for Personalize {
     type Result = PersonalizedDrives;
 
     fn files(&self, root: &Path) -> Result<Files, StudyError> {
+        let design = self.design.as_deref();
+        let study = DesignFile::below(root, design).filter(|_| self.scores.is_some());
         Ok(Files::default()
             .reads([&self.model, &self.drives])
             .reads(&self.scores)
-            .reads_people(root, self.design.as_deref(), self.participants.as_deref())
+            .reads_people(root, design, self.participants.as_deref())
+            .reads_style(study.as_ref())
             .writes([&self.out])
             .writes(&self.learning_curve))
     }

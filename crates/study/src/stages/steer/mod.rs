@@ -89,11 +89,13 @@ impl Stage for Steer {
     const FAILURE: &'static str = "could not steer";
     type Result = Steered;
 
-    fn files(&self, _root: &Path) -> Result<Files, StudyError> {
+    fn files(&self, root: &Path) -> Result<Files, StudyError> {
+        let study = DesignFile::below_or_paper(root, self.design.as_deref())?;
         Ok(Files::default()
             .reads([&self.model, &self.embeddings])
             .reads(&self.scores)
             .reads_design(self.design.as_deref())
+            .reads_style(Some(&study))
             .writes([&self.out]))
     }
 
