@@ -1,7 +1,6 @@
 #![doc = include_str!("../README.md")]
 #![warn(clippy::print_stderr)] // it panics where stderr is closed: `diagnostics::tell` does not
 
-mod args;
 mod citation;
 mod commands;
 mod diagnostics;

@@ -118,3 +118,13 @@ pub(crate) fn for_each_on<I: Sync, T: Send>(
         threads(jobs)?.install(|| items.par_iter().map(one).collect());
     results.into_iter().collect()
 }
+
+/// How a result is printed.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, clap::ValueEnum)]
+pub enum Format {
+    /// Lines for people
+    #[default]
+    Text,
+    /// One JSON object
+    Json,
+}

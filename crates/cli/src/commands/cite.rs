@@ -1,7 +1,8 @@
 //! `maveric cite`.
 
 use super::{print_json, print_lines};
-use crate::{args::Format, citation, diagnostics::Failure};
+use crate::{citation, diagnostics::Failure};
+use maveric_study::outcome::Format;
 
 /// Print how to cite this program and the paper whose method it implements
 #[derive(Debug, clap::Args)]

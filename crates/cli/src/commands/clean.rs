@@ -2,10 +2,10 @@
 
 use super::{print_json, print_lines};
 use crate::{
-    args::Format,
     diagnostics::Failure,
     place::{PipelineArgs, place},
 };
+use maveric_study::outcome::Format;
 
 /// Remove what a pipeline's stages made, and nothing else
 #[derive(Debug, clap::Args)]

@@ -1,7 +1,8 @@
 //! `maveric design`.
 
 use super::{print_outcome, today};
-use crate::{args::Format, diagnostics::Failure};
+use crate::diagnostics::Failure;
+use maveric_study::outcome::Format;
 use maveric_study::stages::{declare, freeze};
 use std::path::PathBuf;
 

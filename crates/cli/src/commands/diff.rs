@@ -2,11 +2,11 @@
 
 use super::{print_json, print_lines};
 use crate::{
-    args::Format,
     diagnostics::Failure,
     place::{DEFAULT_PIPELINE, place},
 };
 use maveric_pipeline::{Ledger, RunAt};
+use maveric_study::outcome::Format;
 use path_slash::PathExt as _;
 use std::path::{Path, PathBuf};
 

@@ -2,11 +2,11 @@
 
 use super::{print_outcome, today};
 use crate::{
-    args::Format,
     diagnostics::Failure,
     place::{DEFAULT_PIPELINE, PipelineArgs, place},
 };
 use maveric_pipeline::{FactKind, Ledger};
+use maveric_study::outcome::Format;
 use maveric_study::stages::export::{self, About, ExportOptions, PipelineRun, Step};
 use std::path::Path;
 

@@ -16,13 +16,13 @@ pub(crate) mod trace;
 pub(crate) mod verify;
 
 use crate::{
-    args::Format,
     diagnostics::{Failure, printable, tell},
     interrupt,
     invocation::this_command,
     progress,
 };
 use clap::{Parser, Subcommand};
+use maveric_study::outcome::Format;
 use maveric_study::{
     Files, Outcome, Stage, StudyError, Watch,
     stages::{

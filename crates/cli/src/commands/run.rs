@@ -2,7 +2,6 @@
 
 use super::{print_json, print_lines};
 use crate::{
-    args::Format,
     diagnostics::{Failure, tell},
     interrupt,
     place::{PipelineArgs, place},
@@ -10,6 +9,7 @@ use crate::{
 use maveric_pipeline::{
     Event, Outcome, Pipeline, RunOptions, RunReport, StageStatus, State, plan, run, why,
 };
+use maveric_study::outcome::Format;
 use path_slash::PathExt as _;
 use std::{fmt::Write as _, num::NonZeroUsize, path::PathBuf};
 

@@ -2,11 +2,11 @@
 
 use super::{all_cores, print_json, print_lines};
 use crate::{
-    args::Format,
     diagnostics::{Failure, tell},
     interrupt, progress,
 };
 use maveric_seat::{Seat as Open, SeatError, SeatSettings, Wire, carried, demo, files, replay};
+use maveric_study::outcome::Format;
 use maveric_study::{
     DesignFile, StudyError, Watch, check_design, design::DESIGN_FILE, dial_stretch, run_folder,
 };

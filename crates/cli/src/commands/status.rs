@@ -2,10 +2,10 @@
 
 use super::run::print_statuses;
 use crate::{
-    args::Format,
     diagnostics::{Failure, tell},
     place::{DEFAULT_PIPELINE, PipelineArgs, place, study_notes},
 };
+use maveric_study::outcome::Format;
 use std::path::PathBuf;
 
 /// Say which stages of a pipeline are stale, and why; run nothing

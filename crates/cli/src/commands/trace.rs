@@ -2,11 +2,11 @@
 
 use super::{print_json, print_lines};
 use crate::{
-    args::Format,
     diagnostics::Failure,
     place::{DESIGNED_FOLDER, place},
 };
 use maveric_pipeline::{Ledger, PipelineError, below_root};
+use maveric_study::outcome::Format;
 use std::path::PathBuf;
 
 /// Walk back from a file to the stages, rows and files that it came from

@@ -2,11 +2,11 @@
 
 use super::{print_json, print_lines};
 use crate::{
-    args::Format,
     diagnostics::Failure,
     place::{DEFAULT_PIPELINE, PipelineArgs, place},
 };
 use maveric_pipeline::{FileState, Finding, Role, Verification};
+use maveric_study::outcome::Format;
 use std::path::PathBuf;
 
 /// Read every file of a pipeline again and hold it against the ledger; change nothing

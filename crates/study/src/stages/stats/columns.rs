@@ -1,18 +1,37 @@
 //! From the columns of a table to what a test takes.
 
-use super::input::Long;
+use super::input::{Long, ROW};
 use crate::{error::StudyError, tables::Table};
-use maveric_stats::{PlannedTest, PowerQuestion, ReportedCorrelation, WithinSubjects};
+use clap::builder::ArgPredicate;
+use maveric_stats::WithinSubjects;
 
 /// The columns of a within-subject design.
-#[derive(Debug, Clone)]
-pub struct WithinColumns {
-    /// Whose row it is.
-    pub subject: String,
-    /// In which condition.
-    pub within: String,
-    /// The value.
-    pub value: String,
+#[derive(Debug, Clone, clap::Args)]
+pub(super) struct WithinColumns {
+    /// Column that says whose row it is
+    #[arg(
+        long,
+        required = false,
+        required_unless_present = "wide",
+        default_value_if("wide", ArgPredicate::IsPresent, ROW)
+    )]
+    pub(super) subject: String,
+    /// Column that says in which condition
+    #[arg(
+        long,
+        required = false,
+        required_unless_present = "wide",
+        default_value_if("wide", ArgPredicate::IsPresent, "condition")
+    )]
+    pub(super) within: String,
+    /// Column with the value; several, as in score,speed, are analysed one by one
+    #[arg(
+        long,
+        required = false,
+        required_unless_present = "wide",
+        default_value_if("wide", ArgPredicate::IsPresent, "value")
+    )]
+    pub(super) value: String,
 }
 
 impl WithinColumns {
@@ -23,6 +42,41 @@ impl WithinColumns {
             value: &self.value,
         }
     }
+
+    pub(super) fn read(&self, table: &Table) -> Result<WithinSubjects, StudyError> {
+        self.long().read(table)
+    }
+}
+
+/// Conditions of the same people, where a call can do without them.
+#[derive(Debug, Clone, clap::Args)]
+pub(super) struct Conditions {
+    /// Column that says whose row it is
+    #[arg(long, requires = "within")]
+    pub(super) subject: Option<String>,
+    /// Column that says in which condition
+    #[arg(long, requires = "subject")]
+    pub(super) within: Option<String>,
+}
+
+impl Conditions {
+    pub(super) fn long<'a>(&'a self, value: &'a str) -> Option<Long<'a>> {
+        Some(Long {
+            subject: Some(self.subject.as_deref()?),
+            within: self.within.as_deref()?,
+            value,
+        })
+    }
+}
+
+impl Long<'_> {
+    /// The cells of conditions that the same people met.
+    pub(super) fn read(&self, table: &Table) -> Result<WithinSubjects, StudyError> {
+        let subjects = labels(table, self.subject.unwrap_or_default())?;
+        let conditions = labels(table, self.within)?;
+        let values = table.numbers(self.value)?;
+        Ok(WithinSubjects::from_long(&subjects, &conditions, &values)?)
+    }
 }
 
 /// A column of labels without a missing one.
@@ -32,16 +86,6 @@ pub(super) fn labels(table: &Table, column: &str) -> Result<Vec<String>, StudyEr
         cell.ok_or_else(|| table.bad_cell(row, column, "", "a label"))
     };
     cells.into_iter().enumerate().map(filled).collect()
-}
-
-pub(super) fn within(table: &Table, columns: &WithinColumns) -> Result<WithinSubjects, StudyError> {
-    let subjects = labels(table, &columns.subject)?;
-    let conditions = labels(table, &columns.within)?;
-    Ok(WithinSubjects::from_long(
-        &subjects,
-        &conditions,
-        &table.numbers(&columns.value)?,
-    )?)
 }
 
 /// A group's name and its values.
@@ -60,72 +104,14 @@ pub(super) fn grouped(table: &Table, group: &str, value: &str) -> Result<Vec<Gro
 }
 
 /// A number that counts something: whole and not negative.
-fn count(table: &Table, row: usize, column: &str, value: f64) -> Result<usize, StudyError> {
+pub(super) fn count(
+    table: &Table,
+    row: usize,
+    column: &str,
+    value: f64,
+) -> Result<usize, StudyError> {
     if value >= 0.0 && value.fract() == 0.0 {
         return Ok(value as usize);
     }
     Err(table.bad_cell(row, column, value.to_string(), "a whole number, 0 or more"))
-}
-
-/// One question a row: `test`, `n`, `effect`, `alpha`, and for an ANOVA `k`, `corr`, `epsilon`.
-pub(super) fn power_questions(table: &Table) -> Result<Vec<PowerQuestion>, StudyError> {
-    let test = labels(table, "test")?;
-    let n = table.all_numbers("n")?;
-    let effect = table.all_numbers("effect")?;
-    let alpha = table.all_numbers("alpha")?;
-    let optional = |name: &str| {
-        if table.has(name) {
-            table.numbers(name)
-        } else {
-            Ok(vec![None; table.rows()])
-        }
-    };
-    let (k, corr, epsilon) = (optional("k")?, optional("corr")?, optional("epsilon")?);
-    let need = |cells: &[Option<f64>], row: usize, name: &str| {
-        cells[row].ok_or_else(|| table.bad_cell(row, name, "", "a number, for an ANOVA"))
-    };
-    (0..table.rows())
-        .map(|row| {
-            let effect = effect[row];
-            let planned = match test[row].as_str() {
-                "paired_t" => PlannedTest::PairedT { effect },
-                "pearson" => PlannedTest::Pearson { effect },
-                "rm_anova" => PlannedTest::RmAnova {
-                    effect,
-                    k: count(table, row, "k", need(&k, row, "k")?)?,
-                    corr: need(&corr, row, "corr")?,
-                    epsilon: need(&epsilon, row, "epsilon")?,
-                },
-                other => {
-                    return Err(table.bad_cell(
-                        row,
-                        "test",
-                        other,
-                        "paired_t, pearson or rm_anova",
-                    ));
-                }
-            };
-            Ok(PowerQuestion {
-                test: planned,
-                n: count(table, row, "n", n[row])?,
-                alpha: alpha[row],
-            })
-        })
-        .collect()
-}
-
-/// One published correlation a row: `coefficient`, `df`, `p`, as printed.
-pub(super) fn reported(table: &Table) -> Result<Vec<ReportedCorrelation>, StudyError> {
-    let coefficient = labels(table, "coefficient")?;
-    let df = table.all_numbers("df")?;
-    let p = labels(table, "p")?;
-    (0..table.rows())
-        .map(|row| {
-            Ok(ReportedCorrelation {
-                coefficient: coefficient[row].clone(),
-                df: count(table, row, "df", df[row])?,
-                p: p[row].clone(),
-            })
-        })
-        .collect()
 }

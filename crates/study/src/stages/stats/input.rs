@@ -1,22 +1,69 @@
 //! The table as people have it: rows that are kept, and a column a condition made long.
 
-use crate::{error::StudyError, tables::Table};
+use crate::{error::StudyError, outcome::Format, tables::Table};
+use std::path::PathBuf;
 
 /// The column that numbers the rows of a wide table, where it names no subjects.
 pub const ROW: &str = "(row)";
 
-/// What is done to the table before a test reads it.
-#[derive(Debug, Clone, Default)]
+/// The table, what is done to it before a test reads it, and how the result is shown.
+#[derive(Debug, Clone, clap::Args)]
 pub struct Input {
-    /// Rows that are kept: those whose column has the value, for each pair.
+    /// Table to read: CSV, TSV, Parquet, or - for CSV on standard input
+    pub data: PathBuf,
+    /// How to print the result
+    #[arg(long, value_enum, default_value_t)]
+    pub format: Format,
+    /// Keep the rows that have this value in this column; several: all of them
+    #[arg(long = "where", value_name = "COLUMN=VALUE", value_parser = column_and_value, help_heading = "The table")]
     pub keep: Vec<(String, String)>,
-    /// Columns that are conditions, in their order; none if the table is long already.
+    /// Columns that are conditions, in the place of --within and --value (which then name what they become); without --subject a row is a subject
+    #[arg(
+        long,
+        value_name = "A,B,…",
+        value_delimiter = ',',
+        help_heading = "The table"
+    )]
     pub wide: Vec<String>,
+    /// Print the sentences alone, as APA has them
+    #[arg(long, group = "shown", help_heading = "The result")]
+    pub apa: bool,
+    /// Print the tables in LaTeX (booktabs)
+    #[arg(long, group = "shown", help_heading = "The result")]
+    pub latex: bool,
+    /// Print the tables in Markdown
+    #[arg(long, group = "shown", help_heading = "The result")]
+    pub markdown: bool,
+    /// Draw the result into this file
+    #[arg(long, value_name = "OUT.svg|png|pdf", help_heading = "The result")]
+    pub figure: Option<PathBuf>,
+}
+
+fn column_and_value(text: &str) -> Result<(String, String), String> {
+    let parts = text
+        .split_once('=')
+        .filter(|(column, _)| !column.is_empty());
+    parts
+        .map(|(column, value)| (column.to_owned(), value.to_owned()))
+        .ok_or_else(|| "expected COLUMN=VALUE, as in session=2".to_owned())
+}
+
+/// How the result is shown to people.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Show {
+    /// Everything: what was found, of whom, why, and what has no value.
+    Report,
+    /// The sentences alone.
+    Apa,
+    /// Tables in LaTeX.
+    Latex,
+    /// Tables in Markdown.
+    Markdown,
 }
 
 /// The columns of a long table.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Long<'a> {
+pub struct Long<'a> {
     /// Whose row it is; [`ROW`] numbers the rows of the wide table.
     pub(super) subject: Option<&'a str>,
     /// In which condition, or group.
@@ -25,7 +72,27 @@ pub(super) struct Long<'a> {
     pub(super) value: &'a str,
 }
 
+impl<'a> Long<'a> {
+    /// Of groups of different people.
+    pub(super) fn groups(group: &'a str, value: &'a str) -> Self {
+        Self {
+            subject: None,
+            within: group,
+            value,
+        }
+    }
+}
+
 impl Input {
+    pub(super) fn show(&self) -> Show {
+        match (self.apa, self.latex, self.markdown) {
+            (true, _, _) => Show::Apa,
+            (_, true, _) => Show::Latex,
+            (_, _, true) => Show::Markdown,
+            _ => Show::Report,
+        }
+    }
+
     /// The rows that are kept, made long with the columns that the test reads.
     pub(super) fn read(
         &self,

@@ -1,7 +1,7 @@
 //! What one test gives: JSON, sentences, report and figure.
 
 use super::{
-    Show,
+    input::Show,
     pictures::Picture,
     printed::{self, Printed},
 };
@@ -12,7 +12,7 @@ use serde_json::Value;
 pub(super) const ALPHA: f64 = 0.05;
 
 /// What one test gives.
-pub(super) struct Ran {
+pub struct Ran {
     pub(super) value: Value,
     pub(super) said: Vec<(String, Statement)>,
     pub(super) printed: Printed,

@@ -1,24 +1,63 @@
 //! The columns of any design, read from a table.
 
-use super::columns;
+use super::{
+    columns,
+    input::{Long, ROW},
+};
 use crate::{error::StudyError, tables::Table};
+use clap::builder::ArgPredicate;
 use maveric_stats::{DesignColumns, FactorialDesign};
 
 /// Which columns a design has.
-#[derive(Debug, Clone, Default)]
-pub struct FactorColumns {
-    /// Whose row it is; without it every row is a subject.
-    pub subject: Option<String>,
-    /// Factors within subjects.
-    pub within: Vec<String>,
-    /// Factors between subjects.
-    pub between: Vec<String>,
+#[derive(Debug, Clone, Default, clap::Args)]
+pub(super) struct FactorColumns {
+    /// Column that says whose row it is; without --within every row is a subject
+    #[arg(
+        long,
+        required_unless_present_any = ["between", "wide"],
+        default_value_if("wide", ArgPredicate::IsPresent, ROW)
+    )]
+    pub(super) subject: Option<String>,
+    /// Columns of the factors within subjects, one or two
+    #[arg(
+        long,
+        value_delimiter = ',',
+        requires = "subject",
+        required_unless_present_any = ["between", "wide"],
+        default_value_if("wide", ArgPredicate::IsPresent, "condition")
+    )]
+    pub(super) within: Vec<String>,
+    /// Columns of the factors between subjects, one or two
+    #[arg(long, value_delimiter = ',', conflicts_with = "wide")]
+    pub(super) between: Vec<String>,
     /// Covariates.
-    pub covariates: Vec<String>,
+    #[arg(skip)]
+    pub(super) covariates: Vec<String>,
     /// Products that are tested: a covariate, and the effect within subjects that it is multiplied by.
-    pub products: Vec<(String, String)>,
-    /// The value.
-    pub value: String,
+    #[arg(skip)]
+    pub(super) products: Vec<(String, String)>,
+    /// Column with the value; several, as in score,speed, are analysed one by one
+    #[arg(
+        long,
+        required = false,
+        required_unless_present = "wide",
+        default_value_if("wide", ArgPredicate::IsPresent, "value")
+    )]
+    pub(super) value: String,
+}
+
+impl FactorColumns {
+    /// As conditions, where there is one factor within subjects.
+    pub(super) fn long(&self) -> Option<Long<'_>> {
+        let [within] = &self.within[..] else {
+            return None;
+        };
+        Some(Long {
+            subject: self.subject.as_deref(),
+            within,
+            value: &self.value,
+        })
+    }
 }
 
 /// Their cells.

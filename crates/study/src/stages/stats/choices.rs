@@ -1,9 +1,16 @@
 //! What can be chosen by name.
 
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
-use maveric_study::stages::stats::{
-    Adjustment, CorrelationMethod, FactorialMethod, MissingCells, PosthocTest, Statistic,
-};
+use maveric_stats::{Adjustment, CorrelationMethod, MissingCells, PosthocTest, Statistic};
+
+/// How a factorial design is tested.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum FactorialMethod {
+    /// Analysis of variance, with means, contrasts and simple effects.
+    Anova,
+    /// Aligned ranks.
+    Art,
+}
 
 /// A word, what `--help` says of it, and what it stands for.
 type Choice<T> = (&'static str, Option<&'static str>, T);

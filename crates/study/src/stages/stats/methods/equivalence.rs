@@ -1,0 +1,82 @@
+//! Whether a difference is smaller than bounds.
+
+use crate::{
+    error::StudyError,
+    stages::stats::{
+        columns::Conditions, input::Long, pictures, printed, ran::Ran, statistical_test::Test,
+    },
+    tables::Table,
+};
+use maveric_stats::{Bounds, equivalence, equivalence_one};
+
+/// Is the difference of conditions, or of a mean from a value, smaller than bounds? Two one-sided tests
+#[derive(Debug, Clone, clap::Args)]
+#[command(after_help = "\
+The table: a row a cell, with subject, condition and value; for one sample a column with the value.
+Examples: maveric stats equivalence data.csv --subject id --within condition --value score --bounds=-0.5,0.5
+          maveric stats equivalence data.csv --value score --mu=3 --bounds=-0.3,0.3 --standardized")]
+pub struct Equivalence {
+    #[command(flatten)]
+    conditions: Conditions,
+    /// Column with the value
+    #[arg(long)]
+    value: String,
+    /// What the mean of one sample is compared with
+    #[arg(
+        long,
+        conflicts_with = "subject",
+        required_unless_present = "subject",
+        allow_hyphen_values = true
+    )]
+    mu: Option<f64>,
+    /// Differences that count as none: LOW,HIGH
+    #[arg(long, value_name = "LOW,HIGH", value_parser = two_numbers, allow_hyphen_values = true)]
+    bounds: (f64, f64),
+    /// The bounds are in standard deviations of the differences
+    #[arg(long)]
+    standardized: bool,
+}
+
+impl Test for Equivalence {
+    const NAME: &'static str = "equivalence";
+
+    fn lacks(&self) -> Option<&'static str> {
+        let none = self.long().is_none() && self.mu.is_none();
+        none.then_some("--subject and --within, or --mu")
+    }
+
+    fn long(&self) -> Option<Long<'_>> {
+        self.conditions.long(&self.value)
+    }
+
+    fn value(&mut self) -> Option<&mut String> {
+        Some(&mut self.value)
+    }
+
+    fn run(&self, table: &Table) -> Result<Ran, StudyError> {
+        let (low, high) = self.bounds;
+        let bounds = if self.standardized {
+            Bounds::Standardized { low, high }
+        } else {
+            Bounds::Raw { low, high }
+        };
+        let found = if let Some(columns) = self.long() {
+            equivalence(&columns.read(table)?, bounds)?
+        } else {
+            let mu = self.mu.unwrap_or_default();
+            equivalence_one(&table.numbers(&self.value)?, mu, bounds)?
+        };
+        let picture = pictures::equivalence(&self.value, &found);
+        Ok(Ran::of(&found, printed::equivalence(&found)).drawn(picture))
+    }
+}
+
+fn two_numbers(text: &str) -> Result<(f64, f64), String> {
+    let numbers = text.split_once(',').map(|(low, high)| {
+        let number = |part: &str| part.trim().parse::<f64>().ok();
+        number(low).zip(number(high))
+    });
+    numbers
+        .flatten()
+        .ok_or_else(|| "expected two numbers, as in -0.5,0.5".to_owned())
+}

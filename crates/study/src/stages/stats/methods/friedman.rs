@@ -1,0 +1,40 @@
+//! Friedman's test.
+
+use crate::{
+    error::StudyError,
+    stages::stats::{
+        columns::WithinColumns, input::Long, pictures, printed, ran::Ran, statistical_test::Test,
+    },
+    tables::Table,
+};
+use maveric_stats::friedman;
+
+/// Friedman's test: chi-squared, Iman-Davenport F, exact
+#[derive(Debug, Clone, clap::Args)]
+#[command(after_help = "\
+The table: a row a cell, with subject, condition and value; or a column a condition, by --wide.
+Example: maveric stats friedman data.csv --subject id --within condition --value score")]
+pub struct Friedman {
+    #[command(flatten)]
+    columns: WithinColumns,
+}
+
+impl Test for Friedman {
+    const NAME: &'static str = "friedman";
+
+    fn long(&self) -> Option<Long<'_>> {
+        Some(self.columns.long())
+    }
+
+    fn value(&mut self) -> Option<&mut String> {
+        Some(&mut self.columns.value)
+    }
+
+    fn run(&self, table: &Table) -> Result<Ran, StudyError> {
+        let data = self.columns.read(table)?;
+        let found = friedman(&data);
+        let (said, no_pairs) = (pictures::first(&found), std::iter::empty());
+        let picture = pictures::conditions(&data, &self.columns.value, said, &found.desc, no_pairs);
+        Ok(Ran::of(&found, printed::friedman(&found)).drawn(picture))
+    }
+}

@@ -1,0 +1,62 @@
+//! Shapiro-Wilk and moments.
+
+use crate::{
+    error::StudyError,
+    stages::stats::{
+        columns::grouped,
+        input::Long,
+        ran::{Ran, plain},
+        statistical_test::Test,
+    },
+    tables::Table,
+};
+use maveric_stats::{apa::Statements as _, normality};
+use serde_json::{Map, json};
+
+/// Shapiro-Wilk and the moments of a column
+#[derive(Debug, Clone, clap::Args)]
+#[command(after_help = "\
+The table: a row a value, with a column of numbers, and of groups if there are any.
+Example: maveric stats normality data.csv --value score --group condition")]
+pub struct Normality {
+    /// Column with the value
+    #[arg(long)]
+    value: String,
+    /// Column that groups the rows
+    #[arg(long)]
+    group: Option<String>,
+}
+
+impl Test for Normality {
+    const NAME: &'static str = "normality";
+
+    fn long(&self) -> Option<Long<'_>> {
+        let of_group = |group| Long::groups(group, &self.value);
+        self.group.as_deref().map(of_group)
+    }
+
+    fn value(&mut self) -> Option<&mut String> {
+        Some(&mut self.value)
+    }
+
+    fn has_figure(&self) -> bool {
+        false
+    }
+
+    fn run(&self, table: &Table) -> Result<Ran, StudyError> {
+        let Some(group) = &self.group else {
+            return Ok(Ran::plainly(&normality(&table.numbers(&self.value)?)?));
+        };
+        let (mut groups, mut said) = (Map::new(), Vec::new());
+        for (name, values) in grouped(table, group, &self.value)? {
+            let found = normality(&values)?;
+            let sentences = found.statements().into_iter();
+            said.extend(sentences.map(|(_, s)| (name.clone(), s)));
+            groups.insert(name, plain(&found));
+        }
+        Ok(Ran {
+            said,
+            ..Ran::numbers(json!({ "group": groups }))
+        })
+    }
+}

@@ -1,0 +1,46 @@
+//! A cumulative logit model.
+
+use crate::{
+    error::StudyError,
+    stages::stats::{
+        columns::{WithinColumns, labels},
+        input::Long,
+        pictures, printed,
+        ran::Ran,
+        rows::DesignRows,
+        statistical_test::Test,
+    },
+    tables::Table,
+};
+use maveric_stats::ordinal;
+
+/// Ordered answers: a cumulative logit model with a random intercept
+#[derive(Debug, Clone, clap::Args)]
+#[command(after_help = "\
+The table: any number of rows a person and condition, with subject, condition and the answer as a whole number.
+Example: maveric stats ordinal data.csv --subject id --within condition --value answer")]
+pub struct Ordinal {
+    #[command(flatten)]
+    columns: WithinColumns,
+}
+
+impl Test for Ordinal {
+    const NAME: &'static str = "ordinal";
+
+    fn long(&self) -> Option<Long<'_>> {
+        Some(self.columns.long())
+    }
+
+    fn value(&mut self) -> Option<&mut String> {
+        Some(&mut self.columns.value)
+    }
+
+    fn run(&self, table: &Table) -> Result<Ran, StudyError> {
+        let c = &self.columns;
+        let (people, conditions) = (labels(table, &c.subject)?, labels(table, &c.within)?);
+        let found = ordinal(&people, &conditions, &table.numbers(&c.value)?)?;
+        let rows = DesignRows::one_factor(table, Some(&c.subject), &c.within, &c.value)?;
+        let picture = pictures::ordinal(&rows, &c.value, &found, None);
+        Ok(Ran::of(&found, printed::ordinal(&found)).drawn(picture))
+    }
+}

@@ -1,0 +1,41 @@
+//! The whole analysis of a within-subject design.
+
+use crate::{
+    error::StudyError,
+    stages::stats::{
+        columns::WithinColumns, input::Long, pictures, printed, ran::Ran, statistical_test::Test,
+    },
+    tables::Table,
+};
+use maveric_stats::within;
+
+/// The whole analysis of a within-subject design
+#[derive(Debug, Clone, clap::Args)]
+#[command(after_help = "\
+The table: a row a cell, with subject, condition and value; or a column a condition, by --wide.
+Example: maveric stats within data.csv --subject id --within condition --value score")]
+pub struct Within {
+    #[command(flatten)]
+    columns: WithinColumns,
+}
+
+impl Test for Within {
+    const NAME: &'static str = "within";
+
+    fn long(&self) -> Option<Long<'_>> {
+        Some(self.columns.long())
+    }
+
+    fn value(&mut self) -> Option<&mut String> {
+        Some(&mut self.columns.value)
+    }
+
+    fn run(&self, table: &Table) -> Result<Ran, StudyError> {
+        let data = self.columns.read(table)?;
+        let found = within(&data);
+        let p = found.paired.values().map(|pair| pair.p_holm);
+        let said = pictures::first(&found);
+        let picture = pictures::conditions(&data, &self.columns.value, said, &found.desc, p);
+        Ok(Ran::of(&found, printed::whole(&found)).drawn(picture))
+    }
+}

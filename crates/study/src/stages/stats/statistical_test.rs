@@ -1,0 +1,36 @@
+//! What a test is: columns, and what it makes of them.
+
+use super::{input::Long, ran::Ran};
+use crate::{error::StudyError, tables::Table};
+
+/// A test: its fields are the columns that it reads and how it does so, with their help and defaults.
+pub trait Test: clap::Args + Clone {
+    /// Its name on the command line.
+    const NAME: &'static str;
+
+    /// Options without which it cannot run, if one is lacking.
+    fn lacks(&self) -> Option<&'static str> {
+        None
+    }
+
+    /// The columns that a wide table becomes; none if the test compares no conditions.
+    fn long(&self) -> Option<Long<'_>> {
+        None
+    }
+
+    /// The column of values, if there is one; several are tested one by one.
+    fn value(&mut self) -> Option<&mut String> {
+        None
+    }
+
+    /// Whether there is something to draw: conditions, groups, contrasts, or two columns.
+    fn has_figure(&self) -> bool {
+        true
+    }
+
+    /// The result: its numbers, sentences, tables and figure.
+    ///
+    /// # Errors
+    /// [`StudyError`] naming the column that is not there or is not as it should be, or what the test refuses.
+    fn run(&self, table: &Table) -> Result<Ran, StudyError>;
+}
