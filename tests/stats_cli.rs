@@ -57,6 +57,43 @@ fn a_table_that_is_no_design_is_refused_with_its_own_message() {
 }
 
 #[test]
+fn answers_with_yes_or_no_are_read_in_words_and_numbers_and_nothing_else() {
+    let study = TempStudy::new();
+    let mut rows = "s,w,v\n".to_owned();
+    for (who, (x, y)) in [
+        ("Yes", "no"),
+        ("1", "0"),
+        ("true", "FALSE"),
+        ("y", "n"),
+        ("no", "no"),
+    ]
+    .into_iter()
+    .enumerate()
+    {
+        let _ = write!(rows, "p{who},x,{x}\np{who},y,{y}\n");
+    }
+    rows += "p9,x,yes\np9,y,\n";
+    let found = json(&study, &[&["mcnemar"], &WITHIN[..]].concat(), &rows);
+    let test = &found["mcnemar"];
+    assert_eq!((&test["only_a"], &test["only_b"]), (&4.into(), &0.into()));
+    assert_eq!(found["n"], 5);
+    assert_eq!(found["dropped"], serde_json::json!(["p9"]));
+    let q = json(&study, &[&["cochran-q"], &WITHIN[..]].concat(), &rows);
+    assert_eq!(q["cochran_q"]["Q"], 4.0);
+    assert_eq!(q["pairs"]["x|y"]["p_holm"], test["p_mid"]);
+    let said = within(&study, "mcnemar", &rows).ok().stdout;
+    assert!(said.contains("4 against 0"), "{said}");
+    within(
+        &study,
+        "mcnemar",
+        &rows.replace("TRUE", "maybe").replace("true", "maybe"),
+    )
+    .failed(1, &["d.csv: row 5, column `v`", "maybe", "yes or no"]);
+    let three = format!("{rows}p0,z,yes\np1,z,no\np2,z,no\np3,z,no\np4,z,no\n");
+    within(&study, "mcnemar", &three).failed(1, &["cochran-q"]);
+}
+
+#[test]
 fn a_subject_with_a_missing_cell_is_named_and_counted() {
     let study = TempStudy::new();
     let table =
@@ -409,8 +446,9 @@ fn words(call: &str) -> Vec<String> {
 
 /// One table with every column that an example names, eight people with a row a cell.
 fn every_column(cells: usize) -> String {
-    let mut table =
-        String::from("id,group,vehicle,condition,style,load,age,score,speed,answer,q1,q2,q3,p\n");
+    let mut table = String::from(
+        "id,group,vehicle,condition,style,load,age,score,speed,answer,q1,q2,q3,p,noticed\n",
+    );
     for i in 0..8 {
         for j in 0..cells {
             let (x, y) = (f64::from(i), j as f64);
@@ -421,13 +459,14 @@ fn every_column(cells: usize) -> String {
             let score = 3.0 + y + 0.5 * wobble + 0.1 * x;
             let _ = writeln!(
                 table,
-                "P{i},{group},{vehicle},{condition},{style},{load},{age},{score},{},{},{},{},{},{}",
+                "P{i},{group},{vehicle},{condition},{style},{load},{age},{score},{},{},{},{},{},{},{}",
                 20.0 + 2.0 * y + wobble + 0.3 * x,
                 1 + (i + 2 * i32::from(j == 1)) % 4,
                 1.0 + wobble,
                 2.0 + (wobble + y) % 4.0,
                 1.0 + (wobble + x) % 5.0,
-                0.01 + 0.05 * wobble
+                0.01 + 0.05 * wobble,
+                ["no", "yes"][usize::from(wobble > 2.0)],
             );
         }
     }

@@ -10,6 +10,7 @@ pub mod apa;
 mod bayes;
 mod bootstrap;
 mod by_design;
+mod cochran_q;
 mod compare;
 mod complete;
 mod correlation;
@@ -20,6 +21,7 @@ mod friedman;
 mod groups;
 mod hierarchical;
 pub mod markup;
+mod mcnemar;
 mod mixed;
 mod named;
 mod normality;
@@ -54,6 +56,7 @@ pub use by_design::{
     DesignShape, EffectMethod, EffectTest, FactorialFinding, MissingCells, MixedFinding,
     OrdinalFinding, OutcomeScale, PlannedEffect, RankCheck, SmallSample, compare_by_design,
 };
+pub use cochran_q::{CochranQ, CochranQTest, McNemarPair, cochran_q};
 pub use compare::{
     AssumptionCheck, Comparison, Omnibus, OmnibusP, OmnibusTest, compare, compare_without_exact,
 };
@@ -74,6 +77,7 @@ pub use groups::{
     OneWayAnova, SeveralGroups, WelchAnova, groups,
 };
 pub use hierarchical::{Belief, Hierarchical, PersonRows, hierarchical};
+pub use mcnemar::{McNemar, McNemarTest, mcnemar};
 pub use mixed::{
     FixedEffect, Formula, InterceptVariance, MarginalContrast, MixedMethod, MixedModel, Predictor,
     RandomIntercept, TermTest, mixed_model, random_by_factor, random_intercept,

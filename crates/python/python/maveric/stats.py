@@ -221,6 +221,88 @@ def posthoc(
     )
 
 
+def mcnemar(
+    data: Any,
+    *,
+    subject: str | None = None,
+    within: str | None = None,
+    value: str | Sequence[str] | None = None,
+    wide: Sequence[str] | None = None,
+    where: Where = None,
+    figure: Path = None,
+) -> Result:
+    """Two conditions answered with yes or no by the same people: McNemar, exact and mid-p.
+
+    Parameters
+    ----------
+    data : data frame or dict of lists
+        A row a cell, with yes and no, true and false, or 1 and 0; or a column a condition, by `wide`.
+    subject : str, optional
+        Column that says whose row it is.
+    within : str, optional
+        Column that says in which condition.
+    value : str or list of str, optional
+        Column with the value; several are analysed one by one.
+    wide : list of str, optional
+        Columns that are conditions, in the place of `within` and `value`.
+    where : dict, optional
+        Keep the rows that have these values in these columns.
+    figure : path, optional
+        Draw the result into this file (.svg, .png or .pdf).
+    """
+    return _call(
+        "mcnemar",
+        data,
+        where,
+        subject=subject,
+        within=within,
+        value=value,
+        wide=wide,
+        figure=figure,
+    )
+
+
+def cochran_q(
+    data: Any,
+    *,
+    subject: str | None = None,
+    within: str | None = None,
+    value: str | Sequence[str] | None = None,
+    wide: Sequence[str] | None = None,
+    where: Where = None,
+    figure: Path = None,
+) -> Result:
+    """Conditions answered with yes or no by the same people: Cochran's Q, then McNemar of each pair.
+
+    Parameters
+    ----------
+    data : data frame or dict of lists
+        A row a cell, with yes and no, true and false, or 1 and 0; or a column a condition, by `wide`.
+    subject : str, optional
+        Column that says whose row it is.
+    within : str, optional
+        Column that says in which condition.
+    value : str or list of str, optional
+        Column with the value; several are analysed one by one.
+    wide : list of str, optional
+        Columns that are conditions, in the place of `within` and `value`.
+    where : dict, optional
+        Keep the rows that have these values in these columns.
+    figure : path, optional
+        Draw the result into this file (.svg, .png or .pdf).
+    """
+    return _call(
+        "cochran-q",
+        data,
+        where,
+        subject=subject,
+        within=within,
+        value=value,
+        wide=wide,
+        figure=figure,
+    )
+
+
 def compare(
     data: Any,
     *,

@@ -77,7 +77,7 @@ pub struct Interval {
 
 impl Interval {
     /// `None` unless both ends exist.
-    fn of(level: f64, low: Option<f64>, high: Option<f64>) -> Option<Self> {
+    pub(crate) fn of(level: f64, low: Option<f64>, high: Option<f64>) -> Option<Self> {
         Some(Self {
             level,
             low: low?,
@@ -223,6 +223,29 @@ pub fn chi2(statistic: f64, df: usize, n: usize, p: f64, kendall_w: Option<f64>)
         Some(w) => said.and("*W*", &bounded(w, 2)),
         None => said,
     }
+}
+
+/// `Q(3, N = 24) = 7.53, p = .057, W = .10`: Cochran's test with Kendall's W.
+pub fn cochran_q(q: f64, df: usize, p: f64, n: usize, w: Option<f64>) -> Statement {
+    let written = number(q, 2);
+    let said = Statement(format!("*Q*({df}, *N* = {n}) = {written}")).p(p, Adjustment::None);
+    match w {
+        Some(w) => said.and("*W*", &bounded(w, 2)),
+        None => said,
+    }
+}
+
+/// `8 against 1, p_Holm = .021, difference = .35, 95% CI [.05, .58]`: McNemar's test with the difference of the shares.
+pub fn share_difference(
+    difference: f64,
+    ci: Option<Interval>,
+    p: f64,
+    adjusted: Adjustment,
+    counts: &str,
+) -> Statement {
+    let said = Statement(counts.to_owned()).p(p, adjusted);
+    said.and("difference", &bounded(difference, 2))
+        .ci(ci, bounded)
 }
 
 /// `t(23) = −5.90, p_Holm < .001, dz = −1.20, 95% CI [−1.73, −0.67]`.

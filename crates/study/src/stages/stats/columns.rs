@@ -88,6 +88,32 @@ pub(super) fn labels(table: &Table, column: &str) -> Result<Vec<String>, StudyEr
     cells.into_iter().enumerate().map(filled).collect()
 }
 
+/// The cells of conditions that the same people answered with yes (1) or no (0).
+pub(super) fn yes_no(table: &Table, columns: &WithinColumns) -> Result<WithinSubjects, StudyError> {
+    let answer = |(row, cell): (usize, Option<String>)| {
+        let Some(cell) = cell else { return Ok(None) };
+        match cell.trim().to_lowercase().as_str() {
+            "yes" | "y" | "true" | "1" | "1.0" => Ok(Some(1.0)),
+            "no" | "n" | "false" | "0" | "0.0" => Ok(Some(0.0)),
+            _ => Err(table.bad_cell(
+                row,
+                &columns.value,
+                cell,
+                "yes or no, true or false, 1 or 0",
+            )),
+        }
+    };
+    let answers = table
+        .text(&columns.value)?
+        .into_iter()
+        .enumerate()
+        .map(answer);
+    let answers = answers.collect::<Result<Vec<_>, StudyError>>()?;
+    let subjects = labels(table, &columns.subject)?;
+    let conditions = labels(table, &columns.within)?;
+    Ok(WithinSubjects::from_long(&subjects, &conditions, &answers)?)
+}
+
 /// A group's name and its values.
 pub(super) type Group = (String, Vec<Option<f64>>);
 

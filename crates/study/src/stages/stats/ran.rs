@@ -5,6 +5,7 @@ use super::{
     pictures::Picture,
     printed::{self, Printed},
 };
+use maveric_report::markup;
 use maveric_stats::apa::{Statement, Statements};
 use serde_json::Value;
 
@@ -40,10 +41,16 @@ impl Ran {
 
     /// A result whose report is its numbers.
     pub(super) fn plainly<T: serde::Serialize + Statements>(found: &T) -> Self {
-        let sentences = found.statements().into_iter();
-        let sentences = sentences
-            .map(|(_, said)| said.markup().to_owned())
-            .collect();
+        let said = found.statements();
+        let several = said.len() > 1;
+        let sentence = |(name, said): (String, Statement)| {
+            if several {
+                format!("{}: {}", markup::literal(&name), said.markup())
+            } else {
+                said.markup().to_owned()
+            }
+        };
+        let sentences = said.into_iter().map(sentence).collect();
         Self::of(found, printed::plain(&plain(found), sentences))
     }
 

@@ -4,6 +4,7 @@ mod adjust;
 mod alpha;
 mod bayes;
 mod bootstrap;
+mod cochran_q;
 mod compare;
 mod correlate;
 mod equivalence;
@@ -11,6 +12,7 @@ mod factorial;
 mod friedman;
 mod groups;
 mod levene;
+mod mcnemar;
 mod mixed;
 mod normality;
 mod ordinal;
@@ -29,6 +31,7 @@ use adjust::Adjust;
 use alpha::Alpha;
 use bayes::Bayes;
 use bootstrap::Bootstrap;
+use cochran_q::CochranQ;
 use compare::Compare;
 use correlate::Correlate;
 use equivalence::Equivalence;
@@ -36,6 +39,7 @@ use factorial::Factorial;
 use friedman::Friedman;
 use groups::Groups;
 use levene::Levene;
+use mcnemar::Mcnemar;
 use mixed::Mixed;
 use normality::Normality;
 use ordinal::Ordinal;
@@ -101,6 +105,8 @@ tests![
     RmAnova,
     Friedman,
     Posthoc,
+    Mcnemar,
+    CochranQ,
     Correlate,
     Rmcorr,
     Normality,
