@@ -96,6 +96,7 @@ fn the_car_drives_like_its_owner_and_the_dial_turns_the_right_way() {
     );
     run("steer --model d/model.maveric --embeddings d/embeddings.csv --out d/conditions.csv");
     sweeps_and_attributes(&study);
+    nobody_whom_the_scale_does_not_have_is_turned(&study);
     run(
         "simulate --model d/model.maveric --conditions d/conditions.csv --out d/av --duration 300 --scene S2P02 --watch d/watch.html --watch-participant S2P02 --watch-own d/logs/study2/S2P02-own.mcap",
     );
@@ -142,6 +143,53 @@ fn the_car_drives_like_its_owner_and_the_dial_turns_the_right_way() {
             .all(|l| l.split(',').nth(at) == Some("0")),
         "{rollouts}"
     );
+}
+
+/// Whoever reads as no score of the scale keeps the own style and has no dial, unless asked for.
+fn nobody_whom_the_scale_does_not_have_is_turned(study: &TempStudy) {
+    let table = std::fs::read_to_string(study.path("d/embeddings.csv")).unwrap();
+    let mut lines = table.lines();
+    let head: Vec<&str> = lines.next().unwrap().split(',').collect();
+    let moved = lines.map(|line| {
+        let cells = line.split(',').zip(&head).map(|(cell, name)| {
+            if line.contains("S2P02") && name.starts_with('w') {
+                (cell.parse::<f64>().unwrap() * 1000.0).to_string()
+            } else {
+                cell.to_owned()
+            }
+        });
+        cells.collect::<Vec<_>>().join(",")
+    });
+    let far = std::iter::once(head.join(",")).chain(moved);
+    study.write("d/far.csv", far.collect::<Vec<_>>().join("\n") + "\n");
+    let steered = |flags: &[&str]| {
+        let call = [
+            "steer",
+            "--model",
+            "d/model.maveric",
+            "--embeddings",
+            "d/far.csv",
+            "--out",
+            "d/far_conditions.csv",
+        ];
+        let ran = study.maveric(&[&call, flags].concat()).ok();
+        let table = std::fs::read_to_string(study.path("d/far_conditions.csv")).unwrap();
+        let theirs = table.lines().filter(|line| line.starts_with("S2P02,"));
+        let theirs: Vec<String> = theirs
+            .map(|line| line.split(',').nth(1).unwrap().to_owned())
+            .collect();
+        (ran.stderr, theirs, table.lines().count())
+    };
+    let (told, theirs, rows) = steered(&[]);
+    assert!(
+        told.contains("participant S2P02: reads as a score that the scale does not have"),
+        "{told}"
+    );
+    assert_eq!(theirs, ["mimic", "perpendicular"]);
+    assert_eq!(rows, 1 + 7 * 4 + 2, "everybody else is turned");
+    let (told, theirs, rows) = steered(&["--beyond"]);
+    assert!(!told.contains("does not have"), "{told}");
+    assert_eq!((theirs.len(), rows), (4, 1 + 8 * 4));
 }
 
 /// A sweep can be driven, another attribute can be moved with aggression held, and what cannot is said.

@@ -396,10 +396,10 @@ fn five_conditions_on_a_dial_of_11_to_66_points_with_roles_and_then_a_model_from
         "range = [11, 55]",
         "range = [11, 66]",
     );
-    generate(&study, "mine", "4", "3");
-    // One of the four is a professional and demonstrates both roles.
+    generate(&study, "mine", "6", "3");
+    // One of the six is a professional and demonstrates both roles.
     let logs = std::fs::read_dir(study.path("mine/logs/study1")).unwrap();
-    assert_eq!(logs.count(), 4 + 2);
+    assert_eq!(logs.count(), 6 + 2);
     study.maveric_in("mine", &SHORT).ok();
     let conditions = read(&study, "mine/results/conditions.csv");
     assert_eq!(conditions.lines().count(), 1 + 3 * 5);
@@ -413,8 +413,8 @@ fn five_conditions_on_a_dial_of_11_to_66_points_with_roles_and_then_a_model_from
     assert_eq!(contrasts.unwrap().len(), 10);
     page(&study, "mine")
         .says(&[
-            "6 drives to learn from, 3 participants in five conditions: Calmer, Calm, Own style, Brisk and Brisker",
-            "The model learned from 6 drives by hand",
+            "8 drives to learn from, 3 participants in five conditions: Calmer, Calm, Own style, Brisk and Brisker",
+            "The model learned from 8 drives by hand",
             "Calmer lies 30 points of adb.total down from Own style, held within 11 to 66",
             "Accuracy of Own style",
             "Drives of S2P0",

@@ -6,11 +6,28 @@
 use crate::{
     design::DesignFile,
     error::StudyError,
+    once::told_once,
     run_folder::{read_scales, score_range},
 };
-use maveric_domain::{AdbScore, EmbeddingRow, Scale, Score, Subscale, design::DesignError};
+use maveric_domain::{
+    AdbScore, DriveId, EmbeddingRow, ParticipantId, Scale, Score, Subscale, design::DesignError,
+};
 use maveric_model::StyleHead;
+use serde::Serialize;
 use std::path::Path;
+
+/// A drive that a model reads as a score that its scale does not have.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct OffTheScale {
+    /// The drive.
+    pub drive: DriveId,
+    /// Whose it is.
+    pub participant: ParticipantId,
+    /// Whether the person's own score was read too.
+    pub adb_used: bool,
+    /// What the model read, in points.
+    pub reading: f64,
+}
 
 /// Lowest and highest score of a style.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -123,12 +140,42 @@ impl StyleScale {
         }
     }
 
-    /// Embeddings that were fitted to stretched scores, in points of the study's own.
-    pub(crate) fn outward_rows(self, rows: &mut [EmbeddingRow]) {
+    /// Embeddings that were fitted to stretched scores, in points of the study's own. What a model reads as a score that the scale does
+    /// not have is no score: it is taken out, and told.
+    pub(crate) fn outward_rows(self, rows: &mut [EmbeddingRow]) -> Vec<OffTheScale> {
+        let mut off = Vec::new();
         for row in rows {
             row.adb = row.adb.map(|x| self.outward(x));
             row.adb_hat = row.adb_hat.map(|x| self.outward(x));
+            if let Some(reading) = row.adb_hat.filter(|x| !self.has(*x)) {
+                row.adb_hat = None;
+                off.push(OffTheScale {
+                    drive: row.drive.clone(),
+                    participant: row.participant.clone(),
+                    adb_used: row.adb_used,
+                    reading,
+                });
+            }
         }
+        off
+    }
+
+    /// Whether there is such a score; one that only rounding puts outside counts as its end.
+    pub(crate) fn has(self, score: f64) -> bool {
+        let rounding = 1e-9 * (self.high - self.low);
+        (self.low - rounding..=self.high + rounding).contains(&score)
+    }
+
+    /// A sentence for each drive that reads as no score of the scale.
+    pub(crate) fn told(self, off: &[OffTheScale]) -> Vec<String> {
+        let why = format!(
+            "reads as a score outside {} to {}, so it has none: the model has met nobody who drives like this, and where it puts this driver says little",
+            self.low, self.high
+        );
+        told_once(
+            "drive",
+            off.iter().map(|o| (o.drive.to_string(), why.clone())),
+        )
     }
 }
 
@@ -181,6 +228,45 @@ pub(crate) fn style_scores(
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_reading_that_is_no_score_of_the_scale_is_taken_out_and_told_and_one_at_its_end_stays() {
+        let risky = StyleScale {
+            low: 1.0,
+            high: 6.0,
+        };
+        let row = |drive: &str, points: Option<f64>| EmbeddingRow {
+            drive: DriveId::new(drive).unwrap(),
+            participant: ParticipantId::new("p").unwrap(),
+            condition: "own".parse().unwrap(),
+            adb_used: false,
+            adb: None,
+            adb_hat: points.map(|points| risky.inward(points)),
+            line_position: None,
+            readings: None,
+            covariance: None,
+            line_position_se: None,
+            embedding: maveric_domain::Embedding::new(vec![0.0]).unwrap(),
+        };
+        let points = [0.9, 1.0, 3.5, 6.0, 6.1].map(Some);
+        let mut rows: Vec<EmbeddingRow> = ["a", "b", "c", "d", "e", "f"]
+            .into_iter()
+            .zip(points.into_iter().chain([None]))
+            .map(|(drive, points)| row(drive, points))
+            .collect();
+        let off = risky.outward_rows(&mut rows);
+        let kept: Vec<bool> = rows.iter().map(|r| r.adb_hat.is_some()).collect();
+        assert_eq!(kept, [false, true, true, true, false, false]);
+        let found: Vec<&str> = off.iter().map(|o| o.drive.as_str()).collect();
+        assert_eq!(found, ["a", "e"]);
+        assert!((off[1].reading - 6.1).abs() < 1e-9);
+        let said = risky.told(&off);
+        assert!(
+            said[0].starts_with("2 drives (a, e): reads as a score outside 1 to 6"),
+            "{said:?}"
+        );
+        assert!(risky.told(&[]).is_empty());
+    }
 
     #[test]
     fn another_score_is_stretched_onto_the_range_of_the_networks_and_back() {

@@ -213,9 +213,10 @@ impl Stage for Train {
                 embedding,
             });
         }
-        scale.outward_rows(&mut rows);
+        let off_the_scale = scale.outward_rows(&mut rows);
         write_embeddings(&embeddings_path(&self.out), &rows)?;
-        let warnings = summary.warnings.clone();
+        let mut warnings = summary.warnings.clone();
+        warnings.extend(scale.told(&off_the_scale));
         let mut lines = vec![format!(
             "{} heads, {} parameters trained on {} drives: {}",
             self.heads,

@@ -13,7 +13,7 @@ use crate::{
     outcome::{Outcome, Watch, for_each_on},
     run_folder::{adb_of, read_model},
     stage::{Files, Stage},
-    style_scale::style_scores,
+    style_scale::{OffTheScale, StyleScale, style_scores},
     tables::{
         embeddings::{EmbeddingRow, write_embeddings},
         surveys::read_scores,
@@ -81,6 +81,8 @@ pub struct PersonalizedDrives {
     pub median_standard_error: Option<f64>,
     /// How good an embedding is after some minutes; empty unless asked for.
     pub learning_curve: Vec<CurveRow>,
+    /// Drives that read as no score of the scale: the model has met nobody who drives like them.
+    pub off_the_scale: Vec<OffTheScale>,
     /// The embeddings.
     pub embeddings: Vec<EmbeddingRow>,
 }
@@ -213,9 +215,9 @@ impl Stage for Personalize {
             }
             None => Vec::new(),
         };
-        if let Some(scale) = scale {
-            scale.outward_rows(&mut rows);
-        }
+        let scale = scale.unwrap_or(StyleScale::ADB);
+        let off_the_scale = scale.outward_rows(&mut rows);
+        warnings.extend(scale.told(&off_the_scale));
         write_embeddings(&self.out, &rows)?;
         let median_standard_error = median_standard_error(&rows);
         let error = median_standard_error.map(|e| format!(", standard error {e:.2} (median)"));
@@ -233,6 +235,7 @@ impl Stage for Personalize {
             scored_without_drive,
             median_standard_error,
             learning_curve,
+            off_the_scale,
             embeddings: rows,
         };
         Ok(Outcome {

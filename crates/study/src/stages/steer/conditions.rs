@@ -4,6 +4,7 @@ use super::{Steer, Steered, is_beyond};
 use crate::{
     design::DesignFile,
     error::StudyError,
+    once::told_once,
     outcome::{Outcome, Watch},
     style_scale::StyleScale,
     tables::{
@@ -90,9 +91,19 @@ pub(super) fn conditions(
         }
     }
     let mut rows = Vec::new();
+    let mut left_out: Vec<ParticipantId> = Vec::new();
     for person in own {
         watch.check()?;
+        let hat = steering.hat(&person.embedding)?;
+        let hat = hat.map(|hat| scale.outward(hat));
+        let off = hat.is_some_and(|hat| !scale.has(hat)) && !options.beyond;
         for condition in &driven {
+            if off && condition.side().is_some() {
+                if !left_out.contains(&person.participant) {
+                    left_out.push(person.participant.clone());
+                }
+                continue;
+            }
             let id = format!("{}-{}", person.participant, condition.id);
             let excluded = design
                 .exclude()
@@ -117,7 +128,10 @@ pub(super) fn conditions(
             rows.push(ConditionRow {
                 participant: person.participant.clone(),
                 condition: condition.id,
-                adb_hat: steering.hat(&embedding)?.map(|hat| scale.outward(hat)),
+                adb_hat: steering
+                    .hat(&embedding)?
+                    .map(|hat| scale.outward(hat))
+                    .filter(|hat| scale.has(*hat)),
                 moved_points: moved_points.map(|points| points / scale.stretch()),
                 moved_points_sd: axis
                     .and_then(|axis| axis.step_sd(&step))
@@ -129,6 +143,12 @@ pub(super) fn conditions(
                 embedding,
             });
         }
+    }
+    if !left_out.is_empty() {
+        let why = "reads as a score that the scale does not have, so the dial has no place to turn from: left out of the conditions that turn it \
+                   (--beyond drives them)";
+        let told = left_out.iter().map(|p| (p.to_string(), why.to_owned()));
+        warnings.extend(told_once("participant", told));
     }
     if steering.clamped > 0 {
         let (clamped, shifts) = (steering.clamped, steering.shifts);
@@ -150,6 +170,7 @@ pub(super) fn conditions(
         value: Steered {
             participants: own.len(),
             clamped: steering.clamped,
+            off_the_scale: left_out,
             attributes: Vec::new(),
             conditions: rows,
         },

@@ -66,6 +66,9 @@ pub struct Steer {
     /// Hold this score while moving along the attribute; `aggression` is the model's own
     #[arg(long, requires = "attribute", value_name = "NAME")]
     pub hold: Vec<String>,
+    /// Turn the dial also for people whose own style reads as a score that the scale does not have
+    #[arg(long)]
+    pub beyond: bool,
     /// Root of every random choice
     #[arg(long, default_value_t = 1)]
     pub seed: u64,
@@ -78,6 +81,8 @@ pub struct Steered {
     pub participants: usize,
     /// Shifts that the ends of the scale cut short.
     pub clamped: usize,
+    /// People whose own style reads as no score of the scale: left out of the conditions that turn the dial.
+    pub off_the_scale: Vec<ParticipantId>,
     /// Heads that were fitted to scores.
     pub attributes: Vec<AttributeSummary>,
     /// The conditions.

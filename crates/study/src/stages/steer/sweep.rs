@@ -135,6 +135,7 @@ pub(super) fn sweep(
         value: Steered {
             participants: own.len(),
             clamped,
+            off_the_scale: Vec::new(),
             attributes,
             conditions,
         },

@@ -282,7 +282,10 @@ fn along_the_dial(run: &Run) -> Vec<ConditionId> {
 pub(super) fn shown_participant(run: &Run) -> Option<&ConditionRow> {
     let (low, high) = run.score_range().unwrap_or_default();
     let middle = f64::midpoint(low, high);
-    let from_middle = |row: &ConditionRow| (row.adb_hat.unwrap_or(middle) - middle).abs();
+    let from_middle = |row: &ConditionRow| {
+        row.adb_hat
+            .map_or(f64::INFINITY, |hat| (hat - middle).abs())
+    };
     let own = run.own_style();
     let rows = run.conditions.iter();
     let rows = rows.filter(|c| own.is_none_or(|own| c.condition == own));

@@ -10,7 +10,10 @@ use crate::{
         report::{people::People, scene},
         score::Reliability,
     },
-    tables::{Table as File, embeddings::read_embeddings},
+    tables::{
+        Table as File,
+        embeddings::{EmbeddingRow, read_embeddings},
+    },
 };
 use maveric_domain::{Scale, design::By};
 use maveric_pages::words::{listed, of_group};
@@ -238,13 +241,23 @@ pub(super) fn listed_exclusions(folder: &Path) -> Result<Vec<Exclusion>, StudyEr
         }
     }
     let rows = if_there(&folder.join("embeddings.csv"), read_embeddings)?;
-    let blank = rows.iter().filter(|row| row.readings == Some(0));
-    let blank: BTreeSet<String> = blank.map(|row| row.drive.to_string()).collect();
-    found.extend(blank.into_iter().map(|who| Exclusion {
-        who,
-        what: "personalize".to_owned(),
-        why: "shows no habit: its driver is taken as anybody".to_owned(),
-    }));
+    let mut personalised = |of: fn(&EmbeddingRow) -> bool, why: &str| {
+        let drives = rows.iter().filter(|row| of(row));
+        let drives: BTreeSet<String> = drives.map(|row| row.drive.to_string()).collect();
+        found.extend(drives.into_iter().map(|who| Exclusion {
+            who,
+            what: "personalize".to_owned(),
+            why: why.to_owned(),
+        }));
+    };
+    personalised(
+        |row| row.readings == Some(0),
+        "shows no habit: its driver is taken as anybody",
+    );
+    personalised(
+        |row| row.adb_hat.is_none() && row.line_position.is_some(),
+        "reads as a score that the scale does not have, so it has none",
+    );
     for file in [
         "answers_exclusions.csv",
         "scores_exclusions.csv",
