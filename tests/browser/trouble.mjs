@@ -31,7 +31,7 @@ const disk = (limit) => execFileSync("prlimit", ["--pid", String(server.pid), `-
 const browser = await chromium.launch({ executablePath: process.env.CHROMIUM, args: ["--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--ignore-gpu-blocklist"] });
 const lab = await (await browser.newContext({ viewport: { width: 1280, height: 800 } })).newPage();
 await lab.goto(`${base}/lab`);
-await lab.keyboard.type("lab");
+await lab.locator("input[type=password]").pressSequentially("lab");
 await lab.keyboard.press("Enter");
 await lab.waitForSelector("table");
 async function newLink() {
