@@ -88,7 +88,8 @@ pub fn write_drive_to(
 /// Reads a drive back, exactly as it was written, with its provenance.
 ///
 /// # Errors
-/// [`IngestError::NotFound`] and the like; [`IngestError::BadDrive`] for what is no drive of this format.
+/// [`IngestError::NotFound`] and the like; [`IngestError::NotADrive`] for another table; [`IngestError::BadDrive`] for what is no
+/// drive of this format.
 pub fn read_drive_from(path: &Path) -> Result<(Drive, Provenance), IngestError> {
     let bytes = std::fs::read(path).map_err(|e| IngestError::io(path, e))?;
     if !is_parquet(&bytes) {
@@ -128,9 +129,8 @@ struct DriveFile<'a> {
 impl DriveFile<'_> {
     fn drive(&self) -> Result<Drive, IngestError> {
         let version = self.entries.get("version").map(String::as_str);
-        let version = version.ok_or_else(|| {
-            let what = "in its metadata, so it is not a drive of this program";
-            self.bad(format!("has no `{PREFIX}version` {what}"))
+        let version = version.ok_or_else(|| IngestError::NotADrive {
+            path: self.path.to_owned(),
         })?;
         if !READ.contains(&version) {
             let read = READ.join(" or ");

@@ -215,6 +215,12 @@ pub enum IngestError {
         /// Why.
         reason: String,
     },
+    /// Parquet that this program did not write as a drive.
+    #[error("{} has no `maveric.version` in its metadata, so it is not a drive of this program", path.to_slash_lossy())]
+    NotADrive {
+        /// The file.
+        path: PathBuf,
+    },
     /// A file that is no drive.
     #[error("{} {problem}", path.to_slash_lossy())]
     BadDrive {
@@ -276,7 +282,7 @@ impl IngestError {
             Self::Implausible { .. } => {
                 "correct units, kinds of gaps or lanes in the mapping; `maveric inspect` shows what is in the log".to_owned()
             }
-            Self::BadDrive { .. } => "make drives from logs with `maveric ingest LOG… --out DIR`".to_owned(),
+            Self::BadDrive { .. } | Self::NotADrive { .. } => "make drives from logs with `maveric ingest LOG… --out DIR`".to_owned(),
             Self::BadTable { .. } => "see what is in it with `maveric inspect`".to_owned(),
             _ => return None,
         })

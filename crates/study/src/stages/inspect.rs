@@ -243,11 +243,7 @@ fn own_drive(path: &Path) -> Result<Option<(Drive, Provenance)>, StudyError> {
     }
     match read_drive_from(path) {
         Ok(found) => Ok(Some(found)),
-        Err(IngestError::BadDrive { problem, .. })
-            if problem.starts_with("has no `maveric.version`") =>
-        {
-            Ok(None)
-        }
+        Err(IngestError::NotADrive { .. }) => Ok(None),
         Err(error) => Err(error.into()),
     }
 }
