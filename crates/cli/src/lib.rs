@@ -13,16 +13,14 @@ mod stage_files;
 pub use commands::stats::stats_of_table;
 pub use invocation::Invocation;
 
-use clap::Parser as _;
-
 /// Runs the program as if it had been started with these words (the first is not its name), and says how it ends: 0 done, 1 the work
 /// failed, 2 wrong usage, 130 interrupted.
 ///
 /// It prints to the process's own streams, takes over Ctrl-C and may end the process when interrupted, so it is for a `main`; other
 /// programs call `maveric-study`.
 pub fn run(invocation: Invocation) -> u8 {
-    let words = std::iter::once("maveric".to_owned()).chain(invocation.words.iter().cloned());
-    let parsed = commands::Args::try_parse_from(words);
+    let words = invocation.words.iter().map(String::as_str);
+    let parsed = commands::parsed(std::iter::once("maveric").chain(words));
     invocation::begin(invocation);
     match parsed {
         Ok(args) => {

@@ -1,13 +1,9 @@
 //! What a stage of a pipeline reads and writes, by its command line.
 
-use crate::commands::Args;
-use clap::{CommandFactory as _, FromArgMatches as _};
+use crate::commands::parsed;
 use maveric_pipeline::{CommandFiles, Commands};
 use path_slash::PathExt as _;
-use std::{
-    path::{Path, PathBuf},
-    sync::{LazyLock, Mutex, PoisonError},
-};
+use std::path::{Path, PathBuf};
 
 /// This program, for pipelines whose stages call it.
 pub(crate) const COMMANDS: Commands = Commands {
@@ -15,16 +11,12 @@ pub(crate) const COMMANDS: Commands = Commands {
     files,
 };
 
-/// All commands and flags, put together once: that takes longer than to read many a command line.
-static PARSER: LazyLock<Mutex<clap::Command>> = LazyLock::new(|| Mutex::new(Args::command()));
-
 fn files(root: &Path, words: &[String]) -> Result<Option<CommandFiles>, String> {
     let words = ["maveric"]
         .into_iter()
         .chain(words.iter().map(String::as_str));
-    let mut parser = PARSER.lock().unwrap_or_else(PoisonError::into_inner);
-    let args = match parser.try_get_matches_from_mut(words) {
-        Ok(matches) => Args::from_arg_matches(&matches).map_err(|e| first_lines(&e))?,
+    let args = match parsed(words) {
+        Ok(args) => args,
         // A pipeline refuses what is not a command at all by itself.
         Err(error) if error.kind() == clap::error::ErrorKind::InvalidSubcommand => return Ok(None),
         Err(error) => return Err(first_lines(&error)),

@@ -21,7 +21,7 @@ use crate::{
     invocation::this_command,
     progress,
 };
-use clap::{Parser, Subcommand};
+use clap::{CommandFactory as _, FromArgMatches as _, Parser, Subcommand};
 use maveric_study::outcome::Format;
 use maveric_study::{
     Files, Outcome, Stage, StudyError, Watch,
@@ -30,7 +30,11 @@ use maveric_study::{
         rate, recommend, rehearse, rehearse_dial, report, score, simulate, steer, train, validate,
     },
 };
-use std::{io::Write as _, path::Path};
+use std::{
+    io::Write as _,
+    path::Path,
+    sync::{LazyLock, Mutex, PoisonError},
+};
 
 /// Learn a driver's style, drive as that driver would, and analyse the study: from driving logs to the
 /// printed figure.
@@ -55,6 +59,16 @@ pub(crate) struct Args {
     pub(crate) style: Option<String>,
     #[command(subcommand)]
     pub(crate) command: Command,
+}
+
+/// All commands and flags, put together once: that takes longer than to read many a command line.
+static PARSER: LazyLock<Mutex<clap::Command>> = LazyLock::new(|| Mutex::new(Args::command()));
+
+/// Reads a command line, the program's name its first word.
+pub(crate) fn parsed<'w>(words: impl Iterator<Item = &'w str>) -> Result<Args, clap::Error> {
+    let mut parser = PARSER.lock().unwrap_or_else(PoisonError::into_inner);
+    let matches = parser.try_get_matches_from_mut(words)?;
+    Args::from_arg_matches(&matches).map_err(|error| error.format(&mut parser))
 }
 
 /// The commands, in the order of the data.
