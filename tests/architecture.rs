@@ -83,7 +83,7 @@ const HOMES: [(&str, &[&str]); 13] = [
     ("pulp", &["model", "following"]),
     ("clap", &["study", "cli"]),
     ("miette", &["cli"]),
-    ("statrs", &["stats"]),
+    ("statrs", &["stats", "model"]),
     ("wasm-bindgen", &["seat-page"]),
     ("axum", &["seat"]),
     ("rusqlite", &["seat"]),

@@ -99,6 +99,8 @@ pub(crate) fn position(i: usize, position: f64) -> EmbeddingRow {
         readings: None,
         covariance: None,
         line_position_se: None,
+        support_p: None,
+        beyond_why: None,
         embedding: Embedding::new(vec![position]).unwrap(),
     }
 }

@@ -5,7 +5,66 @@ use crate::{
     embedding::Embedding,
     ids::{DriveId, ParticipantId},
 };
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
+use std::{fmt, str::FromStr};
+
+/// Why a drive is beyond what a model has learned from; each names the habit that stands furthest from what the others let expect.
+///
+/// As text: `scale`, `style:HABIT` or `habits:HABIT`.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(into = "String", try_from = "String")]
+pub enum BeyondWhy {
+    /// It reads as a score that the scale does not have.
+    Scale,
+    /// An unusual style: further from the mean person than those learned from, along what a style can say.
+    Style {
+        /// Code name of the habit.
+        habit: String,
+    },
+    /// Habits that no style explains together.
+    Habits {
+        /// Code name of the habit.
+        habit: String,
+    },
+}
+
+impl fmt::Display for BeyondWhy {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Scale => f.write_str("scale"),
+            Self::Style { habit } => write!(f, "style:{habit}"),
+            Self::Habits { habit } => write!(f, "habits:{habit}"),
+        }
+    }
+}
+
+impl FromStr for BeyondWhy {
+    type Err = String;
+    fn from_str(text: &str) -> Result<Self, String> {
+        let habit = |habit: &str| habit.to_owned();
+        match text.split_once(':') {
+            None if text == "scale" => Ok(Self::Scale),
+            Some(("style", h)) => Ok(Self::Style { habit: habit(h) }),
+            Some(("habits", h)) => Ok(Self::Habits { habit: habit(h) }),
+            _ => Err(format!(
+                "`{text}`, expected `scale`, `style:` or `habits:` with the name of a habit"
+            )),
+        }
+    }
+}
+
+impl From<BeyondWhy> for String {
+    fn from(why: BeyondWhy) -> Self {
+        why.to_string()
+    }
+}
+
+impl TryFrom<String> for BeyondWhy {
+    type Error = String;
+    fn try_from(text: String) -> Result<Self, String> {
+        text.parse()
+    }
+}
 
 /// One fitted embedding.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -30,6 +89,37 @@ pub struct EmbeddingRow {
     pub covariance: Option<Vec<f64>>,
     /// SD of `line_position`.
     pub line_position_se: Option<f64>,
+    /// Probability of a drive at least as surprising by one of the people learned from; none where the model cannot say.
+    pub support_p: Option<f64>,
+    /// Why the drive is beyond what was learned from; none where it is not, or where nobody can say.
+    pub beyond_why: Option<BeyondWhy>,
     /// The embedding.
     pub embedding: Embedding,
+}
+
+impl EmbeddingRow {
+    /// Whether the drive is beyond what the model has learned from; `None` where the model cannot say.
+    pub fn beyond(&self) -> Option<bool> {
+        (self.beyond_why.is_some() || self.support_p.is_some()).then(|| self.beyond_why.is_some())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn why_a_drive_is_beyond_survives_its_text() {
+        let habit = || "pass".to_owned();
+        for why in [
+            BeyondWhy::Scale,
+            BeyondWhy::Style { habit: habit() },
+            BeyondWhy::Habits { habit: habit() },
+        ] {
+            assert_eq!(why.to_string().parse(), Ok(why));
+        }
+        for bad in ["", "style", "scale:pass", "speed:pass"] {
+            assert!(bad.parse::<BeyondWhy>().is_err(), "{bad}");
+        }
+    }
 }

@@ -24,7 +24,7 @@ pub use design::{Design, DesignError};
 pub use drive::{Drive, DriveMeta, DrivenBy, LaneChange};
 pub use embedding::Embedding;
 pub use error::DomainError;
-pub use fitted::EmbeddingRow;
+pub use fitted::{BeyondWhy, EmbeddingRow};
 pub use ids::{DriveId, ParticipantId, VehicleId};
 pub use measurement::{MeasureValues, MeasuredDrive, Measurement, spread};
 pub use nearest::nearest;

@@ -2,7 +2,9 @@
 
 use crate::{
     error::ModelError,
-    heads::{FittedHead, OwnHead, StyleHead, at, check, held_up},
+    heads::{
+        Event, FittedHead, HEADS, OwnHead, Population, StyleHead, Support, at, check, held_up,
+    },
     heads_kind::HeadsKind,
     paper::PaperNetworks,
 };
@@ -68,6 +70,9 @@ impl TrainingEmbedding {
 #[serde(deny_unknown_fields)]
 pub(crate) struct ModelParts {
     pub(crate) embedding_size: usize,
+    /// How those learned from differ; not in files of before there was support.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub(crate) population: Option<Population>,
     pub(crate) training: Vec<TrainingEmbedding>,
     pub(crate) heads: Heads,
 }
@@ -98,6 +103,8 @@ impl TryFrom<ModelParts> for Model {
             }
             Heads::Paper(paper) => paper.check(d)?,
         }
+        let population = parts.population.as_ref();
+        population.map_or(Ok(()), |p| p.check(HEADS.len()))?;
         let n = parts.training.len().max(1) as f64;
         let points = parts.training.iter().map(TrainingEmbedding::point);
         let mean = points.fold(DVector::zeros(d), |sum, p| sum + p) / n;
@@ -127,6 +134,30 @@ impl Model {
             Heads::Linear(_) => HeadsKind::Linear,
             Heads::Paper(_) => HeadsKind::Paper,
         }
+    }
+
+    /// The same model, which knows how the habits of the people learned from differ beside what its networks say.
+    pub(crate) fn with_habits(mut self, habits: Vec<FittedHead>, population: Population) -> Self {
+        if let Heads::Paper(paper) = &mut self.parts.heads {
+            paper.habits = Some(habits);
+            self.parts.population = Some(population);
+        }
+        self
+    }
+
+    /// People learned from; `None` in a file of before there was support.
+    pub fn people(&self) -> Option<usize> {
+        self.parts.population.as_ref().map(|p| p.people)
+    }
+
+    /// How well the people learned from explain what a drive shows; `None` where it shows nothing, and for a file of before there
+    /// was support.
+    pub(crate) fn support(&self, events: &[Vec<Event>]) -> Option<Support> {
+        let heads = match self.heads() {
+            Heads::Linear(linear) => &linear.heads,
+            Heads::Paper(paper) => paper.habits.as_ref()?,
+        };
+        self.parts.population.as_ref()?.support(heads, events)
     }
 
     /// The linear heads.

@@ -2,6 +2,7 @@
 
 use crate::{
     error::ModelError,
+    heads::{FittedHead, check},
     linear_algebra::dot,
     losses::LossWeights,
     network::{Architecture, Networks},
@@ -43,6 +44,10 @@ pub struct PaperNetworks {
     /// Lowest and highest ego speed learned from, in m/s.
     pub(crate) speed_range_mps: [f64; 2],
     pub(crate) whitening: Whitening,
+    /// How the habits of the people learned from differ, for what these networks say of nobody: whether they have met such a
+    /// driver. Not in files of before there was support.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub(crate) habits: Option<Vec<FittedHead>>,
     pub(crate) parameters: Vec<f32>,
 }
 
@@ -70,7 +75,7 @@ impl PaperNetworks {
         } else if !(low.is_finite() && high.is_finite() && low <= high) {
             "its speed range is not a range"
         } else {
-            return Ok(());
+            return self.habits.as_ref().map_or(Ok(()), |h| check(h, d));
         };
         Err(ModelError::BadModelFile {
             problem: problem.to_owned(),

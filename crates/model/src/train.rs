@@ -4,7 +4,7 @@ use crate::{
     dataset::Data,
     epochs::{Observe, TrainingDrive, tell},
     error::ModelError,
-    heads::train_heads,
+    heads::{habits_of, train_heads},
     heads_kind::HeadsKind,
     model::Model,
     params::TrainSettings,
@@ -65,7 +65,8 @@ fn train_networks(
         epochs.push(trainer.epoch(number)?);
         tell(observe, &epochs[number - 1])?;
     }
-    let model = trainer.model()?;
+    let (habits, population) = habits_of(drives, settings);
+    let model = trainer.model()?.with_habits(habits, population);
     let quality = quality(&model, &data)?;
     let trained = model.training().iter();
     let embeddings = trained.map(|t| (t.drive.clone(), t.embedding.clone()));

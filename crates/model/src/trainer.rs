@@ -138,6 +138,7 @@ impl<'a> Trainer<'a> {
         }
         Model::try_from(ModelParts {
             embedding_size: d,
+            population: None,
             training,
             heads: Heads::Paper(Box::new(PaperNetworks {
                 architecture: settings.architecture(),
@@ -149,6 +150,7 @@ impl<'a> Trainer<'a> {
                 learned: data.learned,
                 speed_range_mps: data.speed_range_mps,
                 whitening,
+                habits: None,
                 parameters: self.kernel.layout.unpack(&self.packed),
             })),
         })

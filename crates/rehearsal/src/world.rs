@@ -261,6 +261,8 @@ fn embedding(
         readings: None,
         covariance: None,
         line_position_se: None,
+        support_p: None,
+        beyond_why: None,
         embedding: Embedding::new(vec![position])?,
     })
 }

@@ -1,8 +1,8 @@
 //! A style from what was driven.
 
 use crate::error::SeatPageError;
-use maveric_domain::{Drive, DriveId, DriveMeta, DrivenBy, ParticipantId, Recording};
-use maveric_model::{Model, personalize};
+use maveric_domain::{BeyondWhy, Drive, DriveId, DriveMeta, DrivenBy, ParticipantId, Recording};
+use maveric_model::{Model, Support, personalize};
 use serde::{Deserialize, Serialize};
 
 /// A person's style, as far as one drive shows it.
@@ -17,6 +17,10 @@ pub struct Fit {
     pub score: Option<f64>,
     /// Events or rows that it was learned from; 0: nothing was shown, and this is the average driver.
     pub readings: usize,
+    /// Why the drive is beyond what the model has learned from, as in a table of embeddings; none where it is not, or where the
+    /// model cannot say.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub beyond: Option<BeyondWhy>,
 }
 
 /// Learns a style from `recording`, the weights of `model` as they are.
@@ -43,5 +47,6 @@ pub fn fit(
         covariance: found.covariance,
         score: found.aggression_hat,
         readings: found.readings,
+        beyond: found.support.as_ref().and_then(Support::beyond),
     })
 }

@@ -151,6 +151,12 @@ impl Seat {
             .fit
             .as_deref()
             .and_then(|f| serde_json::from_str(f).ok());
+        if let Some(why) = &here.beyond {
+            outcome.tell(format!(
+                "{name}: beyond what the model has learned from: {}; rides go on",
+                maveric_study::beyond_in_words(why)
+            ));
+        }
         outcome.style = serde_json::to_string(&here).ok();
         let Some(page) = page else {
             return;

@@ -2,6 +2,7 @@
 
 mod aside;
 pub mod atomic_write;
+mod beyond;
 mod deciding;
 pub mod design;
 pub mod design_check;
@@ -25,6 +26,7 @@ pub mod tables;
 mod texts;
 pub mod watching;
 
+pub use beyond::beyond_in_words;
 pub use design::DesignFile;
 pub use design_check::{check_design, study_notes};
 pub use design_pipeline::design_pipeline;

@@ -10,7 +10,8 @@ use crate::{
     run_folder::{read_scales, score_range},
 };
 use maveric_domain::{
-    AdbScore, DriveId, EmbeddingRow, ParticipantId, Scale, Score, Subscale, design::DesignError,
+    AdbScore, BeyondWhy, DriveId, EmbeddingRow, ParticipantId, Scale, Score, Subscale,
+    design::DesignError,
 };
 use maveric_model::StyleHead;
 use serde::Serialize;
@@ -149,6 +150,7 @@ impl StyleScale {
             row.adb_hat = row.adb_hat.map(|x| self.outward(x));
             if let Some(reading) = row.adb_hat.filter(|x| !self.has(*x)) {
                 row.adb_hat = None;
+                row.beyond_why = Some(BeyondWhy::Scale);
                 off.push(OffTheScale {
                     drive: row.drive.clone(),
                     participant: row.participant.clone(),
@@ -246,6 +248,8 @@ mod tests {
             readings: None,
             covariance: None,
             line_position_se: None,
+            support_p: None,
+            beyond_why: None,
             embedding: maveric_domain::Embedding::new(vec![0.0]).unwrap(),
         };
         let points = [0.9, 1.0, 3.5, 6.0, 6.1].map(Some);

@@ -77,6 +77,8 @@ mod tests {
             readings: None,
             covariance: None,
             line_position_se: Some(0.3),
+            support_p: None,
+            beyond_why: None,
             embedding: Embedding::new(vec![position]).unwrap(),
         };
         let found = points_a_step(&[row(0.5), row(-1.0)]).unwrap();

@@ -5,11 +5,12 @@ use super::{
     contrast::{Claim, Compare, Hypothesis},
     error::DesignError,
     exclude::Exclude,
+    files::ModelFile,
     outcome::{Outcome, Quantity, Style},
     people::{People, Wanted},
     toml_file::{
         CarToml, CellToml, CompareToml, ConditionToml, DesignToml, DialToml, HypothesisToml,
-        OutcomeToml, PeopleToml, StyleToml,
+        ModelToml, OutcomeToml, PeopleToml, StyleToml,
     },
 };
 use crate::{
@@ -41,7 +42,9 @@ fn design(raw: DesignToml) -> Checked<Design> {
     }
     let people = people(raw.people);
     let style = raw.style.map(style).transpose()?;
-    let learned = people.learn.is_some() || raw.model.is_some();
+    let beyond = raw.model.beyond;
+    let model = model_file(raw.model)?;
+    let learned = people.learn.is_some() || model.is_some();
     let conditions = conditions(raw.condition, style.as_ref(), learned)?;
     let baseline = raw.baseline.map(|b| Baseline {
         label: b.label.unwrap_or_else(|| b.id.to_string()),
@@ -88,7 +91,8 @@ fn design(raw: DesignToml) -> Checked<Design> {
         synthetic: raw.study.synthetic,
         files: raw.files,
         people,
-        model: raw.model,
+        model,
+        beyond,
         style,
         conditions,
         baseline,
@@ -103,6 +107,18 @@ fn design(raw: DesignToml) -> Checked<Design> {
         exclude: raw.exclude,
         amendments: raw.amendments,
     })
+}
+
+fn model_file(raw: ModelToml) -> Checked<Option<ModelFile>> {
+    let made_up = raw.made_up;
+    match raw.file {
+        None if made_up => Err(DesignError::key(
+            "model.made_up",
+            "`true` without a `file`",
+            "the model that learned from made-up people",
+        )),
+        file => Ok(file.map(|file| ModelFile { file, made_up })),
+    }
 }
 
 /// Refuses a product of a covariate with what is no effect within people.

@@ -87,12 +87,21 @@ pub enum Software {
 }
 
 /// A model that was learned elsewhere.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
+#[derive(Debug, Clone, PartialEq, Eq)]
 pub struct ModelFile {
     /// The model, from the folder of the design's file.
     pub file: PathBuf,
     /// Whether it learned from made-up people: whoever rides is told.
-    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub made_up: bool,
+}
+
+/// What becomes of the conditions that turn the dial for somebody beyond what the model has learned from.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum BeyondRule {
+    /// They are left out, and listed.
+    #[default]
+    LeaveOut,
+    /// They are driven all the same, and every figure says so.
+    Drive,
 }

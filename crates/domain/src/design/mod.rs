@@ -19,7 +19,7 @@ pub use condition::{Baseline, By, Car, Color, Condition, Role, Sign};
 pub use contrast::{Claim, Compare, Hypothesis};
 pub use error::DesignError;
 pub use exclude::Exclude;
-pub use files::{Files, Mappings, ModelFile, RigMapping, Software};
+pub use files::{BeyondRule, Files, Mappings, ModelFile, RigMapping, Software};
 pub use outcome::{Homophily, Outcome, Quantity, ScoreName, Style};
 pub use people::{Column, Covariate, People};
 pub use protocol::{Practice, Protocol, ProtocolStep, SeatView, SpeedUnit};
@@ -56,6 +56,7 @@ pub struct Design {
     files: Files,
     people: People,
     model: Option<ModelFile>,
+    beyond: BeyondRule,
     style: Option<Style>,
     conditions: Vec<Condition>,
     baseline: Option<Baseline>,
@@ -100,6 +101,11 @@ impl Design {
     /// The model that was learned elsewhere.
     pub fn model(&self) -> Option<&ModelFile> {
         self.model.as_ref()
+    }
+
+    /// What becomes of the dial for somebody beyond what the model has learned from.
+    pub fn beyond(&self) -> BeyondRule {
+        self.beyond
     }
 
     /// What the dial turns; none where there is no dial.

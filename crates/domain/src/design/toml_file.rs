@@ -3,7 +3,7 @@
 use super::{
     condition::{By, Sign},
     exclude::Exclude,
-    files::{Files, ModelFile},
+    files::{BeyondRule, Files},
     outcome::{Homophily, ScoreName},
     people::{Column, Covariate},
     protocol::Protocol,
@@ -20,7 +20,8 @@ pub(super) struct DesignToml {
     pub(super) files: Files,
     #[serde(default)]
     pub(super) people: PeopleToml,
-    pub(super) model: Option<ModelFile>,
+    #[serde(default)]
+    pub(super) model: ModelToml,
     pub(super) style: Option<StyleToml>,
     #[serde(default)]
     pub(super) condition: Vec<ConditionToml>,
@@ -54,6 +55,14 @@ pub(super) struct StudyToml {
     pub(super) authors: Vec<String>,
     #[serde(default)]
     pub(super) synthetic: bool,
+}
+
+#[derive(Debug, Default, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub(super) struct ModelToml {
+    pub(super) file: Option<PathBuf>,
+    pub(super) made_up: bool,
+    pub(super) beyond: BeyondRule,
 }
 
 #[derive(Debug, Default, Deserialize)]

@@ -16,6 +16,7 @@ mod posterior;
 mod report;
 mod situation;
 mod style;
+mod support;
 mod train;
 
 pub use family::{Family, Outcome};
@@ -32,4 +33,6 @@ pub use list::{HEADS, events_of};
 pub(crate) use posterior::solve;
 pub use report::HeadReport;
 pub use style::{Posterior, StyleHead};
-pub(crate) use train::{length_s, train_heads};
+pub(crate) use support::Population;
+pub use support::{BEYOND_P, Support};
+pub(crate) use train::{habits_of, length_s, train_heads};

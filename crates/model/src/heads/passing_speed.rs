@@ -34,11 +34,13 @@ fn events(drive: &Drive) -> Vec<Event> {
     });
     let of = |block: Range<usize>| {
         let lead_mps = mean(&rows.lead_speed_mps, &block);
-        Event {
+        let over_mps = mean(&rows.ego_speed_mps, &block) - lead_mps;
+        // One who drives away is not passed.
+        (over_mps > 0.0).then(|| Event {
             time_s: rows.time_s[block.start] - rows.time_s[0],
             reads: vec![free_mps - lead_mps],
-            outcome: Outcome::Value(mean(&rows.ego_speed_mps, &block) - lead_mps),
-        }
+            outcome: Outcome::Value(over_mps),
+        })
     };
-    found.into_iter().map(of).collect()
+    found.into_iter().filter_map(of).collect()
 }

@@ -2,10 +2,12 @@
 
 use super::{
     fit::{DriveEvents, fit},
+    fitted::FittedHead,
     kept_back::kept_back,
     list::{HEADS, events_of},
     report::HeadReport,
     style::{ScoredStyle, StyleHead},
+    support::Population,
 };
 use crate::{
     epochs::TrainingDrive,
@@ -15,12 +17,31 @@ use crate::{
     training_report::{Trained, TrainingReport},
 };
 use maveric_domain::{AdbScore, Drive, Embedding, ParticipantId};
+use std::collections::BTreeSet;
 
 /// Length of the first share of a drive's rows, in s.
 pub(crate) fn length_s(drive: &Drive, fraction: f64) -> f64 {
     let time = &drive.rows().time_s;
     let whole = time[time.len() - 1] - time[0] + 1.0 / drive.rate_hz();
     fraction * whole
+}
+
+/// Heads for those who drove, and how their habits differ.
+pub(crate) fn habits_of(
+    given: &[TrainingDrive<'_>],
+    settings: &TrainSettings,
+) -> (Vec<FittedHead>, Population) {
+    let shown = |t: &TrainingDrive<'_>| {
+        let events = events_of(t.drive, length_s(t.drive, settings.fit_fraction));
+        let owner = t.drive.meta().participant.as_str();
+        let shows = events.iter().any(|e| !e.is_empty());
+        shows.then(|| (owner.to_owned(), events))
+    };
+    let (owners, events): (Vec<String>, Vec<DriveEvents>) = given.iter().filter_map(shown).unzip();
+    let fitted = fit(&HEADS.map(|h| h.shape()), &events, settings.embedding_size);
+    let people = owners.iter().collect::<BTreeSet<_>>().len();
+    let population = Population::learn(&fitted.heads, &events, people);
+    (fitted.heads, population)
 }
 
 /// Learns the linear heads, S, and where the drives lie in style space by their driving alone.
@@ -70,6 +91,8 @@ pub(crate) fn train_heads(
         })
         .collect();
     let style = StyleHead::fit(&scored, d, seed);
+    let people = participants().collect::<BTreeSet<_>>().len();
+    let population = Population::learn(&fitted.heads, &events, people);
     let owners: Vec<&str> = participants().map(ParticipantId::as_str).collect();
     let kept_back = kept_back(&events, &owners, d);
     let reports = fitted.heads.iter().zip(kept_back).enumerate();
@@ -87,6 +110,7 @@ pub(crate) fn train_heads(
     }
     let model = Model::try_from(ModelParts {
         embedding_size: d,
+        population: Some(population),
         training,
         heads: Heads::Linear(LinearHeads {
             heads: fitted.heads,

@@ -11,7 +11,7 @@ pub(crate) use network_rows::NetworkRows;
 
 use crate::{
     error::ModelError,
-    heads::{Event, events_of, length_s, solve},
+    heads::{Event, Support, events_of, length_s, solve},
     losses::LossTerms,
     model::{Heads, Model},
     params::share,
@@ -31,6 +31,9 @@ pub struct Personalized {
     pub aggression_hat: Option<f64>,
     /// Events, or rows for the paper's networks, that it was solved from.
     pub readings: usize,
+    /// How well the people learned from explain the drive, before any style; `None` where it shows no habit, and for a model of
+    /// before there was support.
+    pub support: Option<Support>,
     /// Whether an ADB score was read too. With it, position on the aggression line and ADB agree in part by construction.
     pub used_adb: bool,
 }
@@ -139,12 +142,20 @@ impl<'a> Personalizer<'a> {
                 )
             }
         };
+        let support = match &shown {
+            Shown::Events(events) => self.model.support(events),
+            Shown::Rows(_) => {
+                let events = events_of(drive, length_s(drive, self.share));
+                self.model.support(&events)
+            }
+        };
         let embedding = Embedding::new(posterior.mean)?;
         let aggression_hat = axis.map(|a| a.read(&embedding)).transpose()?;
         Ok(Personalized {
             aggression_hat,
             covariance: (!posterior.covariance.is_empty()).then_some(posterior.covariance),
             readings,
+            support,
             used_adb: adb.is_some(),
             embedding,
         })

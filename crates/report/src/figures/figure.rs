@@ -20,10 +20,21 @@ pub struct Context {
     /// A script drove in place of people: every figure, caption and file says so.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub scripted: bool,
+    /// People beyond what the model has learned from for whom the dial was turned all the same: every caption says how many.
+    #[serde(default, skip_serializing_if = "none_beyond")]
+    pub beyond: usize,
     /// Root seed of the run, written into the files' metadata.
     pub seed: Option<u64>,
     /// How the conditions look, as their design says.
     pub conditions: Vec<ConditionLook>,
+}
+
+#[expect(
+    clippy::trivially_copy_pass_by_ref,
+    reason = "serde asks with a reference"
+)]
+fn none_beyond(beyond: &usize) -> bool {
+    *beyond == 0
 }
 
 impl Context {
@@ -243,6 +254,19 @@ pub(crate) fn draw(
         caption += &first.to_uppercase();
         caption += rest;
         caption += ".";
+    }
+    if shown && context.beyond > 0 {
+        let many = if context.beyond == 1 {
+            "person is"
+        } else {
+            "people are"
+        };
+        caption += " ";
+        caption += &context.beyond.to_string();
+        caption += " ";
+        caption += many;
+        caption +=
+            " beyond what the model has learned from; the dial was turned for them all the same.";
     }
     Ok(Figure {
         name: plan.name,

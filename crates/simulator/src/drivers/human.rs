@@ -165,9 +165,10 @@ impl<'a> HumanDriver<'a> {
             .iter()
             .find(|v| Some(v.id) == self.passed)
             .map_or(0.0, |v| v.speed_mps);
-        follow.idm.desired_speed_mps = (follow.idm.desired_speed_mps
-            + self.params.passing_speed_added_mps)
-            .max(passed + self.params.passing_speed_over_lead_mps);
+        // Whoever is passed may speed up; nobody races them for longer than they would pass anybody.
+        let usual = follow.idm.desired_speed_mps + self.params.passing_speed_added_mps;
+        let over = self.params.passing_speed_over_lead_mps;
+        follow.idm.desired_speed_mps = usual.max((passed + over).min(usual + over));
         let right = lane - 1;
         let back = keeping && self.passing.merges_back(scene, &self.road, right, error);
         back.then_some(Manoeuvre::Change {

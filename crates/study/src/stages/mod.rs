@@ -35,26 +35,26 @@ use std::collections::BTreeMap;
 /// does not retrain a model.
 pub fn versions() -> BTreeMap<String, String> {
     [
-        ("generate", 4),
+        ("generate", 5),
         ("import", 2),
         ("codebook", 1),
         ("export", 3),
         ("ingest", 10),
         ("score", 6),
-        ("train", 8),
-        ("personalize", 7),
-        ("steer", 4),
+        ("train", 9),
+        ("personalize", 8),
+        ("steer", 5),
         ("simulate", 8),
         ("measure", 3),
         ("rate", 2),
         ("evaluate", 5),
         ("stats", 11),
-        ("ablate", 6),
-        ("validate", 8),
+        ("ablate", 7),
+        ("validate", 9),
         ("recommend", 3),
         ("rehearse", 6),
-        ("rehearse-dial", 4),
-        ("report", 10),
+        ("rehearse-dial", 5),
+        ("report", 11),
     ]
     .map(|(command, version)| (command.to_owned(), version.to_string()))
     .into()

@@ -210,6 +210,8 @@ impl Stage for Train {
                 readings: None,
                 covariance: None,
                 line_position_se: None,
+                support_p: None,
+                beyond_why: None,
                 embedding,
             });
         }

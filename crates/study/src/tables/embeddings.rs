@@ -2,8 +2,8 @@
 
 use super::{Table, TableBuilder};
 use crate::error::StudyError;
-use maveric_domain::{ConditionId, DriveId, Embedding, ParticipantId};
-use serde::Deserialize;
+use maveric_domain::{BeyondWhy, ConditionId, DriveId, Embedding, ParticipantId};
+use serde::{Deserialize, Serialize};
 use std::path::Path;
 
 pub use maveric_domain::EmbeddingRow;
@@ -19,6 +19,14 @@ struct Fit {
     adb_hat: Option<f64>,
     line_position: Option<f64>,
     readings: Option<usize>,
+}
+
+/// What a model says of whether it has met such a driver; in tables of before there was support there are no such columns.
+#[derive(Deserialize, Serialize)]
+struct Met {
+    support_p: Option<f64>,
+    beyond: Option<bool>,
+    beyond_why: Option<BeyondWhy>,
 }
 
 /// Names of the covariances of `d` numbers that a table holds, and where they stand: those on and above the diagonal.
@@ -55,7 +63,13 @@ pub(super) fn read_coordinates(table: &Table) -> Result<Vec<Embedding>, StudyErr
 /// # Errors
 /// [`StudyError::Io`], [`StudyError::BadTable`].
 pub fn write_embeddings(path: &Path, rows: &[EmbeddingRow]) -> Result<(), StudyError> {
-    let builder = TableBuilder::some_of::<Fit, _>(rows)?;
+    let met = |r: &EmbeddingRow| Met {
+        support_p: r.support_p,
+        beyond: r.beyond(),
+        beyond_why: r.beyond_why.clone(),
+    };
+    let met: Vec<Met> = rows.iter().map(met).collect();
+    let builder = TableBuilder::some_of::<Fit, _>(rows)?.beside(TableBuilder::of(&met)?);
     let embeddings: Vec<&Embedding> = rows.iter().map(|r| &r.embedding).collect();
     let builder = with_coordinates(builder, &embeddings);
     if rows.iter().all(|r| r.covariance.is_none()) {
@@ -87,12 +101,18 @@ pub fn read_embeddings(path: &Path) -> Result<Vec<EmbeddingRow>, StudyError> {
     } else {
         vec![None; table.rows()]
     };
+    let met: Vec<Option<Met>> = if table.has("support_p") {
+        table.records()?.into_iter().map(Some).collect()
+    } else {
+        fits.iter().map(|_| None).collect()
+    };
     let found = covariance.into_iter().zip(line_position_se).zip(embedding);
     Ok(fits
         .into_iter()
+        .zip(met)
         .zip(found)
         .map(
-            |(fit, ((covariance, line_position_se), embedding))| EmbeddingRow {
+            |((fit, met), ((covariance, line_position_se), embedding))| EmbeddingRow {
                 drive: fit.drive,
                 participant: fit.participant,
                 condition: fit.condition,
@@ -103,6 +123,8 @@ pub fn read_embeddings(path: &Path) -> Result<Vec<EmbeddingRow>, StudyError> {
                 readings: fit.readings,
                 covariance,
                 line_position_se,
+                support_p: met.as_ref().and_then(|m| m.support_p),
+                beyond_why: met.and_then(|m| m.beyond_why),
                 embedding,
             },
         )
@@ -149,6 +171,10 @@ mod tests {
             line_position: Some(0.25),
             readings: Some(60),
             line_position_se: covariance.as_ref().map(|_| 0.15),
+            support_p: covariance.as_ref().map(|_| 0.002),
+            beyond_why: covariance.as_ref().map(|_| BeyondWhy::Style {
+                habit: "pass".to_owned(),
+            }),
             covariance,
             embedding: Embedding::new(vec![0.5, -1.0]).unwrap(),
         };

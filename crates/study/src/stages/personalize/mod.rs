@@ -6,6 +6,7 @@ pub use learning_curve::{CurveRow, MeanWithInterval};
 use path_slash::PathExt as _;
 
 use crate::{
+    beyond,
     design::{DesignFile, drives_of},
     error::StudyError,
     forget::refuse_learned_from_gone,
@@ -20,7 +21,7 @@ use crate::{
     },
 };
 use maveric_domain::{AdbScore, Drive, Score};
-use maveric_model::{ModelError, Personalizer, style_space::LinearHead};
+use maveric_model::{ModelError, Personalizer, Support, style_space::LinearHead};
 use maveric_participants::Part;
 use serde::Serialize;
 use std::{
@@ -81,8 +82,12 @@ pub struct PersonalizedDrives {
     pub median_standard_error: Option<f64>,
     /// How good an embedding is after some minutes; empty unless asked for.
     pub learning_curve: Vec<CurveRow>,
-    /// Drives that read as no score of the scale: the model has met nobody who drives like them.
+    /// Drives that read as no score of the scale, with what was read.
     pub off_the_scale: Vec<OffTheScale>,
+    /// Drives beyond what the model has learned from: those, and drives that the people learned from do not explain.
+    pub beyond: usize,
+    /// People learned from; none for a model that does not say, of which nothing is known to be beyond.
+    pub people_learned_from: Option<usize>,
     /// The embeddings.
     pub embeddings: Vec<EmbeddingRow>,
 }
@@ -218,6 +223,9 @@ impl Stage for Personalize {
         let scale = scale.unwrap_or(StyleScale::ADB);
         let off_the_scale = scale.outward_rows(&mut rows);
         warnings.extend(scale.told(&off_the_scale));
+        warnings.extend(beyond::told(&model, &rows));
+        let strangers = rows.iter().filter(|row| row.beyond() == Some(true));
+        let strangers: BTreeSet<&str> = strangers.map(|row| row.drive.as_str()).collect();
         write_embeddings(&self.out, &rows)?;
         let median_standard_error = median_standard_error(&rows);
         let error = median_standard_error.map(|e| format!(", standard error {e:.2} (median)"));
@@ -236,6 +244,8 @@ impl Stage for Personalize {
             median_standard_error,
             learning_curve,
             off_the_scale,
+            beyond: strangers.len(),
+            people_learned_from: model.people(),
             embeddings: rows,
         };
         Ok(Outcome {
@@ -308,6 +318,8 @@ fn fit(personalizer: &Personalizer<'_>, task: &Task<'_>) -> Result<EmbeddingRow,
             .transpose()?,
         readings: Some(found.readings),
         line_position_se: axis.and_then(|a| found.sd_along(a.gradient())),
+        support_p: found.support.as_ref().and_then(|s| s.p),
+        beyond_why: found.support.as_ref().and_then(Support::beyond),
         covariance: found.covariance,
         embedding: found.embedding,
     })

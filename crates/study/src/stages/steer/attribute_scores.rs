@@ -249,6 +249,8 @@ mod tests {
             readings: None,
             covariance: None,
             line_position_se: None,
+            support_p: None,
+            beyond_why: None,
             embedding: Embedding::new(vec![0.0]).unwrap(),
         }
     }

@@ -14,7 +14,7 @@ use crate::{
 };
 use maveric_domain::{
     Embedding, ParticipantId,
-    design::{Car, Condition},
+    design::{BeyondRule, Car, Condition},
     stream_seed,
 };
 use maveric_model::{
@@ -91,17 +91,19 @@ pub(super) fn conditions(
         }
     }
     let mut rows = Vec::new();
-    let mut left_out: Vec<ParticipantId> = Vec::new();
+    let mut strangers: Vec<ParticipantId> = Vec::new();
+    let leaves_out = !options.beyond && design.beyond() == BeyondRule::LeaveOut;
     for person in own {
         watch.check()?;
         let hat = steering.hat(&person.embedding)?;
         let hat = hat.map(|hat| scale.outward(hat));
-        let off = hat.is_some_and(|hat| !scale.has(hat)) && !options.beyond;
+        let off_scale = hat.is_some_and(|hat| !scale.has(hat));
+        let beyond = off_scale || person.beyond() == Some(true);
+        if beyond && driven.iter().any(|condition| condition.side().is_some()) {
+            strangers.push(person.participant.clone());
+        }
         for condition in &driven {
-            if off && condition.side().is_some() {
-                if !left_out.contains(&person.participant) {
-                    left_out.push(person.participant.clone());
-                }
+            if beyond && leaves_out && condition.side().is_some() {
                 continue;
             }
             let id = format!("{}-{}", person.participant, condition.id);
@@ -144,10 +146,14 @@ pub(super) fn conditions(
             });
         }
     }
-    if !left_out.is_empty() {
-        let why = "reads as a score that the scale does not have, so the dial has no place to turn from: left out of the conditions that turn it \
-                   (--beyond drives them)";
-        let told = left_out.iter().map(|p| (p.to_string(), why.to_owned()));
+    if !strangers.is_empty() {
+        let why = if leaves_out {
+            "drives beyond what the model has learned from, so the dial has no place to turn from: left out of the conditions that turn it \
+             (--beyond drives them)"
+        } else {
+            "drives beyond what the model has learned from: the dial is turned all the same, as asked"
+        };
+        let told = strangers.iter().map(|p| (p.to_string(), why.to_owned()));
         warnings.extend(told_once("participant", told));
     }
     if steering.clamped > 0 {
@@ -170,7 +176,8 @@ pub(super) fn conditions(
         value: Steered {
             participants: own.len(),
             clamped: steering.clamped,
-            off_the_scale: left_out,
+            beyond: strangers,
+            beyond_left_out: leaves_out,
             attributes: Vec::new(),
             conditions: rows,
         },

@@ -66,7 +66,7 @@ pub struct Steer {
     /// Hold this score while moving along the attribute; `aggression` is the model's own
     #[arg(long, requires = "attribute", value_name = "NAME")]
     pub hold: Vec<String>,
-    /// Turn the dial also for people whose own style reads as a score that the scale does not have
+    /// Turn the dial also for people beyond what the model has learned from; `[model] beyond = "drive"` in a design says the same
     #[arg(long)]
     pub beyond: bool,
     /// Root of every random choice
@@ -81,8 +81,10 @@ pub struct Steered {
     pub participants: usize,
     /// Shifts that the ends of the scale cut short.
     pub clamped: usize,
-    /// People whose own style reads as no score of the scale: left out of the conditions that turn the dial.
-    pub off_the_scale: Vec<ParticipantId>,
+    /// People beyond what the model has learned from.
+    pub beyond: Vec<ParticipantId>,
+    /// Whether they are left out of the conditions that turn the dial.
+    pub beyond_left_out: bool,
     /// Heads that were fitted to scores.
     pub attributes: Vec<AttributeSummary>,
     /// The conditions.

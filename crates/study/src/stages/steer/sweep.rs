@@ -135,7 +135,8 @@ pub(super) fn sweep(
         value: Steered {
             participants: own.len(),
             clamped,
-            off_the_scale: Vec::new(),
+            beyond: Vec::new(),
+            beyond_left_out: false,
             attributes,
             conditions,
         },

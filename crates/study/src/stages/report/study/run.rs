@@ -8,17 +8,21 @@ use crate::{
     stages::train::TrainingSummary,
     tables::{
         conditions::{ConditionRow, read_conditions},
+        embeddings::read_embeddings,
         measurements::{MeasuredDrive, read_measurements},
     },
 };
 use maveric_analysis::Analysis;
 use maveric_domain::{
-    ConditionId, Design, Scale,
+    ConditionId, Design, ParticipantId, Scale,
     design::{Car, Condition},
 };
 use maveric_model::Model;
 use maveric_report::{Context, figures::ConditionLook};
-use std::path::{Path, PathBuf};
+use std::{
+    collections::BTreeSet,
+    path::{Path, PathBuf},
+};
 
 /// What the page of a study is made from.
 pub(in crate::stages::report) struct Run {
@@ -65,11 +69,16 @@ impl Run {
                 ..Context::real()
             },
         };
+        let conditions = if_there(&conditions, read_conditions)?;
+        let context = Context {
+            beyond: beyond_but_driven(folder, &conditions, design)?,
+            ..context
+        };
         Ok(Self {
             scales: read_scales(&study.resolve(&design.files().scales))?,
             model: if_there(&model, |path| read_model(path).map(Some))?,
             model_file: model,
-            conditions: if_there(&conditions, read_conditions)?,
+            conditions,
             measured: read_measurements(&folder.join("measurements.parquet"))?,
             context: context.with_conditions(ConditionLook::of(design)),
             design: design.clone(),
@@ -110,4 +119,21 @@ impl Run {
     pub(in crate::stages::report) fn seed(&self) -> Option<u64> {
         self.training.as_ref().map(|t| t.seed)
     }
+}
+
+/// People beyond what the model has learned from who have a condition that turns the dial all the same.
+fn beyond_but_driven(
+    folder: &Path,
+    conditions: &[ConditionRow],
+    design: &Design,
+) -> Result<usize, StudyError> {
+    let rows = if_there(&folder.join("embeddings.csv"), read_embeddings)?;
+    let beyond = rows.iter().filter(|row| row.beyond() == Some(true));
+    let turned = |who: &ParticipantId| {
+        let own = conditions.iter().filter(|row| row.participant == *who);
+        own.filter_map(|row| design.condition(row.condition))
+            .any(|condition| condition.side().is_some())
+    };
+    let people: BTreeSet<&ParticipantId> = beyond.map(|row| &row.participant).collect();
+    Ok(people.into_iter().filter(|who| turned(who)).count())
 }

@@ -3,6 +3,7 @@
 use super::Run;
 use crate::{
     atomic_write::if_there,
+    beyond::beyond_in_words,
     error::StudyError,
     once::count,
     run_folder::lists,
@@ -241,23 +242,20 @@ pub(super) fn listed_exclusions(folder: &Path) -> Result<Vec<Exclusion>, StudyEr
         }
     }
     let rows = if_there(&folder.join("embeddings.csv"), read_embeddings)?;
-    let mut personalised = |of: fn(&EmbeddingRow) -> bool, why: &str| {
-        let drives = rows.iter().filter(|row| of(row));
-        let drives: BTreeSet<String> = drives.map(|row| row.drive.to_string()).collect();
-        found.extend(drives.into_iter().map(|who| Exclusion {
-            who,
-            what: "personalize".to_owned(),
-            why: why.to_owned(),
-        }));
+    let why = |row: &EmbeddingRow| {
+        let blank = row.readings == Some(0);
+        let blank = blank.then(|| "shows no habit: its driver is taken as anybody".to_owned());
+        blank.or_else(|| row.beyond_why.as_ref().map(beyond_in_words))
     };
-    personalised(
-        |row| row.readings == Some(0),
-        "shows no habit: its driver is taken as anybody",
-    );
-    personalised(
-        |row| row.adb_hat.is_none() && row.line_position.is_some(),
-        "reads as a score that the scale does not have, so it has none",
-    );
+    let personalised = rows
+        .iter()
+        .filter_map(|row| Some((row.drive.to_string(), why(row)?)));
+    let personalised: BTreeSet<(String, String)> = personalised.collect();
+    found.extend(personalised.into_iter().map(|(who, why)| Exclusion {
+        who,
+        what: "personalize".to_owned(),
+        why,
+    }));
     for file in [
         "answers_exclusions.csv",
         "scores_exclusions.csv",
