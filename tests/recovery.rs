@@ -182,13 +182,18 @@ fn nobody_whom_the_scale_does_not_have_is_turned(study: &TempStudy) {
     };
     let (told, theirs, rows) = steered(&[]);
     assert!(
-        told.contains("participant S2P02: reads as a score that the scale does not have"),
+        told.contains("participant S2P02: drives beyond what the model has learned from"),
         "{told}"
     );
     assert_eq!(theirs, ["mimic", "perpendicular"]);
     assert_eq!(rows, 1 + 7 * 4 + 2, "everybody else is turned");
     let (told, theirs, rows) = steered(&["--beyond"]);
-    assert!(!told.contains("does not have"), "{told}");
+    assert!(
+        told.contains(
+            "S2P02: drives beyond what the model has learned from: the dial is turned all the same"
+        ),
+        "{told}"
+    );
     assert_eq!((theirs.len(), rows), (4, 1 + 8 * 4));
 }
 
