@@ -8,6 +8,7 @@ use super::{
 };
 use crate::{
     error::IngestError,
+    raw::table::text::Style,
     read_table::read_table,
     settings::{IngestSettings, Ingested},
 };
@@ -21,12 +22,16 @@ pub(super) fn inspect_table(
     path: &Path,
     settings: &IngestSettings,
 ) -> Result<LogSummary, IngestError> {
-    let table = columns::read(path, look(path)?)?;
-    let guess = guess(&table);
     let table_mapping = settings.mapping.as_ref().and_then(|m| m.table.as_ref());
+    let written = table_mapping.map(Style::from).unwrap_or_default();
+    let table = columns::read_as(path, look(path)?, written)?;
+    let guess = guess(&table);
     let guessed = || guess.columns.iter().map(|(k, c)| (*k, c.as_str()));
     let mapped: Vec<(&str, &str)> = match table_mapping {
-        Some(mapping) => mapping.columns.given(),
+        Some(mapping) => match &mapping.signals {
+            Some(signals) => signals.given().into_iter().flat_map(|g| g.2).collect(),
+            None => mapping.columns.given(),
+        },
         None => guessed().collect(),
     };
     let sure = table_mapping.is_some();
@@ -44,6 +49,22 @@ pub(super) fn inspect_table(
         found.would_ingest = without_mapping(&table, &guess);
     }
     Ok(found)
+}
+
+/// The columns of one file of a folder of signals, each with its keys.
+///
+/// # Errors
+/// As [`crate::inspect()`].
+pub(super) fn columns_of_signal(
+    path: &Path,
+    written: Style,
+    mapped: &[(&str, &str)],
+) -> Result<(usize, Vec<ColumnSummary>), IngestError> {
+    let table = columns::read_as(path, look(path)?, written)?;
+    let guess = guess(&table);
+    let columns = table.columns.iter();
+    let columns = columns.map(|c| summary(c, mapped, &guess, true));
+    Ok((table.rows, columns.collect()))
 }
 
 /// Reads the table, the only sure way to know what becomes of it.
