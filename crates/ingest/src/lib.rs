@@ -37,8 +37,9 @@ pub use inspect::{
 pub use mapping::{
     AngleUnit, Columns, Directions, Forward, FrameKind, GapKind, LaneChangesSignal, LaneSignal,
     Layout, LeadSignal, LengthUnit, Mapping, McapMapping, MessageMapping, Names, Only, Point,
-    RecordingMeta, RigSigns, RoadMapping, RoadSignal, Side, Signals, SpeedSignal, SpeedUnit,
-    TableMapping, Tells, TimeUnit, Topics, TracksSignal, TwistFrame, Units, VelocitySignal,
+    RecordingMeta, RigSigns, RoadMapping, RoadSignal, SeesMapping, Side, Signals, SpeedSignal,
+    SpeedUnit, TableMapping, Tells, TimeUnit, Topics, TracksSignal, TwistFrame, Units,
+    VelocitySignal,
 };
 pub use parquet::{ParquetFile, is_parquet, parquet_bytes, read_parquet};
 pub use provenance::Provenance;

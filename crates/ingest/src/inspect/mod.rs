@@ -22,6 +22,7 @@ use crate::{
     settings::IngestSettings,
 };
 use maveric_bag::parts_of;
+use maveric_domain::Sees;
 use serde::Serialize;
 use std::{collections::BTreeMap, path::Path};
 pub use suggest::suggest_mapping;
@@ -57,6 +58,8 @@ pub struct LogSummary {
     pub duration_s: Option<f64>,
     /// Holes in channels that come at a rate.
     pub gaps: Vec<Gap>,
+    /// What the rig sees, where a drive can be made.
+    pub sees: Option<Sees>,
     /// What is damaged.
     pub damage: Vec<Warning>,
     /// What reading it left out, filled in or doubted.
@@ -229,11 +232,21 @@ fn inspect_mcap(path: &Path, given: &IngestSettings) -> Result<LogSummary, Inges
             found
                 .warnings
                 .extend(said.filter(|w| w.kind != WarningKind::Damage));
-            format!("one drive of {rows} rows {what}")
+            let sees = drive.recording.sees();
+            found.sees = Some(sees);
+            format!("one drive of {rows} rows {what}{}", seen_in_words(sees))
         }
         Err(error) => format!("nothing: {error}"),
     };
     Ok(found)
+}
+
+/// What a rig sees, as the end of a sentence; nothing where it sees everything.
+pub(super) fn seen_in_words(sees: Sees) -> String {
+    if sees == Sees::ALL {
+        return String::new();
+    }
+    format!("; the rig sees: {sees}")
 }
 
 /// From which channels a drive would be, and on which terms.

@@ -4,6 +4,7 @@ use super::{
     ColumnSummary, Gap, LogFormat, LogSummary,
     columns::{self, Sheet, TableColumn},
     guess::{Guess, Shape, guess},
+    seen_in_words,
     suggest::look,
 };
 use crate::{
@@ -74,9 +75,11 @@ pub(super) fn with_mapping(path: &Path, settings: &IngestSettings, found: &mut L
             let rows: usize = drives.iter().map(|d| d.recording.rows()).sum();
             let rate = drives.first().map_or(0.0, |d| d.recording.rate_hz());
             let drives_word = if drives.len() == 1 { "drive" } else { "drives" };
+            found.sees = drives.first().map(|d| d.recording.sees());
             found.would_ingest = format!(
-                "{} {drives_word} of {rows} rows at {rate} Hz, by the mapping",
-                drives.len()
+                "{} {drives_word} of {rows} rows at {rate} Hz, by the mapping{}",
+                drives.len(),
+                found.sees.map(seen_in_words).unwrap_or_default()
             );
             let last = |d: &Ingested| d.recording.time_s().last().copied().unwrap_or(0.0);
             found.duration_s = drives.iter().map(last).max_by(f64::total_cmp);

@@ -3,6 +3,7 @@
 mod columns;
 mod mcap;
 pub(crate) mod names;
+mod sees;
 mod shipped_rigs;
 mod side;
 mod signals;
@@ -15,6 +16,7 @@ pub use columns::{Columns, RecordingMeta};
 use maveric_domain::{Road, nearest};
 pub use mcap::{McapMapping, MessageMapping, RigSigns, Tells, Topics, TwistFrame};
 pub use names::Names;
+pub use sees::SeesMapping;
 use serde::{Deserialize, Serialize};
 pub(crate) use shipped_rigs::SHIPPED_RIGS;
 pub use side::Side;
@@ -51,6 +53,9 @@ pub struct Mapping {
     /// Whether lanes lie where vehicles drove: as many as the road has, about as wide as it says.
     #[serde(default)]
     pub lanes_driven: bool,
+    /// What the rig sees, where the log does not show it.
+    #[serde(default)]
+    pub sees: SeesMapping,
     /// Ids from file names.
     pub names: Option<Names>,
     /// Columns of a table.

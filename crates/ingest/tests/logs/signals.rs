@@ -1,8 +1,9 @@
 //! A rig that writes a folder a drive: several files of blanks and numbers, without headers, at several rates.
 
-use maveric_domain::{Drive, drive::Direction};
+use maveric_domain::{Drive, Sees, drive::Direction};
 use maveric_ingest::{
-    IngestError, IngestSettings, Ingested, Mapping, WarningKind, inspect_with, log_files, read_log,
+    IngestError, IngestSettings, Ingested, Mapping, Provenance, WarningKind, inspect_with,
+    log_files, read_drive_from, read_log, write_drive_to,
 };
 use std::{
     fmt::Write as _,
@@ -437,6 +438,54 @@ fn what_the_camera_did_not_look_at_is_a_hole() {
     let rows = drive_of(&found).rows().clone();
     assert!(rows.time_s.iter().all(|t| !(70.1..74.9).contains(t)));
     assert_eq!(rows.segment.last(), Some(&1));
+}
+
+#[test]
+fn what_the_rig_sees_is_what_its_signals_show_unless_the_mapping_says_it_and_is_kept_with_the_drive()
+ {
+    let rig = Rig::new();
+    let camera: Sees = "ahead lanes".parse().unwrap();
+    let found = rig.read().unwrap();
+    assert_eq!(found.recording.sees(), camera);
+    let summary = inspect_with(&rig.drive(), &settings(uah())).unwrap();
+    assert_eq!(summary.sees, Some(camera));
+    assert!(
+        summary.would_ingest.ends_with("the rig sees: ahead lanes"),
+        "{}",
+        summary.would_ingest
+    );
+    let path = rig.0.path().join("D7.parquet");
+    let kept = |drive: &Drive| {
+        let file = std::fs::File::create(&path).unwrap();
+        write_drive_to(
+            file,
+            drive,
+            &Provenance {
+                entries: Vec::new(),
+            },
+        )
+        .unwrap();
+        read_drive_from(&path).unwrap().0
+    };
+    let drive = drive_of(&found);
+    assert_eq!(kept(&drive), drive);
+    // As older files are, which say nothing.
+    let all = drive.seen_by(Sees::ALL);
+    assert_eq!(kept(&all).sees(), Sees::ALL);
+    let bytes = std::fs::read(&path).unwrap();
+    assert!(!bytes.windows(12).any(|w| w == b"maveric.sees"));
+
+    let mut mapping = uah();
+    mapping.sees.behind = Some(true);
+    mapping.sees.lanes = Some(false);
+    let found = read_log(&rig.drive(), &settings(mapping))
+        .unwrap()
+        .remove(0);
+    assert_eq!(found.recording.sees(), "ahead behind".parse().unwrap());
+    assert!(
+        drive_of(&found).lane_changes().is_empty(),
+        "without lanes no lane changes"
+    );
 }
 
 #[test]

@@ -17,6 +17,7 @@ use crate::{
     source::Source,
 };
 use lead::Leads;
+use maveric_domain::Sees;
 use path::{DrivenPath, Heading};
 use place::{Across, Place};
 use road::RoadAlong;
@@ -90,6 +91,11 @@ pub(super) fn read(
             ego: ego_samples(&driven, place.as_ref(), &across, max_gap_s),
             objects,
             sightings: leads.sightings,
+            sees: Sees {
+                ahead: signals.tracks.is_some() || signals.lead.is_some(),
+                lanes: place.is_some(),
+                ..Sees::NOTHING
+            },
             ego_length_m: Some(mapping.ego_length_m),
             ..RawDrive::default()
         },
