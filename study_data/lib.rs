@@ -44,6 +44,7 @@ files! {
     MAPPINGS_RIG_GENERIC_ROS2 = "study_data/mappings/rig_generic_ros2.toml";
     MAPPINGS_RIG_MAVERIC = "study_data/mappings/rig_maveric.toml";
     MAPPINGS_SUMO_FCD = "study_data/mappings/sumo_fcd.toml";
+    MAPPINGS_UAH = "study_data/mappings/uah.toml";
     SCALES_ADB = "study_data/scales/adb.toml";
     SCALES_AGGRESSIVENESS = "study_data/scales/aggressiveness.toml";
     SCALES_GODSPEED_INTELLIGENCE = "study_data/scales/godspeed_intelligence.toml";

@@ -4,6 +4,7 @@ use crate::{
     error::DomainError,
     ids::VehicleId,
     scene::{EgoState, Road, Scene, VehicleState},
+    sees::Sees,
 };
 
 /// Ego's track; every column has shape `(n,)`.
@@ -46,6 +47,7 @@ pub struct Recording {
     ego: EgoTrack,
     others: Vec<ObjectTrack>,
     lateral: bool,
+    sees: Sees,
 }
 
 fn check_column(column: &'static str, values: &[f64], rows: usize) -> Result<(), DomainError> {
@@ -163,6 +165,7 @@ impl Recording {
             ego,
             others,
             lateral: true,
+            sees: Sees::ALL,
         })
     }
 
@@ -178,6 +181,17 @@ impl Recording {
     /// Whether lateral positions were recorded; else whoever is passed cannot be told from who is ahead in ego's lane.
     pub fn has_lateral(&self) -> bool {
         self.lateral
+    }
+
+    /// The same, by a rig that sees only this.
+    #[must_use]
+    pub fn seen_by(self, sees: Sees) -> Self {
+        Self { sees, ..self }
+    }
+
+    /// What the rig sees; everything, unless [`Recording::seen_by`] said otherwise.
+    pub fn sees(&self) -> Sees {
+        self.sees
     }
 
     /// Number of rows, n.

@@ -7,7 +7,7 @@ use crate::{
     join_speeds::join_speeds,
     lane_centres::{LaneShape, into_lanes},
     lanes::{EgoPath, place},
-    mapping::{FrameKind, Mapping, RoadMapping},
+    mapping::{FrameKind, Mapping, RoadMapping, SeesMapping},
     pair_rows,
     plausible::{doubts, leave_out_impossible, on_the_road},
     quality::{Warning, WarningKind},
@@ -16,7 +16,7 @@ use crate::{
     settings::IngestSettings,
     synchronise::synchronise,
 };
-use maveric_domain::{EgoTrack, ObjectTrack, Recording, Road, VehicleId};
+use maveric_domain::{EgoTrack, ObjectTrack, Recording, Road, Sees, VehicleId};
 use std::{collections::BTreeMap, path::Path};
 
 /// Rows from which a rate far above that of the log is refused: an hour at 1000 Hz is more than anybody looks at.
@@ -49,6 +49,8 @@ pub(crate) struct Target<'a> {
     pub(crate) own_lane_only: bool,
     /// Whether y comes from numbers of lanes: its steps are held, not interpolated.
     pub(crate) lane_steps: bool,
+    /// What the mapping says of the rig's sight.
+    pub(crate) sees: SeesMapping,
     /// Rows a second.
     pub(crate) rate_hz: f64,
     /// Longest hole that is bridged, in s.
@@ -76,6 +78,7 @@ impl<'a> Target<'a> {
             right_lane_centre_y_m: road.right_lane_centre_y_m,
             own_lane_only: road.lanes == 1,
             lane_steps: false,
+            sees: mapping.map(|m| m.sees).unwrap_or_default(),
             rate_hz: settings.rate_hz()?,
             max_gap_s: settings.max_gap_s()?,
         })
@@ -192,7 +195,13 @@ pub(crate) fn assemble(
     .map_err(|source| IngestError::Refused {
         path: path.to_owned(),
         source,
-    })?;
+    })?
+    .seen_by(target.sees.of(Sees {
+        // Of an only lane the vehicles beside are left out.
+        beside: drive.sees.beside && !target.own_lane_only,
+        lanes: drive.sees.lanes && !target.own_lane_only,
+        ..drive.sees
+    }));
     if drive.without_lateral {
         let what = "nothing says who is beside ego: passing cannot be told from following, and has no measures";
         warnings.push(Warning::new(path, WarningKind::Default, 1, what));

@@ -46,6 +46,7 @@ pub fn read_csv(bytes: &[u8], separator: Option<u8>) -> Result<Csv, String> {
         preamble: above().count(),
         separator,
         names: cells(line, separator),
+        headless: false,
     };
     if let Some(flaw) = flaw(text, &header) {
         return Err(flaw.sentence(header.names.len()));

@@ -72,7 +72,13 @@ pub fn write_drive_to(
     provenance: &Provenance,
 ) -> Result<(), IngestError> {
     let (meta, road) = (drive.meta(), drive.road());
-    let told = told_of(meta, road, drive.rate_hz(), drive.has_lateral());
+    let told = told_of(
+        meta,
+        road,
+        drive.rate_hz(),
+        drive.has_lateral(),
+        drive.sees(),
+    );
     let own = [("version", VERSION.to_owned())].into_iter().chain(told);
     let own = own.map(|(k, v)| (k.to_owned(), v));
     let entries = own.chain(provenance.entries.iter().cloned());
@@ -168,7 +174,8 @@ impl DriveFile<'_> {
         };
         let rate_hz = told.positive("rate_hz")?;
         let drive = Drive::from_rows(told.meta()?, told.road()?, rate_hz, rows)
-            .map_err(|e| self.bad(format!("is no drive: {e}")))?;
+            .map_err(|e| self.bad(format!("is no drive: {e}")))?
+            .seen_by(told.sees()?);
         Ok(if told.without_lateral() {
             drive.without_lateral()
         } else {

@@ -35,9 +35,10 @@ pub use inspect::{
     suggest_mapping,
 };
 pub use mapping::{
-    AngleUnit, Columns, Directions, Forward, FrameKind, GapKind, Layout, LengthUnit, Mapping,
-    McapMapping, MessageMapping, Names, Point, RecordingMeta, RigSigns, RoadMapping, Side, Signals,
-    SpeedSignal, SpeedUnit, TableMapping, Tells, TimeUnit, Topics, TracksSignal, TwistFrame, Units,
+    AngleUnit, Columns, Directions, Forward, FrameKind, GapKind, LaneChangesSignal, LaneSignal,
+    Layout, LeadSignal, LengthUnit, Mapping, McapMapping, MessageMapping, Names, Only, Point,
+    RecordingMeta, RigSigns, RoadMapping, RoadSignal, SeesMapping, Side, Signals, SpeedSignal,
+    SpeedUnit, TableMapping, Tells, TimeUnit, Topics, TracksSignal, TwistFrame, Units,
     VelocitySignal,
 };
 pub use parquet::{ParquetFile, is_parquet, parquet_bytes, read_parquet};

@@ -37,7 +37,7 @@ impl Provenance {
             entries.push(("mapping_blake3".to_owned(), mapping.blake3));
         }
         entries.push(("resampled_hz".to_owned(), settings.rate_hz()?.to_string()));
-        entries.push(("max_gap_s".to_owned(), settings.max_gap_s.to_string()));
+        entries.push(("max_gap_s".to_owned(), settings.max_gap_s()?.to_string()));
         entries.push(("recover".to_owned(), settings.recover.to_string()));
         let program = concat!(env!("CARGO_PKG_NAME"), " ", env!("CARGO_PKG_VERSION"));
         entries.push(("program".to_owned(), program.to_owned()));

@@ -5,7 +5,7 @@ use crate::{
     error::IngestError,
     foreign::{self, foreign, foreign_text},
     lane_centres::LaneShape,
-    mapping::{FrameKind, Mapping, names::meta_of},
+    mapping::{FrameKind, Mapping, Signals, names::meta_of},
     parquet::is_parquet,
     quality::{Warning, WarningKind},
     raw::{
@@ -142,8 +142,8 @@ pub(crate) fn without_parts(path: &Path, parts: &Parts) -> Vec<Warning> {
 
 /// The logs at `path`: itself if it is a file or one recording split over a folder, else the files of the folder that end
 /// in `.mcap`, `.csv`, `.tsv`, `.txt` or `.parquet` and the split recordings in it, sorted by name. Those that the mapping
-/// skips are not among them. Where the mapping says that every signal has its own file, a log is a folder: this one
-/// if it has the file of the speed, else those in it that do.
+/// skips are not among them. Where the mapping says that signals have their own files, a log is a folder: this one
+/// if it has one of the files, else those below it that do.
 ///
 /// # Errors
 /// [`IngestError::NotFound`] or [`IngestError::Io`]; [`IngestError::NotALog`] for a folder that holds no log but a file
@@ -153,8 +153,10 @@ pub fn log_files(path: &Path, mapping: Option<&Mapping>) -> Result<Vec<PathBuf>,
     if !std::fs::metadata(path).map_err(wrong)?.is_dir() || is_split(path) {
         return Ok(vec![path.to_owned()]);
     }
-    if let Some(signals) = mapping.and_then(|m| m.table.as_ref()?.signals.as_ref()) {
-        return folders_with(path, &signals.speed.file);
+    if let Some(mapping) = mapping.filter(|m| m.takes_folders()) {
+        let signals = mapping.table.as_ref().and_then(|t| t.signals.as_ref());
+        let files = signals.map(Signals::files).unwrap_or_default();
+        return folders_with(path, &files, DEEPEST);
     }
     let of_kind = |file: &PathBuf, kinds: &[&str]| {
         let extension = file.extension().unwrap_or_default().to_ascii_lowercase();
@@ -187,14 +189,21 @@ pub(crate) fn entries_of(folder: &Path) -> Result<Vec<PathBuf>, IngestError> {
     Ok(entries)
 }
 
-/// The folder itself if it has a file of this name, else the folders in it that have one, sorted by name.
-fn folders_with(path: &Path, file: &str) -> Result<Vec<PathBuf>, IngestError> {
-    if path.join(file).is_file() {
+/// Folders of drives lie at most so far below the one that is given: a person's, a day's, a drive's.
+const DEEPEST: usize = 4;
+
+/// The folder itself if it has one of these files, else the folders below it that have, sorted by name.
+fn folders_with(path: &Path, files: &[&str], deepest: usize) -> Result<Vec<PathBuf>, IngestError> {
+    if files.iter().any(|file| path.join(file).is_file()) {
         return Ok(vec![path.to_owned()]);
     }
-    let mut folders = entries_of(path)?;
-    folders.retain(|folder| folder.join(file).is_file());
-    Ok(folders)
+    let mut found = Vec::new();
+    for entry in entries_of(path)? {
+        if deepest > 0 && entry.is_dir() {
+            found.extend(folders_with(&entry, files, deepest - 1)?);
+        }
+    }
+    Ok(found)
 }
 
 /// Tells a recording from a text by the first bytes.

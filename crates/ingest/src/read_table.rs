@@ -32,7 +32,7 @@ pub(crate) fn read_table(
     let mapped = mapping.road.unwrap_or(RoadMapping::UNKNOWN);
     let mut sources = Vec::new();
     let bytes = match columns.layout {
-        Layout::Signals => Vec::new(),
+        Layout::Signals if path.is_dir() => Vec::new(),
         _ => table::take(path, &mut sources)?,
     };
     let told = told_by_columns(path, &bytes, mapping, columns)?;

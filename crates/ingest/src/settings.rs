@@ -4,7 +4,7 @@ use crate::{error::IngestError, mapping::Mapping, quality::Warning, source::Sour
 use maveric_domain::{DriveMeta, Recording};
 
 /// How to ingest a log.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Default)]
 pub struct IngestSettings {
     /// What columns, topics and names mean; needed for tables.
     pub mapping: Option<Mapping>,
@@ -12,8 +12,8 @@ pub struct IngestSettings {
     pub rate_hz: Option<f64>,
     /// Whether to keep what is readable of a damaged file instead of refusing it.
     pub recover: bool,
-    /// Longest hole between samples that is bridged, in s.
-    pub max_gap_s: f64,
+    /// Longest hole between samples that is bridged, in s; without it the mapping's, else [`IngestSettings::MAX_GAP_S`].
+    pub max_gap_s: Option<f64>,
 }
 
 impl IngestSettings {
@@ -22,6 +22,12 @@ impl IngestSettings {
     /// # Source
     /// Method section 2 (ours).
     pub const RATE_HZ: f64 = 20.0;
+
+    /// The canonical longest hole that is bridged, in s.
+    ///
+    /// # Source
+    /// Method section 2 (ours).
+    pub const MAX_GAP_S: f64 = 0.5;
 
     /// The rate that applies: this setting, the mapping's, or the canonical one.
     ///
@@ -34,18 +40,9 @@ impl IngestSettings {
     }
 
     pub(crate) fn max_gap_s(&self) -> Result<f64, IngestError> {
-        check("max_gap_s", self.max_gap_s, 60.0, "above 0, at most 60")
-    }
-}
-
-impl Default for IngestSettings {
-    fn default() -> Self {
-        Self {
-            mapping: None,
-            rate_hz: None,
-            recover: false,
-            max_gap_s: 0.5,
-        }
+        let mapped = self.mapping.as_ref().and_then(|m| m.max_gap_s);
+        let longest = self.max_gap_s.or(mapped).unwrap_or(Self::MAX_GAP_S);
+        check("max_gap_s", longest, 60.0, "above 0, at most 60")
     }
 }
 

@@ -10,6 +10,7 @@ use crate::{
     ids::{DriveId, ParticipantId},
     recording::Recording,
     scene::{Road, Scene, Situation, bumper_distance_m},
+    sees::Sees,
 };
 pub use lane_change::{Direction, LaneChange};
 pub use reference_vehicle::ReferenceTracker;
@@ -124,6 +125,7 @@ pub struct Drive {
     rate_hz: f64,
     rows: Rows,
     lateral: bool,
+    sees: Sees,
 }
 
 /// Distance beyond which a vehicle behind in another lane does not count, in m.
@@ -186,6 +188,7 @@ impl Drive {
             rate_hz: recording.rate_hz(),
             rows,
             lateral: recording.has_lateral(),
+            sees: recording.sees(),
         })
     }
 
@@ -264,6 +267,7 @@ impl Drive {
             rate_hz,
             rows,
             lateral: true,
+            sees: Sees::ALL,
         })
     }
 
@@ -279,6 +283,17 @@ impl Drive {
     /// Whether it is known who is beside ego and who ahead: without, nothing can be said of passing.
     pub fn has_lateral(&self) -> bool {
         self.lateral
+    }
+
+    /// The same, by a rig that sees only this.
+    #[must_use]
+    pub fn seen_by(self, sees: Sees) -> Self {
+        Self { sees, ..self }
+    }
+
+    /// What the rig sees: what it does not see cannot be read of the drive.
+    pub fn sees(&self) -> Sees {
+        self.sees
     }
 
     /// Whose drive it is.
@@ -311,9 +326,13 @@ impl Drive {
         &self.rows
     }
 
-    /// The lane changes, in order; those the drive's end cut short say so.
+    /// The lane changes, in order; those the drive's end cut short say so. None where the rig does not see lanes.
     pub fn lane_changes(&self) -> Vec<LaneChange> {
-        lane_change::events(&self.rows)
+        if self.sees.lanes {
+            lane_change::events(&self.rows)
+        } else {
+            Vec::new()
+        }
     }
 
     /// What a planner would have been told at `row`; `None` past the end.
@@ -371,6 +390,7 @@ impl Drive {
             rate_hz: self.rate_hz,
             rows,
             lateral: self.lateral,
+            sees: self.sees,
         })
     }
 }

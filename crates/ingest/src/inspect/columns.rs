@@ -5,7 +5,7 @@ use crate::{
     parquet::is_parquet,
     raw::table::{
         open::{Kind, Table},
-        text::{SEPARATORS, Style, header},
+        text::{SEPARATORS, Style, blanks_to_tabs, header},
     },
 };
 use std::path::Path;
@@ -37,7 +37,22 @@ pub(super) struct Sheet {
 /// # Errors
 /// [`IngestError::BadTable`] for what is no table.
 pub(super) fn read(path: &Path, bytes: Vec<u8>) -> Result<Sheet, IngestError> {
+    read_as(path, bytes, Style::default())
+}
+
+/// The same of a table of which a mapping says whether it has a header, and whether blanks separate its cells.
+///
+/// # Errors
+/// As [`read`].
+pub(super) fn read_as(
+    path: &Path,
+    mut bytes: Vec<u8>,
+    written: Style,
+) -> Result<Sheet, IngestError> {
     let parquet = is_parquet(&bytes);
+    if written.is_blank() && !parquet {
+        bytes = blanks_to_tabs(&bytes);
+    }
     let mut unreadable = Vec::new();
     let (preamble, separator, names) = if parquet {
         let columns = Table::parquet_columns(path, &bytes)?;
@@ -47,9 +62,14 @@ pub(super) fn read(path: &Path, bytes: Vec<u8>) -> Result<Sheet, IngestError> {
         (0, None, names)
     } else {
         let text = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(&bytes);
-        let preamble = likely_header(text);
+        let headless = written.headless;
+        let preamble = if headless { 0 } else { likely_header(text) };
         let rest = line(text, preamble);
-        let found = header(rest, Style::default(), None);
+        let plain = Style {
+            headless,
+            ..Style::default()
+        };
+        let found = header(rest, plain, None);
         (preamble, Some(found.separator), found.names)
     };
     let decimal_comma = !parquet && separator == Some(b';') && has_decimal_commas(&bytes, preamble);
@@ -58,6 +78,7 @@ pub(super) fn read(path: &Path, bytes: Vec<u8>) -> Result<Sheet, IngestError> {
         decimal_comma,
         // They cannot be asked for; their first column stands for both.
         doubled_names: true,
+        headless: written.headless,
     };
     let mut once: Vec<&str> = Vec::new();
     for name in &names {

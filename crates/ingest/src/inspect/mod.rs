@@ -10,7 +10,7 @@ mod words;
 
 use crate::{
     error::IngestError,
-    mapping::{Mapping, Signals},
+    mapping::Mapping,
     quality::{Warning, WarningKind},
     raw::mcap::{
         choice::{Choice, choose},
@@ -22,6 +22,7 @@ use crate::{
     settings::IngestSettings,
 };
 use maveric_bag::parts_of;
+use maveric_domain::Sees;
 use serde::Serialize;
 use std::{collections::BTreeMap, path::Path};
 pub use suggest::suggest_mapping;
@@ -57,6 +58,8 @@ pub struct LogSummary {
     pub duration_s: Option<f64>,
     /// Holes in channels that come at a rate.
     pub gaps: Vec<Gap>,
+    /// What the rig sees, where a drive can be made.
+    pub sees: Option<Sees>,
     /// What is damaged.
     pub damage: Vec<Warning>,
     /// What reading it left out, filled in or doubted.
@@ -147,27 +150,31 @@ pub fn inspect_with(path: &Path, settings: &IngestSettings) -> Result<LogSummary
 
 /// The files of the signals, one after another, and the drive that they make.
 fn inspect_folder(path: &Path, settings: &IngestSettings) -> Result<LogSummary, IngestError> {
-    let mapping = settings.mapping.as_ref().and_then(|m| m.table.as_ref());
-    let signals = mapping.and_then(|t| t.signals.as_ref());
-    let files = signals.map(Signals::files).unwrap_or_default();
-    let mut found: Option<LogSummary> = None;
-    for file in files {
-        let mut part = table::inspect_table(&path.join(file), &IngestSettings::default())?;
-        for column in &mut part.columns {
-            column.name = format!("{file}: {}", column.name);
-            column.meaning = None;
-        }
-        match &mut found {
-            Some(found) => {
-                found.rows += part.rows;
-                found.columns.extend(part.columns);
-            }
-            None => found = Some(part),
-        }
-    }
-    let mut found = found.ok_or_else(|| IngestError::NoMapping {
+    let no_mapping = || IngestError::NoMapping {
         path: path.to_owned(),
-    })?;
+    };
+    let mapping = settings.mapping.as_ref().and_then(|m| m.table.as_ref());
+    let mapping = mapping.ok_or_else(no_mapping)?;
+    let signals = mapping.signals.as_ref().ok_or_else(no_mapping)?;
+    let mut found = LogSummary {
+        format: LogFormat::Table,
+        ..LogSummary::default()
+    };
+    for file in signals.files() {
+        let at = path.join(file);
+        // A list of events may be empty.
+        if std::fs::metadata(&at).is_ok_and(|m| m.len() == 0) {
+            continue;
+        }
+        let of_file = signals.given().into_iter().filter(|g| g.1 == file);
+        let mapped: Vec<(&str, &str)> = of_file.flat_map(|g| g.2).collect();
+        let (rows, columns) = table::columns_of_signal(&at, mapping.into(), &mapped)?;
+        found.rows += rows;
+        found.columns.extend(columns.into_iter().map(|mut column| {
+            column.name = format!("{file}: {}", column.name);
+            column
+        }));
+    }
     table::with_mapping(path, settings, &mut found);
     Ok(found)
 }
@@ -225,11 +232,21 @@ fn inspect_mcap(path: &Path, given: &IngestSettings) -> Result<LogSummary, Inges
             found
                 .warnings
                 .extend(said.filter(|w| w.kind != WarningKind::Damage));
-            format!("one drive of {rows} rows {what}")
+            let sees = drive.recording.sees();
+            found.sees = Some(sees);
+            format!("one drive of {rows} rows {what}{}", seen_in_words(sees))
         }
         Err(error) => format!("nothing: {error}"),
     };
     Ok(found)
+}
+
+/// What a rig sees, as the end of a sentence; nothing where it sees everything.
+pub(super) fn seen_in_words(sees: Sees) -> String {
+    if sees == Sees::ALL {
+        return String::new();
+    }
+    format!("; the rig sees: {sees}")
 }
 
 /// From which channels a drive would be, and on which terms.

@@ -4,10 +4,12 @@ use super::{
     ColumnSummary, Gap, LogFormat, LogSummary,
     columns::{self, Sheet, TableColumn},
     guess::{Guess, Shape, guess},
+    seen_in_words,
     suggest::look,
 };
 use crate::{
     error::IngestError,
+    raw::table::text::Style,
     read_table::read_table,
     settings::{IngestSettings, Ingested},
 };
@@ -21,12 +23,16 @@ pub(super) fn inspect_table(
     path: &Path,
     settings: &IngestSettings,
 ) -> Result<LogSummary, IngestError> {
-    let table = columns::read(path, look(path)?)?;
-    let guess = guess(&table);
     let table_mapping = settings.mapping.as_ref().and_then(|m| m.table.as_ref());
+    let written = table_mapping.map(Style::from).unwrap_or_default();
+    let table = columns::read_as(path, look(path)?, written)?;
+    let guess = guess(&table);
     let guessed = || guess.columns.iter().map(|(k, c)| (*k, c.as_str()));
     let mapped: Vec<(&str, &str)> = match table_mapping {
-        Some(mapping) => mapping.columns.given(),
+        Some(mapping) => match &mapping.signals {
+            Some(signals) => signals.given().into_iter().flat_map(|g| g.2).collect(),
+            None => mapping.columns.given(),
+        },
         None => guessed().collect(),
     };
     let sure = table_mapping.is_some();
@@ -46,6 +52,22 @@ pub(super) fn inspect_table(
     Ok(found)
 }
 
+/// The columns of one file of a folder of signals, each with its keys.
+///
+/// # Errors
+/// As [`crate::inspect()`].
+pub(super) fn columns_of_signal(
+    path: &Path,
+    written: Style,
+    mapped: &[(&str, &str)],
+) -> Result<(usize, Vec<ColumnSummary>), IngestError> {
+    let table = columns::read_as(path, look(path)?, written)?;
+    let guess = guess(&table);
+    let columns = table.columns.iter();
+    let columns = columns.map(|c| summary(c, mapped, &guess, true));
+    Ok((table.rows, columns.collect()))
+}
+
 /// Reads the table, the only sure way to know what becomes of it.
 pub(super) fn with_mapping(path: &Path, settings: &IngestSettings, found: &mut LogSummary) {
     match read_table(path, settings) {
@@ -53,9 +75,11 @@ pub(super) fn with_mapping(path: &Path, settings: &IngestSettings, found: &mut L
             let rows: usize = drives.iter().map(|d| d.recording.rows()).sum();
             let rate = drives.first().map_or(0.0, |d| d.recording.rate_hz());
             let drives_word = if drives.len() == 1 { "drive" } else { "drives" };
+            found.sees = drives.first().map(|d| d.recording.sees());
             found.would_ingest = format!(
-                "{} {drives_word} of {rows} rows at {rate} Hz, by the mapping",
-                drives.len()
+                "{} {drives_word} of {rows} rows at {rate} Hz, by the mapping{}",
+                drives.len(),
+                found.sees.map(seen_in_words).unwrap_or_default()
             );
             let last = |d: &Ingested| d.recording.time_s().last().copied().unwrap_or(0.0);
             found.duration_s = drives.iter().map(last).max_by(f64::total_cmp);

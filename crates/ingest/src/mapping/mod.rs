@@ -3,20 +3,29 @@
 mod columns;
 mod mcap;
 pub(crate) mod names;
+mod sees;
 mod shipped_rigs;
+mod side;
+mod signals;
 mod table;
 mod time_pattern;
 mod units;
 
 use crate::{error::IngestError, lane_centres::LaneShape};
-pub use columns::{Columns, RecordingMeta, Signals, SpeedSignal, TracksSignal, VelocitySignal};
+pub use columns::{Columns, RecordingMeta};
 use maveric_domain::{Road, nearest};
 pub use mcap::{McapMapping, MessageMapping, RigSigns, Tells, Topics, TwistFrame};
 pub use names::Names;
+pub use sees::SeesMapping;
 use serde::{Deserialize, Serialize};
 pub(crate) use shipped_rigs::SHIPPED_RIGS;
+pub use side::Side;
+pub use signals::{
+    LaneChangesSignal, LaneSignal, LeadSignal, Only, RoadSignal, Signals, SpeedSignal,
+    TracksSignal, VelocitySignal,
+};
 use std::path::Path;
-pub use table::{Directions, Forward, GapKind, Layout, Point, Side, TableMapping};
+pub use table::{Directions, Forward, GapKind, Layout, Point, TableMapping};
 pub(crate) use time_pattern::patterned;
 pub use units::{AngleUnit, LengthUnit, SpeedUnit, TimeUnit, Units};
 
@@ -26,6 +35,8 @@ pub use units::{AngleUnit, LengthUnit, SpeedUnit, TimeUnit, Units};
 pub struct Mapping {
     /// Rows a second of the result; without it the canonical rate.
     pub rate_hz: Option<f64>,
+    /// Longest hole between samples that is bridged, in s, where the rig's slowest signal needs more than the canonical half second.
+    pub max_gap_s: Option<f64>,
     /// Names of files that are no logs, such as `manifest.csv`; `*` stands for any characters.
     #[serde(default)]
     pub skip: Vec<String>,
@@ -42,6 +53,9 @@ pub struct Mapping {
     /// Whether lanes lie where vehicles drove: as many as the road has, about as wide as it says.
     #[serde(default)]
     pub lanes_driven: bool,
+    /// What the rig sees, where the log does not show it.
+    #[serde(default)]
+    pub sees: SeesMapping,
     /// Ids from file names.
     pub names: Option<Names>,
     /// Columns of a table.
@@ -145,7 +159,8 @@ impl Mapping {
     /// Whether a folder is one log, because every signal has its own file.
     pub fn takes_folders(&self) -> bool {
         let table = self.table.as_ref();
-        table.is_some_and(|t| t.layout == Layout::Signals)
+        let signals = table.and_then(|t| t.signals.as_ref());
+        signals.is_some_and(|s| !s.files().is_empty())
     }
 
     /// Whether the mapping says to pass over a file of this name.
@@ -169,6 +184,9 @@ impl Mapping {
         };
         if let Some(rate) = self.rate_hz {
             positive("rate_hz", rate)?;
+        }
+        if let Some(longest) = self.max_gap_s {
+            positive("max_gap_s", longest)?;
         }
         if let Some(road) = &self.road {
             positive("road.lanes", f64::from(road.lanes))?;

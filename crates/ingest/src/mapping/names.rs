@@ -10,7 +10,7 @@ use std::{collections::BTreeMap, path::Path};
 
 /// How a file's name says whose drive it is.
 ///
-/// `file` is a pattern for the name without its extension, such as `pair_{run}_f{place}`: each name in braces
+/// `file` is a pattern for the name without its extension (where a drive is a folder, for the folder's name), such as `pair_{run}_f{place}`: each name in braces
 /// takes what stands there, up to the text that follows. `drive`, `participant` and `condition` are put together from these,
 /// from the name of the folder that the file lies in, and from columns of the table that hold one word throughout.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
@@ -64,7 +64,13 @@ pub(crate) fn meta_of(
     within: &[(String, String)],
     warnings: &mut Vec<Warning>,
 ) -> Result<DriveMeta, IngestError> {
-    let stem = path.file_stem().unwrap_or_default().to_string_lossy();
+    // A folder's name has no extension.
+    let stem = if path.is_dir() {
+        path.file_name()
+    } else {
+        path.file_stem()
+    };
+    let stem = stem.unwrap_or_default().to_string_lossy();
     let refused = |source: DomainError| IngestError::Refused {
         path: path.to_owned(),
         source,

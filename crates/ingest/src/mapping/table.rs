@@ -1,7 +1,9 @@
 //! What a table's rows and files are, and what its mapping must say about them.
 
 use super::{
-    columns::{Columns, RecordingMeta, Signals},
+    columns::{Columns, RecordingMeta},
+    side::Side,
+    signals::Signals,
     time_pattern::is_pattern,
     units::{TimeUnit, Units},
 };
@@ -16,8 +18,12 @@ use serde::{Deserialize, Serialize};
 pub struct TableMapping {
     /// What a row and a file are.
     pub layout: Layout,
-    /// Character between cells; without it the most frequent of comma, semicolon and tab in the header.
+    /// Character between cells; without it the most frequent of comma, semicolon and tab in the header. A blank stands for any
+    /// number of blanks and tabs.
     pub separator: Option<char>,
+    /// Whether a line of names stands above the cells; else columns are named by their numbers, from `1`.
+    #[serde(default = "yes")]
+    pub header: bool,
     /// Whether numbers are written 1,5 for one and a half.
     #[serde(default)]
     pub decimal_comma: bool,
@@ -59,7 +65,7 @@ pub struct TableMapping {
     /// Names of the columns.
     #[serde(default)]
     pub columns: Columns,
-    /// The files of a folder of signals.
+    /// The signals of a drive.
     pub signals: Option<Signals>,
     /// A file beside the table that says how it was recorded.
     pub recording_meta: Option<RecordingMeta>,
@@ -67,6 +73,10 @@ pub struct TableMapping {
 
 fn one() -> i64 {
     1
+}
+
+fn yes() -> bool {
+    true
 }
 
 fn car_length() -> f64 {
@@ -84,7 +94,7 @@ pub enum Layout {
     Long,
     /// A row is one time of several vehicles in file, number 1 ahead; each but the first is ego of a drive.
     Platoon,
-    /// A folder is one drive, a file in it is one signal with its own times.
+    /// A folder is one drive, a file in it is one signal with its own times; or a file is one drive, and its columns are the signals.
     Signals,
 }
 
@@ -116,16 +126,6 @@ pub enum Point {
     Corner,
     /// A point such as the middle of the rear axle, behind the centre as `centre_ahead` says.
     Reference,
-}
-
-/// A side of the road, seen along x.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Side {
-    /// The left (fast) side.
-    Left,
-    /// The right (slow) side.
-    Right,
 }
 
 /// Which way of a table's x is ahead.
@@ -161,6 +161,7 @@ impl TableMapping {
         Self {
             layout,
             separator: None,
+            header: true,
             decimal_comma: false,
             gap_kind: None,
             point: None,
@@ -206,6 +207,9 @@ impl TableMapping {
                 "`table.separator` is `{separator}`, expected a character such as `,`, `;` or a tab"
             ));
         }
+        if let Some(signals) = &self.signals {
+            signals.check()?;
+        }
         self.check_keys()?;
         let (c, name, known) = (columns, self.layout.as_str(), self.layout.columns());
         if let Some((key, _)) = c.given().iter().find(|(k, _)| !known.contains(k)) {
@@ -237,6 +241,8 @@ impl TableMapping {
         let meta = self.recording_meta.as_ref();
         let rated = self.frames_per_s.is_some() || meta.is_some_and(|m| m.frames_per_s.is_some());
         let timed = c.time.is_some() || self.layout == Layout::Signals;
+        let has_gap = signals.is_some_and(|s| s.tracks.is_some() || s.lead.is_some());
+        let numbered_lanes = self.has_lane_numbers();
         let mut needs = vec![
             (timed, "`table.columns.time`"),
             (
@@ -285,12 +291,23 @@ impl TableMapping {
             Layout::Signals => vec![
                 (signals.is_some(), "`[table.signals.speed]` and the like"),
                 (
-                    self.gap_kind.is_some() || signals.is_none_or(|s| s.tracks.is_none()),
-                    "`table.gap_kind`: what is `forward` measured between?",
+                    self.gap_kind.is_some() || !has_gap,
+                    "`table.gap_kind`: is the distance ahead `bumper_to_bumper`, `front_to_front` or `centre_to_centre`?",
+                ),
+                (
+                    self.lanes_from.is_some() || !numbered_lanes,
+                    "`table.lanes_from`: are lanes numbered from the `left` or the `right`?",
                 ),
             ],
         });
         needs
+    }
+
+    /// Whether a signal numbers lanes.
+    pub(super) fn has_lane_numbers(&self) -> bool {
+        let lane = self.signals.as_ref().and_then(|s| s.lane.as_ref());
+        let road = self.signals.as_ref().and_then(|s| s.road.as_ref());
+        lane.is_some_and(|l| l.number.is_some()) || road.is_some_and(|r| r.lane.is_some())
     }
 
     /// Whether positions are places in the world, so that a line through it can straighten the road.
@@ -306,6 +323,7 @@ impl TableMapping {
         let c = &self.columns;
         let [pair, long] = [Layout::Pair, Layout::Long].map(|layout| self.layout == layout);
         let signals = self.signals.as_ref();
+        let in_signals = self.layout == Layout::Signals;
         let (y_grows, lanes_from) = (self.y_grows.is_some(), self.lanes_from.is_some());
         let numbered = self.first_lane != one();
         let reference = self.point == Some(Point::Reference);
@@ -314,8 +332,8 @@ impl TableMapping {
         let of_layout = [
             (self.directions != Directions::Along, "directions", long),
             (y_grows, "y_grows", long),
-            (lanes_from, "lanes_from", long),
-            (numbered, "first_lane", long),
+            (lanes_from, "lanes_from", long || in_signals),
+            (numbered, "first_lane", long || in_signals),
             (
                 self.new_vehicle_after_s.is_some(),
                 "new_vehicle_after_s",
@@ -324,7 +342,7 @@ impl TableMapping {
             (self.recording_meta.is_some(), "recording_meta", long),
             (self.ego.is_some(), "ego", long),
             (reference, "point = \"reference\"", long),
-            (signals.is_some(), "signals", self.layout == Layout::Signals),
+            (signals.is_some(), "signals", in_signals),
             (self.forward != Forward::AlongX, "forward", long || pair),
             (self.point.is_some(), "point", long || pair),
             (signed, "gap_kind = \"signed\"", !long),
@@ -335,7 +353,14 @@ impl TableMapping {
                 "layout `{name}` has no `table.{key}`: leave it out"
             ));
         }
-        let gap = c.gap.is_some() || signals.is_some_and(|s| s.tracks.is_some());
+        let gap =
+            c.gap.is_some() || signals.is_some_and(|s| s.tracks.is_some() || s.lead.is_some());
+        let lanes = c.lane.is_some() || self.has_lane_numbers();
+        let lane_column = if in_signals {
+            "`table.signals.lane.number` or `table.signals.road.lane`"
+        } else {
+            "`table.columns.lane`"
+        };
         let point = long || c.lead_x.is_some() && c.gap.is_none();
         let ahead = self.centre_ahead_m.is_some() || c.centre_ahead.is_some();
         let pattern = self.time_pattern.as_deref();
@@ -356,18 +381,8 @@ impl TableMapping {
             ),
             (y_grows, "y_grows", c.y.is_some(), "`table.columns.y`"),
             (ahead, "centre_ahead", reference, "`point = \"reference\"`"),
-            (
-                lanes_from,
-                "lanes_from",
-                c.lane.is_some(),
-                "`table.columns.lane`",
-            ),
-            (
-                numbered,
-                "first_lane",
-                c.lane.is_some(),
-                "`table.columns.lane`",
-            ),
+            (lanes_from, "lanes_from", lanes, lane_column),
+            (numbered, "first_lane", lanes, lane_column),
             (
                 pattern.is_some(),
                 "time_pattern",

@@ -4,6 +4,8 @@ pub(crate) mod leader;
 pub(crate) mod mcap;
 pub(crate) mod table;
 
+use maveric_domain::Sees;
+
 /// Number of the first leader that has none among the vehicles of its file.
 pub(crate) const LEADER: u32 = 1;
 
@@ -165,6 +167,8 @@ pub(crate) struct RawDrive {
     pub(crate) ego_length_m: Option<f64>,
     /// Whether one of the objects may be ego itself.
     pub(crate) ego_among_objects: bool,
+    /// What its files show of the road around ego.
+    pub(crate) sees: Sees,
     /// Whether nobody recorded who was how far to the side, though ego passes others.
     pub(crate) without_lateral: bool,
 }

@@ -1,6 +1,6 @@
 //! Tables of every layout, made up so that what must come out is known.
 
-use maveric_domain::{Drive, Recording};
+use maveric_domain::{Drive, Recording, Sees};
 use maveric_ingest::{
     IngestError, IngestSettings, Ingested, LogFormat, Mapping, WarningKind, inspect_with,
     log_files, read_log,
@@ -53,6 +53,7 @@ fn a_platoon_below_a_preamble_has_a_drive_for_every_follower() {
     let path = write(&folder, "ASta_1.csv", &text);
     let found = read_log(&path, &settings("openacc_platoon.toml")).unwrap();
     assert_eq!(ids(&found), ["ASta_1-f2", "ASta_1-f3"]);
+    assert_eq!(found[0].recording.sees(), Sees::LEAD);
     let third = drive_of(&found[1]);
     assert_eq!(third.len(), 100);
     let rows = third.rows();
@@ -103,6 +104,7 @@ fn highd_has_both_directions_lanes_from_its_meta_file_and_gaps_between_boxes() {
     );
     for (ego, lane, gap) in [(0, 0, 46.0), (2, 1, 44.0)] {
         let drive = drive_of(&found[ego]);
+        assert_eq!(drive.sees(), Sees::ALL);
         assert_eq!(drive.road().lanes, 2);
         assert!(near(drive.road().lane_width_m, 4.0) && near(drive.road().posted_speed_mps, 36.11));
         let rows = drive.rows();

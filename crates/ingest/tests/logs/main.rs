@@ -10,6 +10,7 @@ mod others;
 mod rigs;
 mod round_trip;
 mod scene;
+mod signals;
 mod simulators;
 mod tables;
 mod unseen;

@@ -17,13 +17,9 @@ pub(super) const MEASURE: Measure = Measure {
 };
 
 // Rows are evenly sampled, so a share of rows is a share of time.
-#[expect(
-    clippy::unnecessary_wraps,
-    reason = "the list of measures needs one signature"
-)]
 fn value(drive: &Drive) -> Option<f64> {
     let left = drive.rows().lane.iter().filter(|&&lane| lane > 0).count();
-    Some(left as f64 / drive.len() as f64)
+    drive.sees().lanes.then(|| left as f64 / drive.len() as f64)
 }
 
 #[cfg(test)]

@@ -166,6 +166,7 @@ fn lead_ahead(drive: &Drive, row: usize) -> bool {
 mod tests {
     use super::testing::*;
     use super::*;
+    use maveric_domain::Sees;
     use std::collections::BTreeSet;
 
     #[test]
@@ -187,6 +188,22 @@ mod tests {
             .map(|m| m.measure.as_str())
             .collect();
         assert_eq!(there, ["mean_velocity_mps"]);
+    }
+
+    #[test]
+    fn a_rig_that_does_not_see_lanes_counts_no_changes_rather_than_none() {
+        let drive = Scripted::new(40.0).lead(85.0, 25.0).pass(5.0, 30.0).drive();
+        let lead: Vec<f64> = drive.rows().lead_dx_m.clone();
+        let pair = drive.seen_by(Sees::LEAD);
+        for (name, there) in [
+            ("lane_changes", false),
+            ("left_lane_fraction", false),
+            ("mean_velocity_mps", true),
+        ] {
+            let value = find(name).unwrap().of(&pair);
+            assert_eq!(value.is_some(), there, "{name}");
+        }
+        assert_eq!(pair.rows().lead_dx_m, lead);
     }
 
     #[test]

@@ -45,6 +45,7 @@ mod tests {
     use super::*;
     use crate::heads::Outcome;
     use crate::test_drives::{Habits, drive_apart};
+    use maveric_domain::Sees;
 
     #[test]
     fn a_drive_shows_the_habits_that_made_it() {
@@ -81,6 +82,31 @@ mod tests {
                 .all(|e| matches!(e.outcome, Outcome::AtLeast(_) | Outcome::Value(_)))
         );
         assert!(!events[at::PASSING_SPEED].is_empty());
+    }
+
+    #[test]
+    fn a_habit_is_read_only_where_the_rig_could_have_shown_it() {
+        let habits = Habits {
+            speed_mps: 30.0,
+            time_gap_s: 2.0,
+            passes: true,
+        };
+        let drive = drive_apart("P01", &habits, 600.0);
+        let shown = |sees: &str| -> Vec<bool> {
+            let drive = drive.clone().seen_by(sees.parse().unwrap());
+            let events = events_of(&drive, f64::INFINITY);
+            events.iter().map(|e| !e.is_empty()).collect()
+        };
+        assert_eq!(shown("ahead beside behind lanes"), [true; 6]);
+        // Free speed, following gap, moving out; then merging back, passing, and the speed at that.
+        let camera = [true, true, true, false, false, false];
+        assert_eq!(shown("ahead lanes"), camera);
+        assert_eq!(shown("ahead beside lanes"), camera);
+        let pair = [true, true, false, false, false, false];
+        assert_eq!(shown("ahead"), pair);
+        let whole = events_of(&drive, f64::INFINITY);
+        let seen = events_of(&drive.clone().seen_by(Sees::ALL), f64::INFINITY);
+        assert_eq!(whole, seen);
     }
 
     #[test]

@@ -18,6 +18,10 @@ pub(super) const HEAD: Head = Head {
 };
 
 fn events(drive: &Drive) -> Vec<Event> {
+    // A rig that does not look back does not see who was passed.
+    if !drive.sees().passing() {
+        return Vec::new();
+    }
     let rows = drive.rows();
     let of = |change: &maveric_domain::LaneChange| {
         let speed = rows.ego_speed_mps[change.start];

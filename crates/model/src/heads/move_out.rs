@@ -22,6 +22,9 @@ pub(super) const HEAD: Head = Head {
 
 /// Moves out behind a vehicle; one made while still following it says only that the gap wanted is at least that long.
 fn events(drive: &Drive) -> Vec<Event> {
+    if !drive.sees().ahead {
+        return Vec::new();
+    }
     let rows = drive.rows();
     let back = (FOLLOWED_S * drive.rate_hz()).round() as usize;
     let followed = |start: usize| {

@@ -33,6 +33,10 @@ struct Behind {
 
 /// Vehicles that ego came up to: those it moved out to pass, and those it stayed behind.
 fn events(drive: &Drive) -> Vec<Event> {
+    // Nobody passes whom the rig does not see beside and behind: who leaves the view ahead was not passed.
+    if !drive.sees().passing() {
+        return Vec::new();
+    }
     let Some(free_mps) = free_speed::own_mps(drive) else {
         return Vec::new();
     };

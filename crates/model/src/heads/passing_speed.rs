@@ -25,6 +25,9 @@ pub(super) const HEAD: Head = Head {
 };
 
 fn events(drive: &Drive) -> Vec<Event> {
+    if !drive.sees().passing() {
+        return Vec::new();
+    }
     let Some(free_mps) = free_speed::own_mps(drive) else {
         return Vec::new();
     };

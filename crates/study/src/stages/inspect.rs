@@ -9,7 +9,7 @@ use crate::{
     tables::drives::write_samples,
     watching::{read_watched, write_watch_page},
 };
-use maveric_domain::{Drive, DriveMeta};
+use maveric_domain::{Drive, DriveMeta, Sees};
 use maveric_ingest::{
     IngestError, IngestSettings, LogSummary, Mapping, Provenance, inspect_with, read_drive_from,
     read_log, suggest_mapping,
@@ -114,6 +114,8 @@ pub enum Inspected {
         following_rows: usize,
         /// Lane changes, completed ones.
         lane_changes: usize,
+        /// What its rig sees.
+        sees: Sees,
         /// What it was made from, by key.
         provenance: BTreeMap<String, String>,
     },
@@ -260,6 +262,7 @@ fn look_into(path: &Path, settings: &IngestSettings) -> Result<Inspected, StudyE
             lead_rows: rows.lead_present.iter().filter(|p| **p).count(),
             following_rows: rows.following.iter().filter(|f| **f).count(),
             lane_changes: drive.lane_changes().iter().filter(|c| c.completed).count(),
+            sees: drive.sees(),
             provenance: provenance.entries.into_iter().collect(),
         });
     }
@@ -310,6 +313,7 @@ fn lines(content: &Inspected) -> Vec<String> {
             lead_rows,
             following_rows,
             lane_changes,
+            sees,
             provenance,
         } => vec![
             format!(
@@ -323,6 +327,7 @@ fn lines(content: &Inspected) -> Vec<String> {
             format!(
                 "{lead_rows} rows with a reference vehicle, {following_rows} following, {lane_changes} lane changes"
             ),
+            format!("the rig sees: {sees}"),
             match provenance.get("source") {
                 Some(source) => format!("made from {source}"),
                 None => "made here, from no log".to_owned(),

@@ -2,7 +2,7 @@
 
 use crate::error::IngestError;
 use maveric_domain::{
-    ConditionId, DomainError, DriveId, DriveMeta, DrivenBy, ParticipantId, Recording, Road,
+    ConditionId, DomainError, DriveId, DriveMeta, DrivenBy, ParticipantId, Recording, Road, Sees,
 };
 use std::{collections::BTreeMap, path::Path, str::FromStr};
 
@@ -13,11 +13,14 @@ pub(crate) const NAME: &str = "maveric.drive";
 const LATERAL: &str = "lateral";
 const UNKNOWN: &str = "unknown";
 
+/// Key of what the rig sees, where it does not see everything.
+const SEES: &str = "sees";
+
 /// Key of what whoever made the recording has to say of it.
 const NOTE: &str = "note";
 
-/// Keys that every drive has, in their order; `lateral` may follow.
-pub(crate) const KEYS: [&str; 9] = [
+/// Keys that every drive has, in their order; the last two may be there.
+pub(crate) const KEYS: [&str; 10] = [
     "drive",
     "participant",
     "condition",
@@ -27,6 +30,7 @@ pub(crate) const KEYS: [&str; 9] = [
     "lane_width_m",
     "posted_speed_mps",
     LATERAL,
+    SEES,
 ];
 
 /// What is said of a drive, by [`KEYS`] and in their order.
@@ -35,6 +39,7 @@ pub(crate) fn told_of(
     road: &Road,
     rate_hz: f64,
     has_lateral: bool,
+    sees: Sees,
 ) -> Vec<(&'static str, String)> {
     let values = [
         meta.drive.to_string(),
@@ -46,9 +51,13 @@ pub(crate) fn told_of(
         road.lane_width_m.to_string(),
         road.posted_speed_mps.to_string(),
     ];
-    let lateral = (!has_lateral).then(|| UNKNOWN.to_owned());
+    let lateral = (!has_lateral).then(|| (LATERAL, UNKNOWN.to_owned()));
+    // A file that says nothing, as all did once, sees everything.
+    let sees = (sees != Sees::ALL).then(|| (SEES, sees.to_string()));
     KEYS.into_iter()
-        .zip(values.into_iter().chain(lateral))
+        .zip(values)
+        .chain(lateral)
+        .chain(sees)
         .collect()
 }
 
@@ -60,6 +69,7 @@ pub(crate) struct DriveRecord {
     pub(crate) ego_length_m: f64,
     /// Whether lateral positions stand for none.
     pub(crate) without_lateral: bool,
+    pub(crate) sees: Sees,
     pub(crate) note: Option<String>,
 }
 
@@ -70,7 +80,8 @@ pub(crate) fn values(
     note: Option<&str>,
 ) -> BTreeMap<String, String> {
     let road = recording.road();
-    let told = told_of(meta, road, recording.rate_hz(), recording.has_lateral());
+    let (rate_hz, lateral) = (recording.rate_hz(), recording.has_lateral());
+    let told = told_of(meta, road, rate_hz, lateral, recording.sees());
     let own = [("ego_length_m", recording.ego().length_m.to_string())];
     let note = note.map(|note| (NOTE, note.to_owned()));
     let all = told.into_iter().chain(own).chain(note);
@@ -91,6 +102,7 @@ pub(crate) fn parse(
         road: told.road()?,
         ego_length_m: told.positive("ego_length_m")?,
         without_lateral: told.without_lateral(),
+        sees: told.sees()?,
         note: values.get(NOTE).cloned(),
     })
 }
@@ -126,6 +138,16 @@ impl Told<'_> {
     /// Whether lateral positions stand for none.
     pub(crate) fn without_lateral(&self) -> bool {
         self.values.get(LATERAL).is_some_and(|v| v == UNKNOWN)
+    }
+
+    /// What the rig sees.
+    pub(crate) fn sees(&self) -> Result<Sees, IngestError> {
+        if self.values.contains_key(SEES) {
+            let expected = "some of ahead, beside, behind and lanes, or nothing";
+            self.word(SEES, expected, Sees::from_str)
+        } else {
+            Ok(Sees::ALL)
+        }
     }
 
     fn word<T, E>(

@@ -21,6 +21,7 @@ use crate::{
 use maveric_bag::{
     Damage, MOST_RECORD, Message, Stream, Streams, Take, Walk, announced, read_streams,
 };
+use maveric_domain::Sees;
 use std::{
     collections::BTreeMap,
     path::{Path, PathBuf},
@@ -272,6 +273,7 @@ fn drive_of(
         Some(stream) => (stream.ego, Some(stream.frame), take(choice.objects)),
         None => (Vec::new(), None, None),
     };
+    let lists_others = others.is_some();
     let (mut objects, sightings, whose) = match others {
         Some(others) => {
             let whose = of_ego.map_or(Whose::Fixed, |of_ego| others.frame.beside(of_ego));
@@ -346,6 +348,15 @@ fn drive_of(
         speeds: speeds.collect(),
         ego_length_m,
         ego_among_objects: ego_among_objects && ego_id.is_none(),
+        // Whoever lists vehicles lists all around; without a list nobody is seen.
+        sees: match record {
+            Some(record) => record.sees,
+            None if lists_others => Sees::ALL,
+            None => Sees {
+                lanes: true,
+                ..Sees::NOTHING
+            },
+        },
         without_lateral: record.is_some_and(|r| r.without_lateral),
         pair: None,
     };

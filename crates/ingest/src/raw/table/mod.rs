@@ -88,7 +88,7 @@ pub(crate) fn read(
         Layout::Pair => vec![pair::read(path, bytes, mapping)?],
         Layout::Platoon => platoon::read(path, bytes, mapping)?,
         Layout::Long => long::read(path, bytes, mapping, road, max_gap_s, sources)?,
-        Layout::Signals => vec![signals::read(path, mapping, max_gap_s, sources)?],
+        Layout::Signals => vec![signals::read(path, mapping, road, max_gap_s, sources)?],
     };
     refuse_overlaps(path, &mut drives)?;
     Ok(drives)

@@ -1,6 +1,6 @@
 //! Opens a table, CSV or Parquet, and gives its columns as numbers and words.
 
-use super::text::{Header, MOST_COLUMNS, Style, flaw, header, same_name};
+use super::text::{Header, MOST_COLUMNS, Style, blanks_to_tabs, flaw, header, same_name};
 use crate::{error::IngestError, foreign::foreign_text, parquet};
 use maveric_domain::nearest;
 use polars::prelude::{
@@ -66,7 +66,12 @@ impl Table {
         if parquet::is_parquet(&bytes) {
             table.read_parquet(bytes, wanted)?;
         } else {
-            let bytes = without_mark(bytes);
+            let mut bytes = without_mark(bytes);
+            let mut style = style;
+            if style.is_blank() {
+                bytes = blanks_to_tabs(&bytes);
+                style.separator = Some(b'\t');
+            }
             if memchr::memchr(b'\n', &bytes).is_none()
                 && let Some((found, advice)) = foreign_text(&bytes)
             {
@@ -80,7 +85,12 @@ impl Table {
             table.read_text(&bytes, &header, wanted, style)?;
         }
         if table.frame.height() == 0 {
-            return Err(table.bad("it has a header and no rows"));
+            let what = if style.headless {
+                "it has no rows"
+            } else {
+                "it has a header and no rows"
+            };
+            return Err(table.bad(what));
         }
         Ok(table)
     }
@@ -423,6 +433,7 @@ pub(crate) fn parse(
         .with_truncate_ragged_lines(true);
     CsvReadOptions::default()
         .with_infer_schema_length(Some(0))
+        .with_has_header(!header.headless)
         .with_skip_lines(header.preamble)
         .with_schema(Some(Arc::new(schema)))
         .with_columns(names)

@@ -12,6 +12,7 @@ use crate::{
     quality::WarningKind,
     raw::{EgoSample, LEADER, ObjectSample, PairRows, RawDrive},
 };
+use maveric_domain::Sees;
 use std::{collections::BTreeMap, path::Path};
 
 /// Leaders without a number whose lengths differ by less are of one length, in m.
@@ -228,6 +229,13 @@ pub(super) fn drive(path: &Path, couple: &Couple) -> TableDrive {
     let several = raw.objects.iter().any(|o| Some(o.id) != first);
     let beside = couple.ego_y_m.is_some() || couple.lead_dy_m.is_some();
     raw.without_lateral = !beside && (several || passed);
+    raw.sees = Sees {
+        // Whose leader may be behind keeps in sight whom it passes.
+        beside: couple.signed && couple.lead_dy_m.is_some(),
+        behind: couple.signed,
+        lanes: couple.ego_y_m.is_some(),
+        ..Sees::LEAD
+    };
     let kind = WarningKind::MissingValue;
     let what = "rows without time, position or speed of ego are left out";
     report(&mut warnings, path, kind, without_ego, what);

@@ -17,6 +17,15 @@ pub(crate) struct Style {
     pub(crate) decimal_comma: bool,
     /// Whether names may stand twice: the first such column is taken.
     pub(crate) doubled_names: bool,
+    /// Whether the first line holds cells already: columns are named by their numbers, from 1.
+    pub(crate) headless: bool,
+}
+
+impl Style {
+    /// Whether any number of blanks and tabs stands between cells.
+    pub(crate) fn is_blank(self) -> bool {
+        self.separator == Some(b' ')
+    }
 }
 
 impl From<&TableMapping> for Style {
@@ -25,6 +34,7 @@ impl From<&TableMapping> for Style {
             separator: mapping.separator.map(|c| c as u8),
             decimal_comma: mapping.decimal_comma,
             doubled_names: false,
+            headless: !mapping.header,
         }
     }
 }
@@ -38,10 +48,41 @@ pub(crate) struct Header {
     pub(crate) separator: u8,
     /// Names of the columns.
     pub(crate) names: Vec<String>,
+    /// Whether there is none: the names are numbers, and every row has as many cells as the first.
+    pub(crate) headless: bool,
 }
 
-/// Finds the header of a text: the first line with a cell `anchor`, else the first line.
+/// Cells that any number of blanks and tabs separate, by one tab each; blank lines at the end are left out.
+pub(crate) fn blanks_to_tabs(text: &[u8]) -> Vec<u8> {
+    let mut found = Vec::with_capacity(text.len());
+    for line in text.trim_ascii_end().split(|&b| b == b'\n') {
+        let cells = line.split(u8::is_ascii_whitespace);
+        for (i, cell) in cells.filter(|c| !c.is_empty()).enumerate() {
+            if i > 0 {
+                found.push(b'\t');
+            }
+            found.extend_from_slice(cell);
+        }
+        found.push(b'\n');
+    }
+    found
+}
+
+/// Finds the header of a text: the first line with a cell `anchor`, else the first line; without one, numbers of columns.
 pub(crate) fn header(text: &[u8], style: Style, anchor: Option<&str>) -> Header {
+    if style.headless {
+        let first = text.split(|&b| b == b'\n').next().unwrap_or_default();
+        let separator = style
+            .separator
+            .unwrap_or_else(|| separator_of(first, SEPARATORS));
+        let cells = cells(first, separator);
+        return Header {
+            preamble: 0,
+            separator,
+            names: (1..=cells.len()).map(|n| n.to_string()).collect(),
+            headless: true,
+        };
+    }
     let read = |(preamble, line): (usize, &[u8])| {
         let separator = style
             .separator
@@ -51,6 +92,7 @@ pub(crate) fn header(text: &[u8], style: Style, anchor: Option<&str>) -> Header 
             preamble,
             separator,
             names,
+            headless: false,
         }
     };
     let lines = || text.split(|&b| b == b'\n').take(MOST_PREAMBLE).enumerate();
@@ -100,6 +142,8 @@ pub(crate) enum Flaw {
     OpenQuote { row: usize },
     /// More cells than the header has, and something in the last of them.
     TooWide { row: usize, found: usize },
+    /// Fewer cells than the first row of a text without a header.
+    TooNarrow { row: usize, found: usize },
 }
 
 impl Flaw {
@@ -110,23 +154,27 @@ impl Flaw {
             Self::TooWide { row, found } => {
                 format!("row {row} has {found} cells, expected {width} as in its header")
             }
+            Self::TooNarrow { row, found } => {
+                let cells = if *found == 1 { "cell" } else { "cells" };
+                format!("row {row} has {found} {cells}, expected {width} as in its first row")
+            }
         }
     }
 }
 
-/// The first flaw of a text; rows are counted from 1 below the header.
+/// The first flaw of a text; rows are counted from 1 below the header, or from the first line where there is none.
 pub(crate) fn flaw(text: &[u8], header: &Header) -> Option<Flaw> {
     let mut lines = text.split_inclusive(|&b| b == b'\n');
     let above: usize = lines.by_ref().take(header.preamble).map(<[u8]>::len).sum();
     let text = &text[above..];
     let width = header.names.len();
-    if is_plain(text, header.separator, width) {
+    if !header.headless && is_plain(text, header.separator, width) {
         return None;
     }
     // Where the cell begins, whether it began with a quote, and whether that is still open.
     let (mut cell, mut quoted, mut inside) = (0, false, false);
     // The row that is being read, its cells so far, and the row in which the last quoted cell began; 0 is the header.
-    let (mut row, mut found, mut opened) = (0, 1, 0);
+    let (mut row, mut found, mut opened) = (usize::from(header.headless), 1, 0);
     for at in memchr::memchr3_iter(header.separator, b'\n', b'"', text) {
         match text[at] {
             b'"' if at == cell => (quoted, inside, opened) = (true, true, row),
@@ -140,6 +188,9 @@ pub(crate) fn flaw(text: &[u8], header: &Header) -> Option<Flaw> {
                 {
                     return Some(Flaw::TooWide { row, found });
                 }
+                if header.headless && found < width {
+                    return Some(Flaw::TooNarrow { row, found });
+                }
                 (row, found, cell, quoted) = (row + 1, 1, at + 1, false);
             }
             _ => (found, cell, quoted) = (found + 1, at + 1, false),
@@ -148,6 +199,9 @@ pub(crate) fn flaw(text: &[u8], header: &Header) -> Option<Flaw> {
     let last = found > width && (found > width + 1 || !text[cell..].trim_ascii().is_empty());
     if inside {
         return Some(Flaw::OpenQuote { row: opened });
+    }
+    if header.headless && found < width && (found > 1 || cell < text.len()) {
+        return Some(Flaw::TooNarrow { row, found });
     }
     (row > 0 && last).then_some(Flaw::TooWide { row, found })
 }
@@ -193,7 +247,7 @@ mod tests {
         ];
         let told = |flaw: Option<Flaw>| match flaw {
             Some(Flaw::TooWide { row, found }) => Some((row, found)),
-            Some(Flaw::OpenQuote { .. }) => Some((0, 0)),
+            Some(Flaw::OpenQuote { .. } | Flaw::TooNarrow { .. }) => Some((0, 0)),
             None => None,
         };
         let mut flaws = 0;

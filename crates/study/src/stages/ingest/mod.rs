@@ -19,12 +19,12 @@ use crate::{
     },
 };
 use maveric_analysis::Why;
-use maveric_domain::{Drive, DriveMeta};
+use maveric_domain::{Drive, DriveMeta, Sees};
 use maveric_ingest::{IngestError, Provenance, Warning, read_log};
 use path_slash::PathExt as _;
 use serde::Serialize;
 use std::{
-    collections::BTreeSet,
+    collections::{BTreeMap, BTreeSet},
     fmt,
     path::{Path, PathBuf},
 };
@@ -103,6 +103,8 @@ struct Written {
     duration_s: f64,
     /// Whether any row has a lead vehicle.
     led: bool,
+    /// What its rig sees.
+    sees: Sees,
     warnings: Vec<Warning>,
 }
 
@@ -212,6 +214,7 @@ impl Stage for Ingest {
         let out = left_out.iter();
         let out = out.map(|out| (out.meta.drive.to_string(), out.why.to_string()));
         warnings.extend(told_once("drive", out));
+        let sights = sights(&drives);
         let rows = drives.iter().map(|d| d.rows).sum();
         let list: Vec<(DriveMeta, usize, f64)> = drives
             .into_iter()
@@ -223,6 +226,7 @@ impl Stage for Ingest {
             count(list.len(), "drive", "drives"),
             self.out.to_slash_lossy()
         )];
+        summary.extend(sights);
         summary.extend(counted(
             ["drive", "drives"],
             left_out.iter().map(|out| &out.why),
@@ -246,6 +250,19 @@ impl Stage for Ingest {
             warnings,
         })
     }
+}
+
+/// What the rigs see that do not see everything, a line each.
+fn sights(drives: &[Written]) -> Vec<String> {
+    let mut rigs: BTreeMap<String, usize> = BTreeMap::new();
+    for drive in drives.iter().filter(|d| d.sees != Sees::ALL) {
+        *rigs.entry(drive.sees.to_string()).or_default() += 1;
+    }
+    let line = |(sees, drives): (String, usize)| {
+        let of = count(drives, "drive", "drives");
+        format!("the rig of {of} sees: {sees}; habits that need more are not read")
+    };
+    rigs.into_iter().map(line).collect()
 }
 
 /// What is doubtful in logs: of one log as it says itself, the same of several once, with how often it came in all.
@@ -347,6 +364,7 @@ fn write_log((number, log): (usize, &logs::Log), aside: &Path) -> Result<Vec<Wri
             rows: drive.len(),
             duration_s: rows.time_s.last().copied().unwrap_or(0.0),
             led: rows.lead_present.contains(&true),
+            sees: drive.sees(),
             warnings: found.warnings,
         });
     }

@@ -13,6 +13,7 @@ use crate::{
     source::Source,
 };
 use columns::{LongColumns, read_columns};
+use maveric_domain::Sees;
 use std::path::Path;
 use surroundings::{Surroundings, View};
 use vehicles::{Frame, Vehicle, vehicles};
@@ -69,6 +70,7 @@ pub(super) fn read(
             IngestError::bad_table(path, format!("{what}; its vehicles are {shown}"))
         })?),
     };
+    let across = c.y.is_some() || c.lane.is_some();
     let surroundings = Surroundings::new(&fleet.vehicles, max_gap_s);
     let numbers = numbers(&ids);
     let mut drives = Vec::new();
@@ -89,6 +91,14 @@ pub(super) fn read(
             objects: around.objects,
             sightings: around.sightings,
             ego_length_m: Some(vehicle.length_m),
+            sees: match view {
+                View::All => Sees {
+                    beside: across,
+                    lanes: across,
+                    ..Sees::ALL
+                },
+                View::Leader | View::LeaderInBends => Sees::LEAD,
+            },
             ..RawDrive::default()
         };
         drives.push(TableDrive {

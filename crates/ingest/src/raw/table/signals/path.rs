@@ -26,11 +26,11 @@ pub(super) fn heading(time_ns: i64, position: [f64; 3], velocity: [f64; 3]) -> O
 }
 
 #[derive(Debug, Clone, Copy)]
-struct Knot {
+pub(super) struct Knot {
     stamp_ns: i64,
-    speed_mps: f64,
+    pub(super) speed_mps: f64,
     /// Way driven so far.
-    way_m: f64,
+    pub(super) way_m: f64,
     /// Where that was, in a plane in which ego starts at the origin.
     east_m: f64,
     north_m: f64,
@@ -109,7 +109,7 @@ impl DrivenPath {
     }
 
     /// Ego at a time: its knot there, interpolated; none outside its samples.
-    fn at(&self, stamp_ns: i64) -> Option<Knot> {
+    pub(super) fn at(&self, stamp_ns: i64) -> Option<Knot> {
         let next = self.knots.partition_point(|k| k.stamp_ns <= stamp_ns);
         let before = self.knots.get(next.checked_sub(1)?)?;
         let Some(after) = self.knots.get(next) else {
@@ -125,6 +125,19 @@ impl DrivenPath {
             north_m: mix(before.north_m, after.north_m),
             yaw_rad: before.yaw_rad + w * turn(before.yaw_rad, after.yaw_rad),
         })
+    }
+
+    /// Ego at a time that lies in no hole of its speed longer than `max_gap_s`.
+    pub(super) fn seen_at(&self, stamp_ns: i64, max_gap_s: f64) -> Option<Knot> {
+        let next = self.knots.partition_point(|k| k.stamp_ns <= stamp_ns);
+        let (before, after) = (self.knots.get(next.checked_sub(1)?)?, self.knots.get(next)?);
+        let hole_s = (after.stamp_ns - before.stamp_ns) as f64 / 1e9;
+        (hole_s <= max_gap_s).then(|| self.at(stamp_ns)).flatten()
+    }
+
+    /// Ego's first and last time; none without a sample.
+    pub(super) fn ends_ns(&self) -> Option<(i64, i64)> {
+        Some((self.knots.first()?.stamp_ns, self.knots.last()?.stamp_ns))
     }
 
     /// Where a point `forward_m` ahead of ego's centre and `left_m` beside it lies at a time: ego's way, the point's

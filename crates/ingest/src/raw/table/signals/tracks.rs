@@ -7,15 +7,14 @@ use super::{
         report,
         time::{Clock, stamps},
     },
-    open,
     path::DrivenPath,
+    rows::Files,
 };
 use crate::{
     error::IngestError,
     mapping::{TableMapping, TracksSignal},
     quality::{Warning, WarningKind},
     raw::ObjectSample,
-    source::Source,
 };
 use std::{collections::BTreeMap, path::Path};
 
@@ -33,19 +32,17 @@ const MOVING_MPS: f64 = 2.0;
 /// # Errors
 /// As [`crate::read_log`].
 pub(super) fn open_tracks(
-    folder: &Path,
+    files: &mut Files<'_>,
     signal: &TracksSignal,
-    clock: Clock<'_>,
-    sources: &mut Vec<Source>,
 ) -> Result<Table, IngestError> {
     let mut wanted = vec![
-        (signal.time.as_str(), clock.kind()),
+        (signal.time.as_str(), files.clock.kind()),
         (signal.track.as_str(), Kind::Word),
     ];
     let numbers = [&signal.forward, &signal.left, &signal.relative_speed];
     wanted.extend(numbers.map(|name| (name.as_str(), Kind::Number)));
     wanted.extend(signal.new_track.iter().map(|n| (n.as_str(), Kind::Number)));
-    open(folder, &signal.file, &wanted, sources)
+    files.open(&signal.file, &wanted)
 }
 
 /// Reads the vehicles ahead, in the frame of ego's way.

@@ -1,0 +1,308 @@
+//! Which file of a folder is which signal, and what its columns are.
+
+use super::side::Side;
+use serde::{Deserialize, Serialize};
+
+/// The signals of a drive, each with times of its own (layout `signals`).
+///
+/// A signal without a `file` is read from the log itself: then a log is one table.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Signals {
+    /// Ego's speed.
+    pub speed: SpeedSignal,
+    /// Ego's velocity in the world, for the bends of the road; without it the road is taken to be straight.
+    pub velocity: Option<VelocitySignal>,
+    /// What the radar or a tracker saw ahead.
+    pub tracks: Option<TracksSignal>,
+    /// The one vehicle ahead in ego's lane, without a number.
+    pub lead: Option<LeadSignal>,
+    /// Ego's place in its lane, the lane's number, or both.
+    pub lane: Option<LaneSignal>,
+    /// Ego's lane changes, one a row.
+    pub lane_changes: Option<LaneChangesSignal>,
+    /// The road that ego is on.
+    pub road: Option<RoadSignal>,
+}
+
+/// Keys of a signal, each with its column.
+type Keys<'a> = Vec<(&'static str, &'a str)>;
+
+impl Signals {
+    /// The files, ego's speed first, each once.
+    pub fn files(&self) -> Vec<&str> {
+        let mut files: Vec<&str> = Vec::new();
+        for (_, file, _) in self.given() {
+            if !file.is_empty() && !files.contains(&file) {
+                files.push(file);
+            }
+        }
+        files
+    }
+
+    /// The signals that are given: name, file, and the keys of its columns with their names.
+    pub(crate) fn given(&self) -> Vec<(&'static str, &str, Keys<'_>)> {
+        let mut found = vec![(
+            "speed",
+            self.speed.file.as_str(),
+            keys([
+                ("time", Some(&self.speed.time)),
+                ("value", Some(&self.speed.value)),
+            ]),
+        )];
+        if let Some(s) = &self.velocity {
+            let mut columns = keys([("time", Some(&s.time))]);
+            columns.extend(s.position.iter().map(|c| ("position", c.as_str())));
+            columns.extend(s.velocity.iter().map(|c| ("velocity", c.as_str())));
+            found.push(("velocity", s.file.as_str(), columns));
+        }
+        if let Some(s) = &self.tracks {
+            let columns = keys([
+                ("time", Some(&s.time)),
+                ("track", Some(&s.track)),
+                ("new_track", s.new_track.as_ref()),
+                ("forward", Some(&s.forward)),
+                ("left", Some(&s.left)),
+                ("relative_speed", Some(&s.relative_speed)),
+            ]);
+            found.push(("tracks", s.file.as_str(), columns));
+        }
+        if let Some(s) = &self.lead {
+            let columns = keys([
+                ("time", Some(&s.time)),
+                ("gap", Some(&s.gap)),
+                ("speed", s.speed.as_ref()),
+            ]);
+            found.push(("lead", s.file.as_str(), columns));
+        }
+        if let Some(s) = &self.lane {
+            let columns = keys([
+                ("time", Some(&s.time)),
+                ("number", s.number.as_ref()),
+                ("offset", s.offset.as_ref()),
+            ]);
+            found.push(("lane", s.file.as_str(), columns));
+        }
+        if let Some(s) = &self.lane_changes {
+            let columns = keys([("time", Some(&s.time)), ("direction", Some(&s.direction))]);
+            found.push(("lane_changes", s.file.as_str(), columns));
+        }
+        if let Some(s) = &self.road {
+            let columns = keys([
+                ("time", Some(&s.time)),
+                ("posted_speed", s.posted_speed.as_ref()),
+                ("lanes", s.lanes.as_ref()),
+                ("lane", s.lane.as_ref()),
+            ]);
+            found.push(("road", s.file.as_str(), columns));
+        }
+        found
+    }
+
+    /// What is wrong with them.
+    pub(super) fn check(&self) -> Result<(), String> {
+        let given = self.given();
+        let named = given.iter().filter(|(_, file, _)| !file.is_empty()).count();
+        if named != 0 && named != given.len() {
+            let (name, ..) = given.iter().find(|g| g.1.is_empty()).unwrap_or(&given[0]);
+            return Err(format!(
+                "`table.signals.{name}.file` is not given, but those of other signals are: name the file of each, or of none"
+            ));
+        }
+        if let Some(lane) = &self.lane {
+            if lane.number.is_none() && lane.offset.is_none() {
+                return Err(
+                    "`table.signals.lane` needs `number`, `offset` or both: columns of the lane's number and of ego's place in it"
+                        .to_owned(),
+                );
+            }
+            if lane.offset.is_some() != lane.offset_grows.is_some() {
+                return Err(
+                    "`table.signals.lane` needs `offset` and `offset_grows` together: does the place in the lane grow to the `left` or to the `right`?"
+                        .to_owned(),
+                );
+            }
+            if lane.number.is_some() && self.lane_changes.is_some() {
+                return Err(
+                    "`table.signals.lane.number` and `table.signals.lane_changes` both say when ego changes lanes: give one of them"
+                        .to_owned(),
+                );
+            }
+        }
+        if let Some(changes) = &self.lane_changes {
+            let both = changes.left.iter().find(|w| changes.right.contains(w));
+            if let Some(word) = both {
+                return Err(format!(
+                    "`table.signals.lane_changes` has `{word}` under `left` and `right`: expected one of them"
+                ));
+            }
+            if changes.left.is_empty() || changes.right.is_empty() {
+                return Err(
+                    "`table.signals.lane_changes` needs `left` and `right`: what its column of the direction holds for either"
+                        .to_owned(),
+                );
+            }
+        }
+        if self.road.as_ref().is_some_and(|r| r.lane.is_some()) && self.lane_changes.is_none() {
+            return Err(
+                "`table.signals.road.lane` does nothing without `table.signals.lane_changes`: leave it out, or map it as `table.signals.lane.number`"
+                    .to_owned(),
+            );
+        }
+        match &self.road {
+            Some(road) if road.posted_speed.is_none() && road.lanes.is_none() => {
+                Err("`table.signals.road` needs `posted_speed`, `lanes` or both".to_owned())
+            }
+            _ => Ok(()),
+        }
+    }
+}
+
+fn keys<'a, const N: usize>(columns: [(&'static str, Option<&'a String>); N]) -> Keys<'a> {
+    let given = columns.into_iter();
+    given
+        .filter_map(|(key, name)| Some((key, name?.as_str())))
+        .collect()
+}
+
+/// Which rows of a file count: those whose cell is one of some words.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Only {
+    /// The column.
+    pub column: String,
+    /// What it holds in rows that count.
+    pub is: Vec<String>,
+}
+
+/// Ego's speed.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct SpeedSignal {
+    /// Name of the file; the log itself without it.
+    #[serde(default)]
+    pub file: String,
+    /// Column of the time.
+    pub time: String,
+    /// Column of the speed.
+    pub value: String,
+    /// Numbers that stand for no speed.
+    #[serde(default)]
+    pub missing: Vec<f64>,
+}
+
+/// Ego's position and velocity in earth-centred, earth-fixed coordinates, always in m and m/s.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct VelocitySignal {
+    /// Name of the file; the log itself without it.
+    #[serde(default)]
+    pub file: String,
+    /// Column of the time.
+    pub time: String,
+    /// Columns of the position.
+    pub position: [String; 3],
+    /// Columns of the velocity.
+    pub velocity: [String; 3],
+}
+
+/// Tracks of vehicles as seen from ego.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct TracksSignal {
+    /// Name of the file; the log itself without it.
+    #[serde(default)]
+    pub file: String,
+    /// Column of the time.
+    pub time: String,
+    /// Column of the track's number; numbers may be used again.
+    pub track: String,
+    /// Column that is not 0 where a number is used for another vehicle than before.
+    pub new_track: Option<String>,
+    /// Column of the distance ahead, of the mapping's `gap_kind`.
+    pub forward: String,
+    /// Column of the offset to the left.
+    pub left: String,
+    /// Column of the speed relative to ego's, negative while closing in.
+    pub relative_speed: String,
+}
+
+/// The vehicle ahead in ego's lane, as a camera or a radar with one target tells it.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct LeadSignal {
+    /// Name of the file; the log itself without it.
+    #[serde(default)]
+    pub file: String,
+    /// Column of the time.
+    pub time: String,
+    /// Column of the distance ahead, of the mapping's `gap_kind`; empty or [`LeadSignal::missing`] where nobody was seen.
+    pub gap: String,
+    /// Column of its speed; without it the change of the gap tells.
+    pub speed: Option<String>,
+    /// Numbers that stand for nobody.
+    #[serde(default)]
+    pub missing: Vec<f64>,
+    /// Rows that count; all of them without it. At the others nobody looked.
+    pub only: Option<Only>,
+}
+
+/// Where ego is across the road.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct LaneSignal {
+    /// Name of the file; the log itself without it.
+    #[serde(default)]
+    pub file: String,
+    /// Column of the time.
+    pub time: String,
+    /// Column of the lane's number, counted as the table's `lanes_from` and `first_lane` say.
+    pub number: Option<String>,
+    /// Column of the distance from the lane's centre.
+    pub offset: Option<String>,
+    /// To which side that grows.
+    pub offset_grows: Option<Side>,
+    /// Numbers that stand for no place.
+    #[serde(default)]
+    pub missing: Vec<f64>,
+    /// Rows that count; all of them without it.
+    pub only: Option<Only>,
+}
+
+/// Lane changes, a row each; a file without a row says that there were none.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct LaneChangesSignal {
+    /// Name of the file; the log itself without it.
+    #[serde(default)]
+    pub file: String,
+    /// Column of the time at which ego crosses the marking.
+    pub time: String,
+    /// Column of the direction.
+    pub direction: String,
+    /// What that holds for a change to the left.
+    pub left: Vec<String>,
+    /// What it holds for a change to the right.
+    pub right: Vec<String>,
+}
+
+/// The road along the drive; the drive's road is what holds for most of its time.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct RoadSignal {
+    /// Name of the file; the log itself without it.
+    #[serde(default)]
+    pub file: String,
+    /// Column of the time.
+    pub time: String,
+    /// Column of the posted speed, in the table's unit of speed.
+    pub posted_speed: Option<String>,
+    /// Column of the number of lanes in ego's direction.
+    pub lanes: Option<String>,
+    /// Column of the number of the lane that ego is thought to be in, counted as the table's `lanes_from` and `first_lane` say. It
+    /// only says where listed lane changes start.
+    pub lane: Option<String>,
+    /// Numbers that stand for not known.
+    #[serde(default)]
+    pub missing: Vec<f64>,
+}

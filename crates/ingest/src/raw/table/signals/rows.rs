@@ -1,0 +1,217 @@
+//! The files of signals: the rows of each that count, in the order of time.
+
+use super::super::{
+    open::{Kind, Table},
+    report, take,
+    text::Style,
+    time::{Clock, stamps},
+};
+use crate::{
+    error::IngestError,
+    mapping::{Only, TableMapping},
+    quality::{Warning, WarningKind},
+    source::Source,
+};
+use std::path::{Path, PathBuf};
+
+/// Where the signals of a log are, and how they are written.
+pub(super) struct Files<'a> {
+    /// The folder, or the one table.
+    pub(super) log: &'a Path,
+    pub(super) clock: Clock<'a>,
+    style: Style,
+    sources: &'a mut Vec<Source>,
+}
+
+impl<'a> Files<'a> {
+    pub(super) fn new(
+        log: &'a Path,
+        mapping: &'a TableMapping,
+        clock: Clock<'a>,
+        sources: &'a mut Vec<Source>,
+    ) -> Self {
+        Self {
+            log,
+            clock,
+            style: mapping.into(),
+            sources,
+        }
+    }
+
+    /// The path of a signal's file; without a name it is the log itself.
+    pub(super) fn path(&self, file: &str) -> PathBuf {
+        if file.is_empty() {
+            self.log.to_owned()
+        } else {
+            self.log.join(file)
+        }
+    }
+
+    /// Opens the file of a signal.
+    ///
+    /// # Errors
+    /// As [`Table::open`], and where there is no such file.
+    pub(super) fn open(
+        &mut self,
+        file: &str,
+        wanted: &[(&str, Kind)],
+    ) -> Result<Table, IngestError> {
+        let path = self.path(file);
+        let mut read = Vec::new();
+        let bytes = take(&path, &mut read)?;
+        read.retain(|source| !self.sources.contains(source));
+        self.sources.append(&mut read);
+        Table::open(&path, bytes, self.style, wanted)
+    }
+
+    /// Opens the file of a signal and finds its rows.
+    ///
+    /// # Errors
+    /// As [`Files::open`]; [`IngestError::BadCell`] for a time before that of a row above, unless the row is one of those, written again.
+    pub(super) fn rows(
+        &mut self,
+        file: &str,
+        time: &str,
+        columns: &[(&str, Kind)],
+        only: Option<&Only>,
+    ) -> Result<SignalRows, IngestError> {
+        let mut wanted = vec![(time, self.clock.kind())];
+        wanted.extend(columns.iter().copied());
+        wanted.extend(only.map(|o| (o.column.as_str(), Kind::Word)));
+        let table = self.open(file, &wanted)?;
+        let mut last = i64::MIN;
+        let counts = match only {
+            None => vec![true; table.rows()],
+            Some(only) => {
+                let words = table.words(&only.column)?.into_iter();
+                let is = |word: Option<String>| word.is_some_and(|w| only.is.contains(&w));
+                words.map(is).collect()
+            }
+        };
+        let (mut stamp_ns, mut rows) = (Vec::new(), Vec::new());
+        let (mut without_time, mut repeated) = (0, 0);
+        let mut all: Vec<(i64, usize)> = Vec::new();
+        let mut cells: Option<Cells> = None;
+        for (row, stamp) in stamps(&table, time, self.clock)?.into_iter().enumerate() {
+            let Some(stamp) = stamp else {
+                without_time += 1;
+                continue;
+            };
+            if stamp < last {
+                let cells = match &mut cells {
+                    Some(cells) => cells,
+                    None => cells.insert(Cells::of(&table, &wanted)?),
+                };
+                let from = all.partition_point(|s| s.0 < stamp);
+                let mut alike = all[from..].iter().take_while(|s| s.0 == stamp);
+                if alike.any(|s| cells.same(s.1, row)) {
+                    repeated += 1;
+                    continue;
+                }
+                let found = (stamp as f64 / 1e9).to_string();
+                let expected =
+                    "a time not before those of the rows above: signals are joined by time";
+                return Err(table.bad_cell_of(row, time, found, expected));
+            }
+            last = stamp;
+            all.push((stamp, row));
+            if counts[row] {
+                stamp_ns.push(stamp);
+                rows.push(row);
+            }
+        }
+        Ok(SignalRows {
+            path: self.path(file),
+            table,
+            stamp_ns,
+            rows,
+            without_time,
+            repeated,
+        })
+    }
+}
+
+/// The cells of some columns as they are written.
+struct Cells(Vec<Vec<Option<String>>>);
+
+impl Cells {
+    fn of(table: &Table, columns: &[(&str, Kind)]) -> Result<Self, IngestError> {
+        let words = columns.iter().map(|(name, _)| table.words(name));
+        Ok(Self(words.collect::<Result<_, _>>()?))
+    }
+
+    /// Whether two rows are the same.
+    fn same(&self, a: usize, b: usize) -> bool {
+        self.0.iter().all(|column| column[a] == column[b])
+    }
+}
+
+/// The rows of a signal that count, in the order of time.
+pub(super) struct SignalRows {
+    pub(super) path: PathBuf,
+    pub(super) table: Table,
+    /// Shape `(rows,)`, as all columns.
+    pub(super) stamp_ns: Vec<i64>,
+    /// Their numbers in the table, from 0.
+    pub(super) rows: Vec<usize>,
+    /// Rows that have no time and are left out.
+    without_time: usize,
+    /// Rows that are written again further down, and are left out there.
+    repeated: usize,
+}
+
+impl SignalRows {
+    /// Tells of rows that are left out.
+    pub(super) fn report(&self, warnings: &mut Vec<Warning>) {
+        let what = "rows without a time are left out";
+        report(
+            warnings,
+            &self.path,
+            WarningKind::MissingValue,
+            self.without_time,
+            what,
+        );
+        let what = "rows that repeat one above are left out";
+        report(
+            warnings,
+            &self.path,
+            WarningKind::DuplicateTime,
+            self.repeated,
+            what,
+        );
+    }
+
+    /// A column as numbers times a unit; none where a cell is empty or stands for nothing.
+    ///
+    /// # Errors
+    /// As [`Table::numbers`].
+    pub(super) fn numbers(
+        &self,
+        name: &str,
+        missing: &[f64],
+        unit: f64,
+    ) -> Result<Vec<Option<f64>>, IngestError> {
+        let all = self.table.numbers(name)?;
+        let stands_for_none = |v: f64| missing.iter().any(|m| (m - v).abs() < SAME);
+        let of = |&row: &usize| {
+            let value = all[row];
+            (value.is_finite() && !stands_for_none(value)).then_some(value * unit)
+        };
+        Ok(self.rows.iter().map(of).collect())
+    }
+
+    /// A fault in a cell of the n-th of these rows.
+    pub(super) fn bad_cell(
+        &self,
+        nth: usize,
+        name: &str,
+        found: impl Into<String>,
+        expected: &str,
+    ) -> IngestError {
+        self.table
+            .bad_cell_of(self.rows[nth], name, found, expected)
+    }
+}
+
+/// Numbers that differ by less are one.
+const SAME: f64 = 1e-9;
