@@ -1,6 +1,7 @@
 //! A trained model: where its drivers lie in style space, and the heads that read a style.
 
 use crate::{
+    days::Days,
     error::ModelError,
     heads::{
         Event, FittedHead, HEADS, OwnHead, Population, StyleHead, Support, at, check, held_up,
@@ -74,6 +75,9 @@ pub(crate) struct ModelParts {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub(crate) population: Option<Population>,
     pub(crate) training: Vec<TrainingEmbedding>,
+    /// How far one person's drives differ, where people learned from drove twice.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub(crate) days: Option<Days>,
     pub(crate) heads: Heads,
 }
 
@@ -105,6 +109,7 @@ impl TryFrom<ModelParts> for Model {
         }
         let population = parts.population.as_ref();
         population.map_or(Ok(()), |p| p.check(HEADS.len()))?;
+        parts.days.as_ref().map_or(Ok(()), |days| days.check(d))?;
         let n = parts.training.len().max(1) as f64;
         let points = parts.training.iter().map(TrainingEmbedding::point);
         let mean = points.fold(DVector::zeros(d), |sum, p| sum + p) / n;
@@ -126,6 +131,12 @@ impl Model {
     /// What reads a style.
     pub fn heads(&self) -> &Heads {
         &self.parts.heads
+    }
+
+    /// How far one person's drives differ; `None` where nobody learned from drove twice: then what is said of a style is said of the
+    /// drive.
+    pub fn days(&self) -> Option<&Days> {
+        self.parts.days.as_ref()
     }
 
     /// Which heads it has.

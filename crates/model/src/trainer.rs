@@ -140,6 +140,7 @@ impl<'a> Trainer<'a> {
             embedding_size: d,
             population: None,
             training,
+            days: None,
             heads: Heads::Paper(Box::new(PaperNetworks {
                 architecture: settings.architecture(),
                 windows: settings.windows(),

@@ -32,6 +32,7 @@ pub(crate) use list::at;
 pub use list::{HEADS, events_of};
 pub(crate) use posterior::solve;
 pub use report::HeadReport;
+pub(crate) use style::ScoredStyle;
 pub use style::{Posterior, StyleHead};
 pub(crate) use support::Population;
 pub use support::{BEYOND_P, Support};

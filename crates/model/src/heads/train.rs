@@ -112,6 +112,7 @@ pub(crate) fn train_heads(
         embedding_size: d,
         population: Some(population),
         training,
+        days: None,
         heads: Heads::Linear(LinearHeads {
             heads: fitted.heads,
             style: style.clone(),

@@ -47,7 +47,7 @@ pub fn versions() -> BTreeMap<String, String> {
         ("simulate", 8),
         ("measure", 4),
         ("rate", 2),
-        ("evaluate", 5),
+        ("evaluate", 6),
         ("stats", 11),
         ("ablate", 7),
         ("validate", 9),
