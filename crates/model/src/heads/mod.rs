@@ -31,5 +31,5 @@ pub(crate) use list::at;
 pub use list::{HEADS, events_of};
 pub(crate) use posterior::solve;
 pub use report::HeadReport;
-pub use style::{Posterior, StyleHead};
+pub use style::{Posterior, StyleHead, score_line};
 pub(crate) use train::{length_s, train_heads};

@@ -10,6 +10,7 @@ mod line;
 pub use across::{Across, across};
 pub use dial::{Dial, FULL, Right, dial};
 pub use fidelity::{Fidelity, fidelity};
+pub(crate) use identity::distance;
 pub use identity::{
     Identification, Known, Metric, WithinPerson, identify, identify_posteriors, within_person,
 };
