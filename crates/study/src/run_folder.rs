@@ -5,7 +5,6 @@ use crate::{
     design::DesignFile,
     error::StudyError,
     stage::Files,
-    style_scale::StyleScale,
     tables::{
         Table,
         conditions::read_conditions,
@@ -189,20 +188,6 @@ pub(crate) fn adb_of(
         })
         .and_then(|s| s.value);
     Ok(points.map(AdbScore::new).transpose()?)
-}
-
-/// The score that a drive's role has by its instruction, on the scale of the networks.
-///
-/// # Errors
-/// [`StudyError::NotPossible`] for one outside the scale of the style.
-pub(crate) fn instructed(
-    drive: &Drive,
-    study: Option<&DesignFile>,
-    scale: StyleScale,
-) -> Result<Option<AdbScore>, StudyError> {
-    let role = study.and_then(|s| s.design.role(drive.meta().condition));
-    let points = role.and_then(|role| role.score);
-    points.map(|points| scale.score(points)).transpose()
 }
 
 /// Reads the tables that a pipeline left in a folder; `participants` names who took part, else as [`DesignFile::people_of`].

@@ -6,9 +6,9 @@ use crate::{
     error::StudyError,
     once::{count, told_once},
     outcome::{Outcome, Watch, threads},
-    run_folder::{adb_of, embeddings_path, instructed, training_path},
+    run_folder::{adb_of, embeddings_path, training_path},
     stage::{Files, Stage},
-    style_scale::style_scores,
+    style_scale::{instructed, style_scores},
     tables::{
         embeddings::{EmbeddingRow, write_embeddings},
         surveys::read_scores,

@@ -5,8 +5,8 @@ use crate::{
     design::DesignFile,
     error::StudyError,
     gate::Gate,
-    run_folder::{adb_of, instructed},
-    style_scale::{StyleScale, style_scores},
+    run_folder::adb_of,
+    style_scale::{StyleScale, instructed, style_scores},
     tables::{drives::read_drives, surveys::read_scores},
 };
 use maveric_domain::{ConditionId, Drive};
