@@ -27,6 +27,8 @@ files! {
     POPULATION_MISSPECIFIED = "study_data/population_misspecified.toml";
     POPULATION_SOURCES = "study_data/population_sources.toml";
     DESIGNS_PAPER = "study_data/designs/paper.toml";
+    DESIGNS_UAH_DEVELOPMENT = "study_data/designs/uah_development.toml";
+    DESIGNS_UAH_TEST = "study_data/designs/uah_test.toml";
     DESIGNS_SCHEMA = "study_data/designs/schema.json";
     MAPPINGS_COMMA2K19 = "study_data/mappings/comma2k19.toml";
     MAPPINGS_ESMINI_CSV = "study_data/mappings/esmini_csv.toml";
@@ -58,6 +60,7 @@ files! {
     SCENARIOS_DENSE = "study_data/scenarios/dense.toml";
     SCENARIOS_FOUR_LANE = "study_data/scenarios/four_lane.toml";
     SCENARIOS_HARD_BRAKING_LEAD = "study_data/scenarios/hard_braking_lead.toml";
+    SCENARIOS_MOTORWAY_120 = "study_data/scenarios/motorway_120.toml";
     SCENARIOS_PAPER = "study_data/scenarios/paper.toml";
     SCENARIOS_STOP_AND_GO = "study_data/scenarios/stop_and_go.toml";
     PIPELINES_ABLATION = "pipelines/ablation.toml";
@@ -69,6 +72,8 @@ files! {
     PIPELINES_POWER = "pipelines/power.toml";
     PIPELINES_SCHEMA = "pipelines/schema.json";
     PIPELINES_SMOKE = "pipelines/smoke.toml";
+    PIPELINES_UAH = "pipelines/uah.toml";
+    PIPELINES_UAH_RULES = "pipelines/uah_rules.toml";
     PIPELINES_VALIDATE = "pipelines/validate.toml";
 }
 

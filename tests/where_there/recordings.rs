@@ -24,6 +24,11 @@ pub(crate) fn tests() -> Vec<Trial> {
             people_are_judged_by_what_was_learned_from_others,
         ),
         of(
+            "six_real_drivers_are_left_out_in_turn_and_the_test_part_stays_shut",
+            "UAH-DRIVESET-v1",
+            six_real_drivers_are_left_out_in_turn_and_the_test_part_stays_shut,
+        ),
+        of(
             "every_shipped_recording_can_be_inspected",
             "mcap",
             every_shipped_recording_can_be_inspected,
@@ -70,6 +75,54 @@ fn openacc_goes_from_csv_to_the_table_of_errors() {
     assert!(
         training.contains("left_out"),
         "the losses without data are named"
+    );
+}
+
+fn six_real_drivers_are_left_out_in_turn_and_the_test_part_stays_shut() {
+    let data = shared("UAH-DRIVESET-v1").unwrap();
+    let study = TempStudy::new();
+    let data = format!("data={}", std::fs::canonicalize(data).unwrap().display());
+    study
+        .maveric(&["run", "pipelines/uah.toml", "--set", &data])
+        .ok();
+    let read = |path: &str| std::fs::read_to_string(study.path(path)).unwrap();
+    let text = read("reports/uah/validation.json");
+    assert!(!text.contains("NaN"));
+    let found: serde_json::Value = serde_json::from_str(&text).unwrap();
+    let table = |id: &str| {
+        let mut tables = found["tables"].as_array().unwrap().iter();
+        tables.find(|t| t["id"] == id).unwrap()
+    };
+    let order = &table("order-motorway")["answer"]["order"];
+    let line = &order["readings"][0];
+    assert_eq!((&line["by"], &line["n"]), (&"line".into(), &6.into()));
+    // Seen while the method was made: all six, as by speed alone.
+    assert_eq!(
+        (&line["right"], &order["readings"][1]["right"]),
+        (&6.into(), &6.into())
+    );
+    let shut: Vec<&str> = found["tables"]
+        .as_array()
+        .unwrap()
+        .iter()
+        .filter(|t| t["answer"].is_null())
+        .map(|t| t["id"].as_str().unwrap())
+        .collect();
+    assert_eq!(
+        shut,
+        [
+            "order-secondary",
+            "drowsy-secondary",
+            "direction-test",
+            "identity",
+            "retest",
+            "errors"
+        ]
+    );
+    let looks = read("pipelines/uah_looks.csv");
+    assert!(
+        looks.contains("D1 D2 D3 D4 D5 D6") && !looks.contains("secondary"),
+        "{looks}"
     );
 }
 

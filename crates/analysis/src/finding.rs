@@ -57,10 +57,16 @@ pub enum Question {
     Personal,
     /// Does the follower stay behind its leader?
     Reached,
+    /// Does the line place the drives of people whom the model has not met as they were told to drive?
+    Order,
+    /// Does the line say more of that than speed alone?
+    BeyondSpeed,
+    /// Does the dial point the way in which people themselves differ between the roles?
+    Direction,
 }
 
 /// Ids of the questions that are asked once, in JSON and on pages; a hypothesis is `hypothesis-1`, and so on.
-const IDS: [(Question, &str); 22] = [
+const IDS: [(Question, &str); 25] = [
     (Question::OwnStyle, "own-style"),
     (Question::Nearer, "nearer"),
     (Question::Dial, "dial"),
@@ -83,6 +89,9 @@ const IDS: [(Question, &str); 22] = [
     (Question::Better, "better"),
     (Question::Personal, "personal"),
     (Question::Reached, "reached"),
+    (Question::Order, "order"),
+    (Question::BeyondSpeed, "beyond-speed"),
+    (Question::Direction, "direction"),
 ];
 const HYPOTHESIS: &str = "hypothesis-";
 

@@ -423,6 +423,22 @@ fn a_fault_is_named_with_its_key_and_what_would_be_possible() {
             "[baseline]\nid = \"own\"\n[[role]]\nid = \"own\"",
             "the baseline's",
         ),
+        (
+            "[[role]]\nid = \"fast\"\nscore = inf",
+            "`role.score`: found inf of `fast`",
+        ),
+        (
+            "[[role]]\nid = \"fast\"\nrepeats = \"fast\"",
+            "`role.repeats`: found `fast` of `fast`",
+        ),
+        (
+            "[[role]]\nid = \"a\"\n[[role]]\nid = \"b\"\nrepeats = \"a\"\nscore = 20",
+            "it has that of the role it repeats",
+        ),
+        (
+            "[[role]]\nid = \"a\"\n[[role]]\nid = \"b\"\nrepeats = \"a\"\n[[role]]\nid = \"c\"\nrepeats = \"b\"",
+            "another role that repeats none itself",
+        ),
     ] {
         let error = with(more).unwrap_err();
         assert!(error.contains(said), "{more}\n{error}\nhas no: {said}");
@@ -464,6 +480,22 @@ fn a_dial_needs_a_style_and_a_learned_car_somebody_to_learn_from() {
     let reversed = SMALL.replace("points = 15", "points = 1\nrange = [6, 1]");
     let error = read(&reversed).unwrap_err();
     assert!(error.contains("`style.range`"), "{error}");
+}
+
+#[test]
+fn a_study_of_roles_alone_has_their_scores_and_which_repeats_which() {
+    let text = "[study]\ntitle = \"x\"\n[style]\nscore = \"adb.total\"\nrange = [11, 55]\n\
+                [[role]]\nid = \"own\"\nscore = 30\n[[role]]\nid = \"again\"\nrepeats = \"own\"\n";
+    let design = Design::from_toml(text).unwrap();
+    let role = |id: &str| design.role(id.parse().unwrap());
+    assert_eq!(role("again").map(|r| r.id.as_str()), Some("own"));
+    assert_eq!(role("again").and_then(|r| r.score), Some(30.0));
+    assert!(role("other").is_none() && design.contrasts().is_empty());
+    let error = read(&text.replace("30", "60")).unwrap_err();
+    assert!(error.contains("within the range of `[style]`"), "{error}");
+    let error =
+        read(&text.replace("[style]\nscore = \"adb.total\"\nrange = [11, 55]\n", "")).unwrap_err();
+    assert!(error.contains("`role.score`"), "{error}");
 }
 
 #[test]

@@ -42,7 +42,9 @@ pub use adam::cosine;
 pub use days::Days;
 pub use epochs::{EpochReport, TrainingDrive};
 pub use error::{ModelError, ModelWarning};
-pub use heads::{BEYOND_P, FittedHead, HEADS, HeadReport, KeptBack, StyleHead, Support};
+pub use heads::{
+    BEYOND_P, FittedHead, HEADS, HeadReport, KeptBack, StyleHead, Support, score_line,
+};
 pub use heads_kind::HeadsKind;
 pub use held_out::HeldOut;
 pub use losses::{Loss, LossTerms, LossWeights, MutualInformationLoss};

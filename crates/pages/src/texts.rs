@@ -97,9 +97,10 @@ mod tests {
     use super::*;
     use minijinja::context;
 
-    const FILES: [(&str, &str); 5] = [
+    const FILES: [(&str, &str); 6] = [
         ("ablation.toml", include_str!("../texts/ablation.toml")),
         ("following.toml", include_str!("../texts/following.toml")),
+        ("in_turn.toml", include_str!("../texts/in_turn.toml")),
         ("rehearsal.toml", include_str!("../texts/rehearsal.toml")),
         ("study.toml", include_str!("../texts/study.toml")),
         ("validation.toml", include_str!("../texts/validation.toml")),

@@ -261,7 +261,8 @@ impl Rider<'_> {
         };
         let mut errors = vec![error(&belief)];
         let unit = dial.truth.percept.spread.clone();
-        let shown = world.design.conditions()[0].id;
+        let shown = world.design.conditions().first();
+        let shown = shown.ok_or(RehearsalError::NoCondition)?.id;
         for trial in 0..trials {
             let points = choose(&belief, &traits, trial);
             let label = format!("trial {trial}");

@@ -2,11 +2,13 @@
 
 use crate::{
     dial_trial::{LearnedFrom, Method, TrialError},
+    leave_out::{By, Direction, Order, Whose},
     power::POWER,
     rates::{ALPHA, Cell, FamilyRate, TestRate},
     validation::{Agreement, Dial, Fidelity, Identification, Metric, Reading, mean},
 };
 use maveric_analysis::{Finding, Part, Question, verdict::FEWEST};
+use maveric_domain::design::Sign;
 use maveric_stats::{Proportion, proportion};
 
 /// Is anything found where there is nothing? Every family has to be kept at its level after Holm.
@@ -168,6 +170,65 @@ pub fn style(models: &[&[Agreement]]) -> Option<Finding> {
 pub fn safe(collisions: usize, drives: usize) -> Finding {
     let part = Part::never("collision", collisions, drives);
     Finding::every(Question::Safe, vec![part])
+}
+
+/// Are drives of people whom the model has not met placed as they were told to drive? Every order by the p of exchanged roles.
+pub fn ordered(orders: &[&Order]) -> Finding {
+    let part = |order: &&Order| {
+        let line = order.by(By::Line)?;
+        let chance = order.chance;
+        let above = line.share.map(|share| share.estimate - chance);
+        // The p of the side on which it came out.
+        let p = match above {
+            Some(above) if above < 0.0 => line.p_below,
+            _ => line.p,
+        };
+        let interval = line.share.map(|s| (s.low - chance, s.high - chance));
+        let part = Part::directed(order.asked.title(), line.n, (above, p), Sign::Plus);
+        Some(part.with_interval(interval))
+    };
+    Finding::every(Question::Order, orders.iter().filter_map(part).collect())
+}
+
+/// Does the line say more than speed alone? In every order the paired difference of the two, in spreads between people, has to lie
+/// above 0.
+pub fn beyond_speed(orders: &[&Order]) -> Finding {
+    let part = |order: &&Order| {
+        let beyond = order.by(By::Line)?.beyond_speed;
+        let interval = beyond.and_then(|b| b.low.zip(b.high));
+        let estimate = (beyond.map(|b| b.mean), interval);
+        let n = beyond.map_or(0, |b| b.n);
+        let ends = (0.0, f64::INFINITY);
+        Some(Part::within(order.asked.title(), n, estimate, ends))
+    };
+    Finding::every(
+        Question::BeyondSpeed,
+        orders.iter().filter_map(part).collect(),
+    )
+}
+
+/// Is a driver whom the model has not met recognised in another drive? By the style more often than by chance.
+pub fn recognised_unmet<'a>(rows: impl IntoIterator<Item = &'a Whose>) -> Finding {
+    let by_style = rows.into_iter().filter(|w| w.by == By::Line);
+    let part = |w: &Whose| {
+        let of = format!("{} among {}", w.sought, w.among);
+        Part::share(of, w.n, w.share.as_ref(), (w.chance, f64::INFINITY))
+    };
+    Finding::every(Question::Recognised, by_style.map(part).collect())
+}
+
+/// Does the dial point where people themselves go? Better than directions drawn in style space.
+pub fn pointed(directions: &[&Direction]) -> Finding {
+    let part = |d: &&Direction| {
+        let better = d.dial.zip(d.drawn).map(|(dial, drawn)| dial - drawn);
+        // The p of the side on which it came out.
+        let p = match better {
+            Some(better) if better < 0.0 => d.p_below,
+            _ => d.p,
+        };
+        Part::directed("dial - directions", d.n, (better, p), Sign::Plus)
+    };
+    Finding::every(Question::Direction, directions.iter().map(part).collect())
 }
 
 #[cfg(test)]
@@ -398,5 +459,116 @@ mod tests {
         let judged = |hits, n| safe(hits, n).verdict;
         let all: [Verdict; 3] = [judged(0, 24), judged(1, 24), judged(0, 3)];
         assert_eq!(all, [Shown, Fails, TooFew]);
+    }
+
+    use crate::leave_out::{Asked, Mean, ReadOrder};
+
+    fn order(right: usize, n: usize, p: f64, beyond: (f64, f64)) -> Order {
+        let read = |by, right| ReadOrder {
+            by,
+            n,
+            right,
+            share: maveric_stats::proportion_exact(right, n, 0.95).ok(),
+            p: Some(p),
+            p_below: Some(1.0 - p),
+            difference: None,
+            beyond_speed: Some(Mean {
+                n,
+                mean: f64::midpoint(beyond.0, beyond.1),
+                low: Some(beyond.0),
+                high: Some(beyond.1),
+                dz: None,
+            }),
+        };
+        Order {
+            asked: Asked {
+                higher: "sporty".parse().unwrap(),
+                lower: vec!["calm".parse().unwrap()],
+            },
+            chance: 0.5,
+            // Speed says the opposite.
+            readings: vec![read(By::Line, right), read(By::Speed, n - right)],
+            people: Vec::new(),
+            permutations: 1000,
+            uncounted: Vec::new(),
+        }
+    }
+
+    #[test]
+    fn an_order_is_shown_by_the_p_of_exchanged_roles_and_fails_on_the_other_side() {
+        let judged = |right, n, p| ordered(&[&order(right, n, p, (0.0, 0.0))]).verdict;
+        assert_eq!(
+            [
+                judged(6, 6, 0.016),
+                judged(5, 6, 0.11),
+                judged(0, 6, 0.99),
+                judged(5, 5, 0.031)
+            ],
+            [Shown, NotShown, Fails, TooFew]
+        );
+    }
+
+    #[test]
+    fn a_line_says_more_than_speed_where_the_paired_difference_lies_above_0() {
+        let judged = |n, beyond| beyond_speed(&[&order(n, n, 0.016, beyond)]).verdict;
+        assert_eq!(
+            [
+                judged(6, (0.1, 0.9)),
+                judged(6, (-0.1, 0.9)),
+                judged(6, (-0.9, -0.1)),
+                judged(5, (0.1, 0.9))
+            ],
+            [Shown, NotShown, Fails, TooFew]
+        );
+    }
+
+    #[test]
+    fn a_driver_is_recognised_by_the_style_and_not_by_speed() {
+        let row = |by, hits, n| Whose {
+            among: "calm".parse().unwrap(),
+            sought: "sporty".parse().unwrap(),
+            by,
+            n,
+            candidates: n as f64,
+            chance: 1.0 / n as f64,
+            hits,
+            share: maveric_stats::proportion_exact(hits, n, 0.95).ok(),
+            uncounted: Vec::new(),
+        };
+        let judged = |hits, n| {
+            recognised_unmet(&[row(By::Line, hits, n), row(By::Speed, n - hits, n)]).verdict
+        };
+        assert_eq!(
+            [judged(20, 24), judged(2, 24), judged(5, 5)],
+            [Shown, NotShown, TooFew]
+        );
+    }
+
+    #[test]
+    fn a_dial_has_to_point_better_than_directions_that_are_drawn() {
+        let judged = |dial: f64, p: f64, n| {
+            let direction = Direction {
+                n,
+                driven: None,
+                dial: Some(dial),
+                speed: None,
+                speed_and_gap: None,
+                directions: 1000,
+                drawn: Some(0.0),
+                p: Some(p),
+                p_below: Some(1.0 - p),
+                people: Vec::new(),
+            };
+            pointed(&[&direction]).verdict
+        };
+        assert_eq!(
+            [
+                judged(0.8, 0.01, 6),
+                judged(0.5, 0.2, 6),
+                judged(-0.8, 0.99, 6),
+                judged(0.8, 0.01, 3)
+            ],
+            [Shown, NotShown, Fails, TooFew]
+        );
     }
 }

@@ -3,6 +3,7 @@
 mod dial_trial;
 mod error;
 pub mod findings;
+pub mod leave_out;
 mod outcomes;
 mod population;
 mod power;

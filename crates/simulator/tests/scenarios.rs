@@ -6,7 +6,7 @@ use maveric_simulator::{
 };
 
 const PAPER: &str = maveric_data::SCENARIOS_PAPER;
-const ALL: [(&str, &str); 7] = [
+const ALL: [(&str, &str); 8] = [
     ("paper", PAPER),
     ("curved", maveric_data::SCENARIOS_CURVED),
     ("four_lane", maveric_data::SCENARIOS_FOUR_LANE),
@@ -16,6 +16,7 @@ const ALL: [(&str, &str); 7] = [
         maveric_data::SCENARIOS_HARD_BRAKING_LEAD,
     ),
     ("dense", maveric_data::SCENARIOS_DENSE),
+    ("motorway_120", maveric_data::SCENARIOS_MOTORWAY_120),
     ("stop_and_go", maveric_data::SCENARIOS_STOP_AND_GO),
 ];
 

@@ -38,6 +38,7 @@ mod regression;
 mod reliability;
 mod rm_anova;
 mod sphericity;
+mod spread;
 mod variances;
 mod within_subjects;
 
@@ -100,5 +101,6 @@ pub use regression::{CircularLinear, LinearFit, circular_linear, linear_fit};
 pub use reliability::{Alpha, AlphaAnalysis, Icc, ItemDropped, ItemStatistics, alpha, icc};
 pub use rm_anova::{RmAnova, RmAnovaCompat};
 pub use sphericity::{Mauchly, MauchlyCompat, Sphericity, SphericityCorrection};
+pub use spread::sd_interval;
 pub use variances::{Bartlett, Levene, VarianceTests, levene};
 pub use within_subjects::WithinSubjects;

@@ -88,6 +88,17 @@ impl Gate {
         })
     }
 
+    /// As [`Gate::of`]; a design that tells nobody apart by a column of its table needs none.
+    ///
+    /// # Errors
+    /// As [`DesignFile::people`].
+    pub(crate) fn of_drives(study: &DesignFile, given: Option<&Path>) -> Result<Self, StudyError> {
+        if study.design.people().columns().is_empty() {
+            return Self::where_listed(study, given);
+        }
+        Self::of(study, given)
+    }
+
     /// The same, without whom and what the rules left out of the analysis among these results.
     ///
     /// # Errors

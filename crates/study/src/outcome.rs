@@ -17,6 +17,17 @@ pub struct Outcome<T> {
     pub warnings: Vec<String>,
 }
 
+impl<T> Outcome<T> {
+    /// The same of what `of` makes of the value.
+    pub(crate) fn map<U>(self, of: impl FnOnce(T) -> U) -> Outcome<U> {
+        Outcome {
+            value: of(self.value),
+            summary: self.summary,
+            warnings: self.warnings,
+        }
+    }
+}
+
 /// How far long work has come: `done` of `total` steps, and what the step is.
 pub type Progress<'a> = dyn Fn(usize, usize, &str) + Sync + 'a;
 

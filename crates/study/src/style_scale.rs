@@ -10,7 +10,7 @@ use crate::{
     run_folder::{read_scales, score_range},
 };
 use maveric_domain::{
-    AdbScore, BeyondWhy, DriveId, EmbeddingRow, ParticipantId, Scale, Score, Subscale,
+    AdbScore, BeyondWhy, Drive, DriveId, EmbeddingRow, ParticipantId, Scale, Score, Subscale,
     design::DesignError,
 };
 use maveric_model::StyleHead;
@@ -225,6 +225,20 @@ pub(crate) fn style_scores(
         "total".clone_into(&mut score.subscale);
     }
     Ok((scores, scale))
+}
+
+/// The score that a drive's role has by its instruction, on the scale of the networks.
+///
+/// # Errors
+/// [`StudyError::NotPossible`] for one outside the scale of the style.
+pub(crate) fn instructed(
+    drive: &Drive,
+    study: Option<&DesignFile>,
+    scale: StyleScale,
+) -> Result<Option<AdbScore>, StudyError> {
+    let role = study.and_then(|s| s.design.role(drive.meta().condition));
+    let points = role.and_then(|role| role.score);
+    points.map(|points| scale.score(points)).transpose()
 }
 
 #[cfg(test)]

@@ -10,7 +10,7 @@ use super::{
     people::{People, Wanted},
     toml_file::{
         CarToml, CellToml, CompareToml, ConditionToml, DesignToml, DialToml, HypothesisToml,
-        ModelToml, OutcomeToml, PeopleToml, StyleToml,
+        ModelToml, OutcomeToml, PeopleToml, RoleToml, StyleToml,
     },
 };
 use crate::{
@@ -45,32 +45,20 @@ fn design(raw: DesignToml) -> Checked<Design> {
     let beyond = raw.model.beyond;
     let model = model_file(raw.model)?;
     let learned = people.learn.is_some() || model.is_some();
+    if raw.condition.is_empty() && raw.role.is_empty() {
+        return Err(DesignError::key(
+            "condition",
+            "none",
+            "at least one [[condition]], or [[role]]s in which people drove",
+        ));
+    }
     let conditions = conditions(raw.condition, style.as_ref(), learned)?;
     let baseline = raw.baseline.map(|b| Baseline {
         label: b.label.unwrap_or_else(|| b.id.to_string()),
         id: b.id,
         by: b.by,
     });
-    let roles: Vec<Role> = raw
-        .role
-        .into_iter()
-        .map(|r| Role {
-            label: r.label.unwrap_or_else(|| r.id.to_string()),
-            id: r.id,
-            by: r.by,
-        })
-        .collect();
-    once("role", roles.iter().map(|r| r.id.to_string()))?;
-    if let Some(role) = roles
-        .iter()
-        .find(|r| baseline.as_ref().is_some_and(|b| b.id == r.id))
-    {
-        return Err(DesignError::key(
-            "role.id",
-            format!("`{}`, the baseline's", role.id),
-            "another id: a role is driven otherwise than the baseline",
-        ));
-    }
+    let roles = roles(raw.role, baseline.as_ref(), style.as_ref())?;
     let outcomes = outcomes(raw.outcome)?;
     let compare = compare(raw.contrasts.compare, &conditions)?;
     let pairs = compare.pairs(&conditions);
@@ -119,6 +107,65 @@ fn model_file(raw: ModelToml) -> Checked<Option<ModelFile>> {
         )),
         file => Ok(file.map(|file| ModelFile { file, made_up })),
     }
+}
+
+/// Roles with ids of their own, scores on the scale of the style, and repeats of what stands there.
+fn roles(
+    raw: Vec<RoleToml>,
+    baseline: Option<&Baseline>,
+    style: Option<&Style>,
+) -> Checked<Vec<Role>> {
+    let role = |r: RoleToml| Role {
+        label: r.label.unwrap_or_else(|| r.id.to_string()),
+        id: r.id,
+        by: r.by,
+        score: r.score,
+        repeats: r.repeats,
+    };
+    let roles: Vec<Role> = raw.into_iter().map(role).collect();
+    once("role", roles.iter().map(|r| r.id.to_string()))?;
+    for role in &roles {
+        let bad =
+            |key: &str, found: String, expected: &str| Err(DesignError::key(key, found, expected));
+        if baseline.is_some_and(|b| b.id == role.id) {
+            return bad(
+                "role.id",
+                format!("`{}`, the baseline's", role.id),
+                "another id: a role is driven otherwise than the baseline",
+            );
+        }
+        if let Some(score) = role.score {
+            let outside = style
+                .and_then(|s| s.range)
+                .is_some_and(|[low, high]| !(low..=high).contains(&score));
+            if !score.is_finite() || style.is_none() || outside {
+                return bad(
+                    "role.score",
+                    format!("{score} of `{}`", role.id),
+                    "points within the range of `[style]`, which says what they are points of",
+                );
+            }
+        }
+        let Some(repeats) = role.repeats else {
+            continue;
+        };
+        let first = roles.iter().find(|r| r.id == repeats);
+        if first.is_none_or(|r| r.repeats.is_some() || r.id == role.id) {
+            return bad(
+                "role.repeats",
+                format!("`{repeats}` of `{}`", role.id),
+                "the id of another role that repeats none itself",
+            );
+        }
+        if role.score.is_some() {
+            return bad(
+                "role.score",
+                format!("a score of `{}`, which repeats `{repeats}`", role.id),
+                "no score: it has that of the role it repeats",
+            );
+        }
+    }
+    Ok(roles)
 }
 
 /// Refuses a product of a covariate with what is no effect within people.
@@ -206,13 +253,6 @@ fn conditions(
     style: Option<&Style>,
     learned: bool,
 ) -> Checked<Vec<Condition>> {
-    if raw.is_empty() {
-        return Err(DesignError::key(
-            "condition",
-            "none",
-            "at least one [[condition]]",
-        ));
-    }
     if raw.len() > MOST_CONDITIONS {
         return Err(DesignError::key(
             "condition",
@@ -220,11 +260,14 @@ fn conditions(
             format!("at most {MOST_CONDITIONS}"),
         ));
     }
+    let Some(first) = raw.first() else {
+        return Ok(Vec::new());
+    };
     once("condition.id", raw.iter().map(|c| c.id.to_string()))?;
     let label = |c: &ConditionToml| c.label.clone().unwrap_or_else(|| c.id.to_string());
     once("condition.label", raw.iter().map(label))?;
     let factors = |c: &ConditionToml| c.levels.keys().cloned().collect::<Vec<_>>();
-    let expected = factors(&raw[0]);
+    let expected = factors(first);
     if let Some(other) = raw.iter().find(|c| factors(c) != expected) {
         let quoted = |names: &[String]| match names {
             [] => "no factor".to_owned(),
@@ -233,15 +276,15 @@ fn conditions(
         return Err(DesignError::key(
             format!("condition.{}.levels", other.id),
             quoted(&factors(other)),
-            format!("{}, as in `{}`", quoted(&expected), raw[0].id),
+            format!("{}, as in `{}`", quoted(&expected), first.id),
         ));
     }
     for factor in &expected {
-        let first = raw[0].levels.get(factor);
-        if raw.iter().all(|c| c.levels.get(factor) == first) {
+        let level = first.levels.get(factor);
+        if raw.iter().all(|c| c.levels.get(factor) == level) {
             return Err(DesignError::key(
                 format!("condition.levels.{factor}"),
-                format!("`{}` in every condition", first.map_or("", String::as_str)),
+                format!("`{}` in every condition", level.map_or("", String::as_str)),
                 "at least two levels of a factor",
             ));
         }

@@ -153,7 +153,7 @@ pub struct Baseline {
 }
 
 /// Drives by hand that were asked to be different: learned from, never tested.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Role {
     /// In file names; may be a condition's.
     pub id: ConditionId,
@@ -161,4 +161,9 @@ pub struct Role {
     pub label: String,
     /// Who drove.
     pub by: By,
+    /// The score that everybody's drive in it has, in points of the style, where it was the instruction that gave it; none where it
+    /// was asked.
+    pub score: Option<f64>,
+    /// The role that it is driven once more.
+    pub repeats: Option<ConditionId>,
 }

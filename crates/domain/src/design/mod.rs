@@ -138,6 +138,13 @@ impl Design {
         &self.roles
     }
 
+    /// The role whose instruction a drive of this label followed: itself, or the one that it repeats; none for what is no role.
+    pub fn role(&self, id: ConditionId) -> Option<&Role> {
+        let role = self.roles.iter().find(|r| r.id == id)?;
+        let first = |of: ConditionId| self.roles.iter().find(|r| r.id == of);
+        role.repeats.map_or(Some(role), first)
+    }
+
     /// What is tested, in the order of the page; empty where the file leaves it to what is there: all objective measures,
     /// and every scale asked after a condition.
     pub fn outcomes(&self) -> &[Outcome] {

@@ -27,7 +27,7 @@ pub(super) struct DesignToml {
     pub(super) condition: Vec<ConditionToml>,
     pub(super) baseline: Option<DrivenToml>,
     #[serde(default)]
-    pub(super) role: Vec<DrivenToml>,
+    pub(super) role: Vec<RoleToml>,
     #[serde(default)]
     pub(super) outcome: Vec<OutcomeToml>,
     #[serde(default)]
@@ -151,6 +151,17 @@ pub(super) struct DrivenToml {
     pub(super) label: Option<String>,
     #[serde(default)]
     pub(super) by: By,
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct RoleToml {
+    pub(super) id: ConditionId,
+    pub(super) label: Option<String>,
+    #[serde(default)]
+    pub(super) by: By,
+    pub(super) score: Option<f64>,
+    pub(super) repeats: Option<ConditionId>,
 }
 
 #[derive(Debug, Deserialize)]

@@ -9,8 +9,10 @@ mod mean_velocity;
 mod min_headway_distance;
 #[cfg(test)]
 pub(crate) mod testing;
+mod time_gap;
 
 pub use exposure::{Comparable, Exposure, comparable};
+pub use time_gap::median_time_gap_s;
 
 use maveric_domain::{Drive, Measurement, design::Sign, units::MPS_PER_MPH};
 

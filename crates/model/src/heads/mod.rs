@@ -33,7 +33,7 @@ pub use list::{HEADS, events_of};
 pub(crate) use posterior::solve;
 pub use report::HeadReport;
 pub(crate) use style::ScoredStyle;
-pub use style::{Posterior, StyleHead};
+pub use style::{Posterior, StyleHead, score_line};
 pub(crate) use support::Population;
 pub use support::{BEYOND_P, Support};
 pub(crate) use train::{habits_of, length_s, train_heads};

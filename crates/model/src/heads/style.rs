@@ -71,7 +71,7 @@ impl StyleHead {
         people.dedup();
         let whose = |p: &ParticipantId| people.iter().position(|q| *q == p).unwrap_or(0);
         let owner: Vec<usize> = scored.iter().map(|s| whose(&s.participant)).collect();
-        let all = least_squares(scored, &vec![1.0; scored.len()], d)?;
+        let all = least_squares(weighted(scored, &vec![1.0; scored.len()]), d)?;
         let gradient = all.as_slice()[..d].to_vec();
         let points = |line: &DVector<f64>, w: &[f64]| dot(&line.as_slice()[..d], w) + line[d];
 
@@ -81,7 +81,7 @@ impl StyleHead {
                 .iter()
                 .map(|o| f64::from(u8::from(*o != person)))
                 .collect();
-            if let Some(line) = least_squares(scored, &weights, d) {
+            if let Some(line) = least_squares(weighted(scored, &weights), d) {
                 let own = scored.iter().zip(&owner).filter(|(_, o)| **o == person);
                 left_out.extend(own.map(|(s, _)| (s.points, points(&line, &s.style.mean))));
             }
@@ -141,23 +141,57 @@ impl StyleHead {
     }
 }
 
-/// Slopes, then the offset.
-fn least_squares(scored: &[ScoredStyle], weights: &[f64], d: usize) -> Option<DVector<f64>> {
-    let total: f64 = weights.iter().sum();
-    if total <= 0.0 {
-        return None;
+/// Slopes and offset of a score on styles, shape `(n, d)`, as training finds them for S, without how sure they are; none where no two
+/// scores differ. It is what exchanging the scores of drives whose styles stay needs again and again.
+///
+/// # Errors
+/// [`ModelError::EmbeddingSize`] for a style of another size than the first.
+pub fn score_line(
+    styles: &[&[f64]],
+    points: &[f64],
+) -> Result<Option<(Vec<f64>, f64)>, ModelError> {
+    let pairs = styles.iter().zip(points);
+    let expected = styles.first().map_or(0, |style| style.len());
+    if let Some(other) = styles.iter().find(|style| style.len() != expected) {
+        let found = other.len();
+        return Err(ModelError::EmbeddingSize { found, expected });
     }
+    let differ = points.iter().any(|p| (p - points[0]).abs() >= 1e-9);
+    let rows = pairs.map(|(style, points)| (*style, *points, 1.0));
+    let line = differ.then(|| least_squares(rows, expected)).flatten();
+    Ok(line.map(|line| (line.as_slice()[..expected].to_vec(), line[expected])))
+}
+
+/// Slopes, then the offset, of rows of a style, its points and a weight.
+fn least_squares<'a>(
+    rows: impl Iterator<Item = (&'a [f64], f64, f64)>,
+    d: usize,
+) -> Option<DVector<f64>> {
+    let mut total = 0.0;
     let mut normal = DMatrix::zeros(d + 1, d + 1);
     let mut right = DVector::zeros(d + 1);
-    for (s, &weight) in scored.iter().zip(weights) {
-        let x = DVector::from_iterator(d + 1, s.style.mean.iter().copied().chain([1.0]));
+    for (style, points, weight) in rows {
+        let x = DVector::from_iterator(d + 1, style.iter().copied().chain([1.0]));
         normal += weight * &x * x.transpose();
-        right += weight * s.points * x;
+        right += weight * points * x;
+        total += weight;
+    }
+    if total <= 0.0 {
+        return None;
     }
     for i in 0..d {
         normal[(i, i)] += PRIOR_DRIVES;
     }
     Some(normal.cholesky()?.solve(&right))
+}
+
+/// The scored drives as rows, each with its weight.
+fn weighted<'a>(
+    scored: &'a [ScoredStyle],
+    weights: &'a [f64],
+) -> impl Iterator<Item = (&'a [f64], f64, f64)> {
+    let pairs = scored.iter().zip(weights);
+    pairs.map(|(s, weight)| (s.style.mean.as_slice(), s.points, *weight))
 }
 
 fn bootstrap(
@@ -175,7 +209,7 @@ fn bootstrap(
             drawn[rng.random_range(0..people)] += 1.0;
         }
         let weights: Vec<f64> = owner.iter().map(|o| drawn[*o]).collect();
-        lines.extend(least_squares(scored, &weights, d));
+        lines.extend(least_squares(weighted(scored, &weights), d));
     }
     moments(&lines, d + 1).1.iter().copied().collect()
 }
@@ -236,5 +270,19 @@ mod tests {
         assert!(head.cross_fitted_r.unwrap() < 0.3, "{head:?}");
         assert!(head.reading_sd > 6.0);
         assert!(StyleHead::fit(&points[..1], 3, 1).is_none());
+    }
+
+    #[test]
+    fn the_line_of_a_score_is_that_of_training_and_scores_that_are_alike_have_none() {
+        let scored = scored(20, 3.0);
+        let head = StyleHead::fit(&scored, 3, 1).unwrap();
+        let styles: Vec<&[f64]> = scored.iter().map(|s| s.style.mean.as_slice()).collect();
+        let mut points: Vec<f64> = scored.iter().map(|s| s.points).collect();
+        let line = score_line(&styles, &points).unwrap();
+        assert_eq!(line, Some((head.gradient, head.offset)));
+        points.fill(30.0);
+        assert_eq!(score_line(&styles, &points).unwrap(), None);
+        assert_eq!(score_line(&[], &[]).unwrap(), None);
+        assert!(score_line(&[&[1.0], &[1.0, 2.0]], &[1.0, 2.0]).is_err());
     }
 }

@@ -2,6 +2,7 @@
 
 pub mod ablation;
 pub mod following;
+pub mod in_turn;
 pub mod rehearsal;
 pub mod study;
 pub mod validation;

@@ -123,6 +123,16 @@ fn identification(
 /// A style as far as it is known: mean and covariance, shape `(d, d)`.
 pub type Known = (Vec<f64>, Vec<Vec<f64>>);
 
+/// −2 ln of the density of the difference of two styles, by what both leave open; none where that cannot be inverted.
+pub(crate) fn distance(a: &Known, b: &Known) -> Option<f64> {
+    let d = a.0.len();
+    let both = DMatrix::from_fn(d, d, |i, j| a.1[i][j] + b.1[i][j]);
+    let difference: Vec<f64> = a.0.iter().zip(&b.0).map(|(a, b)| a - b).collect();
+    let factor = WithinPerson::of(both)?;
+    let square: f64 = factor.whiten(&difference).iter().map(|x| x * x).sum();
+    Some(square + factor.0.ln_determinant())
+}
+
 /// Looks for the driver of each style of `seen` among `known` by what both posteriors leave open; `None` where a covariance
 /// cannot be inverted.
 ///
@@ -133,14 +143,6 @@ pub fn identify_posteriors(
     known: &[Known],
     seen: &[Known],
 ) -> Result<Option<Identification>, RehearsalError> {
-    let distance = |a: &Known, b: &Known| {
-        let d = a.0.len();
-        let both = DMatrix::from_fn(d, d, |i, j| a.1[i][j] + b.1[i][j]);
-        let difference: Vec<f64> = a.0.iter().zip(&b.0).map(|(a, b)| a - b).collect();
-        let factor = WithinPerson::of(both)?;
-        let square: f64 = factor.whiten(&difference).iter().map(|x| x * x).sum();
-        Some(square + factor.0.ln_determinant())
-    };
     let mut places = Vec::with_capacity(seen.len());
     for (i, point) in seen.iter().enumerate() {
         let distances: Option<Vec<f64>> = known.iter().map(|k| distance(k, point)).collect();

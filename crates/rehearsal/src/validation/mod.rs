@@ -13,6 +13,7 @@ pub use across::{Across, across};
 pub use dial::{Dial, FULL, Right, dial};
 pub use fidelity::{Fidelity, fidelity};
 pub use held::{Held, ShareOfPeople, held};
+pub(crate) use identity::distance;
 pub use identity::{
     Identification, Known, Metric, WithinPerson, identify, identify_posteriors, within_person,
 };

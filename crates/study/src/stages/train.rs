@@ -8,7 +8,7 @@ use crate::{
     outcome::{Outcome, Watch, threads},
     run_folder::{adb_of, embeddings_path, training_path},
     stage::{Files, Stage},
-    style_scale::style_scores,
+    style_scale::{instructed, style_scores},
     tables::{
         embeddings::{EmbeddingRow, write_embeddings},
         surveys::read_scores,
@@ -156,11 +156,16 @@ impl Stage for Train {
             patience: self.patience,
             ..TrainSettings::default()
         };
+        let study = DesignFile::here(design)?;
         let baseline = DesignFile::find(design)?.design.baseline_id();
+        let score = |drive: &Drive| -> Result<Option<AdbScore>, StudyError> {
+            let told = instructed(drive, study.as_ref(), scale)?;
+            Ok(told.or(adb_of(drive, &scores, baseline)?))
+        };
         let mut unscored = Vec::new();
         let mut training = Vec::new();
         for drive in &drives {
-            let adb = adb_of(drive, &scores, baseline)?;
+            let adb = score(drive)?;
             if adb.is_none() && self.scores.is_some() {
                 let why = "no score of the style, so it does not teach the style head";
                 unscored.push((drive.meta().drive.to_string(), why.to_owned()));
@@ -215,7 +220,7 @@ impl Stage for Train {
                 continue;
             };
             let meta = drive.meta();
-            let adb = adb_of(drive, &scores, baseline)?;
+            let adb = score(drive)?;
             rows.push(EmbeddingRow {
                 drive: id,
                 participant: meta.participant.clone(),

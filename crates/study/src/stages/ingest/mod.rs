@@ -139,7 +139,7 @@ impl Stage for Ingest {
         let study = DesignFile::here(self.design.as_deref())?;
         let gate = study
             .as_ref()
-            .map(|study| Gate::of(study, self.participants.as_deref()))
+            .map(|study| Gate::of_drives(study, self.participants.as_deref()))
             .transpose()?;
         let logs = logs::of(self, study.as_ref())?;
         let (list, exclusions) = (self.out.join("drives.csv"), self.out.join("exclusions.csv"));

@@ -3,6 +3,7 @@
 //! It needs people who drove twice, which the paper's did not.
 
 mod examine;
+pub mod leave_out;
 mod page;
 mod people;
 mod tables;
@@ -16,6 +17,7 @@ use path_slash::PathExt as _;
 
 use crate::{
     atomic_write::{atomic_write_bytes, write_json},
+    design::DesignFile,
     error::StudyError,
     outcome::{Outcome, Watch},
     run_folder::{read_model, read_scenario},
@@ -24,6 +26,7 @@ use crate::{
 };
 use maveric_analysis::Finding;
 use maveric_domain::{Drive, DrivenBy};
+use maveric_model::HeadsKind;
 use maveric_rehearsal::validation::{MEASURES, Values, mean, retest, title, values};
 use maveric_report::tables::Table;
 use serde::Serialize;
@@ -35,11 +38,30 @@ use std::path::{Path, PathBuf};
     after_help = "Example: maveric validate study_data/generated/validate --model models/1.maveric --model models/2.maveric --out validation"
 )]
 pub struct Validate {
-    /// A run's results with second drives: see `generate --repeat-drives` and pipelines/validate.toml
+    /// A run's results with second drives: see `generate --repeat-drives` and pipelines/validate.toml. With --leave-out a folder with
+    /// `drives` of people in the roles of a design and, where they answered, `scores.csv`
     pub run: PathBuf,
     /// Trained model; several of them, of the same training with other seeds, give ranges
-    #[arg(long = "model", required = true)]
+    #[arg(long = "model", required_unless_present = "leave_out")]
     pub models: Vec<PathBuf>,
+    /// Who is left out in turn, the rest being learned from: one person after the other of a study's own recordings
+    #[arg(long, value_name = "people")]
+    pub leave_out: Option<LeaveOut>,
+    /// Design of the study whose roles were driven (TOML); study.toml of the folder one stands in when not given
+    #[arg(long, value_name = "FILE", requires = "leave_out")]
+    pub design: Option<PathBuf>,
+    /// Which tables are computed (TOML), written down before; those that follow from the design's roles when not given
+    #[arg(long, value_name = "FILE", requires = "leave_out")]
+    pub rules: Option<PathBuf>,
+    /// Which part of the rules' tables is opened; `test` opens both
+    #[arg(long, default_value = "development", requires = "leave_out")]
+    pub part: leave_out::Part,
+    /// Which heads learn where people are left out: linear, or paper, which needs a training for each exchange of roles
+    #[arg(long, default_value = "linear", value_name = "linear|paper")]
+    pub heads: HeadsKind,
+    /// How often roles are exchanged within people; the rules' number, else 1000, and none for the paper's networks, when not given
+    #[arg(long, requires = "leave_out")]
+    pub permutations: Option<usize>,
     /// Folder to write into: validation.md, validation.json, one CSV a table
     #[arg(long)]
     pub out: PathBuf,
@@ -64,6 +86,29 @@ pub struct Validate {
     /// The command that makes the same again, for the page; this one when not given
     #[arg(long, value_name = "TEXT")]
     pub command: Option<String>,
+    /// The day on which this runs, for the list of looks; today when not given
+    #[arg(long, hide = true)]
+    pub date: Option<String>,
+    /// The program that runs, for the list of looks; this one when not given
+    #[arg(long, hide = true)]
+    pub program: Option<String>,
+}
+
+/// Who is left out in turn.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
+pub enum LeaveOut {
+    /// One person after the other
+    People,
+}
+
+/// What a validation found, by what it was asked.
+#[derive(Debug, Clone, Serialize)]
+#[serde(untagged)]
+pub enum Checked {
+    /// Of people who drove twice.
+    DroveTwice(Validated),
+    /// Of people who were left out in turn.
+    InTurn(leave_out::InTurn),
 }
 
 /// What was found.
@@ -86,9 +131,21 @@ pub struct Validated {
 impl Stage for Validate {
     const NAME: &'static str = "validate";
     const FAILURE: &'static str = "could not validate";
-    type Result = Validated;
+    type Result = Checked;
 
-    fn files(&self, _root: &Path) -> Result<Files, StudyError> {
+    fn files(&self, root: &Path) -> Result<Files, StudyError> {
+        if self.leave_out.is_some() {
+            let design = self.design.as_deref();
+            return Ok(Files::default()
+                .reads([self.run.join("drives")])
+                .reads_if_there([self.run.join("scores.csv")])
+                .reads_people(root, design, None)
+                .reads_style(DesignFile::below(root, design).as_ref())
+                .reads(&self.rules)
+                .reads(&self.models)
+                .reads(&self.scenario)
+                .writes_into(&self.out, &["validation.md", "validation.json"]));
+        }
         Ok(Files::default()
             .reads([self.run.join("drives"), self.run.join("scores.csv")])
             .reads_if_there([self.run.join("participants.csv")])
@@ -101,9 +158,26 @@ impl Stage for Validate {
         self.command.get_or_insert_with(|| command.to_owned());
     }
 
+    fn run_on(&mut self, date: &str, program: &str) {
+        self.date.get_or_insert_with(|| date.to_owned());
+        self.program.get_or_insert_with(|| program.to_owned());
+    }
+
+    fn work(&self, watch: Watch<'_>) -> Result<Outcome<Checked>, StudyError> {
+        match self.leave_out {
+            Some(LeaveOut::People) => {
+                let found = leave_out::work(self, watch)?;
+                Ok(found.map(Checked::InTurn))
+            }
+            None => Ok(self.drove_twice(watch)?.map(Checked::DroveTwice)),
+        }
+    }
+}
+
+impl Validate {
     /// Examines every model on the people of a run who drove twice; writes `validation.json`, `validation.md` and a
     /// page with figures and tables.
-    fn work(&self, watch: Watch<'_>) -> Result<Outcome<Validated>, StudyError> {
+    fn drove_twice(&self, watch: Watch<'_>) -> Result<Outcome<Validated>, StudyError> {
         if self.models.is_empty() || self.worlds == 0 {
             return Err(StudyError::NotPossible {
                 problem: format!(

@@ -1,0 +1,116 @@
+//! Do standard errors hold? Two drives of one person in one role, each coordinate of the style in units of what both leave open.
+
+use super::{Drove, Styles, driven, people};
+use crate::validation::Known;
+use maveric_domain::ConditionId;
+use nalgebra::{DMatrix, DVector};
+use serde::Serialize;
+
+/// How many coordinates lie within so many standard errors; of so few people there is no verdict.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize)]
+pub struct ErrorShare {
+    /// Pairs of drives.
+    pub pairs: usize,
+    /// Coordinates over them.
+    pub coordinates: usize,
+    /// Coordinates within one standard error; 68.3 % are expected.
+    pub within_1: usize,
+    /// Within two; 95.4 % are expected.
+    pub within_2: usize,
+}
+
+/// Counts over everybody's first two drives in each of the roles; `folds` in the order of [`people`], styles fitted without a score.
+/// With a `prior` N(0, I) in them, a second style is expected where the prior draws the first one to.
+pub fn errors_that_hold(
+    drives: &[Drove],
+    folds: &[Styles],
+    roles: &[ConditionId],
+    prior: bool,
+) -> ErrorShare {
+    let mut share = ErrorShare::default();
+    for (who, styles) in people(drives).iter().zip(folds) {
+        for role in roles {
+            let [first, second, ..] = driven(drives, who, *role)[..] else {
+                continue;
+            };
+            let Some((first, second)) = styles[first].as_ref().zip(styles[second].as_ref()) else {
+                continue;
+            };
+            let ratios = ratios(first, second, prior);
+            share.pairs += usize::from(!ratios.is_empty());
+            share.coordinates += ratios.len();
+            let within = |k: f64| ratios.iter().filter(|r| r.abs() <= k).count();
+            share.within_1 += within(1.0);
+            share.within_2 += within(2.0);
+        }
+    }
+    share
+}
+
+/// Each coordinate's difference over its standard error.
+///
+/// With the prior d = m₂ − (I − V₂) m₁ and C = (I − V₂) V₁ (I − V₂)ᵀ + (I − V₂) V₂; without it d = m₂ − m₁ and C = V₁ + V₂.
+fn ratios(first: &Known, second: &Known, prior: bool) -> Vec<f64> {
+    let d = first.0.len();
+    let matrix = |known: &Known| DMatrix::from_fn(d, d, |i, j| known.1[i][j]);
+    let vector = |known: &Known| DVector::from_column_slice(&known.0);
+    let (v1, v2) = (matrix(first), matrix(second));
+    let (m1, m2) = (vector(first), vector(second));
+    let (difference, covariance) = if prior {
+        let rest = DMatrix::identity(d, d) - &v2;
+        let covariance = &rest * v1 * rest.transpose() + &rest * v2;
+        (m2 - rest * m1, covariance)
+    } else {
+        (m2 - m1, v1 + v2)
+    };
+    let ratio = |j: usize| {
+        let variance = covariance[(j, j)];
+        (variance > 0.0).then(|| difference[j] / variance.sqrt())
+    };
+    (0..d).filter_map(ratio).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{super::testing::*, *};
+
+    #[test]
+    fn a_drive_that_shows_nothing_is_expected_at_the_mean_and_never_missed() {
+        // Nothing seen: the posterior is the prior, so the second mean is 0 whatever the first is.
+        let nothing = (vec![0.0], vec![vec![1.0]]);
+        let sure = (vec![5.0], vec![vec![0.01]]);
+        assert!(
+            ratios(&sure, &nothing, true).is_empty(),
+            "nothing is left open"
+        );
+        let ratio = ratios(&nothing, &sure, true)[0];
+        assert!((ratio - 5.0 / (0.99_f64 * 0.99 + 0.99 * 0.01).sqrt()).abs() < 1e-12);
+        let plain = ratios(&nothing, &sure, false)[0];
+        assert!((plain - 5.0 / 1.01_f64.sqrt()).abs() < 1e-12);
+    }
+
+    #[test]
+    fn coordinates_within_one_and_two_standard_errors_are_counted() {
+        let mut drives = six();
+        for drive in &mut drives {
+            drive.role = "calm".parse().unwrap();
+        }
+        // Differences of 0, .5, …, 2.5 standard errors of √(.5 + .5).
+        let styles: Styles = (0..12)
+            .map(|i| {
+                let mean = if i % 2 == 1 {
+                    0.25 * (i - 1) as f64
+                } else {
+                    0.0
+                };
+                Some((vec![mean], vec![vec![0.5]]))
+            })
+            .collect();
+        let role = drives[0].role;
+        let found = errors_that_hold(&drives, &vec![styles; 6], &[role], false);
+        assert_eq!((found.pairs, found.coordinates), (6, 6));
+        assert_eq!((found.within_1, found.within_2), (3, 5));
+        let none = errors_that_hold(&six(), &vec![vec![None; 12]; 6], &[role], true);
+        assert_eq!(none, ErrorShare::default());
+    }
+}

@@ -1,0 +1,162 @@
+//! How alike are two drives of one person in one role? Within-person spread and ICC(2,1), measure by measure.
+
+use super::{Drove, Line, Uncounted, between_people, order::twice, people};
+use crate::error::RehearsalError;
+use maveric_domain::ConditionId;
+use maveric_stats::{Icc, icc, sd_interval};
+use serde::Serialize;
+
+/// What two drives of a person are compared in.
+#[derive(Debug, Clone)]
+pub struct Repeated<'a> {
+    /// Code name.
+    pub name: &'a str,
+    /// For people.
+    pub title: &'a str,
+    /// Its unit; empty for a number without one.
+    pub unit: &'a str,
+    /// Of each drive.
+    pub values: Vec<Option<f64>>,
+}
+
+/// Two drives of the same people in one role.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Retest {
+    /// The role.
+    pub role: ConditionId,
+    /// Code name of the measure.
+    pub measure: String,
+    /// For people.
+    pub title: String,
+    /// Its unit.
+    pub unit: String,
+    /// People with a value in both drives.
+    pub n: usize,
+    /// √(Σd²/2n); none without people.
+    pub within_sd: Option<f64>,
+    /// Its 95 % interval by χ² with n degrees of freedom; none where all differences are 0.
+    pub within_interval: Option<(f64, f64)>,
+    /// ICC(2,1) with McGraw and Wong's interval; none below two people.
+    pub icc: Option<Icc>,
+}
+
+/// Compares everybody's first two drives in a role: by `measured`, and by the position on the line and the score, each read by the model
+/// that has not met the driver. Positions are put into the spread between the people learned from, so that those of several models mean
+/// the same. Gives also whoever drove only once.
+///
+/// # Errors
+/// [`RehearsalError::Stats`] for a value that is not finite.
+pub fn retest(
+    drives: &[Drove],
+    role: ConditionId,
+    measured: &[Repeated<'_>],
+    lines: &[Option<Line>],
+) -> Result<(Vec<Retest>, Vec<Uncounted>), RehearsalError> {
+    let everybody = people(drives);
+    let mut uncounted = Vec::new();
+    let mut pairs = Vec::new();
+    for (who, person) in everybody.iter().enumerate() {
+        match twice(drives, person, role) {
+            Ok((first, second)) => pairs.push((who, first, second)),
+            Err(why) => uncounted.push(Uncounted {
+                participant: person.clone(),
+                why,
+            }),
+        }
+    }
+    let position = |who: usize, drive: usize| {
+        let line = lines.get(who)?.as_ref()?;
+        let (centre, sd) = between_people(drives, &line.position, &everybody[who])?;
+        Some((line.position[drive]? - centre) / sd)
+    };
+    let score = |who: usize, drive: usize| lines.get(who)?.as_ref()?.score[drive];
+    let mut found = Vec::new();
+    for of in measured {
+        let value = |_: usize, drive: usize| of.values[drive];
+        found.push(compared(role, &pairs, (of.name, of.title, of.unit), value)?);
+    }
+    let names = ("line_position", "Position on the line", "SD");
+    found.push(compared(role, &pairs, names, position)?);
+    let names = ("score", "Score read from the style", "points");
+    found.push(compared(role, &pairs, names, score)?);
+    Ok((found, uncounted))
+}
+
+fn compared(
+    role: ConditionId,
+    pairs: &[(usize, usize, usize)],
+    (name, title, unit): (&str, &str, &str),
+    value: impl Fn(usize, usize) -> Option<f64>,
+) -> Result<Retest, RehearsalError> {
+    let both = pairs
+        .iter()
+        .filter_map(|&(who, first, second)| Some((value(who, first)?, value(who, second)?)));
+    let (first, second): (Vec<Option<f64>>, Vec<Option<f64>>) =
+        both.map(|(a, b)| (Some(a), Some(b))).unzip();
+    let n = first.len();
+    let differences = first.iter().zip(&second);
+    let squares: f64 = differences
+        .filter_map(|(a, b)| Some(((*a)? - (*b)?).powi(2)))
+        .sum();
+    let within_sd = (n > 0).then(|| (squares / (2.0 * n as f64)).sqrt());
+    let columns: [(&str, &[Option<f64>]); 2] = [("first", &first), ("second", &second)];
+    Ok(Retest {
+        role,
+        measure: name.to_owned(),
+        title: title.to_owned(),
+        unit: unit.to_owned(),
+        n,
+        within_interval: within_sd
+            .filter(|sd| *sd > 0.0)
+            .and_then(|sd| sd_interval(sd, n as f64)),
+        within_sd,
+        icc: (n >= 2).then(|| icc(&columns)).transpose()?,
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{super::testing::*, *};
+
+    #[test]
+    fn two_drives_in_a_role_give_a_spread_within_people_and_one_gives_none() {
+        let mut drives = Vec::new();
+        for i in 0..5_u8 {
+            let speed = 25.0 + 2.0 * f64::from(i);
+            let by = if i % 2 == 0 { 0.4 } else { -0.4 };
+            drives.push(drove(&format!("P{i}"), "calm", 20.0, speed, 2.0));
+            drives.push(drove(&format!("P{i}"), "calm", 20.0, speed + by, None));
+        }
+        drives.push(drove("P9", "calm", 20.0, 30.0, 2.0));
+        let role = drives[0].role;
+        let of = |name, value: fn(&Drove) -> Option<f64>| Repeated {
+            name,
+            title: name,
+            unit: "",
+            values: drives.iter().map(value).collect(),
+        };
+        let measured = [of("speed", |d| d.speed_mps), of("gap", |d| d.time_gap_s)];
+        let line = Line {
+            position: drives.iter().map(|d| d.speed_mps).collect(),
+            se: vec![None; drives.len()],
+            score: vec![Some(30.0); drives.len()],
+        };
+        let lines = vec![Some(line); 6];
+        let (found, uncounted) = retest(&drives, role, &measured, &lines).unwrap();
+        let speed = &found[0];
+        assert_eq!((speed.n, uncounted.len()), (5, 1));
+        let sd = speed.within_sd.unwrap();
+        assert!((sd - 0.4 / 2.0_f64.sqrt()).abs() < 1e-12);
+        let (low, high) = speed.within_interval.unwrap();
+        assert!(low < sd && sd < high);
+        assert!(speed.icc.as_ref().unwrap().icc.unwrap() > 0.9);
+        let gap = &found[1];
+        assert_eq!((gap.n, gap.within_sd), (0, None));
+        assert!(gap.icc.is_none());
+        let (position, score) = (&found[2], &found[3]);
+        assert!(position.n == 5 && position.icc.as_ref().unwrap().icc.unwrap() > 0.9);
+        // Everybody at one score: a spread of 0, without an interval, and no correlation.
+        assert_eq!((score.within_sd, score.within_interval), (Some(0.0), None));
+        assert_eq!(score.icc.as_ref().unwrap().icc, None);
+    }
+}

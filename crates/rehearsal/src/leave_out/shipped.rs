@@ -1,0 +1,124 @@
+//! What a model that was learned elsewhere says of people, and whether it says that it has met nobody like them.
+
+use crate::error::RehearsalError;
+use maveric_domain::ParticipantId;
+use maveric_stats::{Proportion, proportion_exact};
+use serde::Serialize;
+
+/// One person's two drives, as the model reads them.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct ShippedPerson {
+    /// Who.
+    pub participant: ParticipantId,
+    /// On its line, the drive in the higher role less the ordinary one; none where one of them shows nothing.
+    pub line: Option<f64>,
+    /// Whether the ordinary drive is beyond what the model has met; none where it cannot say.
+    pub ordinary_beyond: Option<bool>,
+    /// Whether the other one is.
+    pub higher_beyond: Option<bool>,
+}
+
+impl ShippedPerson {
+    /// Whether one of the two drives is beyond; none where neither is known to be and one is not known.
+    fn beyond(&self) -> Option<bool> {
+        match (self.ordinary_beyond, self.higher_beyond) {
+            (Some(true), _) | (_, Some(true)) => Some(true),
+            (Some(false), Some(false)) => Some(false),
+            _ => None,
+        }
+    }
+}
+
+/// How often it is right, and how often it says that it cannot know.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Shipped {
+    /// People with both drives on the line.
+    pub n: usize,
+    /// The higher drive is above, and neither is beyond.
+    pub right_within: usize,
+    /// The higher drive is above, and one of them is beyond.
+    pub right_beyond: usize,
+    /// The higher drive is not above, and neither is beyond: wrong, and nothing was said.
+    pub wrong_within: usize,
+    /// The higher drive is not above, and one of them is beyond.
+    pub wrong_beyond: usize,
+    /// People of whom the model cannot say whether they are beyond.
+    pub unknown: usize,
+    /// Ordinary drives of which it can say.
+    pub ordinary: usize,
+    /// Those among them that are beyond.
+    pub ordinary_beyond: usize,
+    /// Their share, with Clopper and Pearson's interval; none without such drives.
+    pub share: Option<Proportion>,
+    /// Person by person.
+    pub people: Vec<ShippedPerson>,
+}
+
+/// Counts people by whether they are read right and whether they are beyond.
+///
+/// # Errors
+/// [`RehearsalError::Stats`] where an interval has no ends.
+pub fn shipped(people: Vec<ShippedPerson>) -> Result<Shipped, RehearsalError> {
+    let count = |right: bool, beyond: Option<bool>| {
+        let of = |p: &&ShippedPerson| {
+            p.line.is_some_and(|line| (line > 0.0) == right) && p.beyond() == beyond
+        };
+        people.iter().filter(of).count()
+    };
+    let said: Vec<bool> = people.iter().filter_map(|p| p.ordinary_beyond).collect();
+    let ordinary_beyond = said.iter().filter(|beyond| **beyond).count();
+    let share = (!said.is_empty())
+        .then(|| proportion_exact(ordinary_beyond, said.len(), 0.95))
+        .transpose()?;
+    Ok(Shipped {
+        n: people.iter().filter(|p| p.line.is_some()).count(),
+        right_within: count(true, Some(false)),
+        right_beyond: count(true, Some(true)),
+        wrong_within: count(false, Some(false)),
+        wrong_beyond: count(false, Some(true)),
+        unknown: count(true, None) + count(false, None),
+        ordinary: said.len(),
+        ordinary_beyond,
+        share,
+        people,
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn people_are_counted_by_whether_they_are_read_right_and_whether_the_model_warns() {
+        let person =
+            |line: Option<f64>, ordinary: Option<bool>, higher: Option<bool>| ShippedPerson {
+                participant: ParticipantId::new("P").unwrap(),
+                line,
+                ordinary_beyond: ordinary,
+                higher_beyond: higher,
+            };
+        let (yes, no) = (Some(true), Some(false));
+        let found = shipped(vec![
+            person(Some(0.5), no, no),
+            person(Some(0.5), no, yes),
+            person(Some(-0.5), yes, None),
+            person(Some(0.0), no, no),
+            person(Some(0.2), no, None),
+            person(None, yes, yes),
+        ])
+        .unwrap();
+        assert_eq!(
+            (
+                found.n,
+                found.right_within,
+                found.right_beyond,
+                found.unknown
+            ),
+            (5, 1, 1, 1)
+        );
+        assert_eq!((found.wrong_within, found.wrong_beyond), (1, 1));
+        assert_eq!((found.ordinary, found.ordinary_beyond), (6, 2));
+        let none = shipped(Vec::new()).unwrap();
+        assert_eq!((none.n, none.share), (0, None));
+    }
+}

@@ -1,0 +1,65 @@
+//! What a model that was learned elsewhere says of these people.
+
+use super::{Bench, folds::first_in, recordings::Recorded, role_of};
+use crate::{
+    error::StudyError,
+    outcome::{Watch, for_each_on},
+    run_folder::read_model,
+};
+use maveric_domain::AdbScore;
+use maveric_model::{ModelError, Personalized, personalize, style_space::LinearHead};
+use maveric_rehearsal::leave_out::{Drove, Shipped, ShippedPerson, people, shipped};
+
+/// Reads everybody's drive in the higher role and in the ordinary one by the model that was given; none where none was.
+pub(super) fn said_of(
+    bench: &Bench<'_>,
+    rows: &[&Recorded],
+    drove: &[Drove],
+    watch: Watch<'_>,
+) -> Result<Option<Shipped>, StudyError> {
+    let Some(path) = bench.options.models.first() else {
+        return Ok(None);
+    };
+    let model = read_model(path)?;
+    let axis = LinearHead::aggression(&model)?;
+    let fitted = for_each_on(
+        bench.options.jobs,
+        rows,
+        watch,
+        "styles",
+        |row| match personalize(&model, &row.drive, None) {
+            Ok(known) => Ok((known.readings > 0).then_some(known)),
+            Err(ModelError::DriveTooShort { .. }) => Ok(None),
+            Err(other) => Err(other.into()),
+        },
+    )?;
+    let (ordinary, higher) = (
+        role_of(bench.table.lower.first().copied())?,
+        role_of(bench.table.higher)?,
+    );
+    let mut found = Vec::new();
+    for who in people(drove) {
+        let known = |role| -> Option<&Personalized> {
+            let place = first_in(drove, &who, role)?;
+            fitted[place].as_ref()
+        };
+        let position = |role| {
+            let position = known(role).map(|k| axis.position(&k.embedding));
+            position.transpose()
+        };
+        let (of_ordinary, of_higher) = (position(ordinary)?, position(higher)?);
+        found.push(ShippedPerson {
+            line: of_higher.zip(of_ordinary).map(|(h, o)| h - o),
+            ordinary_beyond: known(ordinary).and_then(beyond),
+            higher_beyond: known(higher).and_then(beyond),
+            participant: who,
+        });
+    }
+    Ok(Some(shipped(found)?))
+}
+
+/// Whether a drive is beyond what the model has met: it reads as a score that the scale does not have.
+fn beyond(known: &Personalized) -> Option<bool> {
+    let scale = AdbScore::MIN..=AdbScore::MAX;
+    known.aggression_hat.map(|points| !scale.contains(&points))
+}

@@ -1,0 +1,428 @@
+//! `validate --leave-out people`: a study's own recordings, learned in turn from everybody but one.
+
+mod direction;
+mod elsewhere;
+mod folds;
+mod looks;
+mod page;
+mod recordings;
+mod rules;
+mod tables;
+#[cfg(test)]
+mod tests;
+
+pub use rules::{Asks, Part, Rules, Table};
+
+use super::Validate;
+use crate::{
+    atomic_write::{atomic_write_bytes, write_json},
+    design::DesignFile,
+    error::StudyError,
+    outcome::{Outcome, Watch},
+    stages::report::write_page,
+    style_scale::StyleScale,
+};
+use folds::{Fold, Learning, styles};
+use looks::Look;
+use maveric_analysis::Finding;
+use maveric_domain::DrivenBy;
+use maveric_measures::objective;
+use maveric_model::{HeadsKind, TrainSettings};
+use maveric_rehearsal::{
+    findings,
+    leave_out::{
+        Asked, Direction, Drove, ErrorShare, Order, Repeated, Retest, Shipped, Uncounted, Whose,
+        errors_that_hold, order, people, retest, whose,
+    },
+};
+use path_slash::PathExt as _;
+use recordings::{Recorded, Recordings};
+use serde::Serialize;
+
+/// Fewest people that can be left out in turn: two are learned from.
+const FEWEST_PEOPLE: usize = 3;
+
+/// What was found of people who were left out in turn.
+#[derive(Debug, Clone, Serialize)]
+pub struct InTurn {
+    /// Whether the drivers are made up.
+    pub synthetic: bool,
+    /// Which heads were learned.
+    pub heads: HeadsKind,
+    /// What was computed.
+    pub rules: Rules,
+    /// Hash of the file of rules; none where they follow from the roles.
+    pub rules_hash: Option<String>,
+    /// Which part was opened.
+    pub part: Part,
+    /// People with a drive in a role.
+    pub people: usize,
+    /// Their drives.
+    pub drives: usize,
+    /// The tables, in the order of the rules.
+    pub tables: Vec<Answered>,
+    /// Who looked at what before, and now.
+    pub looks: Vec<Look>,
+    /// What became of the questions, over all tables that were opened and had not been seen before.
+    pub findings: Vec<Finding>,
+}
+
+impl InTurn {
+    /// How many people a table is about.
+    fn people_of(&self, rule: &Table) -> usize {
+        if rule.people.is_empty() {
+            self.people
+        } else {
+            rule.people.len()
+        }
+    }
+}
+
+/// A table with its answer.
+#[derive(Debug, Clone, Serialize)]
+pub struct Answered {
+    /// Its id.
+    pub id: String,
+    /// What was found; none where it was not opened.
+    pub answer: Option<Answer>,
+    /// Why there is none.
+    pub unanswered: Option<String>,
+}
+
+/// What a table says.
+#[derive(Debug, Clone, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Answer {
+    /// An order.
+    Order(Order),
+    /// Whose drive it is.
+    Identity(Vec<Whose>),
+    /// How alike two drives are.
+    Retest {
+        /// Measure by measure.
+        measures: Vec<Retest>,
+        /// Whoever drove only once.
+        uncounted: Vec<Uncounted>,
+    },
+    /// Which share of standard errors holds.
+    Errors(ErrorShare),
+    /// Where the dial points.
+    Direction {
+        /// Beside what.
+        found: Direction,
+        /// Whoever lacks a drive.
+        uncounted: Vec<Uncounted>,
+    },
+    /// What a model says that was learned elsewhere.
+    Shipped(Shipped),
+}
+
+impl Answer {
+    /// Whoever it cannot count.
+    fn uncounted(&self) -> Vec<&Uncounted> {
+        match self {
+            Self::Order(order) => order.uncounted.iter().collect(),
+            Self::Identity(rows) => rows.iter().flat_map(|row| &row.uncounted).collect(),
+            Self::Retest { uncounted, .. } | Self::Direction { uncounted, .. } => {
+                uncounted.iter().collect()
+            }
+            Self::Errors(_) | Self::Shipped(_) => Vec::new(),
+        }
+    }
+}
+
+/// What became of the questions of these answers; of a question that no table asks there is none.
+fn findings_of(answers: &[&Answer]) -> Vec<Finding> {
+    let orders: Vec<&Order> = answers
+        .iter()
+        .filter_map(|answer| match answer {
+            Answer::Order(order) => Some(order),
+            _ => None,
+        })
+        .collect();
+    let whose = answers.iter().filter_map(|answer| match answer {
+        Answer::Identity(rows) => Some(rows),
+        _ => None,
+    });
+    let directions: Vec<&Direction> = answers
+        .iter()
+        .filter_map(|answer| match answer {
+            Answer::Direction { found, .. } => Some(found),
+            _ => None,
+        })
+        .collect();
+    let all = [
+        findings::ordered(&orders),
+        findings::beyond_speed(&orders),
+        findings::recognised_unmet(whose.flatten()),
+        findings::pointed(&directions),
+    ];
+    all.into_iter().filter(|f| !f.parts.is_empty()).collect()
+}
+
+/// Leaves people out in turn; writes `validation.json`, `validation.md` and a page with the tables.
+pub(super) fn work(options: &Validate, watch: Watch<'_>) -> Result<Outcome<InTurn>, StudyError> {
+    let study = DesignFile::find(options.design.as_deref())?;
+    let scale = StyleScale::of(&study)?;
+    let mut warnings = Vec::new();
+    let all = recordings::read(&study, &options.run, scale, &mut warnings)?;
+    let (rules, rules_hash) = match &options.rules {
+        Some(path) => {
+            let (rules, hash) = Rules::read(path)?;
+            (rules, Some(hash))
+        }
+        None => (Rules::of_roles(study.design.title(), &all.drove())?, None),
+    };
+    let looks = match options.rules.as_ref().zip(rules_hash.as_ref()) {
+        Some((path, hash)) => looks::look(path, hash, &rules, options, &all)?,
+        None => Vec::new(),
+    };
+    let settings = TrainSettings {
+        heads: options.heads,
+        ..TrainSettings::default()
+    };
+    let mut tables = Vec::new();
+    for table in &rules.tables {
+        watch.check()?;
+        let bench = Bench {
+            options,
+            rules: &rules,
+            table,
+            all: &all,
+            settings: &settings,
+            scale,
+        };
+        let answered = bench.answered(watch)?;
+        warnings.extend(
+            answered
+                .unanswered
+                .iter()
+                .map(|why| format!("{}: {why}", table.id)),
+        );
+        for uncounted in answered.answer.iter().flat_map(Answer::uncounted) {
+            warnings.push(format!(
+                "{}: {} is not counted: {}",
+                table.id, uncounted.participant, uncounted.why
+            ));
+        }
+        tables.push(answered);
+    }
+    warnings.dedup();
+    let with_rule = tables.iter().zip(&rules.tables);
+    let judged = with_rule.filter(|(_, rule)| !rule.seen);
+    let judged: Vec<&Answer> = judged.filter_map(|(t, _)| t.answer.as_ref()).collect();
+    let value = InTurn {
+        findings: findings_of(&judged),
+        synthetic: all
+            .rows
+            .iter()
+            .any(|r| r.drive.meta().driven_by == DrivenBy::Synthetic),
+        heads: options.heads,
+        rules_hash,
+        part: options.part,
+        people: people(&all.drove()).len(),
+        drives: all.rows.len(),
+        tables,
+        looks,
+        rules,
+    };
+    let printed = tables::tables(&value, &study.design)?;
+    let markdown: Vec<String> = printed
+        .iter()
+        .flat_map(|(_, tables)| {
+            tables
+                .iter()
+                .map(maveric_report::tables::Table::to_markdown)
+        })
+        .collect();
+    let text = markdown.join("\n");
+    atomic_write_bytes(&options.out.join("validation.md"), text.as_bytes())?;
+    write_json(&options.out.join("validation.json"), &value)?;
+    let page = write_page(
+        &options.out,
+        &page::page(&value, options, &study.design, printed, &warnings)?,
+    )?;
+    let mut summary: Vec<String> = text.lines().map(str::to_owned).collect();
+    summary.push(format!(
+        "{} people, {} drives, each person left out in turn: {}",
+        value.people,
+        value.drives,
+        page.to_slash_lossy()
+    ));
+    Ok(Outcome {
+        value,
+        summary,
+        warnings,
+    })
+}
+
+/// One table and what it is answered with.
+struct Bench<'a> {
+    options: &'a Validate,
+    rules: &'a Rules,
+    table: &'a Table,
+    all: &'a Recordings,
+    settings: &'a TrainSettings,
+    scale: StyleScale,
+}
+
+impl Bench<'_> {
+    fn answered(&self, watch: Watch<'_>) -> Result<Answered, StudyError> {
+        let answer = self.answer(watch)?;
+        let (answer, unanswered) = match answer {
+            Ok(answer) => (Some(answer), None),
+            Err(why) => (None, Some(why)),
+        };
+        Ok(Answered {
+            id: self.table.id.clone(),
+            answer,
+            unanswered,
+        })
+    }
+
+    /// The answer, or why there is none.
+    fn answer(&self, watch: Watch<'_>) -> Result<Result<Answer, String>, StudyError> {
+        let table = self.table;
+        if table.part == Part::Test && self.options.part != Part::Test {
+            return Ok(Err("the test part is not opened".to_owned()));
+        }
+        let rows = self.all.of(table);
+        let mut drove: Vec<Drove> = rows.iter().map(|r| r.drove.clone()).collect();
+        for (row, drove) in rows.iter().zip(&mut drove) {
+            let label = row.drive.meta().condition;
+            // Only what is learned from has points.
+            if !table.learn.contains(&label) {
+                drove.points = None;
+            }
+            // An order may be of the second drive in a role; whose a drive is, is asked of the role.
+            if matches!(table.asks, Asks::Order | Asks::Direction | Asks::Shipped) {
+                drove.role = label;
+            }
+        }
+        let everybody = people(&drove);
+        if everybody.len() < FEWEST_PEOPLE {
+            return Ok(Err(format!(
+                "{} people drove in its roles, expected at least {FEWEST_PEOPLE}",
+                everybody.len()
+            )));
+        }
+        for role in [table.higher, table.among, table.sought, table.role]
+            .into_iter()
+            .flatten()
+            .chain(table.lower.iter().copied())
+        {
+            if !drove.iter().any(|d| d.role == role) {
+                return Ok(Err(format!("nobody drove in the role `{role}`")));
+            }
+        }
+        if table.asks == Asks::Shipped {
+            let said = elsewhere::said_of(self, &rows, &drove, watch)?;
+            return Ok(said
+                .map(Answer::Shipped)
+                .ok_or_else(|| "no --model was given".to_owned()));
+        }
+        let learning = Learning {
+            drives: rows.iter().map(|r| &r.drive).collect(),
+            drove,
+            learn: &table.learn,
+            settings: self.settings,
+            scale: self.scale,
+            seed: self.options.seed,
+            jobs: self.options.jobs,
+            watch,
+        };
+        let points: Vec<Option<f64>> = learning.drove.iter().map(|d| d.points).collect();
+        let folds = learning.folds(&points)?;
+        Ok(match table.asks {
+            Asks::Order => Ok(Answer::Order(self.order(&learning, &folds, watch)?)),
+            Asks::Identity => {
+                let (among, sought) = (table.among, table.sought);
+                let (among, sought) = (role_of(among)?, role_of(sought)?);
+                let found = whose(&learning.drove, &styles(&folds), among, sought)?;
+                Ok(Answer::Identity(found))
+            }
+            Asks::Retest => {
+                let lines = learning.lines(&folds, &points)?;
+                let measured = measured(&rows);
+                let role = role_of(table.role)?;
+                let (measures, uncounted) = retest(&learning.drove, role, &measured, &lines)?;
+                Ok(Answer::Retest {
+                    measures,
+                    uncounted,
+                })
+            }
+            Asks::Errors => {
+                let prior = self.settings.heads == HeadsKind::Linear;
+                let roles = [role_of(table.role)?];
+                let found = errors_that_hold(&learning.drove, &styles(&folds), &roles, prior);
+                Ok(Answer::Errors(found))
+            }
+            Asks::Direction => {
+                let (found, uncounted) =
+                    direction::pointing(self, &learning, &folds, &rows, watch)?;
+                Ok(Answer::Direction { found, uncounted })
+            }
+            // Answered above, from no fold.
+            Asks::Shipped => Err("no --model was given".to_owned()),
+        })
+    }
+
+    fn order(
+        &self,
+        learning: &Learning<'_>,
+        folds: &[Fold],
+        watch: Watch<'_>,
+    ) -> Result<Order, StudyError> {
+        let asked = Asked {
+            higher: role_of(self.table.higher)?,
+            lower: self.table.lower.clone(),
+        };
+        let wanted = self.options.permutations;
+        // Networks see the score: each exchange of roles learns all of them again, which has to be asked for.
+        let permutations = wanted.unwrap_or(match self.settings.heads {
+            HeadsKind::Linear => self.rules.permutations,
+            HeadsKind::Paper => 0,
+        });
+        let mut done = 0;
+        let mut read = |points: &[Option<f64>]| {
+            watch.step(done.min(permutations), permutations, "exchanged roles")?;
+            done += 1;
+            learning.lines(folds, points)
+        };
+        order(
+            &learning.drove,
+            &asked,
+            permutations,
+            self.options.seed,
+            &mut read,
+        )
+    }
+}
+
+/// A role that the rules were checked to name.
+fn role_of(
+    role: Option<maveric_domain::ConditionId>,
+) -> Result<maveric_domain::ConditionId, StudyError> {
+    role.ok_or_else(|| StudyError::NotPossible {
+        problem: "a table without the role that it asks about".to_owned(),
+        help: None,
+    })
+}
+
+/// What two drives are compared in: every measure, and the time gap over the whole drive.
+fn measured(rows: &[&Recorded]) -> Vec<Repeated<'static>> {
+    let of = |m: &'static objective::Measure| Repeated {
+        name: m.name,
+        title: m.title,
+        unit: m.unit,
+        values: rows.iter().map(|r| m.of(&r.drive)).collect(),
+    };
+    let mut measured: Vec<Repeated<'static>> = objective::all().iter().map(of).collect();
+    measured.push(Repeated {
+        name: "median_time_gap_s",
+        title: "Median time gap",
+        unit: "s",
+        values: rows.iter().map(|r| r.drove.time_gap_s).collect(),
+    });
+    measured
+}

@@ -1,0 +1,109 @@
+//! The page of people who were left out in turn.
+
+use super::{Answer, InTurn, looks::Look, tables::intro};
+use crate::{
+    error::StudyError,
+    stages::{
+        report::{hashed, page_of},
+        validate::Validate,
+    },
+};
+use maveric_domain::Design;
+use maveric_pages::cards::in_turn::{self, text};
+use maveric_report::{
+    Context, Report,
+    html::{Provenance, Section},
+    tables::Table,
+};
+use minijinja::context;
+
+pub(super) fn page(
+    found: &InTurn,
+    options: &Validate,
+    design: &Design,
+    tables: Vec<(String, Vec<Table>)>,
+    warnings: &[String],
+) -> Result<Report, StudyError> {
+    let context = Context::of(found.synthetic, options.seed);
+    let values = context! {
+        title => found.rules.title.clone(),
+        given => options.rules.is_some(),
+        preface => context.preface(),
+        people => found.people,
+        drives => found.drives,
+        heads => found.heads.to_string(),
+        source => found.rules.source.clone(),
+        order_of_drives => found.rules.order_of_drives.clone(),
+    };
+    let title = text("page", "title", &values)?;
+    let new = page_of(
+        (&title, text("page", "subtitle", &values)?),
+        &context,
+        text("page", "method", &values)?,
+        (options.seed, options.command.as_deref().unwrap_or_default()),
+    );
+    let judged = found.tables.iter().zip(&found.rules.tables);
+    let judged = || judged.clone().filter(|(_, rule)| !rule.seen);
+    let orders = judged().filter_map(|(t, _)| match &t.answer {
+        Some(Answer::Order(order)) => Some((t.id.as_str(), order)),
+        _ => None,
+    });
+    let identity = judged().filter_map(|(t, _)| match &t.answer {
+        Some(Answer::Identity(rows)) => Some((t.id.as_str(), rows.as_slice())),
+        _ => None,
+    });
+    let directions = judged().filter_map(|(t, _)| match &t.answer {
+        Some(Answer::Direction { found, .. }) => Some((t.id.as_str(), found)),
+        _ => None,
+    });
+    let cards = in_turn::InTurn {
+        orders: orders.collect(),
+        identity: identity.collect(),
+        directions: directions.collect(),
+        label: &|role| design.label(role),
+    };
+    let mut sections = Vec::new();
+    for ((id, tables), (answered, rule)) in tables
+        .into_iter()
+        .zip(found.tables.iter().zip(&found.rules.tables))
+    {
+        sections.push(Section {
+            title: maveric_pages::words::capital(&id.replace(['-', '_'], " ")),
+            intro: intro(answered, rule)?,
+            figures: Vec::new(),
+            tables,
+        });
+    }
+    if !found.looks.is_empty() {
+        sections.push(Section {
+            title: text("page", "looks", &values)?,
+            intro: vec![text("page", "looks_intro", &values)?],
+            figures: Vec::new(),
+            tables: vec![looked(&found.looks, text("page", "looks", &values)?)],
+        });
+    }
+    Ok(Report {
+        cards: cards.cards(&found.findings)?,
+        sections,
+        warnings: warnings.to_vec(),
+        provenance: Provenance {
+            inputs: hashed(options.rules.iter().chain(&options.models).cloned())?,
+            ..new.provenance
+        },
+        ..new
+    })
+}
+
+fn looked(looks: &[Look], title: String) -> Table {
+    Table::of("in-turn-looks", title, looks)
+        .text("Date", |l| l.date.as_str())
+        .text("Program", |l| l.program.as_str())
+        .text("Rules", |l| l.rules.chars().take(12).collect::<String>())
+        .text("Part", |l| match l.part {
+            super::Part::Development => "development",
+            super::Part::Test => "test",
+        })
+        .text("People", |l| l.people.as_str())
+        .text("Roles", |l| l.roles.as_str())
+        .done()
+}

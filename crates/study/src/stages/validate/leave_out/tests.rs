@@ -1,0 +1,295 @@
+use super::*;
+use crate::{
+    stages::validate::{Checked, LeaveOut},
+    tables::drives::write_drive,
+};
+use maveric_domain::{Drive, DriveId, DriveMeta, LatentTraits, ParticipantId, Seconds};
+use maveric_simulator::{Driver, DriverParams, Scenario, rollout};
+use std::{path::Path, sync::OnceLock, sync::atomic::AtomicBool};
+
+const DESIGN: &str = r#"
+[study]
+title = "Calm and sporty"
+[style]
+score = "adb.total"
+range = [11, 55]
+[[role]]
+id = "calm"
+score = 20
+[[role]]
+id = "sporty"
+score = 45
+[[role]]
+id = "calm-again"
+repeats = "calm"
+[[role]]
+id = "asleep"
+score = 15
+"#;
+
+fn drive(who: usize, role: &str, aggressiveness: f64, seed: u64) -> Drive {
+    let scenario = Scenario::paper().with_duration(Seconds(150.0)).unwrap();
+    let traits = LatentTraits {
+        aggressiveness,
+        spacing: 0.3 * (who as f64 - 2.0),
+        ..LatentTraits::default()
+    };
+    let person = DriverParams::draw(&traits, who as u64, seed);
+    let driven = rollout(&scenario, Driver::Human(&person), seed).unwrap();
+    let meta = DriveMeta {
+        drive: DriveId::new(format!("P{who}-{role}")).unwrap(),
+        participant: ParticipantId::new(format!("P{who}")).unwrap(),
+        condition: role.parse().unwrap(),
+        driven_by: DrivenBy::Synthetic,
+    };
+    Drive::from_recording(meta, &driven.recording).unwrap()
+}
+
+/// Six people, calm, sporty and calm again, made once for all tests.
+fn drives() -> &'static [Drive] {
+    static DRIVES: OnceLock<Vec<Drive>> = OnceLock::new();
+    DRIVES.get_or_init(|| {
+        let of = |who: usize| {
+            let seed = 10 * who as u64;
+            [
+                drive(who, "calm", -1.5, seed),
+                drive(who, "sporty", 1.5, seed + 1),
+                drive(who, "calm-again", -1.5, seed + 2),
+            ]
+        };
+        (0..6).flat_map(of).collect()
+    })
+}
+
+fn options(folder: &Path) -> Validate {
+    Validate {
+        run: folder.to_owned(),
+        models: Vec::new(),
+        leave_out: Some(LeaveOut::People),
+        design: Some(folder.join("study.toml")),
+        rules: None,
+        part: Part::Development,
+        heads: HeadsKind::Linear,
+        permutations: Some(20),
+        out: folder.join("out"),
+        scenario: None,
+        duration_s: Some(60.0),
+        points: 15.0,
+        worlds: 1,
+        seed: 1,
+        jobs: 2,
+        command: None,
+        date: Some("2026-01-02".to_owned()),
+        program: Some("1.0".to_owned()),
+    }
+}
+
+fn study<'a>(drives: impl IntoIterator<Item = &'a Drive>) -> tempfile::TempDir {
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::write(folder.path().join("study.toml"), DESIGN).unwrap();
+    for drive in drives {
+        write_drive(&folder.path().join("drives"), drive).unwrap();
+    }
+    folder
+}
+
+fn run(options: &Validate) -> Result<Outcome<InTurn>, StudyError> {
+    let cancel = AtomicBool::new(false);
+    let progress = |_: usize, _: usize, _: &str| {};
+    let outcome = crate::Stage::run(options, Watch::new(&progress, &cancel))?;
+    Ok(outcome.map(|value| match value {
+        Checked::InTurn(found) => found,
+        Checked::DroveTwice(_) => panic!("nobody was asked to drive twice"),
+    }))
+}
+
+#[test]
+fn six_people_told_to_drive_differently_are_placed_recognised_and_repeated_whatever_the_threads() {
+    let folder = study(drives());
+    let mut options = options(folder.path());
+    let found = run(&options).unwrap().value;
+    let ids: Vec<&str> = found.tables.iter().map(|t| t.id.as_str()).collect();
+    assert_eq!(
+        ids,
+        ["order", "identity-calm", "retest-calm", "errors-calm"]
+    );
+    let Some(Answer::Order(order)) = &found.tables[0].answer else {
+        panic!("{:?}", found.tables[0]);
+    };
+    let line = order.by(maveric_rehearsal::leave_out::By::Line).unwrap();
+    assert_eq!(line.n, 6);
+    assert!(line.right >= 5, "{order:?}");
+    assert!(line.p.unwrap() < 0.2 && order.permutations == 20);
+    let Some(Answer::Retest { measures, .. }) = &found.tables[2].answer else {
+        panic!("{:?}", found.tables[2]);
+    };
+    assert!(measures.iter().all(|m| m.n <= 6) && measures[0].icc.is_some());
+    let Some(Answer::Errors(errors)) = &found.tables[3].answer else {
+        panic!("{:?}", found.tables[3]);
+    };
+    assert_eq!((errors.pairs, errors.coordinates), (6, 18));
+    let questions: Vec<String> = found
+        .findings
+        .iter()
+        .map(|f| f.question.to_string())
+        .collect();
+    assert_eq!(questions, ["order", "beyond-speed", "recognised"]);
+    let read = |name: &str| std::fs::read_to_string(options.out.join(name)).unwrap();
+    let (json, page) = (read("validation.json"), read("index.html"));
+    assert!(!json.contains("NaN") && !page.contains("NaN"));
+    assert!(page.contains("calm") && page.contains("Synthetic"));
+    options.jobs = 1;
+    options.out = folder.path().join("again");
+    run(&options).unwrap();
+    let again = std::fs::read_to_string(options.out.join("validation.json")).unwrap();
+    assert!(again == json, "the same bytes on one thread");
+}
+
+#[test]
+fn whoever_drove_once_and_a_drive_that_shows_nothing_are_named_and_left_out_of_what_needs_them() {
+    // P5 has no sporty drive, and P4 stood still in it.
+    let mut kept: Vec<Drive> = drives().to_vec();
+    kept.retain(|d| d.meta().drive.as_str() != "P5-sporty");
+    let standing = kept
+        .iter_mut()
+        .find(|d| d.meta().drive.as_str() == "P4-sporty")
+        .unwrap();
+    *standing = standing.slice(0, 30).unwrap();
+    let folder = study(&kept);
+    let outcome = run(&options(folder.path())).unwrap();
+    let Some(Answer::Order(order)) = &outcome.value.tables[0].answer else {
+        panic!();
+    };
+    assert!(order.by(maveric_rehearsal::leave_out::By::Line).unwrap().n <= 5);
+    let said = outcome.warnings.join("\n");
+    assert!(
+        said.contains("P5 is not counted: no drive in the role `sporty`"),
+        "{said}"
+    );
+    assert!(said.contains("P4-sporty"), "{said}");
+}
+
+#[test]
+fn too_few_people_and_roles_that_nobody_drove_are_said_and_their_tables_stay_empty() {
+    let folder = study(&drives()[..6]);
+    let found = run(&options(folder.path())).unwrap();
+    let why = found.value.tables[0].unanswered.as_ref().unwrap();
+    assert!(
+        why.contains("2 people") && why.contains("at least 3"),
+        "{why}"
+    );
+    assert!(found.value.findings.is_empty());
+    let calm = drives()
+        .iter()
+        .filter(|d| d.meta().condition.as_str() == "calm");
+    let said = run(&options(study(calm).path())).unwrap_err();
+    assert!(said.to_string().contains("no two roles"), "{said}");
+    let folder = study([]);
+    std::fs::create_dir_all(folder.path().join("drives")).unwrap();
+    assert!(
+        run(&options(folder.path()))
+            .unwrap_err()
+            .to_string()
+            .contains("holds no drives")
+    );
+}
+
+#[test]
+fn rules_open_the_test_part_only_when_asked_and_each_look_is_noted_once() {
+    let folder = study(drives());
+    let mut options = options(folder.path());
+    let rules = folder.path().join("lab_rules.toml");
+    let table = |id: &str, part: &str, higher: &str| {
+        format!(
+            "[[table]]\nid = \"{id}\"\nasks = \"order\"\npart = \"{part}\"\nseen = {}\nlearn = [\"calm\", \"sporty\"]\nhigher = \"{higher}\"\nlower = [\"calm\"]\n",
+            part == "development"
+        )
+    };
+    let text = format!(
+        "title = \"Lab\"\npermutations = 10\n{}{}{}",
+        table("seen", "development", "sporty"),
+        table("unseen", "test", "sporty"),
+        table("nobody", "test", "asleep")
+    );
+    std::fs::write(&rules, text).unwrap();
+    options.rules = Some(rules);
+    options.permutations = None;
+    let first = run(&options).unwrap().value;
+    let unanswered = |found: &InTurn| -> Vec<String> {
+        let why = found.tables.iter().filter_map(|t| t.unanswered.clone());
+        why.collect()
+    };
+    assert_eq!(unanswered(&first), ["the test part is not opened"; 2]);
+    assert!(
+        first.findings.is_empty(),
+        "no verdict rests on what was seen"
+    );
+    run(&options).unwrap();
+    options.part = Part::Test;
+    let opened = run(&options).unwrap().value;
+    assert_eq!(unanswered(&opened), ["nobody drove in the role `asleep`"]);
+    assert_eq!(opened.findings.len(), 2);
+    let looks = std::fs::read_to_string(folder.path().join("lab_looks.csv")).unwrap();
+    assert_eq!(looks.lines().count(), 3, "{looks}");
+    assert!(looks.contains("2026-01-02") && looks.contains("P0 P1 P2 P3 P4 P5"));
+    assert_eq!(opened.looks.len(), 2);
+}
+
+#[test]
+fn the_dial_is_driven_beside_directions_and_a_model_from_elsewhere_is_asked_what_it_says() {
+    let folder = study(drives());
+    let mut options = options(folder.path());
+    let given: Vec<maveric_model::TrainingDrive<'_>> = drives()
+        .iter()
+        .map(|drive| maveric_model::TrainingDrive {
+            drive,
+            adb: maveric_domain::AdbScore::new(if drive.meta().condition.as_str() == "sporty" {
+                45.0
+            } else {
+                20.0
+            })
+            .ok(),
+        })
+        .collect();
+    let mut observe = |_: &maveric_model::EpochReport| std::ops::ControlFlow::Continue(());
+    let trained = maveric_model::train(&given, &TrainSettings::default(), 1, &mut observe).unwrap();
+    let model = folder.path().join("elsewhere.maveric");
+    let bytes = maveric_model::model_file::to_bytes(&trained.model).unwrap();
+    std::fs::write(&model, bytes).unwrap();
+    let rules = folder.path().join("rules.toml");
+    let roles = "learn = [\"calm\", \"sporty\"]\nhigher = \"sporty\"\nlower = [\"calm\"]\n";
+    let text = format!(
+        "title = \"Lab\"\n[[table]]\nid = \"way\"\nasks = \"direction\"\njudged = [\"P0\", \"P1\"]\npoints = 15\ndirections = 50\n{roles}[[table]]\nid = \"said\"\nasks = \"shipped\"\n{roles}"
+    );
+    std::fs::write(&rules, text).unwrap();
+    options.rules = Some(rules);
+    let without = run(&options).unwrap().value;
+    assert!(
+        without.tables[1]
+            .unanswered
+            .as_ref()
+            .unwrap()
+            .contains("--model")
+    );
+    options.models = vec![model];
+    let found = run(&options).unwrap().value;
+    let Some(Answer::Direction { found: way, .. }) = &found.tables[0].answer else {
+        panic!("{:?}", found.tables[0]);
+    };
+    assert_eq!((way.people.len(), way.directions), (2, 50));
+    assert!(
+        way.people[0].own[0].unwrap() > 0.0 && way.dial.is_some(),
+        "{way:?}"
+    );
+    assert_eq!(found.findings[0].verdict, maveric_analysis::Verdict::TooFew);
+    let Some(Answer::Shipped(said)) = &found.tables[1].answer else {
+        panic!("{:?}", found.tables[1]);
+    };
+    assert_eq!(said.n, 6);
+    assert!(
+        said.people.iter().filter(|p| p.line.unwrap() > 0.0).count() >= 5,
+        "{said:?}"
+    );
+    let page = std::fs::read_to_string(options.out.join("index.html")).unwrap();
+    assert!(page.contains("Does the dial point where people themselves go"));
+}
