@@ -99,7 +99,7 @@ mod tests {
         let styles: Styles = (0..12)
             .map(|i| {
                 let mean = if i % 2 == 1 {
-                    0.25 * (i - 1) as f64
+                    0.25 * f64::from(i - 1)
                 } else {
                     0.0
                 };

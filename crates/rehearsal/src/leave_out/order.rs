@@ -130,6 +130,9 @@ struct Placed {
     values: Vec<Vec<Option<f64>>>,
 }
 
+/// The line for each person, in the order of [`people`]; none where none can be learned from the others.
+pub(super) type Lines = Vec<Option<Line>>;
+
 /// Are drives placed as their drivers were told? `read` gives for each person, in the order of [`people`], the line that was learned
 /// from the others by the points of every drive, and none where no line can be learned; for the permutations it is asked again.
 ///
@@ -142,7 +145,7 @@ pub fn order<E: From<RehearsalError>>(
     asked: &Asked,
     permutations: usize,
     seed: u64,
-    read: &mut dyn FnMut(&[Option<f64>]) -> Result<Vec<Option<Line>>, E>,
+    read: &mut dyn FnMut(&[Option<f64>]) -> Result<Lines, E>,
 ) -> Result<Order, E> {
     let everybody = people(drives);
     let points: Vec<Option<f64>> = drives.iter().map(|d| d.points).collect();

@@ -97,7 +97,7 @@ pub(super) fn read(
             speed_mps: speed,
             time_gap_s: median_time_gap_s(&drive),
         };
-        rows.push(Recorded { drove, drive });
+        rows.push(Recorded { drive, drove });
     }
     if rows.is_empty() {
         let labels: Vec<ConditionId> = design.labels();

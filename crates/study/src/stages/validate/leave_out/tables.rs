@@ -276,8 +276,8 @@ impl Words<'_> {
         )
         .text("Person", |p| p.participant.as_str())
         .right("Cosine", |p| Cell::bounded(p.cosine, 2));
-        let sides: [(&str, fn(&PersonDirection) -> &Change); 2] =
-            [("own", |p| &p.own), ("car", |p| &p.dial)];
+        type Side = fn(&PersonDirection) -> &Change;
+        let sides: [(&str, Side); 2] = [("own", |p| &p.own), ("car", |p| &p.dial)];
         let names = ["speed_axis", "gap_axis", "moving_out_axis", "changes_axis"];
         for (side, change) in sides {
             for (axis, name) in names.iter().enumerate().take(AXES) {
