@@ -40,7 +40,7 @@ pub use ablation::{
 pub use adam::cosine;
 pub use epochs::{EpochReport, TrainingDrive};
 pub use error::{ModelError, ModelWarning};
-pub use heads::{FittedHead, HEADS, HeadReport, KeptBack, StyleHead};
+pub use heads::{FittedHead, HEADS, HeadReport, KeptBack, StyleHead, variability};
 pub use heads_kind::HeadsKind;
 pub use held_out::HeldOut;
 pub use losses::{Loss, LossTerms, LossWeights, MutualInformationLoss};

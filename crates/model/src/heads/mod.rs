@@ -17,6 +17,7 @@ mod report;
 mod situation;
 mod style;
 mod train;
+mod variability;
 
 pub use family::{Family, Outcome};
 pub(crate) use fit::{DriveEvents, fit};
@@ -33,3 +34,4 @@ pub(crate) use posterior::solve;
 pub use report::HeadReport;
 pub use style::{Posterior, StyleHead};
 pub(crate) use train::{length_s, train_heads};
+pub use variability::variability;

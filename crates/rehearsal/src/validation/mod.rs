@@ -9,11 +9,11 @@ mod line;
 
 pub use across::{Across, across};
 pub use dial::{Dial, FULL, Right, dial};
-pub use fidelity::{Fidelity, fidelity};
+pub use fidelity::{Fidelity, accuracies, fidelity};
 pub use identity::{
     Identification, Known, Metric, WithinPerson, identify, identify_posteriors, within_person,
 };
-pub use likeness::{Driven, Likeness, likeness};
+pub use likeness::{ByColumn, Driven, Likeness, Looking, likeness, likeness_by_column};
 pub use line::{Agreement, Reading, agreement, regression};
 
 use maveric_domain::Drive;

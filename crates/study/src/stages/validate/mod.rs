@@ -7,9 +7,10 @@ mod page;
 mod people;
 mod tables;
 
-pub use examine::Examined;
+pub use examine::{Examined, Wandering};
 pub use maveric_rehearsal::validation::{
-    Across, Agreement, Dial, FULL, Fidelity, Identification, Likeness, Metric, Right,
+    Across, Agreement, ByColumn, Dial, FULL, Fidelity, Identification, Likeness, Looking, Metric,
+    Right,
 };
 use path_slash::PathExt as _;
 

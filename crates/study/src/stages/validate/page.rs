@@ -18,7 +18,7 @@ use maveric_report::{
 };
 
 /// Tables of identity, fidelity and likeness come before those of the dial.
-const FIRST_TABLES: usize = 3;
+const FIRST_TABLES: usize = 5;
 
 /// What the page opens with.
 fn cards(found: &Validated, points: f64) -> Result<Vec<Card>, StudyError> {
