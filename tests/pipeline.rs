@@ -262,7 +262,7 @@ fn people_who_drove_twice_validate_a_model_and_their_first_drives_stay_what_they
     assert!((3..=30).contains(&days), "{days}");
     assert_eq!(model["dial"].as_array().unwrap().len(), 5);
     assert!(model["perpendicular_moves_s"].as_f64().unwrap() < 1e-5);
-    assert_eq!(model["drives"], 3 * (9 + 4));
+    assert_eq!(model["drives"], 3 * (9 + 5));
     assert_eq!(model["collisions"], 0);
     let page = std::fs::read_to_string(study.path("found/validation.md")).unwrap();
     assert!(page.contains("Identity") && !page.contains("NaN"));
@@ -272,6 +272,8 @@ fn people_who_drove_twice_validate_a_model_and_their_first_drives_stay_what_they
         "errors",
         "fidelity",
         "likeness",
+        "likeness-by-column",
+        "wandering",
         "dial",
         "perpendicular",
         "line",

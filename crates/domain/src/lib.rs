@@ -19,6 +19,7 @@ pub mod survey;
 pub mod trace;
 pub mod traits;
 pub mod units;
+mod variability;
 
 pub use condition::ConditionId;
 pub use design::{Design, DesignError};
@@ -39,3 +40,4 @@ pub use survey::{AdbScore, Answer, Moment, NormCorrelation, Norms, Scale, Score,
 pub use trace::{LaneActivity, TraceRow};
 pub use traits::LatentTraits;
 pub use units::{Metres, MetresPerSecond, MetresPerSecond2, Seconds};
+pub use variability::{Variability, Wander};

@@ -2,15 +2,14 @@
 
 use crate::{
     closed_loop::{ClosedLoop, simulate},
-    closed_loop_network::{TrainedFor, study, train_all},
+    closed_loop_network::{TrainedFor, study},
     error::FollowingError,
     keep_distance::KeepDistance,
     law::{Law, TIME_GAP_GAINS},
     method::FollowingMethod as M,
     peers::{self, Peers},
     results::{
-        Choice, DriverEvaluation, FollowingEvaluation, MethodErrors, MethodMean, MethodSeries,
-        TestSeries,
+        DriverEvaluation, FollowingEvaluation, MethodErrors, MethodMean, MethodSeries, TestSeries,
     },
     run::{FollowingRun, Stretch},
     settings::FollowingSettings,
@@ -69,17 +68,14 @@ pub fn evaluate(
     }
     let (mut laws, time_gap_shrinkage) = peers::idm(judged, learned, settings)?;
     peers::add_the_rest(&mut laws, judged, learned, settings)?;
-    let (driven, closed_loop) = if settings.closed_loop_seeds == 0 {
-        (None, None)
-    } else {
-        let closed_loop = study(judged, learned, settings)?;
-        (Some(choose(learned, settings)?), Some(closed_loop))
-    };
+    let closed_loop = (settings.closed_loop_seeds > 0)
+        .then(|| study(judged, learned, settings))
+        .transpose()?;
     let networks = closed_loop.as_ref().map_or(&[][..], |c| &c.trained);
     let drivers = drive(judged, &laws, networks, f, settings)?;
     Ok(FollowingEvaluation {
         learned_from: learned.len(),
-        driven,
+        driven: M::DRIVEN_BY_DEFAULT,
         means: means(&drivers),
         drivers,
         compared: Vec::new(),
@@ -89,38 +85,13 @@ pub fn evaluate(
     })
 }
 
-/// The candidate with the least error on the last third of the fit rows, after seeing the first two thirds of them.
-fn choose(
-    learned: &[FollowingRun],
-    settings: &FollowingSettings,
-) -> Result<Choice, FollowingError> {
-    let fits = learned
-        .iter()
-        .map(FollowingRun::fit_alone)
-        .collect::<Result<Vec<_>, _>>()?;
-    let (laws, _) = peers::idm(&fits, &fits, settings)?;
-    let networks = train_all(&fits, &fits, settings)?;
-    let drivers = drive(&fits, &laws, &networks, None, settings)?;
-    let means: Vec<MethodMean> = M::CANDIDATES
-        .iter()
-        .filter_map(|&method| MethodMean::of(method, &drivers))
-        .collect();
-    let best = means
-        .iter()
-        .min_by(|a, b| a.gap_rmse_m.total_cmp(&b.gap_rmse_m));
-    Ok(Choice {
-        method: best.map_or(M::CANDIDATES[0], |best| best.method),
-        means,
-    })
-}
-
 fn means(drivers: &[DriverEvaluation]) -> Vec<MethodMean> {
     M::all()
         .filter_map(|m| MethodMean::of(m, drivers))
         .collect()
 }
 
-fn drive(
+pub(crate) fn drive(
     judged: &[FollowingRun],
     laws: &[Peers],
     networks: &[TrainedFor],
@@ -305,7 +276,7 @@ mod tests {
         assert!(rmse(M::IdmOwn) < population);
         assert!(rmse(M::IdmPopulationOwnTimeGap) < population);
         assert!(rmse(M::FollowingDistanceOwn) < rmse(M::FollowingDistanceMean));
-        assert!(found.mean(M::ClosedLoopOwn).is_none() && found.driven.is_none());
+        assert!(found.mean(M::ClosedLoopOwn).is_none());
         let of = |d: &DriverEvaluation| d.gap_rmse_m(M::IdmPopulation);
         let mut gaps: Vec<f64> = found.drivers.iter().filter_map(of).collect();
         gaps.sort_by(f64::total_cmp);
@@ -321,18 +292,8 @@ mod tests {
         let (judged, learned) = (runs(&[2.8]), runs(&[1.0, 1.5, 2.2]));
         let found = evaluate(&judged, &learned, None, &quick(1)).unwrap();
         assert_eq!((found.drivers.len(), found.learned_from), (1, 3));
-        let driven = found.driven.as_ref().unwrap();
-        assert_eq!(driven.means.len(), M::CANDIDATES.len());
-        assert!(driven.means.iter().all(|m| m.drivers == 3));
-        let least = |m: &MethodMean| gap_of(driven, driven.method) <= m.gap_rmse_m;
-        assert!(driven.means.iter().all(least));
         assert!(gap(&found, M::ClosedLoopShrunken) < gap(&found, M::ClosedLoopMean));
         assert_eq!(found.time_gap_shrinkage.people, 3);
-    }
-
-    fn gap_of(choice: &Choice, method: M) -> f64 {
-        let found = choice.means.iter().find(|m| m.method == method);
-        found.unwrap().gap_rmse_m
     }
 
     #[test]
@@ -375,7 +336,6 @@ mod tests {
             *run = FollowingRun::new(run.driver(), run.rate_hz(), columns).unwrap();
         }
         let after = evaluate(&runs, &runs, None, &quick(1)).unwrap();
-        assert_eq!(before.driven, after.driven);
         let networks = [&before, &after].map(|e| e.closed_loop.as_ref().unwrap().trained.clone());
         assert_eq!(networks[0], networks[1]);
         assert_eq!(before.time_gap_shrinkage, after.time_gap_shrinkage);

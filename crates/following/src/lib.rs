@@ -1,6 +1,7 @@
 #![doc = include_str!("../README.md")]
 
 pub mod calibrate;
+pub mod choice;
 pub mod closed_loop;
 pub mod closed_loop_network;
 pub mod error;
@@ -19,6 +20,7 @@ pub mod simulation_errors;
 mod testing;
 
 pub use calibrate::{Calibrated, Family};
+pub use choice::{Candidate, Trial, ranked, trials, try_over_people};
 pub use closed_loop::{ClosedLoop, simulate};
 pub use closed_loop_network::{
     ClosedLoopNetwork, ClosedLoopSeed, ClosedLoopSettings, ClosedLoopStudy, TrainedClosedLoop,
@@ -31,8 +33,8 @@ pub use law::{Law, Newell};
 pub use method::{FollowingMethod, Knows};
 pub use peers::Peers;
 pub use results::{
-    Choice, Compared, DriverEvaluation, FollowingEvaluation, MethodErrors, MethodMean,
-    MethodSeries, TestSeries, median,
+    Compared, DriverEvaluation, FollowingEvaluation, MethodErrors, MethodMean, MethodSeries,
+    TestSeries, median,
 };
 pub use run::{FollowingColumns, FollowingRun, Stretch};
 pub use search::SearchSettings;

@@ -123,13 +123,18 @@ impl FollowingMethod {
         ),
     ];
 
-    /// What may be driven by default: what is best among these on the fit rows.
-    pub const CANDIDATES: [Self; 4] = [
+    /// What may be driven by default: see [`ranked`](crate::ranked).
+    pub const CANDIDATES: [Self; 6] = [
+        M::IdmOwn,
         M::IdmPopulationOwnTimeGap,
         M::IdmPopulationShrunkenTimeGap,
+        M::ClosedLoopOwn,
         M::ClosedLoopShrunken,
         M::ClosedLoopAndIdmShrunken,
     ];
+
+    /// What is driven by default: the first of [`ranked`](crate::ranked) over fit rows of `OpenACC` and NGSIM, chosen once.
+    pub const DRIVEN_BY_DEFAULT: Self = M::ClosedLoopOwn;
 
     /// Pairs to compare driver by driver: what personalising adds, and how each stands beside IDM with the own time gap.
     pub const PAIRS: [(Self, Self); 10] = [

@@ -127,6 +127,22 @@ fn as_given(law: Law, fit: &Stretch<'_>) -> Calibrated {
     }
 }
 
+/// Fits IDM to the own fit rows of each of `judged` and adds it to `peers`.
+pub(crate) fn add_own_idm(
+    peers: &mut [Peers],
+    judged: &[FollowingRun],
+    settings: &FollowingSettings,
+) -> Result<(), FollowingError> {
+    let found = each(judged, |run| {
+        let seed = seed(settings, run.driver(), M::IdmOwn);
+        Family::Idm.calibrate(&[run.fit()], &settings.search, seed)
+    })?;
+    for (peers, law) in peers.iter_mut().zip(found) {
+        peers.laws.insert(M::IdmOwn, law);
+    }
+    Ok(())
+}
+
 /// Fits the other laws and adds them to `peers`, one entry a driver of `judged`.
 ///
 /// # Errors
@@ -137,6 +153,7 @@ pub(crate) fn add_the_rest(
     learned: &[FollowingRun],
     settings: &FollowingSettings,
 ) -> Result<(), FollowingError> {
+    add_own_idm(peers, judged, settings)?;
     let time_gap_s = |run: &FollowingRun| run.fit().mean_time_gap_s(settings.moving_above_mps);
     let found = each(judged, |run| {
         let seed = |method| seed(settings, run.driver(), method);
@@ -165,7 +182,6 @@ pub(crate) fn add_the_rest(
             fit(Family::Helly, &own, M::HellyOwn)?,
             fit(Family::Helly, &fits, M::HellyPopulation)?,
             fit(Family::Gipps, &own, M::GippsOwn)?,
-            fit(Family::Idm, &own, M::IdmOwn)?,
             fit(Family::Idm, &test, M::IdmFloor)?,
         ])
     })?;

@@ -58,16 +58,6 @@ pub struct Compared {
     pub worse: usize,
 }
 
-/// What is driven by default, and how that was chosen: each candidate on the last third of the *fit rows* of those who were
-/// learned from, after seeing the first two thirds of them.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct Choice {
-    /// What is driven: the least mean RMSE of the gap.
-    pub method: FollowingMethod,
-    /// Every candidate there.
-    pub means: Vec<MethodMean>,
-}
-
 /// Gap and speed under one method at the times of a [`TestSeries`].
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct MethodSeries {
@@ -110,8 +100,8 @@ pub struct DriverEvaluation {
 pub struct FollowingEvaluation {
     /// How many people were learned from.
     pub learned_from: usize,
-    /// What is driven by default; `None` without the network.
-    pub driven: Option<Choice>,
+    /// What is driven by default: [`FollowingMethod::DRIVEN_BY_DEFAULT`].
+    pub driven: FollowingMethod,
     /// One entry a driver, in the order of the runs.
     pub drivers: Vec<DriverEvaluation>,
     /// One entry a method that was tried, in the order of [`FollowingMethod::all`].
@@ -271,7 +261,7 @@ mod tests {
         let all = [M::HellyOwn, M::IdmOwn, M::IdmPopulation, M::IdmFloor];
         FollowingEvaluation {
             learned_from: 3,
-            driven: None,
+            driven: FollowingMethod::IdmOwn,
             means: all
                 .iter()
                 .filter_map(|m| MethodMean::of(*m, &drivers))

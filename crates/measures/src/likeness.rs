@@ -5,7 +5,10 @@ use rand::{SeedableRng, seq::SliceRandom};
 use rand_pcg::Pcg64Mcg;
 use std::ops::Range;
 
-/// Numbers that describe a window: speed, time gap ahead, acceleration, jerk, lateral place.
+/// What describes a window, in the order of its numbers.
+pub const COLUMNS: [&str; FEATURES] =
+    ["speed", "time gap", "acceleration", "jerk", "lateral place"];
+/// How many numbers describe a window.
 pub const FEATURES: usize = 5;
 
 /// Length of a window, in s.
@@ -83,9 +86,9 @@ fn window(drive: &Drive, at: Range<usize>) -> Window {
     ]
 }
 
-/// SD of each number over the windows of many drives: what one unit of distance is.
+/// SD of each number over the windows of many drives: what one unit of distance is. A number without one is not looked at.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Spread([f64; FEATURES]);
+pub struct Spread([Option<f64>; FEATURES]);
 
 impl Spread {
     /// Over all windows of `drives`; 1 for a number that does not vary.
@@ -95,13 +98,30 @@ impl Spread {
         Self(std::array::from_fn(|k| {
             let mean = all.iter().map(|w| w[k]).sum::<f64>() / n;
             let sd = (all.iter().map(|w| (w[k] - mean).powi(2)).sum::<f64>() / n).sqrt();
-            if sd > 1e-9 { sd } else { 1.0 }
+            Some(if sd > 1e-9 { sd } else { 1.0 })
         }))
     }
 
+    /// The same with one of the [`COLUMNS`] alone.
+    #[must_use]
+    pub fn only(self, column: usize) -> Self {
+        Self(std::array::from_fn(|k| self.0[k].filter(|_| k == column)))
+    }
+
+    /// The same without one of the [`COLUMNS`].
+    #[must_use]
+    pub fn without(self, column: usize) -> Self {
+        Self(std::array::from_fn(|k| self.0[k].filter(|_| k != column)))
+    }
+
+    /// How many columns are looked at.
+    fn columns(&self) -> usize {
+        self.0.iter().flatten().count()
+    }
+
     fn square(&self, a: &Window, b: &Window) -> f64 {
-        let of = |k: usize| ((a[k] - b[k]) / self.0[k]).powi(2);
-        (0..FEATURES).map(of).sum()
+        let of = |k: usize| Some(((a[k] - b[k]) / self.0[k]?).powi(2));
+        (0..FEATURES).filter_map(of).sum()
     }
 }
 
@@ -144,12 +164,18 @@ pub fn discrepancy(
     let mut below: Vec<f64> = (0..size)
         .flat_map(|i| squares[i * size..i * size + i].to_vec())
         .collect();
-    below.sort_by(f64::total_cmp);
-    let width = below[below.len() / 2].max(1e-12);
-    let kernel: Vec<f64> = squares
-        .iter()
-        .map(|s| libm::exp(-s / (2.0 * width)))
-        .collect();
+    let middle = below.len() / 2;
+    let width = below
+        .select_nth_unstable_by(middle, f64::total_cmp)
+        .1
+        .max(1e-12);
+    // Only what lies below the diagonal is read.
+    let mut kernel = vec![0.0; size * size];
+    for i in 0..size {
+        for j in 0..i {
+            kernel[i * size + j] = libm::exp(-squares[i * size + j] / (2.0 * width));
+        }
+    }
     let mut first: Vec<bool> = (0..size).map(|i| i < m).collect();
     let found = mmd2(&kernel, &first, m, n);
     let mut rng = Pcg64Mcg::seed_from_u64(stream_seed(seed, &["likeness", "permutations"]));
@@ -161,7 +187,7 @@ pub fn discrepancy(
     Some(Discrepancy {
         mmd2: found,
         p: (permutations > 0).then(|| (as_far + 1) as f64 / (permutations + 1) as f64),
-        divergence: divergence(&squares, m, n),
+        divergence: divergence(&squares, m, n, spread.columns()),
     })
 }
 
@@ -182,11 +208,11 @@ fn mmd2(kernel: &[f64], first: &[bool], m: usize, n: usize) -> f64 {
 }
 
 /// ln of the ratio of densities at each of the first `m`, by the distance to the fifth neighbour among either set.
-fn divergence(squares: &[f64], m: usize, n: usize) -> f64 {
+fn divergence(squares: &[f64], m: usize, n: usize, columns: usize) -> f64 {
     let size = m + n;
     let fifth = |mut found: Vec<f64>| {
-        found.sort_by(f64::total_cmp);
-        found[NEIGHBOUR - 1].sqrt().max(LEAST_DISTANCE)
+        let (_, square, _) = found.select_nth_unstable_by(NEIGHBOUR - 1, f64::total_cmp);
+        square.sqrt().max(LEAST_DISTANCE)
     };
     let ratio = |i: usize| {
         let line = &squares[i * size..(i + 1) * size];
@@ -194,7 +220,7 @@ fn divergence(squares: &[f64], m: usize, n: usize) -> f64 {
         libm::log(fifth(line[m..].to_vec()) / fifth(own))
     };
     let mean = (0..m).map(ratio).sum::<f64>() / m as f64;
-    FEATURES as f64 * mean + libm::log(n as f64 / (m as f64 - 1.0))
+    columns as f64 * mean + libm::log(n as f64 / (m as f64 - 1.0))
 }
 
 #[cfg(test)]
@@ -294,8 +320,31 @@ mod tests {
     fn a_unit_of_distance_is_the_spread_over_all_windows() {
         let (low, high) = ([[0.0, 1.0, 0.0, 0.0, 0.0]], [[2.0, 1.0, 0.0, 0.0, 6.0]]);
         let spread = Spread::of([low.as_slice(), high.as_slice()].into_iter());
-        assert_eq!(spread, Spread([1.0, 1.0, 1.0, 1.0, 3.0]));
-        assert!((spread.square(&low[0], &high[0]) - (4.0 + 4.0)).abs() < 1e-12);
+        assert_eq!(spread, Spread([1.0, 1.0, 1.0, 1.0, 3.0].map(Some)));
+        let square = |spread: Spread| spread.square(&low[0], &high[0]);
+        assert!((square(spread) - (4.0 + 4.0)).abs() < 1e-12);
+        assert!((square(spread.only(0)) - 4.0).abs() < 1e-12);
+        assert!((square(spread.without(0)) - 4.0).abs() < 1e-12);
+        assert!(square(spread.only(1)).abs() < 1e-12);
+    }
+
+    #[test]
+    fn what_differs_in_one_column_is_told_by_that_column_alone_and_not_without_it() {
+        let (a, b) = (drawn(120, 0.0, 3), drawn(120, 1.5, 4));
+        let spread = Spread::of([a.as_slice(), b.as_slice()].into_iter());
+        let of = |spread: Spread| discrepancy(&a, &b, &spread, 99, 1).unwrap();
+        let (alone, rest) = (of(spread.only(0)), of(spread.without(0)));
+        assert!(
+            alone.p.unwrap() < 0.02 && alone.divergence > 0.4,
+            "{alone:?}"
+        );
+        assert!(
+            rest.p.unwrap() > 0.1 && rest.divergence.abs() < 0.4,
+            "{rest:?}"
+        );
+        // Half a squared distance of means whichever columns that do not differ are looked at beside it.
+        assert!((of(spread).divergence - alone.divergence).abs() < 0.5);
+        assert!(of(spread.only(2)).divergence.abs() < 0.3);
     }
 
     #[test]

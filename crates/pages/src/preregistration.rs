@@ -116,6 +116,7 @@ fn condition(c: &Condition) -> Value {
         car,
         points,
         path,
+        varies => c.vary,
         levels => levels.collect::<Vec<_>>(),
     }
 }

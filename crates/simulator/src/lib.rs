@@ -29,7 +29,7 @@ pub use control::{
 };
 pub use drivers::{
     BentLaw, Distribution, DriverParams, EncounterNoise, EvidenceParams, EvidencePopulation, Law,
-    People, Person, Population, population_table,
+    OrnsteinUhlenbeck, People, Person, Population, population_table,
 };
 pub use error::SimulatorError;
 pub use outcome::{Rollout, RolloutReport};

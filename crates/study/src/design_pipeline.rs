@@ -28,6 +28,7 @@ pub fn design_pipeline(study: &DesignFile) -> String {
             Software::Jspsych => Some("jspsych"),
         },
         simulates,
+        varies => design.conditions().iter().any(|c| c.vary),
         needs_model => design.needs_a_model(),
         learns => design.needs_a_model() && design.model().is_none(),
         style => design.style().is_some(),

@@ -319,8 +319,16 @@ fn condition(
         recorded: true,
         ..CarToml::default()
     });
-    let recorded = asked.recorded;
+    let (recorded, vary) = (asked.recorded, asked.vary);
     let car = car(&key("car"), asked, style)?;
+    let own = matches!(car, Some(Car::Dial(_) | Car::Across));
+    if vary && (recorded || !own) {
+        return Err(DesignError::key(
+            key("car.vary"),
+            "`true` for a car that does not drive a person's own style in the program's simulator",
+            "`vary = true` beside `dial = POINTS` or `across = true`, and without `recorded = true`",
+        ));
+    }
     if car.is_some() && !learned {
         return Err(DesignError::key(
             key("car"),
@@ -333,6 +341,7 @@ fn condition(
         id: raw.id,
         place,
         color,
+        vary,
         recorded: recorded || car.is_none(),
         car,
         levels: raw.levels,

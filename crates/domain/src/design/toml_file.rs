@@ -132,6 +132,8 @@ pub(super) struct CarToml {
     pub(super) free: bool,
     #[serde(default)]
     pub(super) recorded: bool,
+    #[serde(default)]
+    pub(super) vary: bool,
 }
 
 #[derive(Debug, Deserialize)]

@@ -27,14 +27,16 @@ pub(super) const HEAD: Head = Head {
 
 /// Blocks of driving in lane without anybody ahead.
 fn free(drive: &Drive) -> Vec<Range<usize>> {
+    blocks(drive, SETTLE_S, BLOCK_S, |row| on_free_road(drive, row))
+}
+
+/// Whether the driver keeps the right lane at `row` with nobody ahead, and not at the speed that the drive started with.
+pub(super) fn on_free_road(drive: &Drive, row: usize) -> bool {
     let rows = drive.rows();
-    let from = rows.time_s[0] + FROM_S;
-    blocks(drive, SETTLE_S, BLOCK_S, |row| {
-        rows.time_s[row] >= from
-            && !rows.lead_present[row]
-            && rows.lane[row] == 0
-            && rows.changing[row] == 0
-    })
+    rows.time_s[row] >= rows.time_s[0] + FROM_S
+        && !rows.lead_present[row]
+        && rows.lane[row] == 0
+        && rows.changing[row] == 0
 }
 
 /// The driver's own mean free speed, in m/s; none without free road.

@@ -18,6 +18,7 @@ mod situation;
 mod style;
 mod support;
 mod train;
+mod variability;
 
 pub use family::{Family, Outcome};
 pub(crate) use fit::{DriveEvents, fit};
@@ -37,3 +38,4 @@ pub use style::{Posterior, StyleHead, score_line};
 pub(crate) use support::Population;
 pub use support::{BEYOND_P, Support};
 pub(crate) use train::{habits_of, length_s, train_heads};
+pub use variability::variability;

@@ -131,7 +131,10 @@ struct Placed {
 }
 
 /// The line for each person, in the order of [`people`]; none where none can be learned from the others.
-pub(super) type Lines = Vec<Option<Line>>;
+type Lines = Vec<Option<Line>>;
+
+/// The lines that the points of every drive give.
+type Read<'a, E> = dyn FnMut(&[Option<f64>]) -> Result<Lines, E> + 'a;
 
 /// Are drives placed as their drivers were told? `read` gives for each person, in the order of [`people`], the line that was learned
 /// from the others by the points of every drive, and none where no line can be learned; for the permutations it is asked again.
@@ -145,7 +148,7 @@ pub fn order<E: From<RehearsalError>>(
     asked: &Asked,
     permutations: usize,
     seed: u64,
-    read: &mut dyn FnMut(&[Option<f64>]) -> Result<Lines, E>,
+    read: &mut Read<'_, E>,
 ) -> Result<Order, E> {
     let everybody = people(drives);
     let points: Vec<Option<f64>> = drives.iter().map(|d| d.points).collect();

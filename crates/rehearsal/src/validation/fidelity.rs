@@ -47,6 +47,13 @@ fn accuracy(found: &[Values], own: &[Values], measure: usize) -> (Option<f64>, u
     (result.mean, result.n)
 }
 
+/// Mean accuracy of each of the seven measures, drives in the same order of drivers.
+pub fn accuracies(found: &[Values], own: &[Values]) -> Vec<Option<f64>> {
+    (0..MEASURES.len())
+        .map(|k| accuracy(found, own, k).0)
+        .collect()
+}
+
 fn bias(found: &[Values], own: &[Values], measure: usize) -> Option<f64> {
     let errors: Vec<f64> = found
         .iter()

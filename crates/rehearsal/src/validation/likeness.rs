@@ -2,7 +2,7 @@
 
 use super::mean;
 use crate::error::RehearsalError;
-use maveric_measures::likeness::{Discrepancy, Spread, Window, discrepancy};
+use maveric_measures::likeness::{COLUMNS, Discrepancy, Spread, Window, discrepancy};
 use maveric_stats::proportion;
 use serde::Serialize;
 
@@ -32,6 +32,33 @@ pub struct Likeness {
     pub mean_rank: Option<f64>,
 }
 
+/// Which columns of the windows are looked at.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Looking {
+    /// At one alone.
+    Alone,
+    /// At all but one.
+    Without,
+}
+
+/// How far the drives of the own style, and those beside them, are from the owners' first drives in some columns.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct ByColumn {
+    /// The column that is looked at alone, or left out.
+    pub column: &'static str,
+    /// Which of the two.
+    pub looking: Looking,
+    /// The second drive of the owner.
+    pub again: Likeness,
+    /// The car in the own style.
+    pub car: Likeness,
+    /// The car in the own style that wanders as its owner does.
+    pub varying: Likeness,
+    /// The first drives of other people.
+    pub others: Likeness,
+}
+
 /// The windows of what is compared, each in the same order of people.
 pub struct Driven {
     /// Own first drives.
@@ -42,6 +69,46 @@ pub struct Driven {
     pub mimic: Vec<Vec<Window>>,
     /// The car with the mean style, on each person's road: what knowing nobody gives.
     pub average: Vec<Vec<Window>>,
+    /// The car in the own style that wanders as its owner does.
+    pub varying: Vec<Vec<Window>>,
+}
+
+const AGAIN: &str = "second drive of the owner (ceiling)";
+const CAR: &str = "car in the own style";
+const VARYING: &str = "the same, wandering as the owner does";
+const OTHERS: &str = "first drives of other people";
+
+impl Driven {
+    fn spread(&self) -> Spread {
+        let all = [&self.own, &self.again];
+        Spread::of(all.into_iter().flatten().map(Vec::as_slice))
+    }
+
+    /// Each drive beside its owner's first.
+    fn beside_owner(
+        &self,
+        drives: &[Vec<Window>],
+        spread: &Spread,
+        seed: u64,
+    ) -> Vec<Option<Discrepancy>> {
+        let owners = drives.iter().zip(&self.own);
+        owners
+            .map(|(drive, own)| discrepancy(drive, own, spread, PERMUTATIONS, seed))
+            .collect()
+    }
+
+    /// Each first drive beside those of all other people.
+    fn between_people(&self, spread: &Spread, seed: u64) -> Vec<Discrepancy> {
+        let mut found = Vec::new();
+        for (i, one) in self.own.iter().enumerate() {
+            for (j, other) in self.own.iter().enumerate() {
+                if i != j {
+                    found.extend(discrepancy(one, other, spread, 0, seed));
+                }
+            }
+        }
+        found
+    }
 }
 
 /// Holds each kind against the owners' first drives.
@@ -49,42 +116,62 @@ pub struct Driven {
 /// # Errors
 /// [`RehearsalError::Stats`] without people.
 pub fn likeness(driven: &Driven, seed: u64) -> Result<Vec<Likeness>, RehearsalError> {
-    let all = [&driven.own, &driven.again];
-    let spread = Spread::of(all.into_iter().flatten().map(Vec::as_slice));
+    let spread = driven.spread();
     let kinds = [
-        ("second drive of the owner (ceiling)", &driven.again),
-        ("car in the own style", &driven.mimic),
+        (AGAIN, &driven.again),
+        (CAR, &driven.mimic),
+        (VARYING, &driven.varying),
         ("the car with the mean style (floor)", &driven.average),
     ];
     let mut rows = Vec::new();
     for (what, drives) in kinds {
         let mut found: Vec<Discrepancy> = Vec::new();
         let mut ranks: Vec<usize> = Vec::new();
-        for (i, drive) in drives.iter().enumerate() {
-            let to = |j: usize, permutations| {
-                discrepancy(drive, &driven.own[j], &spread, permutations, seed)
-            };
-            let Some(owner) = to(i, PERMUTATIONS) else {
+        let beside = driven.beside_owner(drives, &spread, seed);
+        for (i, (drive, owner)) in drives.iter().zip(beside).enumerate() {
+            let Some(owner) = owner else {
                 continue;
             };
             let others = (0..driven.own.len()).filter(|&j| j != i);
             let nearer = others
-                .filter_map(|j| to(j, 0))
+                .filter_map(|j| discrepancy(drive, &driven.own[j], &spread, 0, seed))
                 .filter(|d| d.mmd2 <= owner.mmd2);
             ranks.push(1 + nearer.count());
             found.push(owner);
         }
         rows.push(row(what, &found, &ranks)?);
     }
-    let mut others: Vec<Discrepancy> = Vec::new();
-    for (i, one) in driven.own.iter().enumerate() {
-        for (j, other) in driven.own.iter().enumerate() {
-            if i != j {
-                others.extend(discrepancy(one, other, &spread, 0, seed));
-            }
+    rows.push(row(OTHERS, &driven.between_people(&spread, seed), &[])?);
+    Ok(rows)
+}
+
+/// By what drives differ: the same with each column of the windows alone, and without each.
+///
+/// # Errors
+/// [`RehearsalError::Stats`] without people.
+pub fn likeness_by_column(driven: &Driven, seed: u64) -> Result<Vec<ByColumn>, RehearsalError> {
+    let all = driven.spread();
+    let mut rows = Vec::new();
+    for looking in [Looking::Alone, Looking::Without] {
+        for (k, column) in COLUMNS.into_iter().enumerate() {
+            let spread = match looking {
+                Looking::Alone => all.only(k),
+                Looking::Without => all.without(k),
+            };
+            let beside = |drives: &[Vec<Window>]| -> Vec<Discrepancy> {
+                let found = driven.beside_owner(drives, &spread, seed);
+                found.into_iter().flatten().collect()
+            };
+            rows.push(ByColumn {
+                column,
+                looking,
+                again: row(AGAIN, &beside(&driven.again), &[])?,
+                car: row(CAR, &beside(&driven.mimic), &[])?,
+                varying: row(VARYING, &beside(&driven.varying), &[])?,
+                others: row(OTHERS, &driven.between_people(&spread, seed), &[])?,
+            });
         }
     }
-    rows.push(row("first drives of other people", &others, &[])?);
     Ok(rows)
 }
 
@@ -144,5 +231,39 @@ mod tests {
         let mmd2 = |k: usize| rows[k].mmd2.unwrap();
         assert!(mmd2(0) < mmd2(2) && mmd2(1) < mmd2(2) && mmd2(0) < mmd2(3));
         assert_eq!((rows[3].n, rows[3].owner_nearest), (12, None));
+    }
+
+    #[test]
+    fn a_car_that_differs_in_one_column_is_told_by_it_and_by_no_other() {
+        let own: Vec<Vec<Window>> = (0..4).map(|phase| drive(24.0, phase)).collect();
+        // Its jerk alone is that of nobody.
+        let smooth = |drive: &Vec<Window>| -> Vec<Window> {
+            drive
+                .iter()
+                .map(|&[v, g, a, j, y]| [v, g, a, j - 4.0, y])
+                .collect()
+        };
+        let driven = Driven {
+            mimic: own.iter().map(smooth).collect(),
+            again: own.iter().rev().cloned().collect(),
+            average: own.clone(),
+            own,
+        };
+        let rows = likeness_by_column(&driven, 1).unwrap();
+        assert_eq!(rows.len(), 10);
+        for row in rows {
+            let by_jerk = (row.column == "jerk") == (row.looking == Looking::Alone);
+            assert_eq!(
+                row.car.different,
+                Some(f64::from(u8::from(by_jerk))),
+                "{row:?}"
+            );
+            assert_eq!(
+                row.car.divergence > row.others.divergence,
+                by_jerk,
+                "{row:?}"
+            );
+            assert_eq!((row.car.owner_nearest, row.again.n), (None, 4));
+        }
     }
 }

@@ -11,13 +11,13 @@ mod retest;
 
 pub use across::{Across, across};
 pub use dial::{Dial, FULL, Right, dial};
-pub use fidelity::{Fidelity, fidelity};
+pub use fidelity::{Fidelity, accuracies, fidelity};
 pub use held::{Held, ShareOfPeople, held};
 pub(crate) use identity::distance;
 pub use identity::{
     Identification, Known, Metric, WithinPerson, identify, identify_posteriors, within_person,
 };
-pub use likeness::{Driven, Likeness, likeness};
+pub use likeness::{ByColumn, Driven, Likeness, Looking, likeness, likeness_by_column};
 pub use line::{Agreement, Reading, agreement, regression};
 pub use retest::{Retest, retest};
 

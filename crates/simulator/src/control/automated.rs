@@ -46,6 +46,8 @@ pub(crate) struct AutomatedDriver<'a> {
 
 /// Time a change that is given up takes to undo, in s.
 const GO_BACK_S: f64 = 3.0;
+/// Distance that the car's side keeps from the line, wherever in its lane it is asked to drive, in m.
+const LEAST_TO_LINE_M: f64 = 0.3;
 
 impl<'a> AutomatedDriver<'a> {
     pub(crate) fn new(
@@ -111,6 +113,7 @@ impl<'a> AutomatedDriver<'a> {
         };
         let asked = checked(self.planner.plan(&view), scene.time_s)?;
         self.asked = Some(asked);
+        let lane_offset_m = self.lane_offset_m(scene.time_s)?;
         self.sideways
             .observe(self.settings, scene, &self.road, self.vehicle.width_m);
         let acceleration_mps2 = self.accelerate(scene, steering, &asked);
@@ -137,8 +140,23 @@ impl<'a> AutomatedDriver<'a> {
         Ok(Action {
             acceleration_mps2,
             manoeuvre,
-            lane_offset_m: 0.0,
+            lane_offset_m,
         })
+    }
+
+    /// Where in its lane the car drives: where the planner asks, well within the lane.
+    fn lane_offset_m(&self, time_s: f64) -> Result<f64, SimulatorError> {
+        let found = self.planner.lane_offset_m();
+        if !found.is_finite() {
+            return Err(SimulatorError::Setpoint {
+                name: "lane_offset_m",
+                found,
+                time_s,
+                expected: "a finite number",
+            });
+        }
+        let room_m = 0.5 * (self.road.lane_width_m - self.vehicle.width_m) - LEAST_TO_LINE_M;
+        Ok(found.clamp(-room_m.max(0.0), room_m.max(0.0)))
     }
 
     /// The smaller of what velocity, following and safety ask, without a jump.

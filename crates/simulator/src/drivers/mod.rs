@@ -17,6 +17,7 @@ pub use distributions::{Distribution, population_table};
 pub(crate) use evidence::EvidenceDriver;
 pub use evidence::{BentLaw, EvidenceParams, EvidencePopulation};
 pub(crate) use human::HumanDriver;
+pub use noise::OrnsteinUhlenbeck;
 pub use params::DriverParams;
 pub use people::{People, Person};
 pub use population::{EncounterNoise, Law, Population};

@@ -5,7 +5,7 @@ use rand_pcg::Pcg64Mcg;
 
 /// A stationary Ornstein-Uhlenbeck process, sampled evenly.
 #[derive(Debug, Clone)]
-pub(super) struct OrnsteinUhlenbeck {
+pub struct OrnsteinUhlenbeck {
     keep: f64,
     kick: f64,
     value: f64,
@@ -14,7 +14,7 @@ pub(super) struct OrnsteinUhlenbeck {
 
 impl OrnsteinUhlenbeck {
     /// Standard deviation `sd`, correlation time `time_s`, a sample every `step_s`.
-    pub(super) fn new(sd: f64, time_s: f64, step_s: f64, mut rng: Pcg64Mcg) -> Self {
+    pub fn new(sd: f64, time_s: f64, step_s: f64, mut rng: Pcg64Mcg) -> Self {
         let keep = libm::exp(-step_s / time_s);
         let first = standard_normal(&mut rng);
         Self {
@@ -26,7 +26,8 @@ impl OrnsteinUhlenbeck {
     }
 
     /// The next sample.
-    pub(super) fn next(&mut self) -> f64 {
+    #[expect(clippy::should_implement_trait, reason = "it has no end")]
+    pub fn next(&mut self) -> f64 {
         let noise = standard_normal(&mut self.rng);
         self.value = self.keep * self.value + self.kick * noise;
         self.value

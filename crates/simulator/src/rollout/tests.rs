@@ -58,6 +58,35 @@ fn restless(speed_mps: f64, gap_m: f64, when: When) -> impl FnMut(&View<'_>) -> 
     }
 }
 
+/// Sways what another planner asks for, and where in the lane.
+struct Swaying<P> {
+    inner: P,
+    sway: (f64, f64, f64),
+    time_s: f64,
+}
+
+impl<P> Swaying<P> {
+    fn phase(&self) -> f64 {
+        libm::sin(std::f64::consts::TAU * self.time_s / self.sway.2)
+    }
+}
+
+impl<P: Planner> Planner for Swaying<P> {
+    fn plan(&mut self, view: &View<'_>) -> Setpoints {
+        self.time_s = view.scene.time_s;
+        let asked = self.inner.plan(view);
+        Setpoints {
+            speed_mps: asked.speed_mps + self.sway.0 * self.phase(),
+            following_distance_m: asked.following_distance_m * libm::exp(self.phase()),
+            ..asked
+        }
+    }
+
+    fn lane_offset_m(&self) -> f64 {
+        self.sway.1 * self.phase()
+    }
+}
+
 /// Passes what is near ahead, merges back 1.4 s past it.
 fn passing(speed_mps: f64) -> impl FnMut(&View<'_>) -> Setpoints {
     move |s| {
@@ -107,6 +136,26 @@ fn final_gap_m(rollout: &Rollout, other: usize) -> f64 {
     let track = &rollout.recording.others()[other];
     let centres = track.x_m.last().unwrap() - ego.x_m.last().unwrap();
     centres - 0.5 * (track.length_m + ego.length_m)
+}
+
+#[test]
+fn the_car_drives_where_in_its_lane_it_is_asked_to_and_never_at_the_line() {
+    struct Aside(f64);
+    impl Planner for Aside {
+        fn plan(&mut self, view: &View<'_>) -> Setpoints {
+            always(30.0, 30.0)(view)
+        }
+        fn lane_offset_m(&self) -> f64 {
+            self.0
+        }
+    }
+    let at = |offset_m| automated(&empty_road(60.0, Vec::new()), Aside(offset_m), 1);
+    let end = |driven: Rollout| *driven.recording.ego().y_m.last().unwrap();
+    assert!((end(at(0.3)) - 0.3).abs() < 0.02);
+    assert!((end(at(-0.3)) + 0.3).abs() < 0.02);
+    let room_m = 0.5 * (3.66 - Scenario::paper().settings().vehicle.width_m);
+    let furthest = end(at(40.0));
+    assert!(furthest > 0.3 && furthest < room_m - 0.25, "{furthest}");
 }
 
 #[test]
@@ -479,6 +528,7 @@ proptest! {
         handing in (5.0..200.0_f64, 0.0..5.0_f64, 0.5..3.5_f64, 0.1..20.0_f64),
         changing in (2.0..10.0_f64, 0.0..1.0_f64, 0.5..1.8_f64),
         following_rule in prop::sample::select(vec![FollowingRule::AskedGap, FollowingRule::Idm, FollowingRule::Paper]),
+        sway in (0.0..20.0_f64, 0.0..5.0_f64, 1.0..30.0_f64),
         seed in 0..u64::MAX,
     ) {
         let controllers = ControllerSettings {
@@ -505,9 +555,13 @@ proptest! {
             s.vehicles = vec![placed(start.0, 0, start.1)];
             s.controllers = controllers;
         });
+        let swaying = |inner: &mut dyn FnMut(&View<'_>) -> Setpoints| {
+            let planner = Swaying { inner, sway, time_s: 0.0 };
+            automated(&scenario, planner, seed)
+        };
         let driven = match wish {
-            None => automated(&scenario, always(speed_mps, gap_m), seed),
-            Some(when) => automated(&scenario, restless(speed_mps, gap_m, when), seed),
+            None => swaying(&mut always(speed_mps, gap_m)),
+            Some(when) => swaying(&mut restless(speed_mps, gap_m, when)),
         };
         prop_assert_eq!(driven.report.collisions, 0);
     }

@@ -25,7 +25,7 @@ use std::path::{Path, PathBuf};
 /// Predict each drive's unseen last third in closed loop, beside car-following models
 ///
 /// Trains a network through its own simulated following, calibrates constant time gap, Newell, Helly, Gipps and IDM to the first
-/// two thirds, drives by them and by F of a model, prints the whole table and says what is best on the fit rows.
+/// two thirds, drives by them and by F of a model, and prints the whole table.
 #[derive(Debug, Clone, clap::Args)]
 #[command(
     after_help = "Examples: maveric evaluate --drives drives --model model.maveric --embeddings embeddings.csv --out following.json\n          \

@@ -13,18 +13,19 @@ use crate::{
         TableBuilder,
         conditions::{ConditionRow, read_conditions},
         drives::{former_drives, refuse_foreign, remove_former, write_drive, write_drive_list},
+        variability::read_variability,
     },
     watching::{WatchedDrive, braking, read_watched, write_watch_page},
 };
 use maveric_domain::{
-    Drive, DriveId, DriveMeta, DrivenBy, Embedding, ParticipantId, Recording, design::Condition,
-    stream_seed,
+    Drive, DriveId, DriveMeta, DrivenBy, Embedding, ParticipantId, Recording, Variability,
+    design::Condition, stream_seed,
 };
 use maveric_ingest::{Beside, IngestSettings};
 use maveric_model::Model;
 use maveric_report::html::CentreLine;
 use maveric_simulator::{Driver, Rollout, RolloutReport, Scenario, SimulatorError, rollout};
-use maveric_steering::ModelPlanner;
+use maveric_steering::{ModelPlanner, Varying};
 use path_slash::PathExt as _;
 use serde::Serialize;
 use std::path::{Path, PathBuf};
@@ -44,6 +45,9 @@ pub struct Simulate {
     /// Conditions to drive
     #[arg(long)]
     pub conditions: PathBuf,
+    /// How people's own drives wander, for the conditions of the design whose car varies: see `personalize --variability`
+    #[arg(long, value_name = "FILE")]
+    pub variability: Option<PathBuf>,
     /// Folder to write into: logs (MCAP), drives (Parquet), rollouts.csv
     #[arg(long)]
     pub out: PathBuf,
@@ -163,6 +167,7 @@ impl Stage for Simulate {
         let tables = ["drives/drives.csv", "drives/exclusions.csv", "rollouts.csv"];
         Ok(Files::default()
             .reads([&self.model, &self.conditions])
+            .reads(&self.variability)
             .reads(&self.scenario)
             .reads(&self.watch_own)
             .reads_design(self.design.as_deref())
@@ -180,7 +185,7 @@ impl Stage for Simulate {
         }
         let model = read_model(&self.model)?;
         let mut conditions = read_conditions(&self.conditions)?;
-        if let Some(study) = study {
+        if let Some(study) = &study {
             // A sweep drives what the design does not name; of what it names, only what is not recorded elsewhere.
             let simulated = |id| study.design.condition(id).is_some_and(Condition::simulated);
             conditions.retain(|row| row.sweep.is_some() || simulated(row.condition));
@@ -210,12 +215,15 @@ impl Stage for Simulate {
             known(participant, people())?;
         }
         let scenario = read_scenario(self.scenario.as_deref(), self.duration_s)?;
-        let driven = for_each_on(self.jobs, &conditions, watch, "drives", |row| {
+        let varying = self.varying(study.as_ref(), &conditions)?;
+        let rows: Vec<(&ConditionRow, Option<Variability>)> =
+            conditions.iter().zip(varying).collect();
+        let driven = for_each_on(self.jobs, &rows, watch, "drives", |(row, varying)| {
             drive(
                 self,
                 &model,
                 &scenario,
-                row,
+                (*row, varying.as_ref()),
                 watched.as_deref() == Some(row.participant.as_str()),
             )
         })?;
@@ -288,6 +296,54 @@ impl Stage for Simulate {
     }
 }
 
+impl Simulate {
+    /// What wanders in each of `conditions`: as in the person's own drive where the design says so, nothing elsewhere.
+    fn varying(
+        &self,
+        study: Option<&DesignFile>,
+        conditions: &[ConditionRow],
+    ) -> Result<Vec<Option<Variability>>, StudyError> {
+        let design = study.map(|s| &s.design);
+        let varies = |row: &ConditionRow| {
+            let condition = design.and_then(|d| d.condition(row.condition));
+            row.sweep.is_none() && condition.is_some_and(|c| c.vary)
+        };
+        let Some(first) = conditions.iter().find(|row| varies(row)) else {
+            return Ok(vec![None; conditions.len()]);
+        };
+        let Some(path) = &self.variability else {
+            return Err(StudyError::NotPossible {
+                problem: format!(
+                    "the car of condition {} varies, and nothing says how people's own drives do",
+                    first.condition
+                ),
+                help: Some(
+                    "write it with `maveric personalize --variability FILE` and give it with --variability FILE"
+                        .to_owned(),
+                ),
+            });
+        };
+        let known = read_variability(path)?;
+        let baseline = design.and_then(maveric_domain::Design::baseline_id);
+        let of = |row: &ConditionRow| {
+            if !varies(row) {
+                return Ok(None);
+            }
+            let own = known
+                .iter()
+                .find(|k| k.participant == row.participant && Some(k.condition) == baseline);
+            own.map(|k| Some(k.variability())).ok_or_else(|| {
+                let whose = &row.participant;
+                StudyError::file(
+                    path,
+                    format!("has no row of the own drive of participant {whose}"),
+                )
+            })
+        };
+        conditions.iter().map(of).collect()
+    }
+}
+
 type Driven = (DriveMeta, usize, f64, RolloutReport, Option<WatchedDrive>);
 
 /// Writes the page that plays the drives kept for it, the own drive first.
@@ -315,18 +371,22 @@ fn write_page(options: &Simulate, page: &Path, driven: &[Driven]) -> Result<(), 
     write_watch_page(page, drives, Some(options.seed), &provenance)
 }
 
-/// The car with a style in a world of the scenario.
+/// The car with a style in a world of the scenario; what wanders, if anything does.
 pub(crate) fn drive_style(
     model: &Model,
     style: &Embedding,
+    varying: Option<&Variability>,
     scenario: &Scenario,
     world: u64,
 ) -> Result<Rollout, StudyError> {
-    let mut planner = ModelPlanner::new(model, style, &scenario.settings().controllers)?;
+    let planner = ModelPlanner::new(model, style, &scenario.settings().controllers)?;
     let controllers = planner.controllers();
+    // Nothing wanders with a variability of nothing: the set-points are the planner's own.
+    let varying = varying.copied().unwrap_or_default();
+    let mut planner = Varying::new(planner, &varying, &controllers, world);
     let driver = Driver::Automated(&mut planner, &controllers);
     let driven = rollout(scenario, driver, world)?;
-    match planner.failure() {
+    match planner.into_inner().failure() {
         Some(error) => Err(error.into()),
         None => Ok(driven),
     }
@@ -339,12 +399,12 @@ fn drive(
     options: &Simulate,
     model: &Model,
     scenario: &Scenario,
-    row: &ConditionRow,
+    (row, varying): (&ConditionRow, Option<&Variability>),
     watched: bool,
 ) -> Result<Result<Driven, Stopped>, StudyError> {
     let id = row.drive()?;
     let seed = stream_seed(options.seed, &[id.as_str(), "world"]);
-    let driven = drive_style(model, &row.embedding, scenario, seed)?;
+    let driven = drive_style(model, &row.embedding, varying, scenario, seed)?;
     if let Some(why) = driven.stopped {
         return Ok(Err((id, why)));
     }
@@ -400,4 +460,87 @@ fn centre_line(scenario: &Scenario, recording: &Recording) -> Option<CentreLine>
         step_m: STEP_M,
         map_m: (0..places).map(place).collect(),
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::tables::variability::{VariabilityRow, write_variability};
+    use clap::Parser as _;
+    use maveric_domain::Design;
+
+    #[derive(clap::Parser)]
+    struct Asked {
+        #[command(flatten)]
+        simulate: Simulate,
+    }
+
+    fn row(participant: &str, condition: &str) -> ConditionRow {
+        ConditionRow {
+            participant: ParticipantId::new(participant).unwrap(),
+            condition: condition.parse().unwrap(),
+            adb_hat: None,
+            moved_points: None,
+            moved_points_sd: None,
+            clamped: false,
+            angle_rad: None,
+            beyond_training: false,
+            sweep: None,
+            embedding: Embedding::new(vec![0.0]).unwrap(),
+        }
+    }
+
+    #[test]
+    fn who_varies_does_so_as_in_the_own_drive_and_nobody_else_does() {
+        let text = "[study]\ntitle = \"t\"\n[people]\nlearn = { part = \"l\" }\n[style]\nscore = \"adb.total\"\n\
+                    [[condition]]\nid = \"alive\"\ncar = { dial = 0, vary = true }\n[[condition]]\nid = \"still\"\ncar = { dial = 0 }\n\
+                    [baseline]\nid = \"own\"\n";
+        let study = DesignFile {
+            path: None,
+            design: Design::from_toml(text).unwrap(),
+        };
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("variability.csv");
+        let drive = |condition: &str, speed_sd_mps| VariabilityRow {
+            drive: DriveId::new(format!("P01-{condition}")).unwrap(),
+            participant: ParticipantId::new("P01").unwrap(),
+            condition: condition.parse().unwrap(),
+            speed_sd_mps,
+            speed_lag_s: Some(9.0),
+            gap_log_sd: None,
+            gap_lag_s: None,
+            place_sd_m: None,
+            place_lag_s: None,
+            place_m: None,
+        };
+        write_variability(&path, &[drive("other", Some(0.9)), drive("own", Some(0.4))]).unwrap();
+        let asked = |more: &[&str]| {
+            let fixed = [
+                "simulate",
+                "--model",
+                "m",
+                "--conditions",
+                "c",
+                "--out",
+                "o",
+            ];
+            let args = fixed.iter().chain(more);
+            Asked::parse_from(args).simulate
+        };
+        let given = ["--variability", path.to_str().unwrap()];
+        let rows = [row("P01", "alive"), row("P01", "still")];
+        let found = asked(&given).varying(Some(&study), &rows).unwrap();
+        let sd = |v: &Variability| v.free_speed.map(|w| w.sd);
+        assert_eq!(found[0].as_ref().and_then(sd), Some(0.4));
+        assert_eq!(found[1], None);
+        // Without a file, and for a stranger, by name.
+        let error = asked(&[]).varying(Some(&study), &rows).unwrap_err();
+        assert!(error.to_string().contains("condition alive"), "{error}");
+        let error = asked(&given).varying(Some(&study), &[row("P02", "alive")]);
+        assert!(error.unwrap_err().to_string().contains("participant P02"));
+        assert_eq!(
+            asked(&[]).varying(Some(&study), &rows[1..]).unwrap(),
+            [None]
+        );
+    }
 }

@@ -10,6 +10,7 @@ pub mod measurements;
 pub mod participants;
 mod rows;
 pub mod surveys;
+pub mod variability;
 
 pub use builder::TableBuilder;
 pub use rows::write_rows;

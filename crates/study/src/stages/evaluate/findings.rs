@@ -34,12 +34,6 @@ pub(crate) fn beside_everybody(found: &FollowingEvaluation) -> Vec<&Compared> {
     pairs.filter(|c| FOR_ALL.contains(&c.beside)).collect()
 }
 
-/// What is driven by default.
-pub(crate) fn driven(found: &FollowingEvaluation) -> FollowingMethod {
-    let choice = found.driven.as_ref();
-    choice.map_or(FollowingMethod::ClosedLoopShrunken, |c| c.method)
-}
-
 /// The findings of an evaluation; errors have to be below those that they are held beside, and no drive may reach its leader.
 pub(crate) fn findings(found: &FollowingEvaluation) -> Vec<Finding> {
     let n = found.drivers.len();
@@ -51,7 +45,7 @@ pub(crate) fn findings(found: &FollowingEvaluation) -> Vec<Finding> {
     let every = |question, pairs: Vec<&Compared>| {
         Finding::every(question, pairs.iter().map(part).collect())
     };
-    let driven = driven(found);
+    let driven = found.driven;
     let (hits, drives) = found
         .mean(driven)
         .map_or((0, 0), |mean| (mean.reached_zero, mean.drivers));
@@ -86,7 +80,7 @@ mod tests {
         };
         serde_json::from_value(serde_json::json!({
             "learned_from": drivers,
-            "driven": null,
+            "driven": "closed_loop_shrunken",
             "drivers": (0..drivers).map(driver).collect::<Vec<_>>(),
             "means": [mean("closed_loop_shrunken", 3.0), mean("closed_loop_mean", 3.4), mean("idm_own", 2.0), mean("gipps_own", 2.5),
                 mean("idm_population", 2.8), mean("idm_floor", 1.0)],
@@ -120,7 +114,7 @@ mod tests {
                 peers: beside_peers(&evaluation),
                 personal: beside_everybody(&evaluation),
                 networks: &NETWORKS,
-                driven: driven(&evaluation),
+                driven: evaluation.driven,
             };
             following.cards(&findings(&evaluation)).unwrap()
         };

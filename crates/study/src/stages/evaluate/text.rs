@@ -1,9 +1,7 @@
 //! The tables of an evaluation as lines of text.
 
 use super::tables::{compared, following_table, shrinkage};
-use maveric_following::{
-    ClosedLoopSeed, ClosedLoopStudy, FollowingEvaluation, FollowingMethod, MethodMean,
-};
+use maveric_following::{ClosedLoopSeed, ClosedLoopStudy, FollowingEvaluation, FollowingMethod};
 use maveric_report::tables::{Cell, Table};
 
 /// What stands in the table of drivers.
@@ -44,20 +42,12 @@ pub(super) fn lines(found: &FollowingEvaluation) -> Vec<String> {
     blocks.join("\n\n").lines().map(str::to_owned).collect()
 }
 
-/// What the program drives with, and how it was chosen.
+/// What the program drives with.
 fn driven(found: &FollowingEvaluation) -> Vec<String> {
-    let Some(choice) = &found.driven else {
-        return Vec::new();
-    };
-    let row = |m: &MethodMean| format!("{} {:.2} m", m.method.label(), m.gap_rmse_m);
-    let each: Vec<String> = choice.means.iter().map(row).collect();
-    vec![
-        format!("driven by default: {}", choice.method.label()),
-        format!(
-            "chosen on the fit rows of those who were learned from, their last third after the first two: {}",
-            each.join("; ")
-        ),
-    ]
+    vec![format!(
+        "driven by default, as chosen once on fit rows of other people: {}",
+        found.driven.label()
+    )]
 }
 
 fn drivers(found: &FollowingEvaluation) -> Table {

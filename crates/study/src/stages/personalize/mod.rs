@@ -18,6 +18,7 @@ use crate::{
     tables::{
         embeddings::{EmbeddingRow, write_embeddings},
         surveys::read_scores,
+        variability::{VariabilityRow, write_variability},
     },
 };
 use maveric_domain::{AdbScore, Drive, Score};
@@ -56,6 +57,9 @@ pub struct Personalize {
     /// Write how good embeddings are after 1, 2, 5 and 10 minutes, judged on each drive's last fifth (CSV or JSON by name)
     #[arg(long, value_name = "FILE")]
     pub learning_curve: Option<PathBuf>,
+    /// Write how speed, gap and place in the lane wander within each drive: for cars that vary (CSV)
+    #[arg(long, value_name = "FILE")]
+    pub variability: Option<PathBuf>,
     /// Share of each drive, from its start, that may be learned from
     #[arg(long, default_value_t = 1.0)]
     pub fit_fraction: f64,
@@ -113,7 +117,8 @@ impl Stage for Personalize {
             .reads_people(root, design, self.participants.as_deref())
             .reads_style(study.as_ref())
             .writes([&self.out])
-            .writes(&self.learning_curve))
+            .writes(&self.learning_curve)
+            .writes(&self.variability))
     }
 
     /// Fits an embedding to every drive of a folder: with its ADB score where there is one, and always without.
@@ -220,6 +225,12 @@ impl Stage for Personalize {
             }
             None => Vec::new(),
         };
+        if let Some(path) = &self.variability {
+            let measured = for_each_on(self.jobs, &drives, watch, "variability", |drive| {
+                Ok(VariabilityRow::of(drive))
+            })?;
+            write_variability(path, &measured)?;
+        }
         let scale = scale.unwrap_or(StyleScale::ADB);
         let off_the_scale = scale.outward_rows(&mut rows);
         warnings.extend(scale.told(&off_the_scale));

@@ -113,12 +113,10 @@ pub(super) fn page(options: &DrawReport) -> Result<(Report, Vec<String>), StudyE
         figures.push(car_following(&input, &context)?);
     }
     let mut summary = shrinkage(&found);
-    if let Some(choice) = &found.driven {
-        summary.push(format!(
-            "Driven by default, as the best on the fit rows of those who were learned from: {}.",
-            choice.method.label()
-        ));
-    }
+    summary.push(format!(
+        "Driven by default, as chosen once on fit rows of other people: {}.",
+        found.driven.label()
+    ));
     summary.extend(
         training
             .networks
@@ -132,7 +130,7 @@ pub(super) fn page(options: &DrawReport) -> Result<(Report, Vec<String>), StudyE
         peers: findings::beside_peers(&found),
         personal: findings::beside_everybody(&found),
         networks: &NETWORKS,
-        driven: findings::driven(&found),
+        driven: found.driven,
     };
     let cards = following.cards(&judged)?;
     let said = cards

@@ -12,14 +12,16 @@ use maveric_measures::likeness::{Window, windows};
 use maveric_model::{
     Heads, Model, Personalized, personalize,
     style_space::{LinearHead, PerpendicularEllipse, share_outside_training},
+    variability,
 };
 use maveric_rehearsal::findings;
 use maveric_rehearsal::validation::{
-    Across, Agreement, Dial, Driven, Fidelity, Held, Identification, Known, Likeness, Reading,
-    Values, across, agreement, dial, fidelity, held, identify, identify_posteriors, likeness, mean,
-    regression, standardiser, values, within_person,
+    Across, Agreement, ByColumn, Dial, Driven, Fidelity, Held, Identification, Known, Likeness,
+    Reading, Values, accuracies, across, agreement, dial, fidelity, held, identify,
+    identify_posteriors, likeness, likeness_by_column, mean, regression, standardiser, values,
+    within_person,
 };
-use maveric_simulator::Scenario;
+use maveric_simulator::{RolloutReport, Scenario};
 use rand_pcg::{Pcg64Mcg, rand_core::SeedableRng};
 use serde::Serialize;
 
@@ -38,6 +40,10 @@ pub struct Examined {
     pub fidelity: Vec<Fidelity>,
     /// And as a distribution?
     pub likeness: Vec<Likeness>,
+    /// By what it is not.
+    pub likeness_by_column: Vec<ByColumn>,
+    /// What it costs to wander as the owner does: the car without and with it, on the same roads.
+    pub wandering: Vec<Wandering>,
     /// Settings of the dial, in ADB points.
     pub steps: Vec<f64>,
     /// Does the dial do what it says?
@@ -56,6 +62,41 @@ pub struct Examined {
     pub rule_violations: u32,
     /// The car's drives.
     pub drives: usize,
+}
+
+/// The car in the own style, a drive each person.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Wandering {
+    /// Whether it wandered as its owner does.
+    pub wanders: bool,
+    /// Drives.
+    pub drives: usize,
+    /// Accuracy of each of the seven measures, as in the fidelity.
+    pub accuracy: Vec<Option<f64>>,
+    /// Mean number of interventions of the safety layer in a drive.
+    pub interventions: Option<f64>,
+    /// Mean time nearer than the safety rule allows in a drive, in s.
+    pub inside_safe_distance_s: Option<f64>,
+    /// Collisions over all of them.
+    pub collisions: u32,
+}
+
+impl Wandering {
+    fn of(wanders: bool, rides: &[&Ridden], own: &[Values]) -> Self {
+        let values: Vec<Values> = rides.iter().map(|r| r.values).collect();
+        let mean_of = |of: &dyn Fn(&RolloutReport) -> f64| {
+            let each: Vec<f64> = rides.iter().map(|r| of(&r.report)).collect();
+            mean(&each)
+        };
+        Self {
+            wanders,
+            drives: rides.len(),
+            accuracy: accuracies(&values, own),
+            interventions: mean_of(&|r| f64::from(r.interventions)),
+            inside_safe_distance_s: mean_of(&|r| r.inside_safe_distance_s),
+            collisions: rides.iter().map(|r| r.report.collisions).sum(),
+        }
+    }
 }
 
 /// What every model is examined with.
@@ -101,13 +142,13 @@ struct Ride<'a> {
     world: usize,
     /// Whether an embedding is to be read back from it.
     read_back: bool,
+    /// Whether the car wanders as the person's first drive does.
+    varying: bool,
 }
 
 struct Ridden {
     values: Values,
-    collisions: u32,
-    /// Episodes with the vehicle ahead nearer than the safety rule allows.
-    rule_violations: u32,
+    report: RolloutReport,
     windows: Vec<Window>,
     read_back: Option<Embedding>,
 }
@@ -168,6 +209,12 @@ impl Examination<'_> {
         for person in test {
             rides.push(Self::ride(person, model.mean_embedding(), 0));
         }
+        for (person, w) in test.iter().zip(&scored) {
+            rides.push(Ride {
+                varying: true,
+                ..Self::ride(person, w, 0)
+            });
+        }
         let driven = for_each_on(self.jobs, &rides, watch, "drives", |r| self.drive(model, r))?;
         let beyond: Vec<Embedding> = rides[..STEPS.len() * self.worlds * test.len()]
             .iter()
@@ -176,7 +223,8 @@ impl Examination<'_> {
         let (settings, rest) = driven.split_at(STEPS.len() * self.worlds * test.len());
         let (sideways, rest) = rest.split_at(test.len());
         let (elsewhere, rest) = rest.split_at(test.len());
-        let (unscored, average) = rest.split_at(test.len());
+        let (unscored, rest) = rest.split_at(test.len());
+        let (average, varying) = rest.split_at(test.len());
         let of = |ridden: &[Ridden]| -> Vec<Values> { ridden.iter().map(|r| r.values).collect() };
         let sweep = self.averaged(settings);
         // One drive a person, as in the study: fidelity is not helped by averaging roads.
@@ -189,6 +237,7 @@ impl Examination<'_> {
             again: seen(again),
             mimic: own_style().map(|r| r.windows.clone()).collect(),
             average: shown(average),
+            varying: shown(varying),
         };
         let mimic: Vec<Values> = own_style().map(|r| r.values).collect();
         let own_values: Vec<Values> = test.iter().map(|p| values(&p.first)).collect();
@@ -281,14 +330,19 @@ impl Examination<'_> {
                 &training_own,
             ),
             likeness: likeness(&like, self.seed)?,
-            rule_violations: driven.iter().map(|d| d.rule_violations).sum(),
+            likeness_by_column: likeness_by_column(&like, self.seed)?,
+            rule_violations: driven.iter().map(|d| d.report.rule_violations).sum(),
+            wandering: vec![
+                Wandering::of(false, &own_style().collect::<Vec<_>>(), &own_values),
+                Wandering::of(true, &varying.iter().collect::<Vec<_>>(), &own_values),
+            ],
             steps: STEPS.to_vec(),
             dial: dial(&STEPS, self.points, &sweep)?,
             perpendicular: across(&angles, &mimic, &of(sideways), &of(elsewhere))?,
             perpendicular_moves_s: moved.iter().map(|m| m.1).fold(0.0, f64::max),
             line: line?,
             beyond_training: share_outside_training(model, &beyond)?,
-            collisions: driven.iter().map(|d| d.collisions).sum(),
+            collisions: driven.iter().map(|d| d.report.collisions).sum(),
             drives: driven.len(),
         })
     }
@@ -299,6 +353,7 @@ impl Examination<'_> {
             embedding: embedding.clone(),
             world,
             read_back: false,
+            varying: false,
         }
     }
 
@@ -337,7 +392,15 @@ impl Examination<'_> {
     fn drive(&self, model: &Model, ride: &Ride<'_>) -> Result<Ridden, StudyError> {
         let id = ride.person.participant.as_str();
         let world = stream_seed(self.seed, &[id, "validate", &ride.world.to_string()]);
-        let driven = drive_style(model, &ride.embedding, self.scenario, world)?.completed()?;
+        let wandering = ride.varying.then(|| variability(&ride.person.first));
+        let driven = drive_style(
+            model,
+            &ride.embedding,
+            wandering.as_ref(),
+            self.scenario,
+            world,
+        )?
+        .completed()?;
         let meta = DriveMeta {
             drive: DriveId::new(format!("{id}-validate"))?,
             participant: ride.person.participant.clone(),
@@ -352,8 +415,7 @@ impl Examination<'_> {
             .map(|k| k.embedding);
         Ok(Ridden {
             values: values(&drive),
-            collisions: driven.report.collisions,
-            rule_violations: driven.report.rule_violations,
+            report: driven.report,
             windows: windows(&drive),
             read_back,
         })

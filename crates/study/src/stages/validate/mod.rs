@@ -8,10 +8,10 @@ mod page;
 mod people;
 mod tables;
 
-pub use examine::Examined;
+pub use examine::{Examined, Wandering};
 pub use maveric_rehearsal::validation::{
-    Across, Agreement, Dial, FULL, Fidelity, Held, Identification, Likeness, Metric, Retest, Right,
-    ShareOfPeople,
+    Across, Agreement, ByColumn, Dial, FULL, Fidelity, Held, Identification, Likeness, Looking,
+    Metric, Retest, Right, ShareOfPeople,
 };
 use path_slash::PathExt as _;
 

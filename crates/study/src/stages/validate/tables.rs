@@ -1,6 +1,9 @@
 //! What was found, over all models, as tables.
 
-use super::{Agreement, Examined, FULL, Held, Metric, Retest, Right, ShareOfPeople, mean};
+use super::{
+    Agreement, Examined, FULL, Held, Looking, MEASURES, Metric, Retest, Right, ShareOfPeople,
+    Wandering, mean, title as title_of,
+};
 use maveric_rehearsal::findings::over_models;
 use maveric_report::{
     figures::fidelity::Accuracy,
@@ -52,6 +55,8 @@ pub(super) fn tables(models: &[Examined], retested: &[Retest], points: f64) -> V
         errors(models, one),
         fidelity(models, one),
         likeness(models, one),
+        likeness_by_column(models, one),
+        wandering(models, one),
         dial(models, one, points),
         perpendicular(models, one),
         line(models, one),
@@ -181,6 +186,67 @@ fn likeness(models: &[Examined], one: &Examined) -> Table {
             "Speed, time gap, acceleration, jerk and lateral place, each in SDs over all windows of people. MMD²: maximum mean discrepancy, Gaussian \
              kernel, unbiased, so about 0 for two drives of one distribution; p by 99 random splits. Divergence: Kullback-Leibler, from distances to the \
              fifth-nearest window. Nearest and rank by MMD² among the first drives of all people.",
+        )
+}
+
+fn likeness_by_column(models: &[Examined], one: &Examined) -> Table {
+    type Whose = fn(&super::ByColumn) -> &super::Likeness;
+    let of = |i: usize, whose: Whose, value: fn(&super::Likeness) -> Option<f64>| {
+        each(models, |m| value(whose(&m.likeness_by_column[i])))
+    };
+    let mmd2 = |i: usize, whose: Whose| range(&of(i, whose, |l| l.mmd2), 3);
+    let nats = |i: usize, whose: Whose| range(&of(i, whose, |l| l.divergence), 2);
+    let different = |i: usize, whose: Whose| percent(&of(i, whose, |l| l.different));
+    let title =
+        "By what the car is told from its owner: each column of the windows alone, and without it";
+    table("likeness-by-column", title, &one.likeness_by_column)
+        .text("Column", |(_, row)| row.column)
+        .text("Looked at", |(_, row)| match row.looking {
+            Looking::Alone => "alone",
+            Looking::Without => "all but it",
+        })
+        .right("Car: different, p < .05 (%)", |(i, _)| different(*i, |c| &c.car))
+        .right("Second drive: different (%)", |(i, _)| different(*i, |c| &c.again))
+        .right("Car: MMD²", |(i, _)| mmd2(*i, |c| &c.car))
+        .right("Second drive: MMD²", |(i, _)| mmd2(*i, |c| &c.again))
+        .right("Other people: MMD²", |(i, _)| mmd2(*i, |c| &c.others))
+        .right("Car: divergence (nats)", |(i, _)| nats(*i, |c| &c.car))
+        .right("Second drive: divergence", |(i, _)| nats(*i, |c| &c.again))
+        .right("Wandering: different (%)", |(i, _)| different(*i, |c| &c.varying))
+        .right("Wandering: MMD²", |(i, _)| mmd2(*i, |c| &c.varying))
+        .right("Wandering: divergence", |(i, _)| nats(*i, |c| &c.varying))
+        .right("Other people: divergence", |(i, _)| nats(*i, |c| &c.others))
+        .noted(
+            "The same windows, distances and tests as above. A column tells the car from its owner where it differs alone, and nothing else does where \
+             the car no longer differs without it. Divergences with different numbers of columns are not to be compared with each other.",
+        )
+}
+
+fn wandering(models: &[Examined], one: &Examined) -> Table {
+    type Of = fn(&Wandering) -> Option<f64>;
+    let of = |i: usize, of: Of| each(models, |m| of(&m.wandering[i]));
+    let accuracy = |i: usize, k: usize| percent(&each(models, |m| m.wandering[i].accuracy[k]));
+    let title = "The car in the own style that wanders as its owner does, on the same roads";
+    let start = table("wandering", title, &one.wandering).text("Car", |(_, row)| {
+        if row.wanders { "wanders" } else { "does not" }
+    });
+    let measured = MEASURES.iter().enumerate().fold(start, |t, (k, _)| {
+        t.right(format!("{} (%)", title_of(k)), move |(i, _)| {
+            accuracy(*i, k)
+        })
+    });
+    measured
+        .right("Interventions a drive", |(i, _)| range(&of(*i, |w| w.interventions), 2))
+        .right("Inside the safe distance (s a drive)", |(i, _)| {
+            range(&of(*i, |w| w.inside_safe_distance_s), 2)
+        })
+        .right("Collisions", |(i, _)| {
+            let all: u32 = models.iter().map(|m| m.wandering[*i].collisions).sum();
+            Cell::text(all.to_string())
+        })
+        .noted(
+            "Percentages: accuracy beside the owner’s first drive, as in the table of fidelity. Wandering: speed, following gap and place in the lane vary \
+             within the drive by the SD and at the pace measured in the owner’s first drive.",
         )
 }
 

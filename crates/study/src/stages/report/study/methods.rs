@@ -140,7 +140,12 @@ fn car(run: &Run, condition: &Condition) -> String {
         Some(Car::Free) => "was turned by the person while riding".to_owned(),
         Some(_) => "was steered otherwise".to_owned(),
     };
-    format!("{what}{elsewhere}")
+    let wanders = if condition.vary {
+        ", wandering in speed, gap and place in the lane as the person’s own drive does"
+    } else {
+        ""
+    };
+    format!("{what}{wanders}{elsewhere}")
 }
 
 fn tests(run: &Run) -> String {

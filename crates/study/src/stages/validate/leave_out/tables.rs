@@ -63,6 +63,9 @@ fn percent(share: Option<f64>) -> Cell {
     Cell::number(share.map(|s| 100.0 * s), 1)
 }
 
+/// One of the two changes of a person.
+type Side = fn(&PersonDirection) -> &Change;
+
 impl Words<'_> {
     fn name(&self, part: &str) -> String {
         let part = if part.is_empty() {
@@ -276,7 +279,6 @@ impl Words<'_> {
         )
         .text("Person", |p| p.participant.as_str())
         .right("Cosine", |p| Cell::bounded(p.cosine, 2));
-        type Side = fn(&PersonDirection) -> &Change;
         let sides: [(&str, Side); 2] = [("own", |p| &p.own), ("car", |p| &p.dial)];
         let names = ["speed_axis", "gap_axis", "moving_out_axis", "changes_axis"];
         for (side, change) in sides {
