@@ -3,6 +3,8 @@
 //! `cargo run --release -p maveric-study --example driven_by_default -- OUT.csv SET=FOLDER:FOLDS:MOVING_ABOVE_MPS …`; the folders are
 //! those that `maveric ingest` writes, and folders of one name make one set.
 
+#![expect(clippy::print_stdout, reason = "an example shows its result")]
+
 use maveric_following::{FollowingRun, FollowingSettings, Trial, ranked, trials, try_over_people};
 use maveric_study::tables::drives::read_drives;
 use std::{collections::BTreeMap, error::Error, fmt::Write as _, path::Path};

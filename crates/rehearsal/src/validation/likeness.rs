@@ -223,6 +223,7 @@ mod tests {
             again: of(5),
             mimic: people.map(|v| drive(v + 0.3, 9)).to_vec(),
             average: people.map(|_| drive(26.0, 9)).to_vec(),
+            varying: people.map(|v| drive(v + 0.3, 7)).to_vec(),
         };
         let rows = likeness(&driven, 1).unwrap();
         assert_eq!(rows[0].owner_nearest, Some(1.0));
@@ -247,6 +248,7 @@ mod tests {
             mimic: own.iter().map(smooth).collect(),
             again: own.iter().rev().cloned().collect(),
             average: own.clone(),
+            varying: own.clone(),
             own,
         };
         let rows = likeness_by_column(&driven, 1).unwrap();

@@ -107,7 +107,7 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("variability.csv");
         write_variability(&path, std::slice::from_ref(&row)).unwrap();
-        assert_eq!(read_variability(&path).unwrap(), [row.clone()]);
+        assert_eq!(read_variability(&path).unwrap(), std::slice::from_ref(&row));
         let v = row.variability();
         assert_eq!((v.gap, v.place_m), (None, Some(-0.05)));
         assert_eq!(
