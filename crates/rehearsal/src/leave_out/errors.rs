@@ -11,7 +11,7 @@ use serde::Serialize;
 pub struct ErrorShare {
     /// Pairs of drives.
     pub pairs: usize,
-    /// Coordinates over them.
+    /// Coordinates over them; one of which the second drive says nothing is not counted.
     pub coordinates: usize,
     /// Coordinates within one standard error; 68.3 % are expected.
     pub within_1: usize,

@@ -58,8 +58,16 @@ pub(super) fn said_of(
     Ok(Some(shipped(found)?))
 }
 
-/// Whether a drive is beyond what the model has met: it reads as a score that the scale does not have.
+/// Whether a drive is beyond what the model has met, before any style is fitted or because it reads as a score that the scale does not
+/// have; none where the model cannot say.
 fn beyond(known: &Personalized) -> Option<bool> {
     let scale = AdbScore::MIN..=AdbScore::MAX;
-    known.aggression_hat.map(|points| !scale.contains(&points))
+    if known
+        .aggression_hat
+        .is_some_and(|points| !scale.contains(&points))
+    {
+        return Some(true);
+    }
+    let support = known.support.as_ref()?;
+    support.p.map(|_| support.beyond().is_some())
 }

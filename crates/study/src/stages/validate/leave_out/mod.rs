@@ -171,7 +171,10 @@ pub(super) fn work(options: &Validate, watch: Watch<'_>) -> Result<Outcome<InTur
             let (rules, hash) = Rules::read(path)?;
             (rules, Some(hash))
         }
-        None => (Rules::of_roles(study.design.title(), &all.drove())?, None),
+        None => {
+            let title = study.design.title();
+            (Rules::of_roles(title, &all.drove(), &all.labels())?, None)
+        }
     };
     let looks = match options.rules.as_ref().zip(rules_hash.as_ref()) {
         Some((path, hash)) => looks::look(path, hash, &rules, options, &all)?,

@@ -32,6 +32,13 @@ impl Recordings {
         self.rows.iter().map(|r| r.drove.clone()).collect()
     }
 
+    /// The labels that drives have, repeats of a role among them.
+    pub(super) fn labels(&self) -> Vec<ConditionId> {
+        let labels = self.rows.iter().map(|r| r.drive.meta().condition);
+        let labels: std::collections::BTreeSet<ConditionId> = labels.collect();
+        labels.into_iter().collect()
+    }
+
     /// What a table reads.
     pub(super) fn of(&self, table: &Table) -> Vec<&Recorded> {
         let is_of = |r: &&Recorded| {

@@ -152,18 +152,21 @@ impl Rules {
 
     /// The tables that follow from the roles that were driven: the role of the highest score above all others; whose drive it is; and
     /// how alike two drives are. The last two are of roles that somebody drove twice; without any, the driver of the highest role is
-    /// looked for among the drives of the lowest.
+    /// looked for among the drives of the lowest. `learn` are the labels of the drives, repeats of a role among them.
     ///
     /// # Errors
     /// [`StudyError::NotPossible`] where no two roles differ in their score.
-    pub(super) fn of_roles(title: &str, drives: &[Drove]) -> Result<Self, StudyError> {
+    pub(super) fn of_roles(
+        title: &str,
+        drives: &[Drove],
+        learn: &[ConditionId],
+    ) -> Result<Self, StudyError> {
         let mut points: BTreeMap<ConditionId, Vec<f64>> = BTreeMap::new();
         let mut twice: BTreeMap<(ConditionId, &ParticipantId), usize> = BTreeMap::new();
         for drive in drives {
             points.entry(drive.role).or_default().extend(drive.points);
             *twice.entry((drive.role, &drive.participant)).or_default() += 1;
         }
-        let learn: Vec<ConditionId> = points.keys().copied().collect();
         let mut scored: Vec<(ConditionId, f64)> = points
             .into_iter()
             .filter_map(|(role, points)| Some((role, crate::mean::mean(&points)?)))
@@ -185,7 +188,7 @@ impl Rules {
             seen: false,
             people: Vec::new(),
             judged: Vec::new(),
-            learn: learn.clone(),
+            learn: learn.to_vec(),
             read: Vec::new(),
             higher: None,
             lower: Vec::new(),
@@ -302,13 +305,13 @@ mod tests {
             drove("B", "own", 33.0),
             drove("B", "own", 31.0),
         ];
-        let rules = Rules::of_roles("x", &drives).unwrap();
+        let rules = Rules::of_roles("x", &drives, &[]).unwrap();
         let ids: Vec<&str> = rules.tables.iter().map(|t| t.id.as_str()).collect();
         assert_eq!(ids, ["order", "identity-own", "retest-own", "errors-own"]);
         let words = |roles: &[ConditionId]| ConditionId::listed(roles);
         assert_eq!(rules.tables[0].higher.unwrap().as_str(), "sporty");
         assert_eq!(words(&rules.tables[0].lower), "own, drowsy");
-        let once = Rules::of_roles("x", &drives[..4]).unwrap();
+        let once = Rules::of_roles("x", &drives[..4], &[]).unwrap();
         let identity = &once.tables[1];
         let pair = (identity.among.unwrap(), identity.sought.unwrap());
         assert_eq!((pair.0.as_str(), pair.1.as_str()), ("drowsy", "sporty"));
@@ -319,7 +322,7 @@ mod tests {
     fn roles_of_one_score_or_none_are_refused() {
         for points in [Some(30.0), None] {
             let drives = [drove("A", "own", points), drove("A", "sporty", points)];
-            let said = Rules::of_roles("x", &drives).unwrap_err();
+            let said = Rules::of_roles("x", &drives, &[]).unwrap_err();
             assert!(said.to_string().contains("no two roles"), "{said}");
             assert!(said.suggestion().unwrap().contains("score = 47"));
         }

