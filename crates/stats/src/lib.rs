@@ -93,11 +93,11 @@ pub use paired::{
 };
 pub use posthoc::{Effect, EffectName, Posthoc, PosthocPair, PosthocTest, posthoc};
 pub use power::{PlannedTest, PowerAnalysis, PowerAnswer, PowerQuestion, power};
-pub use proportion::{Proportion, proportion};
+pub use proportion::{Proportion, proportion, proportion_exact};
 pub use reasons::Reasons;
 pub use recheck::{Recheck, RecheckAnalysis, ReportedCorrelation, recheck};
 pub use regression::{CircularLinear, LinearFit, circular_linear, linear_fit};
-pub use reliability::{Alpha, AlphaAnalysis, ItemDropped, ItemStatistics, alpha};
+pub use reliability::{Alpha, AlphaAnalysis, Icc, ItemDropped, ItemStatistics, alpha, icc};
 pub use rm_anova::{RmAnova, RmAnovaCompat};
 pub use sphericity::{Mauchly, MauchlyCompat, Sphericity, SphericityCorrection};
 pub use variances::{Bartlett, Levene, VarianceTests, levene};

@@ -5,8 +5,9 @@ use serde::{Deserialize, Serialize};
 use crate::{
     Adjustment, Named, Reasons, StatsError, WithinSubjects,
     apa::{self, Interval, Statement, Statements},
-    numerics::distributions::{chi2_upper, f_quantile_upper, f_upper},
+    numerics::distributions::{chi2_upper, f_upper},
     power::z_for,
+    proportion::clopper_pearson,
 };
 
 /// Confidence of the intervals.
@@ -156,7 +157,7 @@ pub(crate) fn test(a: &[f64], b: &[f64]) -> (McNemarTest, Reasons) {
         );
     }
     let odds = |share: f64| share / (1.0 - share);
-    let ends = clopper_pearson(x, differing);
+    let ends = clopper_pearson(x, differing, CONFIDENCE);
     let found = McNemarTest {
         both,
         only_a,
@@ -186,27 +187,6 @@ fn at_most(x: f64, n: f64) -> f64 {
     }
     // I_{1/2}(n − x, x + 1) = P(F(2(x + 1), 2(n − x)) ≥ (n − x) / (x + 1)).
     f_upper((n - x) / (x + 1.0), 2.0 * (x + 1.0), 2.0 * (n - x))
-}
-
-/// Clopper and Pearson's interval of x of n; none without a case.
-fn clopper_pearson(x: f64, n: f64) -> Option<(f64, f64)> {
-    if n <= 0.0 {
-        return None;
-    }
-    let tail = (1.0 - CONFIDENCE) / 2.0;
-    let quantile = |a: f64, b: f64| f_quantile_upper(tail, 2.0 * a, 2.0 * b);
-    let low = if x <= 0.0 {
-        0.0
-    } else {
-        x / (x + (n - x + 1.0) * quantile(n - x + 1.0, x)?)
-    };
-    let high = if x >= n {
-        1.0
-    } else {
-        let odds = (x + 1.0) * quantile(x + 1.0, n - x)?;
-        odds / (n - x + odds)
-    };
-    Some((low, high))
 }
 
 impl Statements for McNemar {
