@@ -4,6 +4,7 @@ pub mod ablation;
 mod adam;
 pub mod bfgs;
 mod dataset;
+mod days;
 mod epochs;
 pub mod error;
 mod fused;
@@ -38,6 +39,7 @@ pub use ablation::{
     Ablated, AblationSettings, Variant, VariantKind, VariantResult, ablate, variants,
 };
 pub use adam::cosine;
+pub use days::Days;
 pub use epochs::{EpochReport, TrainingDrive};
 pub use error::{ModelError, ModelWarning};
 pub use heads::{FittedHead, HEADS, HeadReport, KeptBack, StyleHead};
@@ -49,8 +51,8 @@ pub use network::Architecture;
 pub use paper::{Learned, PaperNetworks};
 pub use params::TrainSettings;
 pub use personalize::{
-    CurvePoint, CurveSettings, LearningCurve, Personalized, Personalizer, learning_curve,
-    personalize,
+    CurvePoint, CurveSettings, LearningCurve, Personalized, Personalizer, learn_days,
+    learning_curve, personalize,
 };
 pub use predict::{Prediction, Predictor};
 pub use quality::{Calibration, CalibrationBin, Quality, Residuals};

@@ -1,6 +1,7 @@
 //! A trained model: where its drivers lie in style space, and the heads that read a style.
 
 use crate::{
+    days::Days,
     error::ModelError,
     heads::{FittedHead, OwnHead, StyleHead, at, check, held_up},
     heads_kind::HeadsKind,
@@ -69,6 +70,9 @@ impl TrainingEmbedding {
 pub(crate) struct ModelParts {
     pub(crate) embedding_size: usize,
     pub(crate) training: Vec<TrainingEmbedding>,
+    /// How far one person's drives differ, where people learned from drove twice.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub(crate) days: Option<Days>,
     pub(crate) heads: Heads,
 }
 
@@ -98,6 +102,7 @@ impl TryFrom<ModelParts> for Model {
             }
             Heads::Paper(paper) => paper.check(d)?,
         }
+        parts.days.as_ref().map_or(Ok(()), |days| days.check(d))?;
         let n = parts.training.len().max(1) as f64;
         let points = parts.training.iter().map(TrainingEmbedding::point);
         let mean = points.fold(DVector::zeros(d), |sum, p| sum + p) / n;
@@ -119,6 +124,12 @@ impl Model {
     /// What reads a style.
     pub fn heads(&self) -> &Heads {
         &self.parts.heads
+    }
+
+    /// How far one person's drives differ; `None` where nobody learned from drove twice: then what is said of a style is said of the
+    /// drive.
+    pub fn days(&self) -> Option<&Days> {
+        self.parts.days.as_ref()
     }
 
     /// Which heads it has.

@@ -139,6 +139,7 @@ impl<'a> Trainer<'a> {
         Model::try_from(ModelParts {
             embedding_size: d,
             training,
+            days: None,
             heads: Heads::Paper(Box::new(PaperNetworks {
                 architecture: settings.architecture(),
                 windows: settings.windows(),

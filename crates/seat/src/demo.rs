@@ -147,6 +147,7 @@ fn train_in(work: &Path, jobs: usize, watch: Watch<'_>) -> Result<Vec<u8>, SeatE
         design,
         participants: None,
         drives: folder.join("drives"),
+        again: None,
         scores: Some(folder.join("scores.csv")),
         out: out.clone(),
         heads: HeadsKind::Linear,

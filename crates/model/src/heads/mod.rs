@@ -31,5 +31,6 @@ pub(crate) use list::at;
 pub use list::{HEADS, events_of};
 pub(crate) use posterior::solve;
 pub use report::HeadReport;
+pub(crate) use style::ScoredStyle;
 pub use style::{Posterior, StyleHead};
 pub(crate) use train::{length_s, train_heads};

@@ -88,6 +88,7 @@ pub(crate) fn train_heads(
     let model = Model::try_from(ModelParts {
         embedding_size: d,
         training,
+        days: None,
         heads: Heads::Linear(LinearHeads {
             heads: fitted.heads,
             style: style.clone(),

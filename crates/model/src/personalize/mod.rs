@@ -5,13 +5,16 @@
 
 mod learning_curve;
 mod network_rows;
+mod twice;
 
 pub use learning_curve::{CurvePoint, CurveSettings, LearningCurve, learning_curve};
 pub(crate) use network_rows::NetworkRows;
+pub use twice::learn_days;
 
 use crate::{
+    days::Days,
     error::ModelError,
-    heads::{Event, events_of, length_s, solve},
+    heads::{Event, Posterior, events_of, length_s, solve},
     losses::LossTerms,
     model::{Heads, Model},
     params::share,
@@ -123,22 +126,7 @@ impl<'a> Personalizer<'a> {
         let axis = LinearHead::aggression(self.model).ok();
         let adb = adb.filter(|_| axis.is_some());
         let points = adb.map(AdbScore::points);
-        let d = self.model.embedding_size();
-        let (posterior, readings) = match &shown {
-            Shown::Events(events) => {
-                let linear = self.model.linear()?;
-                let score = points.zip(linear.style.as_ref());
-                let latent = solve(&linear.heads, events, score, d, None);
-                (latent.style(d), events.iter().map(Vec::len).sum())
-            }
-            Shown::Rows(rows) => {
-                let mut rows = NetworkRows::new(self.model.paper()?, rows, points);
-                (
-                    rows.solve(self.model.mean_embedding().coordinates()),
-                    rows.len(),
-                )
-            }
-        };
+        let (posterior, readings) = self.posterior(&shown, points, self.model.days())?;
         let embedding = Embedding::new(posterior.mean)?;
         let aggression_hat = axis.map(|a| a.read(&embedding)).transpose()?;
         Ok(Personalized {
@@ -147,6 +135,38 @@ impl<'a> Personalizer<'a> {
             readings,
             used_adb: adb.is_some(),
             embedding,
+        })
+    }
+
+    /// What is shown says of the drive's style or, where it is known how far days differ, of the person's; with the number of
+    /// readings.
+    fn posterior(
+        &self,
+        shown: &Shown,
+        points: Option<f64>,
+        days: Option<&Days>,
+    ) -> Result<(Posterior, usize), ModelError> {
+        let d = self.model.embedding_size();
+        Ok(match shown {
+            Shown::Events(events) => {
+                let linear = self.model.linear()?;
+                let score = points.zip(linear.style.as_ref());
+                let solved = |score| solve(&linear.heads, events, score, d, None).style(d);
+                let person = days.and_then(|days| days.of_person(&solved(None), score));
+                (
+                    person.unwrap_or_else(|| solved(score)),
+                    events.iter().map(Vec::len).sum(),
+                )
+            }
+            Shown::Rows(rows) => {
+                let mut rows = NetworkRows::new(self.model.paper()?, rows, points);
+                let found = rows.solve(self.model.mean_embedding().coordinates());
+                let found = match days {
+                    Some(days) => days.added_to(found),
+                    None => found,
+                };
+                (found, rows.len())
+            }
         })
     }
 

@@ -17,8 +17,8 @@ use crate::{
 use maveric_domain::{AdbScore, Drive, Score};
 pub use maveric_model::HeadsKind;
 use maveric_model::{
-    EpochReport, HeadReport, ModelError, NetworkReport, Selection, StyleHead, TrainSettings,
-    TrainingDrive, model_file, style_space::LinearHead, train as learn,
+    Days, EpochReport, HeadReport, Heads, Model, ModelError, NetworkReport, Selection, StyleHead,
+    TrainSettings, TrainingDrive, learn_days, model_file, style_space::LinearHead, train as learn,
 };
 use maveric_participants::Part;
 use path_slash::PathExt as _;
@@ -44,6 +44,10 @@ pub struct Train {
     /// Folder of drives
     #[arg(long)]
     pub drives: PathBuf,
+    /// Folder of second drives of the same people, on another day: how far one person’s drives differ, for the standard errors of
+    /// styles. Heads and networks do not learn from them
+    #[arg(long, value_name = "FOLDER")]
+    pub again: Option<PathBuf>,
     /// Questionnaire scores; without them there is no style head and no aggression line
     #[arg(long)]
     pub scores: Option<PathBuf>,
@@ -98,6 +102,9 @@ pub struct TrainingSummary {
     pub style: Option<StyleHead>,
     /// The paper's networks; none for linear heads.
     pub networks: Option<NetworkReport>,
+    /// How far one person's drives differ; none where nobody drove twice, and standard errors are of the drive.
+    #[serde(default)]
+    pub days: Option<Days>,
     /// ADB scores in the table that are of nobody who drove here.
     #[serde(default)]
     pub scores_without_drive: usize,
@@ -113,6 +120,7 @@ impl Stage for Train {
         let study = DesignFile::below(root, design).filter(|_| self.scores.is_some());
         Ok(Files::default()
             .reads([&self.drives])
+            .reads(&self.again)
             .reads(&self.scores)
             .reads_people(root, design, self.participants.as_deref())
             .reads_style(study.as_ref())
@@ -171,28 +179,38 @@ impl Stage for Train {
             Err(ModelError::Cancelled { .. }) => return Err(StudyError::Interrupted),
             other => other?,
         };
-        atomic_write_bytes(&self.out, &model_file::to_bytes(&trained.model)?)?;
-        let report = trained.report;
+        let (report, model) = (trained.report, trained.model);
+        let (model, nobody_twice) = match self.again.as_deref() {
+            Some(folder) => {
+                let again = drives_of(folder, design, self.participants.as_deref(), Part::Learn)?;
+                pool.install(|| self.with_days(&model, &training, &again))?
+            }
+            None => (model, None),
+        };
+        atomic_write_bytes(&self.out, &model_file::to_bytes(&model)?)?;
         let summary = TrainingSummary {
             drives: report.drives,
             drives_with_adb: report.drives_with_adb,
-            parameters: trained.model.parameters(),
+            parameters: model.parameters(),
+            days: model.days().cloned(),
             warnings: told_once("drive", unscored)
                 .into_iter()
+                .chain(nobody_twice)
                 .chain(report.warnings.iter().map(ToString::to_string))
                 .collect(),
             seed: self.seed,
             settings,
             heads: report.heads,
             // In points of the study's own score, as every file has them.
-            style: report.style.map(|style| scale.outward_head(style)),
+            style: style_of(&model).map(|style| scale.outward_head(style)),
             networks: report.networks,
             scores_without_drive,
         };
         write_json(&training_path(&self.out), &summary)?;
-        let axis = LinearHead::aggression(&trained.model).ok();
+        let axis = LinearHead::aggression(&model).ok();
         let mut rows = Vec::new();
-        for (id, embedding) in trained.embeddings {
+        let places = model.training().iter();
+        for (id, embedding) in places.map(|t| (t.drive.clone(), t.embedding.clone())) {
             let Some(drive) = drives.iter().find(|d| d.meta().drive == id) else {
                 continue;
             };
@@ -234,6 +252,47 @@ impl Stage for Train {
             summary: lines,
             warnings,
         })
+    }
+}
+
+impl Train {
+    /// The model with what second drives say of days, and a warning where they are of too few people to say it.
+    fn with_days(
+        &self,
+        model: &Model,
+        training: &[TrainingDrive<'_>],
+        again: &[Drive],
+    ) -> Result<(Model, Option<String>), ModelError> {
+        let same = |a: &Drive, b: &Drive| {
+            let (a, b) = (a.meta(), b.meta());
+            (&a.participant, a.condition) == (&b.participant, b.condition)
+        };
+        let twice: Vec<[&Drive; 2]> = again
+            .iter()
+            .filter_map(|second| {
+                Some([
+                    training.iter().find(|t| same(t.drive, second))?.drive,
+                    second,
+                ])
+            })
+            .collect();
+        let model = learn_days(model, training, self.fit_fraction, &twice, self.seed)?;
+        let told = model.days().is_none().then(|| {
+            format!(
+                "{} drove twice, expected at least {}: standard errors of styles are of a drive, not of a person",
+                count(twice.len(), "person who is learned from", "people who are learned from"),
+                self.embedding_size
+            )
+        });
+        Ok((model, told))
+    }
+}
+
+/// How linear heads read a score from a style.
+fn style_of(model: &Model) -> Option<StyleHead> {
+    match model.heads() {
+        Heads::Linear(linear) => linear.style.clone(),
+        Heads::Paper(_) => None,
     }
 }
 

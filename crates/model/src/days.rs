@@ -1,0 +1,235 @@
+//! How far one person's drives differ: what a single drive leaves open of the person who drove it.
+//!
+//! A fit says how well a drive's style is known. Whoever is personalised from one drive wants to know how well the *person's* style is
+//! known, and people drive differently from day to day. That cannot be read from a drive, however long; it is learned from people who
+//! drove more than once, as the covariance of a drive's style about the person's.
+
+use crate::{
+    error::ModelError,
+    heads::{Posterior, StyleHead},
+    linear_algebra::of_symmetric,
+};
+use nalgebra::{DMatrix, DVector};
+use serde::{Deserialize, Serialize};
+
+/// Rounds of expectation and maximisation at most, and the largest change at which they end.
+const ROUNDS: usize = 2000;
+const TOLERANCE: f64 = 1e-7;
+/// Where they begin, in variances of drivers.
+const FIRST: f64 = 0.2;
+/// Least precision of a reading, so that a drive which says nothing of a direction can be written down.
+const LEAST: f64 = 1e-6;
+
+/// The covariance of drives of one person in style space.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Days {
+    /// Shape `(d, d)`, row by row.
+    covariance: Vec<f64>,
+    /// People it was learned from, each by two drives.
+    pub people: usize,
+}
+
+/// Two drives of one person, each with what it says of its style.
+pub(crate) type Pair = [Posterior; 2];
+
+impl Days {
+    /// The likeliest covariance for people who drove twice; `None` with fewer people than numbers of a style.
+    ///
+    /// `prior` says whether the fits have the prior N(0, I), as those of linear heads do.
+    pub(crate) fn learn(pairs: &[Pair], prior: bool, d: usize) -> Option<Self> {
+        let differences: Vec<(DVector<f64>, DMatrix<f64>)> = pairs
+            .iter()
+            .filter_map(|[first, again]| {
+                let (r1, e1) = reading(first, prior)?;
+                let (r2, e2) = reading(again, prior)?;
+                Some((r2 - r1, e1 + e2))
+            })
+            .collect();
+        let people = differences.len();
+        if people < d {
+            return None;
+        }
+        // Of a difference: twice the days'.
+        let mut twice = DMatrix::identity(d, d) * (2.0 * FIRST);
+        for _ in 0..ROUNDS {
+            let mut sum = DMatrix::zeros(d, d);
+            for (difference, error) in &differences {
+                let all = (error + &twice).cholesky()?;
+                let gain = all.solve(&twice).transpose();
+                let mean = &gain * difference;
+                sum += &mean * mean.transpose() + &twice - &gain * &twice;
+            }
+            let next = sum / people as f64;
+            let next = 0.5 * (&next + next.transpose());
+            let change = (&next - &twice).amax();
+            twice = next;
+            if change < TOLERANCE {
+                break;
+            }
+        }
+        let covariance = 0.5 * twice;
+        Some(Self {
+            covariance: covariance.iter().copied().collect(),
+            people,
+        })
+    }
+
+    /// Standard deviation of a person's drives along each number of a style.
+    pub fn sd(&self) -> Vec<f64> {
+        let diagonal = self.matrix().diagonal();
+        diagonal.iter().map(|v| v.max(0.0).sqrt()).collect()
+    }
+
+    fn matrix(&self) -> DMatrix<f64> {
+        let d = self.covariance.len().isqrt();
+        DMatrix::from_row_slice(d, d, &self.covariance)
+    }
+
+    /// What a drive, by its posterior with the prior N(0, I), and a score say of the person who drove.
+    pub(crate) fn of_person(
+        &self,
+        drive: &Posterior,
+        score: Option<(f64, &StyleHead)>,
+    ) -> Option<Posterior> {
+        let (reading, error) = reading(drive, true)?;
+        let d = reading.len();
+        let known = (error + self.matrix()).try_inverse()?;
+        let mut right = &known * reading;
+        let mut precision = DMatrix::identity(d, d) + known;
+        if let Some((points, style)) = score {
+            let gradient = DVector::from_column_slice(&style.gradient);
+            let weight = 1.0 / (style.reading_sd * style.reading_sd);
+            precision += weight * &gradient * gradient.transpose();
+            right += weight * (points - style.offset) * gradient;
+        }
+        let covariance = precision.try_inverse()?;
+        let mean = &covariance * right;
+        Some(Posterior {
+            mean: mean.iter().copied().collect(),
+            covariance: covariance.iter().copied().collect(),
+        })
+    }
+
+    /// A fit without a prior, with what the day adds to its covariance; one without a covariance stays without.
+    pub(crate) fn added_to(&self, mut drive: Posterior) -> Posterior {
+        for (entry, day) in drive.covariance.iter_mut().zip(&self.covariance) {
+            *entry += day;
+        }
+        drive
+    }
+
+    /// Checks what was read from a file.
+    pub(crate) fn check(&self, d: usize) -> Result<(), ModelError> {
+        let is_covariance = self.covariance.len() == d * d
+            && self.covariance.iter().all(|x| x.is_finite())
+            && self.matrix().symmetric_eigenvalues().min() > -1e-9;
+        if is_covariance {
+            return Ok(());
+        }
+        Err(ModelError::BadModelFile {
+            problem: "its covariance of a person's drives is of another size or none".to_owned(),
+        })
+    }
+}
+
+/// What a drive alone says of its style, without a prior: a reading and its error.
+fn reading(drive: &Posterior, prior: bool) -> Option<(DVector<f64>, DMatrix<f64>)> {
+    let mean = DVector::from_column_slice(&drive.mean);
+    let d = mean.len();
+    if drive.covariance.len() != d * d {
+        return None;
+    }
+    let covariance = DMatrix::from_row_slice(d, d, &drive.covariance);
+    if !prior {
+        return Some((mean, covariance));
+    }
+    let precision = covariance.try_inverse()?;
+    let right = &precision * mean;
+    let own = precision - DMatrix::identity(d, d);
+    let error = of_symmetric(&(0.5 * (&own + own.transpose())), |v| 1.0 / v.max(LEAST));
+    Some((&error * right, error))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use rand::SeedableRng as _;
+    use rand_distr::{Distribution as _, StandardNormal};
+    use rand_pcg::Pcg64Mcg;
+
+    /// People whose drives differ by this variance, each read with errors of this variance, in one number.
+    fn pairs(n: usize, day: f64, error: f64, prior: bool) -> Vec<Pair> {
+        let mut rng = Pcg64Mcg::seed_from_u64(3);
+        let mut normal = |variance: f64| -> f64 {
+            let z: f64 = StandardNormal.sample(&mut rng);
+            variance.sqrt() * z
+        };
+        let mut drive = |person: f64| {
+            let reading = person + normal(day) + normal(error);
+            let open = if prior { error / (1.0 + error) } else { error };
+            Posterior {
+                mean: vec![if prior {
+                    (1.0 - open) * reading
+                } else {
+                    reading
+                }],
+                covariance: vec![open],
+            }
+        };
+        (0..n)
+            .map(|i| {
+                let person = 1.0 - 2.0 * ((i as f64 * 0.754_877) % 1.0);
+                [drive(person), drive(person)]
+            })
+            .collect()
+    }
+
+    #[test]
+    fn the_days_come_back_with_and_without_a_prior_and_none_is_none() {
+        for prior in [true, false] {
+            for day in [0.0, 0.3] {
+                let found = Days::learn(&pairs(3000, day, 0.2, prior), prior, 1).unwrap();
+                let variance = found.sd()[0].powi(2);
+                assert!((variance - day).abs() < 0.03, "{prior} {day} {variance}");
+            }
+        }
+        assert!(Days::learn(&[], true, 1).is_none());
+    }
+
+    #[test]
+    fn a_person_is_known_less_well_than_the_drive_and_lies_nearer_to_the_mean() {
+        let days = Days {
+            covariance: vec![0.5],
+            people: 30,
+        };
+        let drive = Posterior {
+            mean: vec![1.0],
+            covariance: vec![0.2],
+        };
+        // Reading 1.25 with error .25; with the day .75: precision 1 + 4/3.
+        let person = days.of_person(&drive, None).unwrap();
+        assert!((person.covariance[0] - 3.0 / 7.0).abs() < 1e-9);
+        assert!((person.mean[0] - 5.0 / 7.0).abs() < 1e-9);
+        let style = StyleHead {
+            gradient: vec![8.0],
+            offset: 28.0,
+            covariance: vec![0.0; 4],
+            reading_sd: 4.0,
+            cross_fitted_rmse: None,
+            cross_fitted_r: None,
+            people: 30,
+            drives: 30,
+        };
+        let with = days.of_person(&drive, Some((44.0, &style))).unwrap();
+        assert!(with.mean[0] > 1.0 && with.covariance[0] < 0.2);
+        let open = Posterior {
+            mean: vec![0.0],
+            covariance: vec![1.0],
+        };
+        let nothing = days.of_person(&open, None).unwrap();
+        assert!(nothing.mean[0].abs() < 1e-6 && (nothing.covariance[0] - 1.0).abs() < 1e-5);
+        assert!((days.added_to(drive).covariance[0] - 0.7).abs() < 1e-12);
+        assert!(days.check(1).is_ok() && days.check(2).is_err());
+    }
+}
