@@ -227,6 +227,8 @@ fn people_who_drove_twice_validate_a_model_and_their_first_drives_stay_what_they
         "train",
         "--drives",
         "run/drives/study1",
+        "--again",
+        "run/drives/study1-again",
         "--scores",
         "run/scores.csv",
     ];
@@ -248,6 +250,16 @@ fn people_who_drove_twice_validate_a_model_and_their_first_drives_stay_what_they
     // Three people who drove twice give no covariance of seven measures: one distance less for those.
     assert!(model["identity"].as_array().unwrap().len() >= 8);
     assert_eq!(model["fidelity"].as_array().unwrap().len(), 7);
+    assert_eq!(found["retest"].as_array().unwrap().len(), 7);
+    let errors = &model["errors"];
+    assert_eq!(
+        (&errors["people"], &errors["coordinates"]),
+        (&3.into(), &9.into())
+    );
+    let within = |k: &str| errors[k]["estimate"].as_f64().unwrap();
+    assert!(within("within_1") <= within("within_2"), "{errors}");
+    let days = model["days_of"].as_u64().unwrap();
+    assert!((3..=30).contains(&days), "{days}");
     assert_eq!(model["dial"].as_array().unwrap().len(), 5);
     assert!(model["perpendicular_moves_s"].as_f64().unwrap() < 1e-5);
     assert_eq!(model["drives"], 3 * (9 + 4));
@@ -255,7 +267,9 @@ fn people_who_drove_twice_validate_a_model_and_their_first_drives_stay_what_they
     let page = std::fs::read_to_string(study.path("found/validation.md")).unwrap();
     assert!(page.contains("Identity") && !page.contains("NaN"));
     for table in [
+        "retest",
         "identity",
+        "errors",
         "fidelity",
         "likeness",
         "dial",

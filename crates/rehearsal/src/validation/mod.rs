@@ -1,20 +1,24 @@
-//! Is the style the driver's? The scoring of drives that a program made, of people who drove twice.
+//! Does a style recover what was put in? The scoring of drives that a program made, of people who drove twice.
 
 mod across;
 mod dial;
 mod fidelity;
+mod held;
 mod identity;
 mod likeness;
 mod line;
+mod retest;
 
 pub use across::{Across, across};
 pub use dial::{Dial, FULL, Right, dial};
 pub use fidelity::{Fidelity, fidelity};
+pub use held::{Held, ShareOfPeople, held};
 pub use identity::{
     Identification, Known, Metric, WithinPerson, identify, identify_posteriors, within_person,
 };
 pub use likeness::{Driven, Likeness, likeness};
 pub use line::{Agreement, Reading, agreement, regression};
+pub use retest::{Retest, retest};
 
 use maveric_domain::Drive;
 use maveric_measures::objective;

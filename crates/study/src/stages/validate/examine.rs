@@ -10,14 +10,14 @@ use maveric_analysis::Finding;
 use maveric_domain::{AdbScore, Drive, DriveId, DriveMeta, DrivenBy, Embedding, stream_seed};
 use maveric_measures::likeness::{Window, windows};
 use maveric_model::{
-    Model, Personalized, personalize,
+    Heads, Model, Personalized, personalize,
     style_space::{LinearHead, PerpendicularEllipse, share_outside_training},
 };
 use maveric_rehearsal::findings;
 use maveric_rehearsal::validation::{
-    Across, Agreement, Dial, Driven, Fidelity, Identification, Known, Likeness, Reading, Values,
-    across, agreement, dial, fidelity, identify, identify_posteriors, likeness, mean, regression,
-    standardiser, values, within_person,
+    Across, Agreement, Dial, Driven, Fidelity, Held, Identification, Known, Likeness, Reading,
+    Values, across, agreement, dial, fidelity, held, identify, identify_posteriors, likeness, mean,
+    regression, standardiser, values, within_person,
 };
 use maveric_simulator::Scenario;
 use rand_pcg::{Pcg64Mcg, rand_core::SeedableRng};
@@ -30,6 +30,10 @@ pub struct Examined {
     pub model: String,
     /// Are drivers told apart?
     pub identity: Vec<Identification>,
+    /// Do the standard errors of the styles hold?
+    pub errors: Held,
+    /// People learned from who drove twice, from whom the model knows how far days differ; none where the errors are of a drive alone.
+    pub days_of: Option<usize>,
     /// Is the car like its driver?
     pub fidelity: Vec<Fidelity>,
     /// And as a distribution?
@@ -240,8 +244,11 @@ impl Examination<'_> {
         for (what, known, seen, by) in &questions {
             identity.extend(identify(what, known, seen, by.as_ref())?);
         }
-        let both = (styles(&known_first), styles(&known_again));
-        if let (Some(first), Some(again)) = both {
+        let (first, again) = (styles(&known_first), styles(&known_again));
+        let prior = matches!(model.heads(), Heads::Linear(_));
+        let errors = held(&first, &again, prior, self.seed)?;
+        let all = |styles: Vec<Option<Known>>| styles.into_iter().collect::<Option<Vec<Known>>>();
+        if let (Some(first), Some(again)) = (all(first), all(again)) {
             let what = "embedding of the second drive";
             identity.extend(identify_posteriors(what, &first, &again)?);
         }
@@ -264,6 +271,8 @@ impl Examination<'_> {
         Ok(Examined {
             model: name.to_owned(),
             identity,
+            errors,
+            days_of: model.days().map(|days| days.people),
             fidelity: fidelity(
                 &own_values,
                 &again_values,
@@ -351,8 +360,8 @@ impl Examination<'_> {
     }
 }
 
-/// Styles with their covariances; `None` where one has none.
-fn styles(known: &[Personalized]) -> Option<Vec<Known>> {
+/// Styles with their covariances, each as far as it has one.
+fn styles(known: &[Personalized]) -> Vec<Option<Known>> {
     let of = |k: &Personalized| {
         let d = k.embedding.size();
         let covariance = k.covariance.as_ref()?;

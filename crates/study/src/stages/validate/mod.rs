@@ -9,7 +9,8 @@ mod tables;
 
 pub use examine::Examined;
 pub use maveric_rehearsal::validation::{
-    Across, Agreement, Dial, FULL, Fidelity, Identification, Likeness, Metric, Right,
+    Across, Agreement, Dial, FULL, Fidelity, Held, Identification, Likeness, Metric, Retest, Right,
+    ShareOfPeople,
 };
 use path_slash::PathExt as _;
 
@@ -22,8 +23,8 @@ use crate::{
     stages::report::write_page,
 };
 use maveric_analysis::Finding;
-use maveric_domain::DrivenBy;
-use maveric_rehearsal::validation::{MEASURES, mean, title, values};
+use maveric_domain::{Drive, DrivenBy};
+use maveric_rehearsal::validation::{MEASURES, Values, mean, retest, title, values};
 use maveric_report::tables::Table;
 use serde::Serialize;
 use std::path::{Path, PathBuf};
@@ -74,6 +75,8 @@ pub struct Validated {
     pub drivers: usize,
     /// Drivers of Study 1 who drove twice.
     pub training_drivers: usize,
+    /// How much of what differs between the drives of those who are tested is theirs.
+    pub retest: Vec<Retest>,
     /// Model by model.
     pub models: Vec<Examined>,
     /// What became of each question, over all models.
@@ -126,7 +129,11 @@ impl Stage for Validate {
             let name = path.to_slash_lossy().into_owned();
             models.push(examination.examine(&name, &read_model(path)?, watch)?);
         }
-        let tables = tables::tables(&models, self.points);
+        let measured = |of: fn(&people::Person) -> &Drive| -> Vec<Values> {
+            people.test.iter().map(|p| values(of(p))).collect()
+        };
+        let retest = retest(&measured(|p| &p.first), &measured(|p| &p.again));
+        let tables = tables::tables(&models, &retest, self.points);
         let markdown: Vec<String> = tables.iter().map(Table::to_markdown).collect();
         let text = markdown.join("\n");
         atomic_write_bytes(&self.out.join("validation.md"), text.as_bytes())?;
@@ -138,6 +145,7 @@ impl Stage for Validate {
                 .any(|p| p.first.meta().driven_by == DrivenBy::Synthetic),
             drivers: people.test.len(),
             training_drivers: people.training.len(),
+            retest,
             findings: examine::findings(&models),
             models,
         };

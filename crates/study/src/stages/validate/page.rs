@@ -17,8 +17,8 @@ use maveric_report::{
     tables::Table,
 };
 
-/// Tables of identity, fidelity and likeness come before those of the dial.
-const FIRST_TABLES: usize = 3;
+/// Tables of retest, identity, standard errors, fidelity and likeness come before those of the dial.
+const FIRST_TABLES: usize = 5;
 
 /// What the page opens with.
 fn cards(found: &Validated, points: f64) -> Result<Vec<Card>, StudyError> {
@@ -67,7 +67,7 @@ pub(super) fn page(
         options.worlds
     );
     let new = page_of(
-        ("Is the learned style the driver’s?", subtitle),
+        (question(found.synthetic), subtitle),
         &context,
         method,
         (options.seed, options.command.as_deref().unwrap_or_default()),
@@ -99,6 +99,15 @@ pub(super) fn page(
         },
         ..new
     })
+}
+
+/// What is asked: of people who were made up it is known what was put in.
+fn question(synthetic: bool) -> &'static str {
+    if synthetic {
+        "Does the model recover what was put in?"
+    } else {
+        "Is the learned style the driver’s?"
+    }
 }
 
 fn fidelity_of(found: &Validated, context: &Context) -> Result<Vec<Figure>, StudyError> {

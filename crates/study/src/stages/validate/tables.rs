@@ -1,6 +1,6 @@
 //! What was found, over all models, as tables.
 
-use super::{Agreement, Examined, FULL, Metric, Right, mean};
+use super::{Agreement, Examined, FULL, Held, Metric, Retest, Right, ShareOfPeople, mean};
 use maveric_rehearsal::findings::over_models;
 use maveric_report::{
     figures::fidelity::Accuracy,
@@ -42,12 +42,14 @@ fn table<'a, T>(name: &str, title: impl Into<String>, of: &'a [T]) -> TableOf<(u
 }
 
 /// All tables over `models`, which were examined on the same people.
-pub(super) fn tables(models: &[Examined], points: f64) -> Vec<Table> {
+pub(super) fn tables(models: &[Examined], retested: &[Retest], points: f64) -> Vec<Table> {
     let Some(one) = models.first() else {
         return Vec::new();
     };
     vec![
+        retest(retested),
         identity(models, one),
+        errors(models, one),
         fidelity(models, one),
         likeness(models, one),
         dial(models, one, points),
@@ -90,6 +92,57 @@ fn identity(models: &[Examined], one: &Examined) -> Table {
             f64::midpoint(n as f64, 1.0),
             models.len()
         ))
+}
+
+/// A share of 0 to 1 and its interval in percent, in words.
+fn percent_words((low, high): (f64, f64)) -> String {
+    format!("{:.1} to {:.1}", 100.0 * low, 100.0 * high)
+}
+
+fn errors(models: &[Examined], one: &Examined) -> Table {
+    type Of = fn(&Held) -> Option<ShareOfPeople>;
+    let rows: [(&str, f64, Of); 2] = [
+        ("within 1 standard error", 68.3, |h| h.within_1),
+        ("within 2 standard errors", 95.4, |h| h.within_2),
+    ];
+    let shares = |of: Of| each(models, |m| of(&m.errors).map(|s| s.estimate));
+    let of_whom = match one.days_of {
+        Some(people) => format!("of the person, by how far the days of {people} people learned from differ"),
+        None => "of the drive alone, because nobody learned from drove twice: a person’s days are not in them".to_owned(),
+    };
+    table("errors", "Standard errors: second drives where the first expects them (%)", &rows)
+        .text("Numbers of the style", |(_, row)| row.0)
+        .right("Found", |(_, row)| percent(&shares(row.2)))
+        .right("95% of people", |(_, row)| {
+            let interval = row.2(&one.errors).and_then(|s| s.interval);
+            interval.map_or(Cell::Missing, |i| Cell::text(percent_words(i)))
+        })
+        .right("Right would be", |(_, row)| Cell::number(Some(row.1), 1))
+        .noted(format!(
+            "Fitted without the score; {} numbers of {} people, {} more of which a drive says nothing, {} people without a standard error. The errors are \
+             {of_whom}. Found: mean over {} models, in brackets lowest and highest; the interval is over people, first model.",
+            one.errors.coordinates - one.errors.silent,
+            one.errors.people,
+            one.errors.silent,
+            one.errors.left_out,
+            models.len()
+        ))
+}
+
+fn retest(rows: &[Retest]) -> Table {
+    Table::of("validation-retest", "How much of a difference between drives is the driver’s: ICC(2,1) of two drives", rows)
+        .text("Measure", |row| row.title)
+        .right("ICC(2,1)", |row| Cell::number(row.icc, 2))
+        .right("95% interval", |row| {
+            let words = |(low, high): (f64, f64)| format!("{low:.2} to {high:.2}").replace('-', "−");
+            row.interval.map_or(Cell::Missing, |i| Cell::text(words(i)))
+        })
+        .right("People", |row| Cell::number(Some(row.n as f64), 0))
+        .right("Without a value", |row| Cell::number(Some(row.missing as f64), 0))
+        .noted(
+            "1: one person’s two drives are the same and people differ; 0: people differ no more than one person’s days. It bounds what can be learned of a \
+             person from one drive. Interval of McGraw and Wong.",
+        )
 }
 
 fn fidelity(models: &[Examined], one: &Examined) -> Table {
