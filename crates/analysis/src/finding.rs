@@ -2,7 +2,7 @@
 
 use crate::verdict::{Verdict, directed, significant, within};
 use maveric_domain::design::Sign;
-use maveric_stats::{Proportion, proportion};
+use maveric_stats::{Proportion, proportion_exact};
 use serde::{Deserialize, Serialize};
 use std::fmt;
 
@@ -243,9 +243,10 @@ impl Part {
         Self::within(of, n, (estimate, share.map(Proportion::ends)), ends)
     }
 
-    /// What must never happen, and came `hits` times in `n`: one is enough to fail.
+    /// What must never happen, and came `hits` times in `n`: one is enough to fail. The interval is exact, since it bounds what was never
+    /// seen.
     pub fn never(of: impl Into<String>, hits: usize, n: usize) -> Self {
-        let share = proportion(hits, n, 0.95).ok();
+        let share = proportion_exact(hits, n, 0.95).ok();
         let part = Self::share(of, n, share.as_ref(), (0.0, 1.0));
         Self {
             rule: Rule::Never,
@@ -331,6 +332,7 @@ mod tests {
     use super::*;
     use crate::verdict::FEWEST;
     use Verdict::{Fails, NotAsked, NotShown, Shown, TooFew};
+    use maveric_stats::proportion;
 
     #[test]
     fn every_question_has_an_id_of_its_own() {
