@@ -25,6 +25,9 @@ files! {
     EFFECTS = "study_data/effects.toml";
     POPULATION = "study_data/population.toml";
     POPULATION_MISSPECIFIED = "study_data/population_misspecified.toml";
+    POPULATION_RETEST_05 = "study_data/population_retest_05.toml";
+    POPULATION_RETEST_07 = "study_data/population_retest_07.toml";
+    POPULATION_RETEST_09 = "study_data/population_retest_09.toml";
     POPULATION_SOURCES = "study_data/population_sources.toml";
     DESIGNS_PAPER = "study_data/designs/paper.toml";
     DESIGNS_SCHEMA = "study_data/designs/schema.json";
