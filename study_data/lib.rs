@@ -26,8 +26,11 @@ files! {
     POPULATION = "study_data/population.toml";
     POPULATION_MISSPECIFIED = "study_data/population_misspecified.toml";
     POPULATION_RETEST_05 = "study_data/population_retest_05.toml";
+    POPULATION_RETEST_05_MEASURES = "study_data/population_retest_05_measures.toml";
     POPULATION_RETEST_07 = "study_data/population_retest_07.toml";
+    POPULATION_RETEST_07_MEASURES = "study_data/population_retest_07_measures.toml";
     POPULATION_RETEST_09 = "study_data/population_retest_09.toml";
+    POPULATION_RETEST_09_MEASURES = "study_data/population_retest_09_measures.toml";
     POPULATION_SOURCES = "study_data/population_sources.toml";
     DESIGNS_PAPER = "study_data/designs/paper.toml";
     DESIGNS_UAH_DEVELOPMENT = "study_data/designs/uah_development.toml";
