@@ -226,12 +226,16 @@ mod tests {
             varying: people.map(|v| drive(v + 0.3, 7)).to_vec(),
         };
         let rows = likeness(&driven, 1).unwrap();
-        assert_eq!(rows[0].owner_nearest, Some(1.0));
-        assert_eq!(rows[1].owner_nearest, Some(1.0));
-        assert!(rows[2].owner_nearest.unwrap() <= 0.5);
-        let mmd2 = |k: usize| rows[k].mmd2.unwrap();
-        assert!(mmd2(0) < mmd2(2) && mmd2(1) < mmd2(2) && mmd2(0) < mmd2(3));
-        assert_eq!((rows[3].n, rows[3].owner_nearest), (12, None));
+        let [again, car, varying, floor, others] = &rows[..] else {
+            panic!("{rows:?}");
+        };
+        assert_eq!(again.owner_nearest, Some(1.0));
+        assert_eq!(car.owner_nearest, Some(1.0));
+        assert_eq!(varying.owner_nearest, Some(1.0));
+        assert!(floor.owner_nearest.unwrap() <= 0.5);
+        let mmd2 = |row: &Likeness| row.mmd2.unwrap();
+        assert!(mmd2(again) < mmd2(floor) && mmd2(car) < mmd2(floor) && mmd2(again) < mmd2(others));
+        assert_eq!((others.n, others.owner_nearest), (12, None));
     }
 
     #[test]
