@@ -1,5 +1,10 @@
 //! Made-up people who drive calmly and aggressively, a rig that sees less and less of the same drives, and whether the order of the two
 //! on the line of aggression holds.
+#![allow(
+    dead_code,
+    unreachable_pub,
+    reason = "shared by a test and an example that each use a part"
+)]
 
 use maveric_domain::{
     AdbScore, Drive, DriveId, DriveMeta, DrivenBy, EgoTrack, LatentTraits, ObjectTrack,
@@ -200,7 +205,7 @@ pub fn degraded(whole: &Recording, step: usize, name: &str) -> Result<Recording,
         once_a_second(&mut ego, &mut others, rate);
     }
     if step >= 2 {
-        others = seen_ahead(&ego, others, &road, rate, step >= ONLY_AHEAD, name);
+        others = seen_ahead(&ego, &others, &road, rate, step >= ONLY_AHEAD, name);
     }
     if step >= 4 {
         let lanes: Vec<u8> = ego.y_m.iter().map(|y| road.nearest_lane(*y)).collect();
@@ -246,7 +251,7 @@ fn once_a_second(ego: &mut EgoTrack, others: &mut [ObjectTrack], rate: f64) {
 /// The others, of whom the one ahead in ego's lane is seen in pieces; of the rest everything, or nothing if `alone`.
 fn seen_ahead(
     ego: &EgoTrack,
-    others: Vec<ObjectTrack>,
+    others: &[ObjectTrack],
     road: &Road,
     rate: f64,
     alone: bool,
@@ -266,7 +271,7 @@ fn seen_ahead(
         }
     }
     let seen = pieces(rows, rate, name);
-    let mut found: Vec<ObjectTrack> = Vec::new();
+    let mut tracks: Vec<ObjectTrack> = Vec::new();
     let mut id = 0;
     for (which, track) in others.iter().enumerate() {
         let mut goes_on = false;
@@ -280,7 +285,7 @@ fn seen_ahead(
                     && road.nearest_lane(ego.y_m[row]) != road.nearest_lane(ego.y_m[row - 1]);
                 if !goes_on || alone && crossed {
                     id += 1;
-                    found.push(ObjectTrack {
+                    tracks.push(ObjectTrack {
                         id: VehicleId(id),
                         first_row: row,
                         x_m: Vec::new(),
@@ -289,7 +294,7 @@ fn seen_ahead(
                         ..*track
                     });
                 }
-                if let Some(open) = found.last_mut() {
+                if let Some(open) = tracks.last_mut() {
                     open.x_m.push(track.x_m[i]);
                     open.y_m.push(track.y_m[i]);
                     open.speed_mps.push(track.speed_mps[i]);
@@ -298,16 +303,16 @@ fn seen_ahead(
             goes_on = kept;
         }
     }
-    found
+    tracks
 }
 
 /// In which rows a camera sees whoever is ahead: pieces of chance length, 33 to 77 % of the time.
 fn pieces(rows: usize, rate: f64, name: &str) -> Vec<bool> {
     let share = 0.33 + 0.44 * uniform(&[name, "share"]);
-    let mut found = Vec::with_capacity(rows);
+    let mut seen = Vec::with_capacity(rows);
     let mut sees = uniform(&[name, "begins"]) < share;
     let mut piece = 0;
-    while found.len() < rows {
+    while seen.len() < rows {
         let mean_s = if sees {
             PIECE_S
         } else {
@@ -315,17 +320,17 @@ fn pieces(rows: usize, rate: f64, name: &str) -> Vec<bool> {
         };
         let length_s = -mean_s * libm::log(1.0 - uniform(&[name, "piece", &piece.to_string()]));
         let length = ((length_s * rate).ceil() as usize).max(1);
-        found.extend(std::iter::repeat_n(sees, length));
+        seen.extend(std::iter::repeat_n(sees, length));
         (sees, piece) = (!sees, piece + 1);
     }
-    found.truncate(rows);
-    found
+    seen.truncate(rows);
+    seen
 }
 
 /// Lateral positions of which only the lane is known, and when it changes.
 fn centres(lanes: &[u8], road: &Road, rate: f64) -> Vec<f64> {
     let half = (0.5 * CHANGE_S * rate).round() as usize;
-    let mut found: Vec<f64> = lanes.iter().map(|l| road.lane_centre_m(*l)).collect();
+    let mut lateral_m: Vec<f64> = lanes.iter().map(|l| road.lane_centre_m(*l)).collect();
     for row in 1..lanes.len() {
         if lanes[row] == lanes[row - 1] {
             continue;
@@ -335,9 +340,9 @@ fn centres(lanes: &[u8], road: &Road, rate: f64) -> Vec<f64> {
             road.lane_centre_m(lanes[row - 1]),
             road.lane_centre_m(lanes[row]),
         );
-        for (i, y) in found[from..=to].iter_mut().enumerate() {
+        for (i, y) in lateral_m[from..=to].iter_mut().enumerate() {
             *y = a + (b - a) * i as f64 / (to - from) as f64;
         }
     }
-    found
+    lateral_m
 }

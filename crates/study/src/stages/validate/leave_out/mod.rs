@@ -166,15 +166,12 @@ pub(super) fn work(options: &Validate, watch: Watch<'_>) -> Result<Outcome<InTur
     let scale = StyleScale::of(&study)?;
     let mut warnings = Vec::new();
     let all = recordings::read(&study, &options.run, scale, &mut warnings)?;
-    let (rules, rules_hash) = match &options.rules {
-        Some(path) => {
-            let (rules, hash) = Rules::read(path)?;
-            (rules, Some(hash))
-        }
-        None => {
-            let title = study.design.title();
-            (Rules::of_roles(title, &all.drove(), &all.labels())?, None)
-        }
+    let (rules, rules_hash) = if let Some(path) = &options.rules {
+        let (rules, hash) = Rules::read(path)?;
+        (rules, Some(hash))
+    } else {
+        let title = study.design.title();
+        (Rules::of_roles(title, &all.drove(), &all.labels())?, None)
     };
     let looks = match options.rules.as_ref().zip(rules_hash.as_ref()) {
         Some((path, hash)) => looks::look(path, hash, &rules, options, &all)?,
