@@ -14,6 +14,7 @@ mod cochran_q;
 mod compare;
 mod complete;
 mod correlation;
+mod describe;
 mod equivalence;
 mod error;
 mod factorial;
@@ -65,6 +66,7 @@ pub use correlation::{
     Correlation, CorrelationMethod, Kendall, Pearson, RmCorrelation, RmCorrelationAnalysis,
     Spearman, SpearmanCompat, correlate, rm_correlation, simultaneous_interval,
 };
+pub use describe::{mean, mean_interval, quantile, standard_deviation, within_subject_intervals};
 pub use equivalence::{Bounds, Equivalence, Tost, equivalence, equivalence_one};
 pub use error::StatsError;
 pub use factorial::{
@@ -97,7 +99,7 @@ pub use power::{PlannedTest, PowerAnalysis, PowerAnswer, PowerQuestion, power};
 pub use proportion::{Proportion, proportion, proportion_exact};
 pub use reasons::Reasons;
 pub use recheck::{Recheck, RecheckAnalysis, ReportedCorrelation, recheck};
-pub use regression::{CircularLinear, LinearFit, circular_linear, linear_fit};
+pub use regression::{CircularLinear, LinearFit, circular_fit, circular_linear, linear_fit};
 pub use reliability::{Alpha, AlphaAnalysis, Icc, ItemDropped, ItemStatistics, alpha, icc};
 pub use rm_anova::{RmAnova, RmAnovaCompat};
 pub use sphericity::{Mauchly, MauchlyCompat, Sphericity, SphericityCorrection};

@@ -177,22 +177,12 @@ pub fn circular_linear(
 ) -> Result<CircularLinear, StatsError> {
     let complete = complete::rows(&[("angle", angle_rad), ("y", y)], "pair", 3)?;
     let (angles, y) = (&complete.columns[0], &complete.columns[1]);
-    let cosine: Vec<f64> = centred(&angles.iter().map(|a| libm::cos(*a)).collect::<Vec<_>>());
-    let sine: Vec<f64> = centred(&angles.iter().map(|a| libm::sin(*a)).collect::<Vec<_>>());
-    let dy = centred(y);
-    let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(x, y)| x * y).sum::<f64>();
-    let (cc, ss, cs) = (
-        dot(&cosine, &cosine),
-        dot(&sine, &sine),
-        dot(&cosine, &sine),
-    );
-    let (cy, sy, yy) = (dot(&cosine, &dy), dot(&sine, &dy), dot(&dy, &dy));
-    let determinant = cc * ss - cs * cs;
     let mut undefined = Reasons::default();
-    let fitted = (determinant > 1e-12 * cc * ss && !is_constant(y)).then(|| {
-        let a = (cy * ss - sy * cs) / determinant;
-        let b = (sy * cc - cy * cs) / determinant;
-        (((a * cy + b * sy) / yy).clamp(0.0, 1.0), libm::atan2(b, a))
+    let waves = Waves::of(angles, y);
+    let coefficients = waves.coefficients().filter(|_| !is_constant(y));
+    let fitted = coefficients.map(|(a, b)| {
+        let explained = (a * waves.cy + b * waves.sy) / waves.yy;
+        (explained.clamp(0.0, 1.0), libm::atan2(b, a))
     });
     if fitted.is_none() {
         undefined.note_all(
@@ -218,4 +208,62 @@ pub fn circular_linear(
         direction_rad: fitted.map(|(_, direction)| direction),
         undefined,
     })
+}
+
+/// Least squares of y on 1, the cosine and the sine of an angle in radians, both of one length: the three coefficients;
+/// `None` if the pairs do not determine them.
+///
+/// # Example
+/// ```
+/// let angles: Vec<f64> = (0..12).map(|i| f64::from(i) * 0.5).collect();
+/// let y: Vec<f64> = angles.iter().map(|a| 2.0 + 3.0 * a.cos() - a.sin()).collect();
+/// let [level, cosine, sine] = maveric_stats::circular_fit(&angles, &y).unwrap();
+/// assert!((level - 2.0).abs() < 1e-9 && (cosine - 3.0).abs() < 1e-9 && (sine + 1.0).abs() < 1e-9);
+/// assert_eq!(maveric_stats::circular_fit(&[0.0; 3], &[1.0, 2.0, 3.0]), None);
+/// ```
+pub fn circular_fit(angles_rad: &[f64], y: &[f64]) -> Option<[f64; 3]> {
+    if angles_rad.len() != y.len() || y.len() < 3 {
+        return None;
+    }
+    let (a, b) = Waves::of(angles_rad, y).coefficients()?;
+    let mean = |value: &dyn Fn(usize) -> f64| (0..y.len()).map(value).sum::<f64>() / y.len() as f64;
+    let wave = mean(&|i| a * libm::cos(angles_rad[i]) + b * libm::sin(angles_rad[i]));
+    Some([mean(&|i| y[i]) - wave, a, b])
+}
+
+/// Sums of products of the centred cosine, sine and y.
+struct Waves {
+    cc: f64,
+    ss: f64,
+    cs: f64,
+    cy: f64,
+    sy: f64,
+    yy: f64,
+}
+
+impl Waves {
+    fn of(angles: &[f64], y: &[f64]) -> Self {
+        let wave = |f: fn(f64) -> f64| centred(&angles.iter().map(|a| f(*a)).collect::<Vec<_>>());
+        let (cosine, sine, dy) = (wave(libm::cos), wave(libm::sin), centred(y));
+        let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(x, y)| x * y).sum::<f64>();
+        Self {
+            cc: dot(&cosine, &cosine),
+            ss: dot(&sine, &sine),
+            cs: dot(&cosine, &sine),
+            cy: dot(&cosine, &dy),
+            sy: dot(&sine, &dy),
+            yy: dot(&dy, &dy),
+        }
+    }
+
+    /// Of cosine and sine; `None` if all angles lie on one line through the centre.
+    fn coefficients(&self) -> Option<(f64, f64)> {
+        let determinant = self.cc * self.ss - self.cs * self.cs;
+        (determinant > 1e-12 * self.cc * self.ss).then(|| {
+            (
+                (self.cy * self.ss - self.sy * self.cs) / determinant,
+                (self.sy * self.cc - self.cy * self.cs) / determinant,
+            )
+        })
+    }
 }

@@ -1,7 +1,7 @@
 //! What each part of the model is worth on drivers it has not seen.
 
-use super::fit;
 use super::prelude::*;
+use maveric_stats::{mean, mean_interval};
 
 /// Variants of the model on the same unseen drivers.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -26,28 +26,12 @@ pub struct AblationVariant {
 
 const NAME: &str = "ablation";
 
-/// A variant's loss minus the reference's, drive by drive.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct Difference {
-    pub(crate) mean: f64,
-    /// Half its 95% interval; 0 for a single drive.
-    pub(crate) half: f64,
-}
-
-impl Difference {
-    /// `None` if no drive has a loss in both.
-    pub(crate) fn of(variant: &[Option<f64>], reference: &[Option<f64>]) -> Option<Self> {
-        let pairs = variant.iter().zip(reference);
-        let by_drive: Vec<f64> = pairs.filter_map(|(v, r)| Some((*v)? - (*r)?)).collect();
-        let mean = fit::mean(&by_drive)?;
-        let n = by_drive.len();
-        let half = if n > 1 {
-            fit::t_975(n - 1) * fit::standard_deviation(&by_drive) / (n as f64).sqrt()
-        } else {
-            0.0
-        };
-        Some(Self { mean, half })
-    }
+/// A variant's loss minus the reference's, drive by drive: mean and its 95% interval, which is the mean itself for a single drive;
+/// `None` if no drive has a loss in both.
+fn difference(variant: &[Option<f64>], reference: &[Option<f64>]) -> Option<[f64; 3]> {
+    let pairs = variant.iter().zip(reference);
+    let by_drive: Vec<f64> = pairs.filter_map(|(v, r)| Some((*v)? - (*r)?)).collect();
+    mean_interval(&by_drive, 0.95).or_else(|| mean(&by_drive).map(|mean| [mean; 3]))
 }
 
 /// Draws, loss by loss, how much worse each variant is than the first, with paired 95% intervals.
@@ -66,121 +50,92 @@ pub fn ablation(input: &Ablation, context: &Context) -> Result<Figure, ReportErr
             check.finite(&variant.name, values.iter().flatten().copied())?;
         }
     }
-    let drives = reference.losses[0].len();
-    let mut found = Vec::new();
-    for (index, title) in input.losses.iter().enumerate() {
-        let worst = input.variants[1..]
-            .iter()
-            .filter_map(|v| {
-                Some((
-                    Difference::of(&v.losses[index], &reference.losses[index])?.mean,
-                    &v.name,
-                ))
-            })
-            .max_by(|a, b| a.0.total_cmp(&b.0));
-        if let Some((by, name)) = worst {
-            let title = markup::plain(title);
-            found.push(format!(
-                "{title}: {name} is furthest above {}, by {}.",
-                reference.name,
-                number(by, 3)
-            ));
-        }
-    }
-    let rows = input.variants.len();
+    let names = input.variants.iter().map(|variant| &variant.name);
+    let rows = Rows::new(names, 0.6);
+    let reference_name = markup::literal(&reference.name);
     let plan = Plan {
         name: NAME.to_owned(),
-        size_mm: (TWO_COLUMNS_MM, 24.0 + 5.2 * rows as f64),
+        size_mm: (TWO_COLUMNS_MM, 24.0 + 5.2 * input.variants.len() as f64),
         title: "What each part is worth".to_owned(),
         caption: format!(
             "Loss on drivers that the networks have not seen ({}-fold cross-validation by driver), minus that of \
-             {} on the same drive: mean over drives with its 95% interval. Right of the line is worse. *n* = \
-             {drives} drives; no test.",
+             {reference_name} on the same drive: mean over drives with its 95% interval. Right of the line is worse. *n* = \
+             {} drives; no test.",
             input.folds,
-            markup::literal(&reference.name)
+            reference.losses[0].len(),
         ),
-        alt: found.join(" "),
+        alt: sentences((0..input.losses.len()).filter_map(|loss| input.worst(loss))),
         shows: Shows::Participants,
     };
-    let difference_from = format!("Minus {}", markup::literal(&reference.name));
+    let minus = format!("Minus {reference_name}");
     draw(plan, context, |canvas, whole| {
-        let last = rows as f64 - 1.0;
-        let names: Vec<(f64, String)> = input
-            .variants
-            .iter()
-            .enumerate()
-            .map(|(index, v)| (last - index as f64, markup::literal(&v.name)))
-            .collect();
-        let count = input.losses.len();
         // The first panel carries the variants' names: the others get the room that it loses.
-        let named = super::canvas::Look::new(super::theme::size::TICK);
-        let widest = names
-            .iter()
-            .map(|(_, n)| named.width(n))
-            .fold(0.0, f64::max);
-        let gap = 12.0;
-        let each = (whole.right - whole.left - widest - gap * (count as f64 - 1.0)) / count as f64;
+        let (count, widest, gap) = (input.losses.len() as f64, rows.width(), 12.0);
+        let each = (whole.right - whole.left - widest - gap * (count - 1.0)) / count;
         for (index, title) in input.losses.iter().enumerate() {
-            let mut place = whole;
-            place.left = whole.left + index as f64 * (each + gap);
-            if index > 0 {
-                place.left += widest;
-            }
-            place.right = whole.left + widest + index as f64 * (each + gap) + each;
-            let differences: Vec<Option<Difference>> = input
-                .variants
-                .iter()
-                .map(|v| Difference::of(&v.losses[index], &reference.losses[index]))
-                .collect();
-            let ends = differences
-                .iter()
-                .flatten()
-                .flat_map(|d| [d.mean - d.half, d.mean + d.half]);
-            let ticks = if index == 0 {
-                names.clone()
-            } else {
-                names.iter().map(|(at, _)| (*at, String::new())).collect()
+            let left = whole.left + index as f64 * (each + gap);
+            let place = Place {
+                left: if index > 0 { left + widest } else { left },
+                right: left + widest + each,
+                ..whole
             };
-            let of_reference: Vec<f64> =
-                reference.losses[index].iter().flatten().copied().collect();
-            let subtitle = fit::mean(&of_reference).map_or_else(String::new, |mean| {
-                format!("{}: {}", markup::literal(&reference.name), number(mean, 3))
-            });
+            let losses: Vec<f64> = reference.losses[index].iter().flatten().copied().collect();
+            let subtitle =
+                mean(&losses).map(|mean| format!("{reference_name}: {}", number(mean, 3)));
             let labels = Labels {
                 title,
-                subtitle: &subtitle,
-                x: &difference_from,
+                subtitle: &subtitle.unwrap_or_default(),
+                x: &minus,
                 ..Labels::default()
             };
-            let x = Scale::over(ends.chain([0.0]), 4);
-            let frame = Frame::draw(
-                canvas,
-                place,
-                &labels,
-                x,
-                Scale::labelled(-0.6, last + 0.6, ticks),
+            let differences = input.differences(index);
+            let x = Scale::over(
+                differences.iter().flatten().flatten().copied().chain([0.0]),
+                4,
             );
-            let zero = frame.x.at(0.0);
-            canvas.line(
-                (zero, frame.place.bottom),
-                (zero, frame.place.top),
-                Pen::new(MUTED, stroke::AXIS).dashed(2.0, 2.0),
-            );
-            for (row, found) in differences.iter().enumerate() {
-                let Some(Difference { mean, half }) = found else {
-                    continue;
-                };
-                let y = last - row as f64;
+            let y = if index == 0 {
+                rows.axis()
+            } else {
+                rows.unnamed()
+            };
+            let mut panel = Panel::open(canvas, place, &labels, (x, y));
+            panel.upright(0.0, Pen::new(MUTED, stroke::AXIS).dashed(2.0, 2.0));
+            for (row, interval) in differences.into_iter().enumerate() {
                 let colour = if row == 0 { GREY } else { INK };
-                canvas.line(
-                    frame.at(mean - half, y),
-                    frame.at(mean + half, y),
-                    Pen::new(colour, stroke::BOX),
-                );
-                canvas.marker(frame.at(*mean, y), 2.2, Marker::Circle, colour);
+                let (pen, mark) = (Pen::new(colour, stroke::BOX), (2.2, Marker::Circle, colour));
+                if let Some(interval) = interval {
+                    panel.level_interval(interval, rows.y(row), pen, mark);
+                }
             }
         }
     })
+}
+
+impl Ablation {
+    /// Of each variant from the first, in one loss.
+    fn differences(&self, loss: usize) -> Vec<Option<[f64; 3]>> {
+        let reference = &self.variants[0].losses[loss];
+        let variants = self.variants.iter();
+        variants
+            .map(|v| difference(&v.losses[loss], reference))
+            .collect()
+    }
+
+    /// Which variant is furthest above the first, in words.
+    fn worst(&self, loss: usize) -> Option<String> {
+        let others = self
+            .differences(loss)
+            .into_iter()
+            .zip(&self.variants)
+            .skip(1);
+        let others = others.filter_map(|(interval, variant)| Some((interval?[0], &variant.name)));
+        let (by, name) = others.max_by(|a, b| a.0.total_cmp(&b.0))?;
+        let (title, first) = (markup::plain(&self.losses[loss]), &self.variants[0].name);
+        Some(format!(
+            "{title}: {name} is furthest above {first}, by {}.",
+            number(by, 3)
+        ))
+    }
 }
 
 #[cfg(test)]
@@ -189,13 +144,12 @@ mod tests {
 
     #[test]
     fn differences_are_taken_drive_by_drive() {
-        let Difference { mean, half } = Difference::of(
-            &[Some(2.0), None, Some(5.0)],
-            &[Some(1.0), Some(9.0), Some(4.0)],
-        )
-        .unwrap();
-        assert!((mean - 1.0).abs() < 1e-12 && half.abs() < 1e-12);
-        assert!(Difference::of(&[None], &[Some(1.0)]).is_none());
+        let variant = [Some(2.0), None, Some(5.0)];
+        let reference = [Some(1.0), Some(9.0), Some(4.0)];
+        for value in difference(&variant, &reference).unwrap() {
+            assert!((value - 1.0).abs() < 1e-12);
+        }
+        assert!(difference(&[None], &[Some(1.0)]).is_none());
     }
 
     #[test]

@@ -2,7 +2,7 @@
 
 use super::crowd;
 use super::prelude::*;
-use super::regression::{Regression, y_scale};
+use super::regression::Cloud;
 
 /// Panels of the same people, one a measure.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -41,67 +41,46 @@ pub fn aggression_line(input: &AggressionLine, context: &Context) -> Result<Figu
         check.finite("position", panel.points.iter().map(|point| point.0))?;
         check.finite(&panel.title, panel.points.iter().map(|point| point.1))?;
     }
-    let columns = input.panels.len().min(3);
-    let rows = input.panels.len().div_ceil(3);
-    let low = input
-        .panels
-        .iter()
-        .map(|panel| panel.points.len())
-        .min()
-        .unwrap_or(0);
-    let high = input
-        .panels
-        .iter()
-        .map(|panel| panel.points.len())
-        .max()
-        .unwrap_or(0);
-    let n = if low == high {
-        format!("{low}")
-    } else {
-        format!("{low} to {high}, by panel (not every drive has a value of every measure)")
-    };
+    let grid = Grid::of(input.panels.len(), 3, (10.0, 9.0));
+    let sizes = input.panels.iter().map(|panel| panel.points.len());
     let panels = input.panels.iter();
-    let found = told(panels.map(|p| (p.title.as_str(), p.statistic.as_str())));
     let plan = Plan {
         name: NAME.to_owned(),
         size_mm: (
-            TWO_COLUMNS_MM * columns as f64 / 3.0,
-            55.0 * rows as f64 + 3.0,
+            TWO_COLUMNS_MM * grid.columns as f64 / 3.0,
+            55.0 * grid.rows() + 3.0,
         ),
         title: "Position on the style line against each measure".to_owned(),
         caption: format!(
             "Each test participant’s position on the style line (the projection of the \
              embedding on the gradient of the style predictor) against each measure of their own \
              drive, in standard deviations of the training drivers. Line: least squares, with its \
-             95% band. *n* = {n}. The correlation and its test stand below each title.{}",
-            crowd::words(high)
+             95% band. *n* = {}. The correlation and its test stand below each title.{}",
+            counted(
+                sizes.clone(),
+                ", by panel (not every drive has a value of every measure)"
+            ),
+            crowd::words(sizes.max().unwrap_or(0))
         ),
-        alt: found,
+        alt: told(panels.map(|p| (p.title.as_str(), p.statistic.as_str()))),
         shows: Shows::Participants,
     };
-    draw_panels(
-        plan,
-        context,
-        Grid::new(input.panels.len(), columns, (10.0, 9.0)),
-        |canvas, index, place| {
-            let panel = &input.panels[index];
-            let x = Scale::over(panel.points.iter().map(|point| point.0), 4);
-            let line = Regression::of(&panel.points);
-            let y = y_scale(&panel.points, line.as_ref(), 4);
-            let labels = Labels {
-                title: &panel.title,
-                subtitle: &panel.statistic,
-                x: "Position on the style line (SD)",
-                y: &panel.axis,
-                ..Labels::default()
-            };
-            let frame = Frame::draw(canvas, place, &labels, x, y);
-            if let Some(line) = line {
-                line.paint(canvas, &frame, INK);
-            }
-            crowd::paint(canvas, &frame, &panel.points, 1.6, (Marker::Circle, INK));
-        },
-    )
+    draw_panels(plan, context, grid, &[], |canvas, index, place| {
+        let panel = &input.panels[index];
+        let labels = Labels {
+            title: &panel.title,
+            subtitle: &panel.statistic,
+            x: "Position on the style line (SD)",
+            y: &panel.axis,
+            ..Labels::default()
+        };
+        let cloud = Cloud {
+            points: &panel.points,
+            ticks: 4,
+            radius: 1.6,
+        };
+        cloud.paint(canvas, place, &labels);
+    })
 }
 
 #[cfg(test)]

@@ -128,121 +128,103 @@ fn paint(canvas: &mut Canvas<'_>, place: Place, input: &Architecture) {
             loss: "*L*_{4}  squared error",
         },
     ];
-    let line = Pen::new(INK, stroke::BOX);
-    let accent = PURPLE;
-    let bus_pen = Pen::new(accent, stroke::STRONG);
     let (left, top) = (place.left, place.top + 32.0);
     let height = (place.bottom - top) / 4.0;
-    let box_half = 14.0;
-    let x_encoder = (left + 84.0, left + 158.0);
+    let row_y = |index: usize| top + (index as f64 + 0.5) * height;
     let bus = left + 184.0;
-    let x_network = (left + 196.0, left + 310.0);
-    let x_output = left + 352.0;
-    let x_posterior = (left + 402.0, place.right);
+    let bus_pen = Pen::new(PURPLE, stroke::STRONG);
     let embedding = format!(
         "style embedding *w*^{{(p)}}, {} numbers a driver",
         input.embedding
     );
     let look = Look::new(size::AXIS + 0.5).centred();
-    let wide = look.width(&embedding) + 14.0;
-    let w_place = (
-        (bus - 40.0, place.top),
-        (bus - 40.0 + wide, place.top + 19.0),
+    let (from, base) = ((bus - 40.0, place.top), place.top + 19.0);
+    panel(
+        canvas,
+        from,
+        (from.0 + look.width(&embedding) + 14.0, base),
+        PURPLE,
     );
-    panel(canvas, w_place.0, w_place.1, accent);
-    canvas.text(
-        &embedding,
-        (w_place.0.0 + 7.0, f64::midpoint(w_place.0.1, w_place.1.1)),
-        look,
-    );
-    let row_y = |index: usize| top + (index as f64 + 0.5) * height;
-    canvas.line((bus, w_place.1.1), (bus, row_y(3) - 5.0), bus_pen);
+    let middle = (from.0 + 7.0, f64::midpoint(from.1, base));
+    canvas.text(&embedding, middle, look);
+    canvas.line((bus, base), (bus, row_y(3) - 5.0), bus_pen);
     for (index, row) in rows.iter().enumerate() {
         let y = row_y(index);
-        canvas.arrow((bus, y - 5.0), (x_network.0, y - 5.0), bus_pen, 4.5);
+        canvas.arrow((bus, y - 5.0), (left + NETWORK.0, y - 5.0), bus_pen, 4.5);
+        row.paint(canvas, (left, y));
+    }
+    let ends = (row_y(0) - BOX_HALF, row_y(3) + BOX_HALF);
+    posterior(canvas, (left + POSTERIOR, place.right), ends, input);
+}
+
+/// From where to where the boxes reach, in points from the left, and half their height.
+const ENCODER: (f64, f64) = (84.0, 158.0);
+const NETWORK: (f64, f64) = (196.0, 310.0);
+const OUTPUT: f64 = 352.0;
+const POSTERIOR: f64 = 402.0;
+const BOX_HALF: f64 = 14.0;
+
+impl Row<'_> {
+    /// Inputs, encoder, network, output and loss from left to right.
+    fn paint(&self, canvas: &mut Canvas<'_>, (left, y): (f64, f64)) {
+        let line = Pen::new(INK, stroke::BOX);
+        let (output, low) = (left + OUTPUT, y + 5.0);
         let text = Look::new(size::AXIS).centred();
-        let lines: Vec<&str> = row
-            .inputs
-            .into_iter()
-            .filter(|line| !line.is_empty())
-            .collect();
-        let widest = lines
+        let inputs = self.inputs.into_iter().filter(|line| !line.is_empty());
+        let inputs: Vec<&str> = inputs.collect();
+        let widest = inputs
             .iter()
             .map(|line| text.width(line))
             .fold(0.0, f64::max);
-        for (k, words) in lines.iter().enumerate() {
-            let offset = (k as f64 - (lines.len() as f64 - 1.0) / 2.0) * 11.0;
-            canvas.text(words, (left, y + 5.0 + offset), text);
+        for (k, words) in inputs.iter().enumerate() {
+            let offset = (k as f64 - (inputs.len() as f64 - 1.0) / 2.0) * 11.0;
+            canvas.text(words, (left, low + offset), text);
         }
-        if let Some((symbol, layers)) = row.encoder {
-            canvas.arrow(
-                (left + widest + 3.0, y + 5.0),
-                (x_encoder.0, y + 5.0),
-                line,
-                4.5,
-            );
-            panel(
-                canvas,
-                (x_encoder.0, y - box_half + 5.0),
-                (x_encoder.1, y + box_half + 5.0),
-                GREY,
-            );
-            let middle = f64::midpoint(x_encoder.0, x_encoder.1);
-            canvas.text(
-                &format!("encoder, {symbol}"),
-                (middle, y + 1.0),
-                Look::new(size::AXIS).middle(),
-            );
-            canvas.text(
-                &sizes(layers),
-                (middle, y + 12.0),
-                Look::new(size::TICK).middle().colour(MUTED),
-            );
-            canvas.arrow((x_encoder.1, y + 5.0), (x_network.0, y + 5.0), line, 4.5);
-        } else if !lines.is_empty() {
-            canvas.arrow(
-                (left + widest + 3.0, y + 5.0),
-                (x_network.0, y + 5.0),
-                line,
-                4.5,
-            );
+        let mut from = left + widest + 3.0;
+        if let Some((symbol, layers)) = self.encoder {
+            canvas.arrow((from, low), (left + ENCODER.0, low), line, 4.5);
+            let name = (format!("encoder, {symbol}"), size::AXIS);
+            network(canvas, (left, low), ENCODER, (&name, layers), GREY);
+            from = left + ENCODER.1;
         }
-        panel(
-            canvas,
-            (x_network.0, y - box_half),
-            (x_network.1, y + box_half),
-            INK,
-        );
-        let middle = f64::midpoint(x_network.0, x_network.1);
-        canvas.text(
-            row.name,
-            (middle, y - 3.0),
-            Look::new(size::AXIS + 0.5).middle(),
-        );
-        canvas.text(
-            &sizes(row.layers),
-            (middle, y + 9.0),
-            Look::new(size::TICK).middle().colour(MUTED),
-        );
-        canvas.arrow((x_network.1, y), (x_output - 10.0, y), line, 4.5);
-        canvas.text(
-            row.output,
-            (x_output, y),
-            Look::new(size::TITLE).middle().centred(),
-        );
-        canvas.arrow((x_output + 12.0, y), (x_posterior.0, y), line, 4.5);
-        canvas.text(
-            row.loss,
-            (x_output, y + 16.0),
-            Look::new(size::TICK).middle().centred().colour(MUTED),
-        );
+        if !inputs.is_empty() {
+            canvas.arrow((from, low), (left + NETWORK.0, low), line, 4.5);
+        }
+        let name = (self.name.to_owned(), size::AXIS + 0.5);
+        network(canvas, (left, y), NETWORK, (&name, self.layers), INK);
+        canvas.arrow((left + NETWORK.1, y), (output - 10.0, y), line, 4.5);
+        let title = Look::new(size::TITLE).middle().centred();
+        canvas.text(self.output, (output, y), title);
+        canvas.arrow((output + 12.0, y), (left + POSTERIOR, y), line, 4.5);
+        let small = Look::new(size::TICK).middle().centred().colour(MUTED);
+        canvas.text(self.loss, (output, y + 16.0), small);
     }
-    posterior(
+}
+
+/// A box with a name and the sizes of its layers.
+fn network(
+    canvas: &mut Canvas<'_>,
+    (left, y): (f64, f64),
+    (from, to): (f64, f64),
+    ((name, name_size), layers): (&(String, f64), &[usize]),
+    edge: RGBColor,
+) {
+    panel(
         canvas,
-        x_posterior,
-        (row_y(0) - box_half, row_y(3) + box_half),
-        input,
+        (left + from, y - BOX_HALF),
+        (left + to, y + BOX_HALF),
+        edge,
     );
+    let middle = left + f64::midpoint(from, to);
+    let encoder = edge == GREY;
+    let (name_y, sizes_y) = if encoder {
+        (y - 4.0, y + 7.0)
+    } else {
+        (y - 3.0, y + 9.0)
+    };
+    canvas.text(name, (middle, name_y), Look::new(*name_size).middle());
+    let small = Look::new(size::TICK).middle().colour(MUTED);
+    canvas.text(&sizes(layers), (middle, sizes_y), small);
 }
 
 fn posterior(

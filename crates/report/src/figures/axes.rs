@@ -123,7 +123,8 @@ impl Scale {
     }
 }
 
-fn extent(values: impl IntoIterator<Item = f64>) -> (f64, f64) {
+/// The least and the greatest; of none, infinity and its opposite.
+pub(crate) fn extent(values: impl IntoIterator<Item = f64>) -> (f64, f64) {
     values
         .into_iter()
         .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), v| {
@@ -340,19 +341,6 @@ impl Frame {
     pub(crate) fn at(&self, x: f64, y: f64) -> (f64, f64) {
         (self.x.at(x), self.y.at(y))
     }
-
-    /// A line across the panel at a value of y.
-    pub(crate) fn rule(&self, canvas: &mut Canvas<'_>, y: f64) {
-        if y < self.y.low() || y > self.y.high() {
-            return;
-        }
-        let y = self.y.at(y);
-        canvas.line(
-            (self.place.left, y),
-            (self.place.right, y),
-            Pen::new(INK, stroke::AXIS).dashed(2.0, 1.5),
-        );
-    }
 }
 
 #[cfg(test)]
@@ -364,41 +352,6 @@ mod tests {
         assert_eq!(number(-1.25, 1), "−1.2");
         assert_eq!(number(-0.001, 1), "0.0");
         assert_eq!(number(12.0, 0), "12");
-    }
-
-    #[test]
-    fn a_rule_crosses_its_panel_at_its_value_and_none_is_drawn_beside_it() {
-        let head = crate::figures::page::Head {
-            name: "x".into(),
-            shown_mm: (50.0, 50.0),
-            size_mm: (50.0, 50.0),
-            title: String::new(),
-            description: String::new(),
-            metadata: String::new(),
-        };
-        let frame = Frame {
-            x: Scale::between(0.0, 1.0, 2).placed(10.0, 110.0),
-            y: Scale::between(0.0, 10.0, 5).placed(80.0, 30.0),
-            place: Place {
-                left: 10.0,
-                top: 30.0,
-                right: 110.0,
-                bottom: 80.0,
-            },
-        };
-        let drawn = |y: f64| {
-            let sketch = crate::figures::canvas::sketch(&head, |canvas| frame.rule(canvas, y));
-            sketch.unwrap().svg
-        };
-        let nothing = drawn(11.0);
-        assert_eq!(drawn(-0.1), nothing);
-        for (value, y) in [(0.0, "80"), (2.0, "70"), (10.0, "30")] {
-            let svg = drawn(value);
-            assert!(
-                svg.len() > nothing.len() && svg.contains(y),
-                "{value}: {svg}"
-            );
-        }
     }
 
     #[test]

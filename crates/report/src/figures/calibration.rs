@@ -40,53 +40,78 @@ const NAME: &str = "calibration";
 pub fn calibration(input: &Calibration, context: &Context) -> Result<Figure, ReportError> {
     let check = Check(NAME);
     check.at_least(1, "bins", input.bins.len())?;
+    let share = "a share, 0 to 1";
     for bin in &input.bins {
-        for (field, share) in [("predicted", bin.predicted), ("observed", bin.observed)] {
-            check.that(
-                (0.0..=1.0).contains(&share),
-                field,
-                share,
-                "a share, 0 to 1",
-            )?;
-        }
-        check.that(
-            bin.seconds >= 1.0,
-            "seconds",
-            bin.seconds,
-            "a second at least",
-        )?;
+        check.within((0.0, 1.0), "predicted", [bin.predicted], share)?;
+        check.within((0.0, 1.0), "observed", [bin.observed], share)?;
+        let seconds = bin.seconds;
+        check.that(seconds >= 1.0, "seconds", seconds, "a second at least")?;
     }
+    let numbers = input.bins.iter().map(|b| b.seconds);
     check.finite(
         "expected_error and seconds",
-        input
-            .bins
-            .iter()
-            .map(|b| b.seconds)
-            .chain([input.expected_error]),
+        numbers.chain([input.expected_error]),
     )?;
+    let observed: Vec<[f64; 4]> = input.bins.iter().map(CalibrationBin::percent).collect();
+    // A bin of few seconds has an interval up to 100: points, not its end, set the axis.
+    let most = observed.iter().map(|[x, y, ..]| x.max(*y));
+    let top = (1.25 * most.fold(2.0, f64::max)).min(100.0);
+    draw(plan(input), context, |canvas, place| {
+        let labels = Labels {
+            x: "Predicted probability (%)",
+            y: "Observed share (%)",
+            ..Labels::default()
+        };
+        let x = Scale::between(0.0, top, 5);
+        let mut panel = Panel::open(canvas, place, &labels, (x.clone(), x));
+        let alike = Pen::new(GREY, stroke::AXIS).dashed(3.0, 2.0);
+        panel.line([(0.0, 0.0), (top, top)], alike);
+        let pen = Pen::new(MUTED, stroke::BOX);
+        for [x, share, low, high] in observed {
+            panel.upright_interval(x, [share, low, high], pen, (2.2, Marker::Circle, INK));
+        }
+        let look = Look::new(size::SMALL).end().colour(MUTED);
+        let Place { right, bottom, .. } = panel.frame.place;
+        let error = format!("calibration error {} points", error(input));
+        canvas.text(&error, (right - 2.0, bottom - 4.0), look);
+    })
+}
+
+impl CalibrationBin {
+    /// Predicted, observed and the ends of its Wilson interval, in per cent.
+    fn percent(&self) -> [f64; 4] {
+        let trials = self.seconds.round() as usize;
+        let events = ((self.observed * self.seconds).round() as usize).min(trials);
+        let ends = proportion(events, trials, 0.95);
+        let (low, high) = ends.map_or((0.0, 1.0), |share| (share.low, share.high));
+        [self.predicted, self.observed, low, high].map(|share| 100.0 * share)
+    }
+}
+
+fn error(input: &Calibration) -> String {
+    number(100.0 * input.expected_error, 2)
+}
+
+fn plan(input: &Calibration) -> Plan {
     let seconds: f64 = input.bins.iter().map(|bin| bin.seconds).sum();
-    let changing: f64 = input
-        .bins
-        .iter()
-        .map(|bin| bin.observed * bin.seconds)
-        .sum();
-    let error = number(100.0 * input.expected_error, 2);
+    let changing = input.bins.iter().map(|bin| bin.observed * bin.seconds);
     let whose = if input.held_out {
-        "that the networks did not learn from"
+        "did not learn"
     } else {
-        "that the networks learned from"
+        "learned"
     };
-    let plan = Plan {
+    let error = error(input);
+    Plan {
         name: NAME.to_owned(),
         size_mm: (ONE_COLUMN_MM, 72.0),
         title: "Calibration of the lane-change probability".to_owned(),
         caption: format!(
             "Share of time in which a lane change was being started against the predicted probability, in bins; \
-             95% Wilson intervals, a second a trial; the line is where both agree. Driving {whose}. Expected \
+             95% Wilson intervals, a second a trial; the line is where both agree. Driving that the networks {whose} from. Expected \
              calibration error: {error} percentage points. *n* = {} s of driving, {} s of them with a change \
              starting, {} drives; no test.",
             number(seconds, 0),
-            number(changing, 0),
+            number(changing.sum(), 0),
             input.drives
         ),
         alt: format!(
@@ -94,55 +119,7 @@ pub fn calibration(input: &Calibration, context: &Context) -> Result<Figure, Rep
             input.bins.len()
         ),
         shows: Shows::Participants,
-    };
-    let observed: Vec<(f64, f64, f64, f64)> = input
-        .bins
-        .iter()
-        .map(|bin| {
-            let trials = bin.seconds.round() as usize;
-            let events = ((bin.observed * bin.seconds).round() as usize).min(trials);
-            let (low, high) = proportion(events, trials, 0.95)
-                .map_or((0.0, 1.0), |share| (share.low, share.high));
-            (bin.predicted, bin.observed, low, high)
-        })
-        .collect();
-    // A bin of few seconds has an interval up to 1: points, not its end, set the axis.
-    let most = observed
-        .iter()
-        .map(|(p, o, ..)| p.max(*o))
-        .fold(0.02, f64::max);
-    let top = (1.25 * most).min(1.0);
-    draw(plan, context, |canvas, place| {
-        let labels = Labels {
-            x: "Predicted probability (%)",
-            y: "Observed share (%)",
-            ..Labels::default()
-        };
-        let x = Scale::between(0.0, 100.0 * top, 5);
-        let frame = Frame::draw(canvas, place, &labels, x.clone(), x);
-        canvas.line(
-            frame.at(0.0, 0.0),
-            frame.at(100.0 * top, 100.0 * top),
-            Pen::new(GREY, stroke::AXIS).dashed(3.0, 2.0),
-        );
-        for (predicted, share, low, high) in observed {
-            let (low, high) = (100.0 * low.min(top), 100.0 * high.min(top));
-            let at = 100.0 * predicted;
-            canvas.line(
-                frame.at(at, low),
-                frame.at(at, high),
-                Pen::new(MUTED, stroke::BOX),
-            );
-            canvas.marker(frame.at(at, 100.0 * share), 2.2, Marker::Circle, INK);
-        }
-        let look = Look::new(size::SMALL).end().colour(MUTED);
-        let (right, bottom) = (frame.place.right - 2.0, frame.place.bottom - 4.0);
-        canvas.text(
-            &format!("calibration error {error} points"),
-            (right, bottom),
-            look,
-        );
-    })
+    }
 }
 
 #[cfg(test)]

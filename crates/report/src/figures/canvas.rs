@@ -312,6 +312,11 @@ impl Canvas<'_> {
         self.note(drawn);
     }
 
+    /// A line through one point: a dot.
+    pub(crate) fn dot(&mut self, at: Point, pen: Pen) {
+        self.disc(at, (0.8 * pen.width).max(0.6), pen.colour, pen.alpha);
+    }
+
     /// The outline of a circle.
     pub(crate) fn ring(&mut self, centre: Point, radius: f64, pen: Pen) {
         let (centre, radius) = (self.at(centre), self.unit(radius));

@@ -1,7 +1,6 @@
 //! One driver's unseen last third, driven again by the models.
 
 use super::prelude::*;
-use super::thin::thinned;
 
 /// Who is at the wheel.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
@@ -66,6 +65,12 @@ impl Follower {
         matches!(self, Self::Idm | Self::Floor).then(|| Pen::new(self.colour(), 1.4))
     }
 
+    /// What stands for it in a legend of marks, and its name.
+    pub(crate) fn key(self) -> (Key, &'static str) {
+        let point = Key::Point(self.marker(), self.colour());
+        (self.mark().map_or(point, Key::Line), self.label())
+    }
+
     fn pen(self) -> Pen {
         match self {
             Self::Recorded => Pen::new(self.colour(), 1.3),
@@ -125,32 +130,25 @@ pub fn car_following(input: &CarFollowing, context: &Context) -> Result<Figure, 
             check.finite(field, values.iter().copied())?;
         }
     }
-    let first = input.time_s[0];
-    let last = input.time_s[input.time_s.len() - 1];
+    let (first, last) = (input.time_s[0], input.time_s[input.time_s.len() - 1]);
+    let driver = markup::literal(&input.driver);
     let plan = Plan {
         name: name.clone(),
         size_mm: (TWO_COLUMNS_MM, 96.0),
-        title: format!(
-            "Following in closed loop: {}",
-            markup::literal(&input.driver)
-        ),
+        title: format!("Following in closed loop: {driver}"),
         caption: format!(
-            "{}, {}: gap and speed over the unseen last third of the drive ({:.0} s). Recorded is \
+            "{}, {driver}: gap and speed over the unseen last third of the drive ({:.0} s). Recorded is \
              only the vehicle ahead; each model starts from the true gap and speed and then drives \
              on its own. *n* = 1 drive; no test.",
             markup::literal(&input.data_set),
-            markup::literal(&input.driver),
             last - first
         ),
         alt: alternative(input),
         shows: Shows::Participants,
     };
     draw(plan, context, |canvas, whole| {
-        let keys: Vec<(Key, &str)> = input
-            .series
-            .iter()
-            .map(|series| (Key::Line(series.follower.pen()), series.follower.label()))
-            .collect();
+        let keys = input.series.iter().map(|s| s.follower);
+        let keys: Vec<(Key, &str)> = keys.map(|f| (Key::Line(f.pen()), f.label())).collect();
         let whole = canvas.legend(whole, &keys);
         let split = whole.top + 0.56 * (whole.bottom - whole.top);
         let upper = Place {
@@ -161,91 +159,59 @@ pub fn car_following(input: &CarFollowing, context: &Context) -> Result<Figure, 
             top: split,
             ..whole
         };
-        for (place, title, x_title, gap) in [
-            (upper, "Gap to the vehicle ahead (m)", "", true),
-            (
-                lower,
-                "Speed (m/s)",
-                "Time since the start of the test third (s)",
-                false,
-            ),
-        ] {
-            let pick = |s: &'_ FollowingSeries| {
-                if gap {
-                    s.gap_m.clone()
-                } else {
-                    s.speed_mps.clone()
-                }
+        let gap = (upper, "Gap to the vehicle ahead (m)", "");
+        let since = "Time since the start of the test third (s)";
+        let speed = (lower, "Speed (m/s)", since);
+        for (place, y_title, x_title) in [gap, speed] {
+            let of_gap = x_title.is_empty();
+            let pick = |s: &'_ FollowingSeries| -> Vec<f64> {
+                if of_gap { &s.gap_m } else { &s.speed_mps }.clone()
             };
-            let values: Vec<Vec<f64>> = input.series.iter().map(pick).collect();
-            let y = Scale::over(
-                values.iter().flatten().copied().chain(gap.then_some(0.0)),
-                5,
-            );
-            let x = Scale::between(0.0, last - first, 8);
+            let series: Vec<Vec<f64>> = input.series.iter().map(pick).collect();
+            let values = series.iter().flatten().copied();
+            let y = Scale::over(values.chain(of_gap.then_some(0.0)), 5);
             let labels = Labels {
                 x: x_title,
-                y: title,
+                y: y_title,
                 numbers: 12.0,
                 ..Labels::default()
             };
-            let frame = Frame::draw(canvas, place, &labels, x, y);
-            for (series, values) in input.series.iter().zip(&values).rev() {
+            let x = Scale::between(0.0, last - first, 8);
+            let mut panel = Panel::open(canvas, place, &labels, (x, y));
+            for (run, values) in input.series.iter().zip(series).rev() {
                 let times = input.time_s.iter().map(|time| time - first);
-                let points: Vec<(f64, f64)> = times.zip(values.iter().copied()).collect();
-                let path: Vec<(f64, f64)> = thinned(&points, MOST_POINTS)
-                    .into_iter()
-                    .map(|(time, value)| frame.at(time, value))
-                    .collect();
-                canvas.path(&path, series.follower.pen());
+                let points: Vec<(f64, f64)> = times.zip(values).collect();
+                panel.thin_line(&points, MOST_POINTS, run.follower.pen());
             }
         }
     })
 }
 
 fn slug(text: &str) -> String {
-    let mut out = String::new();
-    for sign in text.chars() {
-        if sign.is_ascii_alphanumeric() {
-            out.push(sign.to_ascii_lowercase());
-        } else if !out.is_empty() && !out.ends_with('-') {
-            out.push('-');
-        }
-    }
-    let slug = out.trim_end_matches('-');
-    if slug.is_empty() {
-        "driver".to_owned()
-    } else {
-        slug.to_owned()
+    let words = text.split(|sign: char| !sign.is_ascii_alphanumeric());
+    let words: Vec<&str> = words.filter(|word| !word.is_empty()).collect();
+    match words[..] {
+        [] => "driver".to_owned(),
+        _ => words.join("-").to_ascii_lowercase(),
     }
 }
 
 fn alternative(input: &CarFollowing) -> String {
-    let recorded = input
-        .series
-        .iter()
-        .find(|series| series.follower == Follower::Recorded);
-    let mut words = vec![format!("Gap and speed of {} over time.", input.driver)];
-    if let Some(recorded) = recorded {
-        for series in input
-            .series
-            .iter()
-            .filter(|s| s.follower != Follower::Recorded)
-        {
-            let squares: f64 = series
-                .gap_m
-                .iter()
-                .zip(&recorded.gap_m)
-                .map(|(a, b)| (a - b).powi(2))
-                .sum();
+    let runs = |recorded| {
+        let runs = input.series.iter();
+        runs.filter(move |run| (run.follower == Follower::Recorded) == recorded)
+    };
+    let first = format!("Gap and speed of {} over time.", input.driver);
+    let errors = runs(true).take(1).flat_map(|recorded| {
+        runs(false).map(|run| {
+            let pairs = run.gap_m.iter().zip(&recorded.gap_m);
+            let squares: f64 = pairs.map(|(a, b)| (a - b).powi(2)).sum();
             let error = (squares / input.time_s.len() as f64).sqrt();
-            words.push(format!(
-                "{}: gap off by {error:.1} m (root mean square).",
-                series.follower.label()
-            ));
-        }
-    }
-    words.join(" ")
+            let label = run.follower.label();
+            format!("{label}: gap off by {error:.1} m (root mean square).")
+        })
+    });
+    sentences([first].into_iter().chain(errors))
 }
 
 #[cfg(test)]

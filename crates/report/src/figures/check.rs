@@ -82,4 +82,43 @@ impl Check<'_> {
             expected: expected.to_owned(),
         })
     }
+
+    /// There are at most so many of them.
+    pub(crate) fn at_most(self, most: usize, what: &str, count: usize) -> Result<(), ReportError> {
+        self.that(
+            count <= most,
+            what,
+            count as f64,
+            &format!("at most {most}"),
+        )
+    }
+
+    /// Each value is above the one before it.
+    pub(crate) fn rising(
+        self,
+        field: &str,
+        values: impl IntoIterator<Item = f64>,
+        expected: &str,
+    ) -> Result<(), ReportError> {
+        let mut before = None;
+        for value in values {
+            let rises = before.is_none_or(|before| before < value);
+            self.that(rises, field, value, expected)?;
+            before = Some(value);
+        }
+        Ok(())
+    }
+
+    /// Each value lies between two ends, which belong to it.
+    pub(crate) fn within(
+        self,
+        (low, high): (f64, f64),
+        field: &str,
+        values: impl IntoIterator<Item = f64>,
+        expected: &str,
+    ) -> Result<(), ReportError> {
+        let mut values = values.into_iter();
+        values
+            .try_for_each(|value| self.that((low..=high).contains(&value), field, value, expected))
+    }
 }

@@ -93,42 +93,28 @@ pub fn comparison(input: &Comparison, context: &Context) -> Result<Figure, Repor
             )?;
         }
     }
-    let most_cells = input
-        .panels
-        .iter()
-        .map(|p| p.cells.len())
-        .max()
-        .unwrap_or(1);
+    let cells = input.panels.iter().map(|p| p.cells.len());
+    let most_cells = cells.max().unwrap_or(1);
     let columns = match (input.panels.len(), most_cells) {
         (1, _) | (_, 7..) => 1,
         (n, 5..) => n.min(2),
         (n, _) => n.min(3),
     };
-    let lines = input.panels.len().div_ceil(columns);
+    let grid = Grid::new(input.panels.len(), columns, (10.0, 11.0));
     let wide = (22.0 * most_cells as f64).clamp(TWO_COLUMNS_MM / 3.0, TWO_COLUMNS_MM);
     let width = (wide * columns as f64).clamp(85.0, TWO_COLUMNS_MM);
+    let outcomes: Vec<&str> = input.panels.iter().map(|p| p.outcome.as_str()).collect();
     let plan = Plan {
         name: NAME.to_owned(),
-        size_mm: (width, 68.0 * lines as f64 + 3.0),
-        title: input
-            .panels
-            .iter()
-            .map(|p| p.outcome.as_str())
-            .collect::<Vec<_>>()
-            .join(", "),
+        size_mm: (width, 68.0 * grid.rows() + 3.0),
+        title: outcomes.join(", "),
         caption: caption(input),
         alt: alternative(input),
         shows: Shows::Participants,
     };
-    draw_panels(
-        plan,
-        context,
-        Grid::new(input.panels.len(), columns, (10.0, 11.0)),
-        |canvas, index, place| {
-            let panel = &input.panels[index];
-            rainclouds::paint(canvas, place, &drawn(panel));
-        },
-    )
+    draw_panels(plan, context, grid, &[], |canvas, index, place| {
+        rainclouds::paint(canvas, place, &drawn(&input.panels[index]));
+    })
 }
 
 fn drawn(panel: &ComparisonPanel) -> Panel<'_> {
@@ -186,7 +172,7 @@ fn alternative(input: &Comparison) -> String {
         let test = markup::plain(&panel.test);
         format!("{}: means {}. {test}.", panel.outcome, means.join(", "))
     };
-    input.panels.iter().map(panel).collect::<Vec<_>>().join(" ")
+    sentences(input.panels.iter().map(panel))
 }
 
 #[cfg(test)]

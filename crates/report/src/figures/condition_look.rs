@@ -1,5 +1,6 @@
 //! How the conditions of a study look: label, colour and marker come from its design.
 
+use super::legend::Key;
 use super::style::{Looks, colour};
 use super::theme::{BLUE, GREEN, INK, MUTED, Marker, OCHRE, ORANGE, PURPLE, mixed};
 use maveric_domain::{ConditionId, Design, design::Condition};
@@ -103,6 +104,11 @@ impl ConditionLook {
     pub(crate) fn rgb(&self) -> RGBColor {
         let [r, g, b] = self.colour;
         RGBColor(r, g, b)
+    }
+
+    /// What stands for it in a legend.
+    pub(crate) fn key(&self) -> Key {
+        Key::Point(self.marker, self.rgb())
     }
 
     pub(crate) fn marker(&self) -> Marker {

@@ -49,12 +49,13 @@ pub struct CurvePoint {
     pub high: f64,
 }
 
-const MARKERS: [Marker; 5] = [
-    Marker::Circle,
-    Marker::Square,
-    Marker::TriangleUp,
-    Marker::Diamond,
-    Marker::TriangleDown,
+/// Marker and colour of each curve.
+const LOOKS: [(Marker, RGBColor); 5] = [
+    (Marker::Circle, INK),
+    (Marker::Square, ORANGE),
+    (Marker::TriangleUp, BLUE),
+    (Marker::Diamond, GREY),
+    (Marker::TriangleDown, GREEN),
 ];
 
 /// Draws every panel's curves.
@@ -66,89 +67,59 @@ pub fn curves(input: &Curves, context: &Context) -> Result<Figure, ReportError> 
     check.at_least(1, "panels", input.panels.len())?;
     check.at_least(1, "curves", input.curves.len())?;
     let count = input.curves.len();
-    check.that(count <= MARKERS.len(), "curves", count as f64, "at most 5")?;
+    check.at_most(LOOKS.len(), "curves", count)?;
     check.finite("rule", input.rule)?;
-    check.finite(
-        "range",
-        input.range.into_iter().flat_map(|(low, high)| [low, high]),
-    )?;
+    check.finite("range", input.range.into_iter().flat_map(<[f64; 2]>::from))?;
     for panel in &input.panels {
         check.length("curves", panel.curves.len(), count)?;
         for curve in &panel.curves {
-            check.finite(
-                "a point",
-                curve.iter().flat_map(|p| [p.x, p.y, p.low, p.high]),
-            )?;
-            for pair in curve.windows(2) {
-                check.that(pair[0].x < pair[1].x, "x", pair[1].x, "ascending x")?;
-            }
+            check.finite("a point", curve.iter().flat_map(CurvePoint::numbers))?;
+            check.rising("x", curve.iter().map(|p| p.x), "ascending x")?;
         }
     }
-    let colours = [INK, ORANGE, BLUE, GREY, GREEN];
-    let columns = input.panels.len().clamp(1, 3);
-    let rows = input.panels.len().div_ceil(columns);
+    let grid = Grid::of(input.panels.len(), 3, (10.0, 9.0));
     let plan = Plan {
         name: input.name.clone(),
-        size_mm: (TWO_COLUMNS_MM, 54.0 * rows as f64 + 8.0),
+        size_mm: (TWO_COLUMNS_MM, 54.0 * grid.rows() + 8.0),
         title: input.title.clone(),
         caption: input.caption.clone(),
         alt: input.alt.clone(),
         shows: Shows::Participants,
     };
     let points = || input.panels.iter().flat_map(|p| &p.curves).flatten();
-    let x_ends = points().map(|p| p.x).collect::<Vec<_>>();
-    draw_panels_below(
-        plan,
-        context,
-        Grid::new(input.panels.len(), columns, (10.0, 9.0)),
-        |canvas, mut whole| {
-            let names = input.curves.iter().enumerate();
-            let keys: Vec<(Key, &str)> = names
-                .map(|(i, name)| (Key::Point(MARKERS[i], colours[i]), name.as_str()))
-                .collect();
-            canvas.legend_row((whole.left, whole.top + 4.0), &keys);
-            whole.top += cap_height(size::TICK) + 8.0;
-            whole
-        },
-        |canvas, index, place| {
-            let panel = &input.panels[index];
-            let values = panel.curves.iter().flatten().flat_map(|p| [p.low, p.high]);
-            let y = match input.range {
-                Some((low, high)) => Scale::between(low, high, 5),
-                None => Scale::over(values.chain([0.0]), 5),
-            };
-            let labels = Labels {
-                title: &panel.title,
-                x: &input.x,
-                y: &panel.y,
-                ..Labels::default()
-            };
-            let frame = Frame::draw(
-                canvas,
-                place,
-                &labels,
-                Scale::over(x_ends.iter().copied(), 5),
-                y,
-            );
-            if let Some(rule) = input.rule {
-                let ends = [frame.x.low(), frame.x.high()];
-                canvas.line(
-                    frame.at(ends[0], rule),
-                    frame.at(ends[1], rule),
-                    Pen::new(MUTED, stroke::AXIS).dashed(2.0, 2.0),
-                );
-            }
-            for (i, curve) in panel.curves.iter().enumerate() {
-                let path: Vec<(f64, f64)> = curve.iter().map(|p| frame.at(p.x, p.y)).collect();
-                canvas.path(&path, Pen::new(colours[i], stroke::STRONG));
-                for p in curve {
-                    let ends = [frame.at(p.x, p.low), frame.at(p.x, p.high)];
-                    canvas.line(ends[0], ends[1], Pen::new(colours[i], stroke::AXIS));
-                    canvas.marker(frame.at(p.x, p.y), 1.7, MARKERS[i], colours[i]);
-                }
-            }
-        },
-    )
+    let names = input.curves.iter().zip(LOOKS);
+    let keys: Vec<(Key, &str)> = names
+        .map(|(name, (marker, colour))| (Key::Point(marker, colour), name.as_str()))
+        .collect();
+    draw_panels(plan, context, grid, &keys, |canvas, index, place| {
+        let curves = &input.panels[index];
+        let values = curves.curves.iter().flatten().flat_map(|p| [p.low, p.high]);
+        let y = match input.range {
+            Some((low, high)) => Scale::between(low, high, 5),
+            None => Scale::over(values.chain([0.0]), 5),
+        };
+        let labels = Labels {
+            title: &curves.title,
+            x: &input.x,
+            y: &curves.y,
+            ..Labels::default()
+        };
+        let x = Scale::over(points().map(|p| p.x), 5);
+        let mut panel = Panel::open(canvas, place, &labels, (x, y));
+        if let Some(rule) = input.rule {
+            panel.level(rule, Pen::new(MUTED, stroke::AXIS).dashed(2.0, 2.0));
+        }
+        for (curve, (marker, colour)) in curves.curves.iter().zip(LOOKS) {
+            let points: Vec<[f64; 4]> = curve.iter().map(CurvePoint::numbers).collect();
+            panel.curve(&points, (1.7, marker, colour));
+        }
+    })
+}
+
+impl CurvePoint {
+    fn numbers(&self) -> [f64; 4] {
+        [self.x, self.y, self.low, self.high]
+    }
 }
 
 #[cfg(test)]

@@ -1,7 +1,7 @@
 //! What turning the dial does: each measure over the shift in aggression.
 
-use super::fit;
 use super::prelude::*;
+use maveric_stats::{mean, mean_interval};
 
 /// Drives of the same drivers at several shifts.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -40,9 +40,7 @@ pub fn dial_sweep(input: &DialSweep, context: &Context) -> Result<Figure, Report
     check.at_least(2, "shifts", input.points.len())?;
     check.at_least(1, "panels", input.panels.len())?;
     check.finite("points", input.points.iter().copied())?;
-    for pair in input.points.windows(2) {
-        check.that(pair[0] < pair[1], "points", pair[1], "ascending shifts")?;
-    }
+    check.rising("points", input.points.iter().copied(), "ascending shifts")?;
     for panel in &input.panels {
         check.at_least(1, "drivers", panel.drivers.len())?;
         for values in &panel.drivers {
@@ -50,37 +48,84 @@ pub fn dial_sweep(input: &DialSweep, context: &Context) -> Result<Figure, Report
             check.finite(&panel.title, values.iter().flatten().copied())?;
         }
     }
-    let whole_drivers = |panel: &DialPanel| -> Vec<Vec<f64>> {
-        panel
-            .drivers
-            .iter()
-            .filter_map(|values| values.iter().copied().collect::<Option<Vec<f64>>>())
-            .collect()
-    };
-    let counted: Vec<String> = input
-        .panels
-        .iter()
-        .map(|panel| {
-            let all = panel.drivers.len();
-            let whole = whole_drivers(panel).len();
-            format!("{whole} of {all} ({})", panel.title.to_lowercase())
-        })
-        .collect();
-    let panels = input.panels.iter();
-    let found = told(panels.map(|p| (p.title.as_str(), p.statistic.as_str())));
-    let most = input.panels.iter().map(|panel| panel.drivers.len()).max();
-    let lines = if most.is_some_and(|most| most > MOST_LINES) {
+    let grid = Grid::of(input.panels.len(), 3, (12.0, 9.0));
+    let ends = [input.points[0], input.points[input.points.len() - 1]];
+    let shift = format!("Shift ({})", input.unit);
+    draw_panels(
+        plan(input, grid, ends),
+        context,
+        grid,
+        &[],
+        |canvas, index, place| {
+            let drivers = &input.panels[index].drivers;
+            let labels = Labels {
+                title: &input.panels[index].title,
+                subtitle: &input.panels[index].statistic,
+                x: &shift,
+                y: &input.panels[index].axis,
+                ..Labels::default()
+            };
+            let values = drivers.iter().flatten().flatten().copied();
+            let scales = (Scale::over(ends, 5), Scale::over(values, 5));
+            let mut panel = Panel::open(canvas, place, &labels, scales);
+            let shifts = || input.points.iter().copied();
+            for values in drivers.iter().take(MOST_LINES) {
+                let there = shifts()
+                    .zip(values)
+                    .filter_map(|(at, value)| Some((at, (*value)?)));
+                panel.line(there, Pen::new(GREY, stroke::THIN).alpha(0.6));
+            }
+            let whole = input.panels[index].whole();
+            let column =
+                |step: usize| -> Vec<f64> { whole.iter().map(|values| values[step]).collect() };
+            let columns: Vec<Vec<f64>> = (0..input.points.len()).map(column).collect();
+            let means = || {
+                shifts()
+                    .zip(&columns)
+                    .filter_map(|(at, values)| Some((at, mean(values)?)))
+            };
+            panel.line(means(), Pen::new(INK, stroke::STRONG));
+            for ((at, middle), values) in means().zip(&columns) {
+                let mark = match at {
+                    at if at > 0.0 => (2.2, Marker::TriangleUp, ORANGE),
+                    at if at < 0.0 => (2.2, Marker::TriangleDown, BLUE),
+                    _ => (2.2, Marker::Square, PURPLE),
+                };
+                match mean_interval(values, 0.95) {
+                    Some(interval) => {
+                        panel.upright_interval(at, interval, Pen::new(INK, stroke::BOX), mark);
+                    }
+                    None => panel.mark((at, middle), mark),
+                }
+            }
+        },
+    )
+}
+
+impl DialPanel {
+    /// The drivers with a value at every shift.
+    fn whole(&self) -> Vec<Vec<f64>> {
+        let values = self.drivers.iter();
+        values.filter_map(|v| v.iter().copied().collect()).collect()
+    }
+}
+
+fn plan(input: &DialSweep, grid: Grid, [first, last]: [f64; 2]) -> Plan {
+    let counted = input.panels.iter().map(|panel| {
+        let (all, whole) = (panel.drivers.len(), panel.whole().len());
+        format!("{whole} of {all} ({})", panel.title.to_lowercase())
+    });
+    let counted: Vec<String> = counted.collect();
+    let many = input.panels.iter().any(|p| p.drivers.len() > MOST_LINES);
+    let lines = if many {
         format!("Grey: the first {MOST_LINES} drivers")
     } else {
         "Grey: drivers".to_owned()
     };
-    let shift = format!("Shift ({})", input.unit);
-    let columns = input.panels.len().min(3);
-    let rows = input.panels.len().div_ceil(columns);
-    let (first, last) = (input.points[0], input.points[input.points.len() - 1]);
-    let plan = Plan {
+    let panels = input.panels.iter();
+    Plan {
         name: NAME.to_owned(),
-        size_mm: (TWO_COLUMNS_MM, 62.0 * rows as f64 + 6.0),
+        size_mm: (TWO_COLUMNS_MM, 62.0 * grid.rows() + 6.0),
         title: "Turning the dial".to_owned(),
         caption: format!(
             "Each measure of the car’s drives as its driver, shifted by {} to {} {}. \
@@ -91,71 +136,9 @@ pub fn dial_sweep(input: &DialSweep, context: &Context) -> Result<Figure, Report
             input.unit,
             counted.join(", ")
         ),
-        alt: found,
+        alt: told(panels.map(|p| (p.title.as_str(), p.statistic.as_str()))),
         shows: Shows::Participants,
-    };
-    draw_panels(
-        plan,
-        context,
-        Grid::new(input.panels.len(), columns, (12.0, 9.0)),
-        |canvas, index, place| {
-            let panel = &input.panels[index];
-            let labels = Labels {
-                title: &panel.title,
-                subtitle: &panel.statistic,
-                x: &shift,
-                y: &panel.axis,
-                ..Labels::default()
-            };
-            let values = panel.drivers.iter().flatten().flatten().copied();
-            let frame = Frame::draw(
-                canvas,
-                place,
-                &labels,
-                Scale::over([first, last], 5),
-                Scale::over(values, 5),
-            );
-            for values in panel.drivers.iter().take(MOST_LINES) {
-                let path: Vec<(f64, f64)> = input
-                    .points
-                    .iter()
-                    .zip(values)
-                    .filter_map(|(shift, value)| Some(frame.at(*shift, (*value)?)))
-                    .collect();
-                canvas.path(&path, Pen::new(GREY, stroke::THIN).alpha(0.6));
-            }
-            let drivers = whole_drivers(panel);
-            let mut path = Vec::new();
-            for (step, &shift) in input.points.iter().enumerate() {
-                let here: Vec<f64> = drivers.iter().map(|values| values[step]).collect();
-                let Some(mean) = fit::mean(&here) else {
-                    continue;
-                };
-                path.push((shift, mean, here));
-            }
-            let line: Vec<(f64, f64)> = path.iter().map(|(s, m, _)| frame.at(*s, *m)).collect();
-            canvas.path(&line, Pen::new(INK, stroke::STRONG));
-            for (shift, mean, here) in &path {
-                if here.len() > 1 {
-                    let n = here.len() as f64;
-                    let half =
-                        fit::t_975(here.len() - 1) * fit::standard_deviation(here) / n.sqrt();
-                    let clip = |value: f64| value.clamp(frame.y.low(), frame.y.high());
-                    let ends = [
-                        frame.at(*shift, clip(mean - half)),
-                        frame.at(*shift, clip(mean + half)),
-                    ];
-                    canvas.line(ends[0], ends[1], Pen::new(INK, stroke::BOX));
-                }
-                let (shape, ink) = match shift {
-                    s if *s > 0.0 => (Marker::TriangleUp, ORANGE),
-                    s if *s < 0.0 => (Marker::TriangleDown, BLUE),
-                    _ => (Marker::Square, PURPLE),
-                };
-                canvas.marker(frame.at(*shift, *mean), 2.2, shape, ink);
-            }
-        },
-    )
+    }
 }
 
 #[cfg(test)]

@@ -1,11 +1,11 @@
 //! Every outcome, condition by condition: rainclouds.
 
 use super::crowd::MOST_POINTS;
-use super::fit;
 use super::prelude::*;
 use super::rainclouds::{self, Panel, Slot};
 use crate::apa;
 use maveric_domain::ConditionId;
+use maveric_stats::{mean, within_subject_intervals};
 use std::fmt::Write as _;
 
 /// The panels of the figure, in reading order.
@@ -93,12 +93,10 @@ pub fn difference_panels(
         check.finite("a pair's p", panel.pairs.iter().map(|pair| pair.p_holm))?;
         check.at_least(1, "values", panel.rows.iter().flatten().flatten().count())?;
     }
-    let columns = input.panels.len().min(3);
-    let rows = input.panels.len().div_ceil(3);
-    let width = TWO_COLUMNS_MM * columns as f64 / 3.0;
+    let grid = Grid::of(input.panels.len(), 3, (10.0, 11.0));
     let plan = Plan {
         name: NAME.to_owned(),
-        size_mm: (width.max(85.0), 64.0 * rows as f64 + 3.0),
+        size_mm: (grid.width_mm(), 64.0 * grid.rows() + 3.0),
         title: match input.from {
             Some(from) => format!(
                 "Difference between each condition and {}",
@@ -110,15 +108,9 @@ pub fn difference_panels(
         alt: alternative(input, context),
         shows: Shows::Participants,
     };
-    draw_panels(
-        plan,
-        context,
-        Grid::new(input.panels.len(), columns, (10.0, 11.0)),
-        |canvas, index, place| {
-            let panel = &input.panels[index];
-            rainclouds::paint(canvas, place, &drawn(panel, context));
-        },
-    )
+    draw_panels(plan, context, grid, &[], |canvas, index, place| {
+        rainclouds::paint(canvas, place, &drawn(&input.panels[index], context));
+    })
 }
 
 fn complete(panel: &DifferencePanel) -> Vec<Vec<f64>> {
@@ -136,25 +128,26 @@ fn empty(panel: &DifferencePanel) -> impl Iterator<Item = ConditionId> {
     conditions.filter_map(move |(index, &condition)| nobody(index).then_some(condition))
 }
 
-fn drawn<'a>(panel: &'a DifferencePanel, context: &Context) -> Panel<'a> {
+/// Mean and within-subject interval of each condition, over who has a value in all; none below two of them.
+fn means(panel: &DifferencePanel) -> Vec<Option<[f64; 3]>> {
     let rows = complete(panel);
-    let half_widths = fit::within_subject_half_widths(&rows);
+    let intervals = within_subject_intervals(&rows);
+    let interval = |index: usize| intervals.as_ref().map(|intervals| intervals[index]);
+    (0..panel.conditions.len()).map(interval).collect()
+}
+
+fn drawn<'a>(panel: &'a DifferencePanel, context: &Context) -> Panel<'a> {
+    let means = means(panel).into_iter();
     let slots = panel
         .conditions
         .iter()
-        .enumerate()
-        .map(|(index, &condition)| {
-            let kept: Vec<f64> = rows.iter().map(|row| row[index]).collect();
-            let interval = |(mean, widths): (f64, &Vec<f64>)| {
-                [mean, mean - widths[index], mean + widths[index]]
-            };
+        .zip(means)
+        .map(|(&condition, mean)| {
+            let look = context.look(condition);
             Slot {
-                name: context.look(condition).short(),
-                look: (
-                    context.look(condition).marker(),
-                    context.look(condition).rgb(),
-                ),
-                mean: fit::mean(&kept).zip(half_widths.as_ref()).map(interval),
+                name: look.short(),
+                look: (look.marker(), look.rgb()),
+                mean,
             }
         });
     let place = |wanted: ConditionId| panel.conditions.iter().position(|&c| c == wanted);
@@ -175,20 +168,15 @@ fn drawn<'a>(panel: &'a DifferencePanel, context: &Context) -> Panel<'a> {
 }
 
 fn caption(input: &DifferencePanels, context: &Context) -> String {
-    let sizes: Vec<(usize, usize)> = input
+    let everybody = input.panels.iter().map(|panel| panel.rows.len()).max();
+    let everybody = everybody.unwrap_or(0);
+    let complete: Vec<usize> = input
         .panels
         .iter()
-        .map(|panel| (complete(panel).len(), panel.rows.len()))
+        .map(|panel| complete(panel).len())
         .collect();
-    let all = sizes.iter().map(|(_, all)| *all).max().unwrap_or(0);
-    let low = sizes.iter().map(|(kept, _)| *kept).min().unwrap_or(0);
-    let high = sizes.iter().map(|(kept, _)| *kept).max().unwrap_or(0);
-    let complete = if low == high {
-        format!("{low}")
-    } else {
-        format!("{low} to {high} (by panel)")
-    };
-    let points = if all > MOST_POINTS {
+    let complete = counted(complete.into_iter(), " (by panel)");
+    let points = if everybody > MOST_POINTS {
         "Points and lines of single participants are left out, there being too many."
     } else {
         "Each point is a participant, each thin line one participant across the conditions."
@@ -221,7 +209,7 @@ fn caption(input: &DifferencePanels, context: &Context) -> String {
     format!(
         "{what}. {points} Half violins are \
          kernel densities (to two bandwidths beyond the data, never beyond the scale), boxes quartiles with whiskers to 1.5 times their distance, black dots \
-         means with within-subject 95% intervals (Cousineau–Morey): these compare conditions with one another, not with the dashed line. *n* = {all} participants, of \
+         means with within-subject 95% intervals (Cousineau–Morey): these compare conditions with one another, not with the dashed line. *n* = {everybody} participants, of \
          whom {complete} have a value in every condition and enter means, intervals and tests. \
          The omnibus test stands below each title; brackets carry effect sizes (*d*_{{z}}, or the rank-biserial *r* where ranks were compared) with the stars of *p* after Holm over the contrasts of that panel (\\* .05, \\*\\* .01, \\*\\*\\* .001).{shortened}{}",
         nobody.concat()
@@ -229,26 +217,20 @@ fn caption(input: &DifferencePanels, context: &Context) -> String {
 }
 
 fn alternative(input: &DifferencePanels, context: &Context) -> String {
-    let mut words = Vec::new();
-    for panel in &input.panels {
+    sentences(input.panels.iter().map(|panel| {
         let rows = complete(panel);
-        let means: Vec<String> = panel
+        let means = panel
             .conditions
             .iter()
             .enumerate()
             .filter_map(|(index, condition)| {
                 let values: Vec<f64> = rows.iter().map(|row| row[index]).collect();
-                let mean = fit::mean(&values)?;
-                Some(format!(
-                    "{} {}",
-                    context.look(*condition).label,
-                    number(mean, 2)
-                ))
-            })
-            .collect();
-        words.push(format!("{}: means {}.", panel.title, means.join(", ")));
-    }
-    words.join(" ")
+                let mean = number(mean(&values)?, 2);
+                Some(format!("{} {mean}", context.look(*condition).label))
+            });
+        let means: Vec<String> = means.collect();
+        format!("{}: means {}.", panel.title, means.join(", "))
+    }))
 }
 
 #[cfg(test)]

@@ -1,7 +1,6 @@
 //! A drive at a glance: speed, gap and lane over time.
 
 use super::prelude::*;
-use super::thin::thinned;
 
 /// A drive's signals; every column has one entry a row.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -23,9 +22,6 @@ pub struct DriveOverview {
     /// Lanes of the road.
     pub lanes: u8,
 }
-
-/// Most points of a line: the lowest and the highest of each stretch.
-const MOST_POINTS: usize = 1600;
 
 /// Draws speed, gap and lane, one below the other.
 ///
@@ -65,69 +61,56 @@ pub fn drive_overview(input: &DriveOverview, context: &Context) -> Result<Figure
     };
     let speed: Vec<Option<f64>> = input.speed_mps.iter().copied().map(Some).collect();
     let lane: Vec<Option<f64>> = input.lane.iter().map(|&l| Some(f64::from(l))).collect();
+    let over =
+        |values: &[Option<f64>]| Scale::over(values.iter().flatten().copied().chain([0.0]), 5);
+    let lanes = (0..input.lanes.max(1)).map(|l| (f64::from(l), l.to_string()));
+    let lanes_high = f64::from(input.lanes.max(1)) - 0.5;
+    let panels = [
+        ("Speed (m/s)", &speed, PURPLE, over(&speed)),
+        ("Gap (m)", &input.gap_m, INK, over(&input.gap_m)),
+        (
+            "Lane",
+            &lane,
+            GREY,
+            Scale::labelled(-0.5, lanes_high, lanes.collect()),
+        ),
+    ];
     draw(plan, context, |canvas, whole| {
         let height = (whole.bottom - whole.top) / 3.0;
-        let panels = [
-            ("Speed (m/s)", &speed, PURPLE, 5),
-            ("Gap (m)", &input.gap_m, INK, 5),
-            ("Lane", &lane, GREY, 2),
-        ];
-        for (i, (title, values, colour, ticks)) in panels.into_iter().enumerate() {
-            let bottom = i + 1 == 3;
+        for (i, (title, values, colour, y)) in panels.into_iter().enumerate() {
+            let last_one = i + 1 == 3;
             let place = Place {
                 top: whole.top + height * i as f64,
-                bottom: whole.top + height * (i + 1) as f64 - if bottom { 0.0 } else { 6.0 },
+                bottom: whole.top + height * (i + 1) as f64 - if last_one { 0.0 } else { 6.0 },
                 ..whole
             };
-            let y = if title == "Lane" {
-                let top = f64::from(input.lanes.max(1) - 1);
-                let names = (0..input.lanes.max(1)).map(|l| (f64::from(l), l.to_string()));
-                Scale::labelled(-0.5, top + 0.5, names.collect())
-            } else {
-                Scale::over(values.iter().flatten().copied().chain([0.0]), ticks)
-            };
             let labels = Labels {
-                x: if bottom { "Time (s)" } else { "" },
+                x: if last_one { "Time (s)" } else { "" },
                 y: title,
                 numbers: 14.0,
                 ..Labels::default()
             };
             let x = Scale::between(0.0, last - first, 8);
-            let frame = Frame::draw(canvas, place, &labels, x, y);
+            let mut panel = Panel::open(canvas, place, &labels, (x, y));
             for run in runs(input, values) {
-                let points: Vec<(f64, f64)> = thinned(&run, MOST_POINTS)
-                    .into_iter()
-                    .map(|(time, value)| frame.at(time - first, value))
-                    .collect();
-                if let [alone] = points[..] {
-                    canvas.disc(alone, 0.8, colour, 1.0);
-                }
-                canvas.path(&points, Pen::new(colour, 1.0));
+                panel.line(run, Pen::new(colour, 1.0));
             }
         }
     })
 }
 
-/// Stretches of rows with a value and without a hole.
+/// Stretches of rows with a value and without a hole, in seconds since the start.
 fn runs(input: &DriveOverview, values: &[Option<f64>]) -> Vec<Vec<(f64, f64)>> {
-    let mut runs: Vec<Vec<(f64, f64)>> = Vec::new();
-    let mut before: Option<u32> = None;
-    for (row, value) in values.iter().enumerate() {
-        let Some(value) = value else {
-            before = None;
-            continue;
-        };
-        let point = (input.time_s[row], *value);
-        match runs
-            .last_mut()
-            .filter(|_| before == Some(input.segment[row]))
-        {
-            Some(run) => run.push(point),
-            None => runs.push(vec![point]),
-        }
-        before = Some(input.segment[row]);
-    }
-    runs
+    let rows: Vec<(usize, &Option<f64>)> = values.iter().enumerate().collect();
+    let joined = |a: &(usize, &Option<f64>), b: &(usize, &Option<f64>)| {
+        a.1.is_some() && b.1.is_some() && input.segment[a.0] == input.segment[b.0]
+    };
+    let point = |&(row, value): &(usize, &Option<f64>)| {
+        Some((input.time_s[row] - input.time_s[0], (*value)?))
+    };
+    let runs = rows.chunk_by(joined);
+    let runs = runs.map(|run| run.iter().filter_map(point).collect::<Vec<_>>());
+    runs.filter(|run| !run.is_empty()).collect()
 }
 
 #[cfg(test)]

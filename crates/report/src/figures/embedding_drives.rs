@@ -3,7 +3,7 @@
 use super::ConditionLook;
 use super::prelude::*;
 use super::theme::viridis;
-use maveric_domain::ConditionId;
+use maveric_domain::{ConditionId, units::MetresPerSecond};
 
 /// Drivers in the style space.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -42,8 +42,6 @@ pub struct ExampleConditions {
     pub ellipse: Vec<Vec<f64>>,
 }
 
-pub(crate) const MPH_PER_MPS: f64 = 2.236_936_292_054_402;
-
 impl ExampleConditions {
     pub(crate) fn all(&self) -> impl Iterator<Item = &[f64]> {
         self.conditions
@@ -61,21 +59,62 @@ pub(crate) fn dot(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
 
-/// Mean velocities in mph, slowest and fastest: what colours stand for.
+/// Mean velocities in m/s, slowest and fastest: what colours stand for.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Palette {
-    pub(crate) low: f64,
-    pub(crate) high: f64,
+    low: f64,
+    high: f64,
 }
 
 impl Palette {
-    pub(crate) fn of(self, mps: f64) -> plotters::style::RGBColor {
+    pub(crate) fn of(points: &[EmbeddingPoint]) -> Self {
+        let (low, high) = extent(points.iter().map(|point| point.mean_velocity_mps));
+        Self { low, high }
+    }
+
+    pub(crate) fn colour(self, mps: f64) -> RGBColor {
         let range = self.high - self.low;
         viridis(if range > 1e-9 {
-            (mps * MPH_PER_MPS - self.low) / range
+            (mps - self.low) / range
         } else {
             0.5
         })
+    }
+
+    /// Both ends in mph, in words.
+    pub(crate) fn ends(self) -> [String; 2] {
+        [self.low, self.high].map(|end| number(MetresPerSecond(end).mph(), 1))
+    }
+}
+
+impl EmbeddingSpace {
+    /// The gradient, of length 1.
+    pub(crate) fn unit(&self) -> Vec<f64> {
+        let length = norm(&self.gradient);
+        self.gradient.iter().map(|g| g / length).collect()
+    }
+
+    /// Where the drives lie on average.
+    pub(crate) fn centre(&self) -> Vec<f64> {
+        let n = self.points.len() as f64;
+        let along = |axis: usize| {
+            self.points
+                .iter()
+                .map(move |p| p.embedding[axis])
+                .sum::<f64>()
+        };
+        (0..self.gradient.len())
+            .map(|axis| along(axis) / n)
+            .collect()
+    }
+
+    /// Where everything that is drawn lies, the drives first.
+    pub(crate) fn everything(&self) -> impl Iterator<Item = &[f64]> {
+        let example = self.example.iter().flat_map(ExampleConditions::all);
+        self.points
+            .iter()
+            .map(|p| p.embedding.as_slice())
+            .chain(example)
     }
 }
 
@@ -93,7 +132,7 @@ pub(crate) fn paint_point(
     range: (f64, f64),
 ) {
     let r = radius(point.score_points, range);
-    canvas.disc(at, r, palette.of(point.mean_velocity_mps), 1.0);
+    canvas.disc(at, r, palette.colour(point.mean_velocity_mps), 1.0);
     canvas.ring(at, r, Pen::new(PAPER, stroke::THIN));
 }
 

@@ -8,35 +8,21 @@ use super::embedding_drives::{
 use super::prelude::*;
 
 /// The unit direction across `unit` in which the points vary most, sign fixed by its largest part.
-fn first_perpendicular(points: &[EmbeddingPoint], unit: &[f64]) -> Vec<f64> {
+fn first_perpendicular(input: &EmbeddingSpace, unit: &[f64]) -> Vec<f64> {
     let d = unit.len();
-    let n = points.len() as f64;
-    let mean: Vec<f64> = (0..d)
-        .map(|axis| {
-            points
-                .iter()
-                .map(|point| point.embedding[axis])
-                .sum::<f64>()
-                / n
-        })
-        .collect();
-    let across: Vec<Vec<f64>> = points
-        .iter()
-        .map(|point| {
-            let centred: Vec<f64> = point
-                .embedding
-                .iter()
-                .zip(&mean)
-                .map(|(w, m)| w - m)
-                .collect();
-            let along = dot(&centred, unit);
-            centred
-                .iter()
-                .zip(unit)
-                .map(|(c, u)| c - along * u)
-                .collect()
-        })
-        .collect();
+    let mean = input.centre();
+    let across = |point: &EmbeddingPoint| -> Vec<f64> {
+        let pairs = point.embedding.iter().zip(&mean);
+        let centred: Vec<f64> = pairs.map(|(w, m)| w - m).collect();
+        let along = dot(&centred, unit);
+        centred
+            .iter()
+            .zip(unit)
+            .map(|(c, u)| c - along * u)
+            .collect()
+    };
+    let across: Vec<Vec<f64>> = input.points.iter().map(across).collect();
+    let spread = |v: &[f64]| across.iter().map(|row| dot(row, v).powi(2)).sum::<f64>();
     let mut best = vec![0.0; d];
     // Power iteration from every axis: a start across the answer would never find it.
     for start in 0..d {
@@ -57,20 +43,17 @@ fn first_perpendicular(points: &[EmbeddingPoint], unit: &[f64]) -> Vec<f64> {
             }
             direction = next.iter().map(|x| x / variance).collect();
         }
-        let spread = |v: &[f64]| across.iter().map(|row| dot(row, v).powi(2)).sum::<f64>();
         if variance >= 1e-12 && spread(&direction) > spread(&best) * (1.0 + 1e-9) {
             best = direction;
         }
     }
-    let largest = best
-        .iter()
-        .copied()
-        .fold(0.0, |a: f64, b| if b.abs() > a.abs() { b } else { a });
-    if largest < 0.0 {
-        best.iter().map(|x| -x).collect()
+    let larger = |a: f64, b: f64| if b.abs() > a.abs() { b } else { a };
+    let sign = if best.iter().copied().fold(0.0, larger) < 0.0 {
+        -1.0
     } else {
-        best
-    }
+        1.0
+    };
+    best.iter().map(|x| sign * x).collect()
 }
 
 /// Draws the plane of the gradient and of the axis across it, level with the solid drawing beside it if there is one.
@@ -81,23 +64,10 @@ pub(crate) fn paint(
     palette: Palette,
     context: &Context,
 ) {
-    let solid = input.gradient.len() == 3;
-    let length = norm(&input.gradient);
-    let unit: Vec<f64> = input.gradient.iter().map(|g| g / length).collect();
-    let across = first_perpendicular(&input.points, &unit);
+    let unit = input.unit();
+    let across = first_perpendicular(input, &unit);
     let at = |w: &[f64]| (dot(w, &unit), dot(w, &across));
-    let mut places: Vec<(f64, f64)> = input
-        .points
-        .iter()
-        .map(|point| at(&point.embedding))
-        .collect();
-    places.extend(
-        input
-            .example
-            .iter()
-            .flat_map(ExampleConditions::all)
-            .map(at),
-    );
+    let places: Vec<(f64, f64)> = input.everything().map(at).collect();
     let x = Scale::over(places.iter().map(|place| place.0), 5);
     let y = Scale::over(places.iter().map(|place| place.1), 5);
     let labels = Labels {
@@ -106,58 +76,40 @@ pub(crate) fn paint(
         ..Labels::default()
     };
     // Level with the box beside it.
-    let place = if solid {
-        Place {
-            top: place.top + 6.0,
-            bottom: place.bottom - 4.0,
-            ..place
-        }
+    let (down, up) = if input.gradient.len() == 3 {
+        (6.0, 4.0)
     } else {
-        place
+        (0.0, 0.0)
     };
-    let frame = Frame::draw(canvas, place, &labels, x, y);
-    let middle = places[..input.points.len()]
-        .iter()
-        .map(|place| place.1)
-        .sum::<f64>()
-        / input.points.len() as f64;
-    let y = frame.y.at(middle);
-    canvas.arrow(
-        (frame.place.left, y),
-        (frame.place.right, y),
-        Pen::new(INK, 1.2),
-        6.0,
-    );
-    if let Some(example) = &input.example {
-        let mut ring: Vec<(f64, f64)> = example
-            .ellipse
-            .iter()
-            .map(|w| at(w))
-            .map(|(x, y)| frame.at(x, y))
-            .collect();
-        ring.extend(ring.first().copied());
-        canvas.path(&ring, Pen::new(GREEN, stroke::STRONG));
+    let place = Place {
+        top: place.top + down,
+        bottom: place.bottom - up,
+        ..place
+    };
+    let mut panel = Panel::open(canvas, place, &labels, (x, y));
+    let drives = &places[..input.points.len()];
+    let middle = drives.iter().map(|place| place.1).sum::<f64>() / drives.len() as f64;
+    let (Place { left, right, .. }, y) = (panel.frame.place, panel.frame.y.at(middle));
+    panel
+        .canvas
+        .arrow((left, y), (right, y), Pen::new(INK, 1.2), 6.0);
+    if let Some(ExampleConditions { ellipse, .. }) = &input.example {
+        let ring = ellipse.iter().chain(ellipse.first()).map(|w| at(w));
+        panel.line(ring, Pen::new(GREEN, stroke::STRONG));
     }
-    if input.points.len() <= MOST_POINTS {
-        for point in &input.points {
-            let (x, y) = at(&point.embedding);
+    let Panel { canvas, frame } = panel;
+    if drives.len() <= MOST_POINTS {
+        for (point, &(x, y)) in input.points.iter().zip(drives) {
             paint_point(canvas, frame.at(x, y), point, palette, input.score_range);
         }
     } else {
-        let drives = input.points.iter().map(|point| {
-            let (x, y) = at(&point.embedding);
-            (x, y, point.mean_velocity_mps)
-        });
+        let velocities = input.points.iter().map(|point| point.mean_velocity_mps);
+        let drives = drives.iter().zip(velocities).map(|(&(x, y), v)| (x, y, v));
         let cells = crowd::cells(&frame, drives);
         let most = cells.iter().map(|cell| cell.count).max().unwrap_or(1);
         for cell in &cells {
-            let (a, b) = cell.corners(&frame);
-            canvas.fill_rect(
-                a,
-                b,
-                palette.of(cell.mean()),
-                crowd::shade(cell.count, most),
-            );
+            let ((a, b), shade) = (cell.corners(&frame), crowd::shade(cell.count, most));
+            canvas.fill_rect(a, b, palette.colour(cell.mean()), shade);
         }
     }
     for (condition, w) in input.example.iter().flat_map(|e| &e.conditions) {
@@ -179,9 +131,15 @@ mod tests {
             score_points: 20.0,
             mean_velocity_mps: 28.0,
         };
-        let points: Vec<EmbeddingPoint> = (0..20).map(point).collect();
-        let unit: Vec<f64> = vec![1.0 / 5f64.sqrt(); 5];
-        let across = first_perpendicular(&points, &unit);
+        let input = EmbeddingSpace {
+            points: (0..20).map(point).collect(),
+            gradient: vec![1.0; 5],
+            score_range: (11.0, 55.0),
+            score: "score".into(),
+            example: None,
+        };
+        let unit = input.unit();
+        let across = first_perpendicular(&input, &unit);
         assert!(dot(&across, &unit).abs() < 1e-9);
         assert!((norm(&across) - 1.0).abs() < 1e-9);
     }

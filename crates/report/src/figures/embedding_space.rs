@@ -2,7 +2,7 @@
 
 use super::ConditionLook;
 use super::crowd::MOST_POINTS;
-use super::embedding_drives::{MPH_PER_MPS, Palette, norm, paint_condition, paint_point, radius};
+use super::embedding_drives::{Palette, norm, paint_condition, paint_point, radius};
 use super::embedding_plane;
 use super::prelude::*;
 use super::projection::{View, paint_box};
@@ -22,21 +22,45 @@ const NAME: &str = "embedding-space";
 /// The paper's figure of the embedding space; method, sections 4 and 9.1. The plane is ours.
 pub fn embedding_space(input: &EmbeddingSpace, context: &Context) -> Result<Figure, ReportError> {
     check(input)?;
-    let dimensions = input.gradient.len();
+    let palette = Palette::of(&input.points);
+    let solid = input.gradient.len() == 3;
+    draw(plan(input, palette), context, |canvas, whole| {
+        let upper = Place {
+            bottom: whole.bottom - 34.0,
+            ..whole
+        };
+        let keys = Place {
+            top: upper.bottom,
+            ..whole
+        };
+        paint_keys(canvas, keys, input, palette, context);
+        let mut plane = upper;
+        if solid {
+            let split = whole.left + 0.5 * (whole.right - whole.left);
+            let left = Place {
+                right: split - 8.0,
+                ..upper
+            };
+            paint_solid(canvas, left, input, palette, context);
+            plane.left = split + 8.0;
+        }
+        embedding_plane::paint(canvas, plane, input, palette, context);
+    })
+}
+
+fn plan(input: &EmbeddingSpace, palette: Palette) -> Plan {
+    let (dimensions, drives) = (input.gradient.len(), input.points.len());
     let solid = dimensions == 3;
-    let example = match &input.example {
-        Some(example) => format!(
-            " Large markers: participant {} in each condition{}.",
-            crate::markup::literal(&example.participant),
-            if example.ellipse.is_empty() {
-                ""
-            } else {
-                "; line: the ellipse across the gradient, one standard deviation wide (in the plane seen edge on, the prediction \
-                 being the same all round)"
-            }
-        ),
-        None => String::new(),
-    };
+    let example = input.example.as_ref().map_or_else(String::new, |example| {
+        let ellipse = if example.ellipse.is_empty() {
+            ""
+        } else {
+            "; line: the ellipse across the gradient, one standard deviation wide (in the plane seen edge on, the prediction \
+             being the same all round)"
+        };
+        let participant = markup::literal(&example.participant);
+        format!(" Large markers: participant {participant} in each condition{ellipse}.")
+    });
     let views = if solid {
         "Left, the three dimensions; right, the plane of the style gradient and of the \
          direction across it in which drivers differ most."
@@ -44,86 +68,32 @@ pub fn embedding_space(input: &EmbeddingSpace, context: &Context) -> Result<Figu
         "The plane of the style gradient and of the direction across it in which drivers \
          differ most."
     };
-    let drawn = sample(&input.points).count();
-    let many = match (input.points.len() > MOST_POINTS, solid) {
+    let many = match (drives > MOST_POINTS, solid) {
         (false, _) => String::new(),
         (true, true) => format!(
-            " There being too many for single points, the left shows {drawn} of them, evenly over the list, and the \
-             right how many lie where (shade) and their mean velocity (colour)."
+            " There being too many for single points, the left shows {} of them, evenly over the list, and the \
+             right how many lie where (shade) and their mean velocity (colour).",
+            sample(&input.points).count()
         ),
         (true, false) => {
             " There being too many for single points, shades show how many lie where, colours their mean velocity.".to_owned()
         }
     };
-    let low = input
-        .points
-        .iter()
-        .map(|p| p.mean_velocity_mps)
-        .fold(f64::INFINITY, f64::min);
-    let high = input
-        .points
-        .iter()
-        .map(|p| p.mean_velocity_mps)
-        .fold(f64::NEG_INFINITY, f64::max);
-    let plan = Plan {
+    let score = markup::literal(&input.score);
+    let [low, high] = palette.ends();
+    Plan {
         name: NAME.to_owned(),
-        size_mm: if solid {
-            (TWO_COLUMNS_MM, 98.0)
-        } else {
-            (110.0, 98.0)
-        },
+        size_mm: (if solid { TWO_COLUMNS_MM } else { 110.0 }, 98.0),
         title: "The learned style space".to_owned(),
         caption: format!(
             "Embeddings of size {dimensions}; each point is a drive, its size the driver’s {score}, its colour the mean velocity. {views} Black line: gradient of the style \
-             predictor.{example}{many} *n* = {} drives; no test.",
-            input.points.len(),
-            score = crate::markup::literal(&input.score),
+             predictor.{example}{many} *n* = {drives} drives; no test."
         ),
         alt: format!(
-            "{} drives in a style space of {dimensions} dimensions, mean velocity from {} to {} mph.",
-            input.points.len(),
-            number(low * MPH_PER_MPS, 1),
-            number(high * MPH_PER_MPS, 1)
+            "{drives} drives in a style space of {dimensions} dimensions, mean velocity from {low} to {high} mph."
         ),
         shows: Shows::Participants,
-    };
-    let palette = Palette {
-        low: low * MPH_PER_MPS,
-        high: high * MPH_PER_MPS,
-    };
-    draw(plan, context, |canvas, whole| {
-        let foot = 34.0;
-        let upper = Place {
-            bottom: whole.bottom - foot,
-            ..whole
-        };
-        paint_keys(
-            canvas,
-            Place {
-                top: upper.bottom,
-                ..whole
-            },
-            input,
-            palette,
-            context,
-        );
-        let mut plane = upper;
-        if solid {
-            let split = whole.left + 0.5 * (whole.right - whole.left);
-            paint_solid(
-                canvas,
-                Place {
-                    right: split - 8.0,
-                    ..upper
-                },
-                input,
-                palette,
-                context,
-            );
-            plane.left = split + 8.0;
-        }
-        embedding_plane::paint(canvas, plane, input, palette, context);
-    })
+    }
 }
 
 fn check(input: &EmbeddingSpace) -> Result<(), ReportError> {
@@ -139,12 +109,8 @@ fn check(input: &EmbeddingSpace) -> Result<(), ReportError> {
         check.finite("embedding", point.embedding.iter().copied())?;
         check.finite("score_points", [point.score_points])?;
         let (low, high) = input.score_range;
-        check.that(
-            (low..=high).contains(&point.score_points),
-            "score_points",
-            point.score_points,
-            &format!("{low} to {high} points"),
-        )?;
+        let expected = format!("{low} to {high} points");
+        check.within((low, high), "score_points", [point.score_points], &expected)?;
         check.finite("mean_velocity_mps", [point.mean_velocity_mps])?;
     }
     for place in input.example.iter().flat_map(ExampleConditions::all) {
@@ -174,62 +140,49 @@ fn paint_solid(
     palette: Palette,
     context: &Context,
 ) {
+    const PIECES: u32 = 24;
     let cube = |w: &[f64]| [w[0], w[1], w[2]];
-    let gradient = cube(&input.gradient);
-    let length = norm(&gradient);
-    let unit = gradient.map(|g| g / length);
-    let everything = || {
-        let example = input.example.iter().flat_map(ExampleConditions::all);
-        input
-            .points
-            .iter()
-            .map(|point| point.embedding.as_slice())
-            .chain(example)
-    };
-    let view = View::fit(&everything().map(cube).collect::<Vec<_>>(), unit, place);
+    let (unit, centre) = (cube(&input.unit()), cube(&input.centre()));
+    let view = View::fit(
+        &input.everything().map(cube).collect::<Vec<_>>(),
+        unit,
+        place,
+    );
     paint_box(canvas, &view, ["*w*_{1}", "*w*_{2}", "*w*_{3}"]);
     let mut items: Vec<(f64, (f64, f64), Item<'_>)> = Vec::new();
-    let placed = |w: [f64; 3], nearer: f64| {
+    let mut add = |w: [f64; 3], nearer: f64, item| {
         let (at, depth) = view.project(w);
-        (depth + nearer, at)
+        items.push((depth + nearer, at, item));
     };
     for point in sample(&input.points) {
-        let (depth, at) = placed(cube(&point.embedding), 0.0);
-        items.push((depth, at, Item::Point(point)));
+        add(cube(&point.embedding), 0.0, Item::Point(point));
     }
-    let n = input.points.len() as f64;
-    let centre: [f64; 3] = [0, 1, 2].map(|axis| {
-        input
-            .points
-            .iter()
-            .map(|point| point.embedding[axis])
-            .sum::<f64>()
-            / n
-    });
     let (start, end) = view.chord(centre, unit);
-    let pieces: u32 = 24;
     let along = |k: u32| {
-        let share = start + (end - start) * f64::from(k) / f64::from(pieces);
+        let share = start + (end - start) * f64::from(k) / f64::from(PIECES);
         [0, 1, 2].map(|axis| centre[axis] + share * unit[axis])
     };
-    for k in 0..pieces {
-        let (depth, at) = placed(along(k), 0.0);
-        items.push((
-            depth,
-            at,
-            Item::Piece(view.project(along(k + 1)).0, Pen::new(INK, 1.2)),
-        ));
+    let to = |w: [f64; 3]| view.project(w).0;
+    let black = Pen::new(INK, 1.2);
+    for k in 0..PIECES {
+        add(along(k), 0.0, Item::Piece(to(along(k + 1)), black));
     }
-    if let Some(example) = &input.example {
+    if let Some(ExampleConditions {
+        ellipse,
+        conditions,
+        ..
+    }) = &input.example
+    {
         let pen = Pen::new(GREEN, stroke::STRONG);
-        for (k, w) in example.ellipse.iter().enumerate() {
-            let next = &example.ellipse[(k + 1) % example.ellipse.len()];
-            let (depth, at) = placed(cube(w), 0.0);
-            items.push((depth, at, Item::Piece(view.project(cube(next)).0, pen)));
+        for (from, next) in ellipse.iter().zip(ellipse.iter().cycle().skip(1)) {
+            add(cube(from), 0.0, Item::Piece(to(cube(next)), pen));
         }
-        for (condition, w) in &example.conditions {
-            let (depth, at) = placed(cube(w), view.size());
-            items.push((depth, at, Item::Condition(context.look(*condition))));
+        for (condition, w) in conditions {
+            add(
+                cube(w),
+                view.size(),
+                Item::Condition(context.look(*condition)),
+            );
         }
     }
     items.sort_by(|a, b| a.0.total_cmp(&b.0));
@@ -241,13 +194,10 @@ fn paint_solid(
         }
     }
     // The end of the line that means more.
-    let (tail, tip) = (
-        view.project(along(pieces - 1)).0,
-        view.project(along(pieces)).0,
-    );
-    canvas.arrow(tail, tip, Pen::new(INK, 1.2), 6.0);
+    canvas.arrow(to(along(PIECES - 1)), to(along(PIECES)), black, 6.0);
 }
 
+/// Below the panels: conditions, then what the sizes and the colours of the points stand for.
 fn paint_keys(
     canvas: &mut Canvas<'_>,
     place: Place,
@@ -255,60 +205,49 @@ fn paint_keys(
     palette: Palette,
     context: &Context,
 ) {
-    let solid = input.gradient.len() == 3;
     let first = place.top + 11.0;
-    let second = place.top + 26.0;
-    let small = Look::new(size::TICK);
-    let mut x = place.left;
-    let looks: Vec<ConditionLook> = input
-        .example
-        .iter()
-        .flat_map(|e| &e.conditions)
-        .map(|(c, _)| context.look(*c))
-        .collect();
-    if !looks.is_empty() {
-        let key =
-            |look: &ConditionLook| (Key::Point(look.marker(), look.rgb()), look.label.clone());
-        canvas.legend_row((x, first), &looks.iter().map(key).collect::<Vec<_>>());
+    let conditions = input.example.iter().flat_map(|example| &example.conditions);
+    let looks = conditions.map(|(condition, _)| context.look(*condition));
+    let keys: Vec<(Key, String)> = looks.map(|look| (look.key(), look.label)).collect();
+    if !keys.is_empty() {
+        canvas.legend_row((place.left, first), &keys);
     }
-    let row = if solid && looks.is_empty() {
-        first
-    } else {
-        second
+    let alone = input.gradient.len() == 3 && keys.is_empty();
+    let row = if alone { first } else { first + 15.0 };
+    let small = Look::new(size::TICK).centred();
+    let mut x = place.left;
+    let write = |canvas: &mut Canvas<'_>, x: &mut f64, text: &str, look: Look, gap: f64| {
+        canvas.text(text, (*x, row), look);
+        *x += look.width(text) + gap;
     };
-    let title = input.score.as_str();
-    canvas.text(title, (x, row), small.centred().colour(MUTED));
-    x += small.width(title) + 8.0;
-    let (low, high) = input.score_range;
-    let ticks = Scale::between(low, high, 4);
+    write(canvas, &mut x, &input.score, small.colour(MUTED), 8.0);
+    let ticks = Scale::between(input.score_range.0, input.score_range.1, 4);
     for (score, label) in ticks.ticks.into_iter().zip(ticks.labels) {
         let r = radius(score, input.score_range);
         canvas.disc((x + r, row), r, GREY, 1.0);
         x += 2.0 * r + 2.5;
-        canvas.text(&label, (x, row), small.centred());
-        x += small.width(&label) + 8.0;
+        write(canvas, &mut x, &label, small, 8.0);
     }
-    let title = "Mean velocity (mph)";
     x += 6.0;
-    canvas.text(title, (x, row), small.centred().colour(MUTED));
-    x += small.width(title) + 6.0;
-    let ends = [number(palette.low, 1), number(palette.high, 1)];
-    canvas.text(&ends[0], (x, row), small.centred());
-    x += small.width(&ends[0]) + 3.0;
-    let width = 68.0_f64.min(place.right - x - small.width(&ends[1]) - 4.0);
+    write(
+        canvas,
+        &mut x,
+        "Mean velocity (mph)",
+        small.colour(MUTED),
+        6.0,
+    );
+    let [low, high] = palette.ends();
+    write(canvas, &mut x, &low, small, 3.0);
+    let width = 68.0_f64.min(place.right - x - small.width(&high) - 4.0);
     let half = cap_height(size::TICK) / 2.0 + 1.0;
     for step in 0..40 {
         let left = x + width * f64::from(step) / 40.0;
         // A hair wider than its step, or the ground shows between the steps.
         let right = left + width / 40.0 + if step < 39 { 0.15 } else { 0.0 };
-        canvas.fill_rect(
-            (left, row - half),
-            (right, row + half),
-            viridis(f64::from(step) / 39.0),
-            1.0,
-        );
+        let colour = viridis(f64::from(step) / 39.0);
+        canvas.fill_rect((left, row - half), (right, row + half), colour, 1.0);
     }
-    canvas.text(&ends[1], (x + width + 3.0, row), small.centred());
+    canvas.text(&high, (x + width + 3.0, row), small);
 }
 
 #[cfg(test)]

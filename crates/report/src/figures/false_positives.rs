@@ -42,21 +42,23 @@ pub fn false_positives(input: &FalsePositives, context: &Context) -> Result<Figu
     check.at_least(1, "parts", input.parts.len())?;
     check.at_least(1, "studies", input.studies)?;
     let rates = || input.parts.iter().flat_map(|p| p.rates.iter().copied());
-    let families = || {
-        input
-            .families
-            .iter()
-            .flat_map(|(_, rate, ends)| [*rate, ends.0, ends.1])
-    };
-    for rate in rates().chain(families()) {
-        check.that((0.0..=1.0).contains(&rate), "a rate", rate, "0 to 1")?;
-    }
+    let families = input.families.iter();
+    let intervals = families.map(|(_, rate, (low, high))| [*rate, *low, *high]);
+    let every = || rates().chain(intervals.clone().flatten());
+    check.within((0.0, 1.0), "a rate", every(), "0 to 1")?;
     let tests = rates().count();
     let within = rates().filter(|&rate| near(rate)).count();
-    let rows = input.parts.len() + input.families.len();
+    let parts = input.parts.iter();
+    let parts = parts.map(|p| format!("{} ({})", p.name, p.rates.len()));
+    let families = input
+        .families
+        .iter()
+        .map(|(name, ..)| format!("Any in {name}"));
+    let rows = Rows::new(parts.chain(families), 0.7);
+    let count = input.parts.len() + input.families.len();
     let plan = Plan {
         name: NAME.to_owned(),
-        size_mm: (TWO_COLUMNS_MM, 26.0 + 5.4 * rows as f64),
+        size_mm: (TWO_COLUMNS_MM, 26.0 + 5.4 * count as f64),
         title: "False positives where there is nothing to find".to_owned(),
         caption: format!(
             "Points: a test each, share of the simulated studies without any effect in which *p* < .05; \
@@ -67,60 +69,32 @@ pub fn false_positives(input: &FalsePositives, context: &Context) -> Result<Figu
         alt: format!("{within} of {tests} tests have a rate of .05 within .01."),
         shows: Shows::Participants,
     };
-    draw(plan, context, |canvas, mut whole| {
+    draw(plan, context, |canvas, whole| {
         let keys = [
             (Key::Point(Marker::Circle, INK), "a test, uncorrected"),
             (Key::Point(Marker::Square, PURPLE), "a family, after Holm"),
         ];
-        canvas.legend_row((whole.left, whole.top + 4.0), &keys);
-        whole.top += cap_height(size::TICK) + 8.0;
-        let last = rows as f64 - 1.0;
-        let names = input
-            .parts
-            .iter()
-            .map(|p| format!("{} ({})", p.name, p.rates.len()))
-            .chain(
-                input
-                    .families
-                    .iter()
-                    .map(|(name, ..)| format!("Any in {name}")),
-            );
-        let ticks: Vec<(f64, String)> = names
-            .enumerate()
-            .map(|(row, name)| (last - row as f64, crate::markup::literal(&name)))
-            .collect();
+        let place = canvas.legend(whole, &keys);
         let labels = Labels {
             x: "Share of studies with p < .05",
             ..Labels::default()
         };
-        let x = Scale::over(rates().chain(families()).chain([0.0, 0.08]), 6);
-        let y = Scale::labelled(-0.7, last + 0.7, ticks);
-        let frame = Frame::draw(canvas, whole, &labels, x, y);
-        let corners = [
-            frame.at(LEVEL - TOLERANCE, last + 0.7),
-            frame.at(LEVEL + TOLERANCE, -0.7),
-        ];
-        canvas.fill_rect(corners[0], corners[1], PALE, 1.0);
-        canvas.line(
-            frame.at(LEVEL, -0.7),
-            frame.at(LEVEL, last + 0.7),
-            Pen::new(MUTED, stroke::AXIS).dashed(2.0, 2.0),
-        );
+        let x = Scale::over(every().chain([0.0, 0.08]), 6);
+        let mut panel = Panel::open(canvas, place, &labels, (x, rows.axis()));
+        panel.stripe([LEVEL - TOLERANCE, LEVEL + TOLERANCE], PALE, 1.0);
+        panel.upright(LEVEL, Pen::new(MUTED, stroke::AXIS).dashed(2.0, 2.0));
         for (row, part) in input.parts.iter().enumerate() {
-            let middle = last - row as f64;
             let count = part.rates.len().max(1) as f64;
-            for (i, rate) in part.rates.iter().enumerate() {
+            for (i, &rate) in part.rates.iter().enumerate() {
                 // Spread over the row in the order of the tests, so that none hides another.
                 let off = ((i as f64 + 0.5) / count - 0.5) * 0.6;
-                let tone = if near(*rate) { GREY } else { INK };
-                canvas.marker(frame.at(*rate, middle + off), 1.2, Marker::Circle, tone);
+                let tone = if near(rate) { GREY } else { INK };
+                panel.mark((rate, rows.y(row) + off), (1.2, Marker::Circle, tone));
             }
         }
-        for (i, (_, rate, (low, high))) in input.families.iter().enumerate() {
-            let middle = last - (input.parts.len() + i) as f64;
-            let ends = [frame.at(*low, middle), frame.at(*high, middle)];
-            canvas.line(ends[0], ends[1], Pen::new(INK, stroke::BOX));
-            canvas.marker(frame.at(*rate, middle), 2.0, Marker::Square, PURPLE);
+        for (i, interval) in intervals.clone().enumerate() {
+            let (y, pen) = (rows.y(input.parts.len() + i), Pen::new(INK, stroke::BOX));
+            panel.level_interval(interval, y, pen, (2.0, Marker::Square, PURPLE));
         }
     })
 }

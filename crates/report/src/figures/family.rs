@@ -1,5 +1,6 @@
 //! A declared family of correlations: a panel a rating, a line a trait, intervals that hold for all of them at once.
 
+use super::ConditionLook;
 use super::prelude::*;
 use crate::apa::bounded;
 use maveric_domain::ConditionId;
@@ -42,81 +43,55 @@ pub fn family(input: &Family, context: &Context) -> Result<Figure, ReportError> 
     check.at_least(1, "lines", input.rows.len())?;
     check.at_least(1, "series", input.series.len())?;
     check.at_least(1, "panels", input.panels.len())?;
-    check.that(
-        input.rows.len() <= 40,
-        "lines",
-        input.rows.len() as f64,
-        "at most 40",
-    )?;
-    check.that(
-        input.panels.len() <= 12,
-        "panels",
-        input.panels.len() as f64,
-        "at most 12",
-    )?;
+    check.at_most(40, "lines", input.rows.len())?;
+    check.at_most(12, "panels", input.panels.len())?;
     for panel in &input.panels {
         check.length(&panel.title, panel.cells.len(), input.rows.len())?;
         for row in &panel.cells {
             check.length(&panel.title, row.len(), input.series.len())?;
-            for value in row.iter().flatten().flatten() {
-                check.that(
-                    (-1.0..=1.0).contains(value),
-                    &panel.title,
-                    *value,
-                    "a coefficient, −1 to 1",
-                )?;
-            }
+            let values = row.iter().flatten().flatten().copied();
+            let expected = "a coefficient, −1 to 1";
+            check.within((-1.0, 1.0), &panel.title, values, expected)?;
         }
     }
-    let all = || {
-        input
-            .panels
-            .iter()
-            .flat_map(|p| p.cells.iter().flatten().flatten())
-    };
-    let clear = all()
-        .filter(|[_, low, high]| *low > 0.0 || *high < 0.0)
-        .count();
+    let cells = input.panels.iter().flat_map(|p| &p.cells).flatten();
+    let cells: Vec<&[f64; 3]> = cells.flatten().collect();
+    let clear = |cell: &&&[f64; 3]| cell[1] > 0.0 || cell[2] < 0.0;
+    let clear = cells.iter().filter(clear).count();
     let columns = input.panels.len().min(COLUMNS);
     let lines = input.panels.len().div_ceil(COLUMNS);
+    let height = ROW_MM * input.rows.len() as f64 + 17.0;
     let plan = Plan {
         name: NAME.to_owned(),
-        size_mm: (
-            TWO_COLUMNS_MM,
-            lines as f64 * (ROW_MM * input.rows.len() as f64 + 17.0) + 8.0,
-        ),
+        size_mm: (TWO_COLUMNS_MM, lines as f64 * height + 8.0),
         title: "The declared family of correlations".to_owned(),
         caption: format!(
             "{} {clear} of {} leave zero out. A line without a mark could not be computed. *n* = {} participants.",
             input.what,
-            all().count(),
+            cells.len(),
             input.participants
         ),
         alt: strongest(input),
         shows: Shows::Participants,
     };
+    let looks: Vec<_> = input.series.iter().map(|id| context.look(*id)).collect();
     draw(plan, context, |canvas, place| {
-        let looks: Vec<_> = input.series.iter().map(|id| context.look(*id)).collect();
-        let keys: Vec<(Key, &str)> = looks
-            .iter()
-            .map(|look| (Key::Point(look.marker(), look.rgb()), look.label.as_str()))
-            .collect();
-        canvas.legend_row((place.left, place.top + 4.0), &keys);
-        let look = Look::new(size::TICK);
-        let widest = input.rows.iter().map(|r| look.width(&markup::literal(r)));
-        let names = widest.fold(0.0, f64::max) + 6.0;
+        let keys = looks.iter().map(|look| (look.key(), &look.label));
+        let below = canvas.legend(place, &keys.collect::<Vec<_>>());
+        let rows = Rows::new(&input.rows, 0.7);
+        // The first column carries the names beside its equal share of the width.
         let grid = Place {
-            top: place.top + cap_height(size::TICK) + 8.0,
-            left: place.left + names,
-            ..place
+            left: place.left + rows.width() + 6.0,
+            ..below
         };
         for (index, panel) in input.panels.iter().enumerate() {
-            let at = (index % COLUMNS, index / COLUMNS);
-            let mut cell = grid.cell(at, (columns, lines), (7.0, 8.0));
-            if at.0 == 0 {
-                cell.left = place.left;
+            let (column, line) = (index % COLUMNS, index / COLUMNS);
+            let mut cell = grid.cell((column, line), (columns, lines), (7.0, 8.0));
+            let mut y = rows.unnamed();
+            if column == 0 {
+                (cell.left, y) = (place.left, rows.axis());
             }
-            paint(canvas, cell, input, panel, context);
+            paint(canvas, cell, panel, (&rows, y), &looks);
         }
     })
 }
@@ -124,65 +99,45 @@ pub fn family(input: &Family, context: &Context) -> Result<Figure, ReportError> 
 fn paint(
     canvas: &mut Canvas<'_>,
     cell: Place,
-    input: &Family,
-    panel: &FamilyPanel,
-    context: &Context,
+    input: &FamilyPanel,
+    (rows, y): (&Rows, Scale),
+    looks: &[ConditionLook],
 ) {
-    let last = input.rows.len() as f64 - 1.0;
-    let first = cell.right - cell.left > 0.3 * canvas.width;
-    let named = input.rows.iter().enumerate().map(|(i, row)| {
-        let name = if first {
-            markup::literal(row)
-        } else {
-            String::new()
-        };
-        (last - i as f64, name)
-    });
     let ticks = [-1.0, -0.5, 0.0, 0.5, 1.0].map(|t| (t, bounded(t, 1)));
     let x = Scale::labelled(-1.0, 1.0, ticks.to_vec());
-    let y = Scale::labelled(-0.7, last + 0.7, named.collect());
-    let title = markup::literal(&panel.title);
     let labels = Labels {
-        title: &title,
+        title: &markup::literal(&input.title),
         x: "Correlation",
         ..Labels::default()
     };
-    let frame = Frame::draw(canvas, cell, &labels, x, y);
-    let zero = frame.x.at(0.0);
-    let pen = Pen::new(GREY, stroke::AXIS).dashed(2.0, 1.5);
-    canvas.line((zero, frame.place.top), (zero, frame.place.bottom), pen);
-    let step = (frame.y.at(0.0) - frame.y.at(1.0)) / (input.series.len() as f64 + 1.0);
-    for (i, row) in panel.cells.iter().enumerate() {
-        for (s, (value, id)) in row.iter().zip(&input.series).enumerate() {
-            let Some([r, low, high]) = value else {
-                continue;
-            };
-            let look = context.look(*id);
-            let off = (s as f64 - (input.series.len() as f64 - 1.0) / 2.0) * step;
-            let y = frame.y.at(last - i as f64) + off;
-            let ends = ((frame.x.at(*low), y), (frame.x.at(*high), y));
-            canvas.line(ends.0, ends.1, Pen::new(look.rgb(), stroke::BOX));
-            canvas.marker((frame.x.at(*r), y), 1.6, look.marker(), look.rgb());
+    let mut panel = Panel::open(canvas, cell, &labels, (x, y));
+    panel.nothing(0.0);
+    let step = 1.0 / (looks.len() as f64 + 1.0);
+    for (i, row) in input.cells.iter().enumerate() {
+        for (s, (value, look)) in row.iter().zip(looks).enumerate() {
+            let y = rows.y(i) - (s as f64 - (looks.len() as f64 - 1.0) / 2.0) * step;
+            if let Some(interval) = value {
+                let mark = (1.6, look.marker(), look.rgb());
+                panel.level_interval(*interval, y, Pen::new(look.rgb(), stroke::BOX), mark);
+            }
         }
     }
 }
 
 fn strongest(input: &Family) -> String {
-    let all = input.panels.iter().flat_map(|p| {
-        let rows = p.cells.iter().zip(&input.rows);
-        rows.flat_map(move |(cells, row)| cells.iter().flatten().map(move |c| (p, row, c)))
+    let cells = input.panels.iter().flat_map(|panel| {
+        let rows = panel.cells.iter().zip(&input.rows);
+        rows.flat_map(move |(cells, row)| cells.iter().flatten().map(move |c| (panel, row, c)))
     });
-    let most = all.max_by(|a, b| a.2[0].abs().total_cmp(&b.2[0].abs()));
-    most.map_or_else(
-        || "None could be computed.".to_owned(),
-        |(panel, row, [r, low, high])| {
-            let [r, low, high] = [r, low, high].map(|v| bounded(*v, 2));
-            format!(
-                "The strongest is {row} with {}: {r} [{low}, {high}].",
-                panel.title
-            )
-        },
-    )
+    let most = cells.max_by(|a, b| a.2[0].abs().total_cmp(&b.2[0].abs()));
+    let words = |(panel, row, cell): (&FamilyPanel, &String, &[f64; 3])| {
+        let [r, low, high] = cell.map(|v| bounded(v, 2));
+        format!(
+            "The strongest is {row} with {}: {r} [{low}, {high}].",
+            panel.title
+        )
+    };
+    most.map_or_else(|| "None could be computed.".to_owned(), words)
 }
 
 #[cfg(test)]

@@ -52,40 +52,16 @@ const ROW: f64 = 17.0;
 pub fn fidelity(input: &Fidelity, context: &Context) -> Result<Figure, ReportError> {
     let check = Check(NAME);
     check.at_least(1, "measures", input.measures.len())?;
-    let all = |row: &FidelityRow| -> Vec<f64> {
-        [Some(row.car), row.test_retest, row.population]
-            .into_iter()
-            .flatten()
-            .flat_map(|a| [a.low, a.mean, a.high])
-            .chain(row.paper)
-            .collect()
-    };
     for row in &input.measures {
-        check.finite(&row.measure, all(row))?;
+        check.finite(
+            &row.measure,
+            row.intervals().into_iter().flatten().flatten(),
+        )?;
     }
-    let percent = |share: f64| number(100.0 * share, 1);
-    let found: Vec<String> = input
-        .measures
-        .iter()
-        .map(|row| {
-            let mut words = vec![format!(
-                "{}: the car {}%",
-                row.measure,
-                percent(row.car.mean)
-            )];
-            if let Some(own) = row.test_retest {
-                words.push(format!("the driver’s second drive {}%", percent(own.mean)));
-            }
-            if let Some(paper) = row.paper {
-                words.push(format!("the paper {}%", percent(paper)));
-            }
-            words.join(", ") + "."
-        })
-        .collect();
-    let rows = input.measures.len();
+    let count = input.measures.len() as f64;
     let plan = Plan {
         name: NAME.to_owned(),
-        size_mm: (120.0, (54.0 + ROW * rows as f64) / 72.0 * 25.4),
+        size_mm: (120.0, (54.0 + ROW * count) / 72.0 * 25.4),
         title: "As near to the driver as the driver".to_owned(),
         caption: format!(
             "Accuracy, 1 − |AV − driver| / driver, mean over drivers. Point: mean over {} training seeds; line: \
@@ -93,72 +69,68 @@ pub fn fidelity(input: &Fidelity, context: &Context) -> Result<Figure, ReportErr
              what needs no model. *n* = {} drivers; no test.",
             input.seeds, input.drivers
         ),
-        alt: found.join(" "),
+        alt: sentences(input.measures.iter().map(FidelityRow::words)),
         shows: Shows::Participants,
     };
-    let looks = [
-        (Marker::Square, PURPLE, "Car"),
-        (Marker::Circle, INK, "own second drive"),
-        (Marker::TriangleDown, GREY, "mean of all drivers"),
-        (Marker::Diamond, OCHRE, "paper"),
-    ];
-    draw(plan, context, |canvas, mut place| {
-        let keys = looks.map(|(marker, colour, label)| (Key::Point(marker, colour), label));
-        canvas.legend_row((place.left, place.top + 4.0), &keys);
-        place.top += cap_height(size::TICK) + 6.0;
-        let lowest = input.measures.iter().flat_map(all).fold(0.9, f64::min);
-        let x = Scale::between(100.0 * lowest - 3.0, 100.0, 6);
-        let last = rows as f64 - 1.0;
-        let ticks = input
-            .measures
-            .iter()
-            .enumerate()
-            .map(|(index, row)| (last - index as f64, markup::literal(&row.measure)))
-            .collect();
+    draw(plan, context, |canvas, place| {
+        let keys = LOOKS.map(|(marker, colour, label)| (Key::Point(marker, colour), label));
+        let place = canvas.legend(place, &keys);
+        let values = input.measures.iter().flat_map(FidelityRow::intervals);
+        let lowest = values.flatten().flatten().fold(90.0, f64::min);
+        let rows = Rows::new(input.measures.iter().map(|row| &row.measure), 0.6);
         let labels = Labels {
             x: "Accuracy (%)",
             ..Labels::default()
         };
-        let frame = Frame::draw(
-            canvas,
-            place,
-            &labels,
-            x,
-            Scale::labelled(-0.6, last + 0.6, ticks),
-        );
+        let scales = (Scale::between(lowest - 3.0, 100.0, 6), rows.axis());
+        let mut panel = Panel::open(canvas, place, &labels, scales);
         for (index, row) in input.measures.iter().enumerate() {
-            let y = last - index as f64;
-            canvas.line(
-                (frame.place.left, frame.y.at(y)),
-                (frame.place.right, frame.y.at(y)),
-                Pen::new(GRID, stroke::THIN),
-            );
-            let alone = |share: f64| Accuracy {
-                mean: share,
-                low: share,
-                high: share,
-            };
-            let series = [
-                Some(row.car),
-                row.test_retest,
-                row.population,
-                row.paper.map(alone),
-            ];
+            let y = rows.y(index);
+            panel.level(y, Pen::new(GRID, stroke::THIN));
             // Each series has its own height, so that none hides another.
-            for (place, (accuracy, (marker, colour, _))) in
-                series.into_iter().zip(looks).enumerate()
+            for (place, (interval, (marker, colour, _))) in
+                row.intervals().into_iter().zip(LOOKS).enumerate()
             {
-                let Some(accuracy) = accuracy else { continue };
                 let y = y + 0.27 - 0.18 * place as f64;
-                canvas.line(
-                    frame.at(100.0 * accuracy.low, y),
-                    frame.at(100.0 * accuracy.high, y),
-                    Pen::new(colour, stroke::STRONG),
-                );
-                canvas.marker(frame.at(100.0 * accuracy.mean, y), 2.2, marker, colour);
+                let pen = Pen::new(colour, stroke::STRONG);
+                if let Some(interval) = interval {
+                    panel.level_interval(interval, y, pen, (2.2, marker, colour));
+                }
             }
         }
     })
+}
+
+/// The series in the order of [`FidelityRow::intervals`].
+const LOOKS: [(Marker, RGBColor, &str); 4] = [
+    (Marker::Square, PURPLE, "Car"),
+    (Marker::Circle, INK, "own second drive"),
+    (Marker::TriangleDown, GREY, "mean of all drivers"),
+    (Marker::Diamond, OCHRE, "paper"),
+];
+
+impl FidelityRow {
+    /// Mean, lowest and highest of each series, in per cent.
+    fn intervals(&self) -> [Option<[f64; 3]>; 4] {
+        let accuracy = |a: Accuracy| [a.mean, a.low, a.high];
+        let shares = [Some(self.car), self.test_retest, self.population];
+        let [car, own, all] = shares.map(|share| share.map(accuracy));
+        let paper = self.paper.map(|share| [share; 3]);
+        [car, own, all, paper].map(|series| series.map(|ends| ends.map(|share| 100.0 * share)))
+    }
+
+    fn words(&self) -> String {
+        let [car, own, _, paper] = self.intervals();
+        let series = [
+            ("the car", car),
+            ("the driver’s second drive", own),
+            ("the paper", paper),
+        ];
+        let words =
+            series.map(|(name, s)| s.map(|[mean, ..]| format!("{name} {}%", number(mean, 1))));
+        let words: Vec<String> = words.into_iter().flatten().collect();
+        format!("{}: {}.", self.measure, words.join(", "))
+    }
 }
 
 #[cfg(test)]

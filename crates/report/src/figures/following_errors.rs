@@ -1,8 +1,8 @@
 //! How far from the recorded gap each model drove, driver by driver.
 
-use super::fit;
 use super::following_spread as spread;
 use super::prelude::*;
+use maveric_stats::mean;
 
 pub use super::following_spread::ModelErrors;
 
@@ -18,7 +18,6 @@ pub struct FollowingErrors {
 }
 
 const NAME: &str = "following-errors";
-const X_TITLE: &str = "Root-mean-square error of the gap (m)";
 const ROW: f64 = 15.0;
 /// Above this many drivers they have no row of their own.
 const MOST_DRIVERS: usize = 40;
@@ -32,49 +31,44 @@ pub fn following_errors(input: &FollowingErrors, context: &Context) -> Result<Fi
     let check = Check(NAME);
     check.at_least(1, "drivers", input.drivers.len())?;
     check.at_least(1, "models", input.models.len())?;
-    for model in &input.models {
-        check.length(
-            model.model.label(),
-            model.gap_rmse_m.len(),
-            input.drivers.len(),
-        )?;
-        check.finite("gap_rmse_m", model.gap_rmse_m.iter().copied())?;
-        let least = model
-            .gap_rmse_m
-            .iter()
-            .copied()
-            .fold(f64::INFINITY, f64::min);
-        check.that(
-            least >= 0.0,
-            "gap_rmse_m",
-            least,
-            "an error of at least 0 m",
-        )?;
+    for ModelErrors { model, gap_rmse_m } in &input.models {
+        check.length(model.label(), gap_rmse_m.len(), input.drivers.len())?;
+        check.finite("gap_rmse_m", gap_rmse_m.iter().copied())?;
+        let (any, errors) = ((0.0, f64::MAX), gap_rmse_m.iter().copied());
+        check.within(any, "gap_rmse_m", errors, "an error of at least 0 m")?;
     }
-    let means: Vec<f64> = input
-        .models
-        .iter()
-        .filter_map(|model| fit::mean(&model.gap_rmse_m))
-        .collect();
-    let found: Vec<String> = input
-        .models
-        .iter()
-        .zip(&means)
-        .map(|(model, mean)| format!("{}: {} m.", model.model.label(), number(*mean, 2)))
-        .collect();
-    let rows = input.drivers.len() + 1;
+    let labels = Labels {
+        x: "Root-mean-square error of the gap (m)",
+        ..Labels::default()
+    };
     let crowd = input.drivers.len() > MOST_DRIVERS;
-    let height_points = if crowd {
-        58.0 + spread::ROW * input.models.len() as f64
+    draw(plan(input, crowd), context, |canvas, place| {
+        if crowd {
+            spread::paint(canvas, place, &labels, &input.models);
+        } else {
+            by_driver(canvas, place, &labels, input);
+        }
+    })
+}
+
+fn plan(input: &FollowingErrors, crowd: bool) -> Plan {
+    let models = input.models.len() as f64;
+    let (height_points, shown) = if crowd {
+        (
+            58.0 + spread::ROW * models,
+            "Thin lines hold nine in ten drivers, thick lines the middle half, points are means over drivers",
+        )
     } else {
-        58.0 + 10.0 * (input.models.len() as f64 / 3.0).ceil() + ROW * rows as f64
+        (
+            58.0 + 10.0 * (models / 3.0).ceil() + ROW * (input.drivers.len() + 1) as f64,
+            "Points are networks, short lines what they are held against, above each other where they would meet",
+        )
     };
-    let shown = if crowd {
-        "Thin lines hold nine in ten drivers, thick lines the middle half, points are means over drivers"
-    } else {
-        "Points are networks, short lines what they are held against, above each other where they would meet"
-    };
-    let plan = Plan {
+    let means = input.models.iter().filter_map(|model| {
+        let mean = number(mean(&model.gap_rmse_m)?, 2);
+        Some(format!("{}: {mean} m.", model.model.label()))
+    });
+    Plan {
         name: NAME.to_owned(),
         size_mm: (120.0, height_points / 72.0 * 25.4),
         title: "Error of the gap in closed loop, by driver".to_owned(),
@@ -82,78 +76,52 @@ pub fn following_errors(input: &FollowingErrors, context: &Context) -> Result<Fi
             "{}: root-mean-square error of the gap over the unseen last third of each drive, in \
              closed loop. {shown}; the floor was fitted to that third itself. *n* = {} drivers, each with \
              the same weight in the mean; no test.",
-            crate::markup::literal(&input.data_set),
+            markup::literal(&input.data_set),
             input.drivers.len()
         ),
-        alt: format!("Mean over drivers. {}", found.join(" ")),
+        alt: format!("Mean over drivers. {}", sentences(means)),
         shows: Shows::Participants,
-    };
-    draw(plan, context, |canvas, place| {
-        if crowd {
-            return spread::paint(canvas, place, &input.models, X_TITLE);
-        }
-        let keys: Vec<(Key, &str)> = input
-            .models
-            .iter()
-            .map(|m| {
-                let point = || Key::Point(m.model.marker(), m.model.colour());
-                (
-                    m.model.mark().map_or_else(point, Key::Line),
-                    m.model.label(),
-                )
-            })
-            .collect();
-        let place = canvas.legend(place, &keys);
-        let most = input
-            .models
-            .iter()
-            .flat_map(|m| &m.gap_rmse_m)
-            .copied()
-            .fold(0.0, f64::max);
-        let x = Scale::between(0.0, 1.05 * most.max(0.1), 6);
-        let names = input.drivers.iter().map(String::as_str).chain(["Mean"]);
-        let last = rows as f64 - 1.0;
-        let ticks = names
-            .enumerate()
-            .map(|(index, name)| (last - index as f64, crate::markup::literal(name)))
-            .collect();
-        let y = Scale::labelled(-0.6, rows as f64 - 0.4, ticks);
-        let labels = Labels {
-            x: X_TITLE,
-            ..Labels::default()
+    }
+}
+
+/// A row of marks for every driver, and one for the mean.
+fn by_driver(canvas: &mut Canvas<'_>, place: Place, labels: &Labels<'_>, input: &FollowingErrors) {
+    let keys = input.models.iter().map(|m| m.model.key());
+    let place = canvas.legend(place, &keys.collect::<Vec<_>>());
+    let every = input.models.iter().flat_map(|m| &m.gap_rmse_m).copied();
+    let x = Scale::between(0.0, 1.05 * every.fold(0.1, f64::max), 6);
+    let names = input.drivers.iter().map(String::as_str).chain(["Mean"]);
+    let rows = Rows::new(names, 0.6);
+    let mut panel = Panel::open(canvas, place, labels, (x, rows.axis()));
+    panel.level(0.5, Pen::new(MUTED, stroke::AXIS));
+    for row in 0..=input.drivers.len() {
+        let value = |m: &ModelErrors| {
+            m.gap_rmse_m
+                .get(row)
+                .copied()
+                .or_else(|| mean(&m.gap_rmse_m))
         };
-        let frame = Frame::draw(canvas, place, &labels, x, y);
-        let (left, right) = (frame.place.left, frame.place.right);
-        let divide = frame.y.at(0.5);
-        canvas.line(
-            (left, divide),
-            (right, divide),
-            Pen::new(MUTED, stroke::AXIS),
+        let values: Vec<f64> = input.models.iter().filter_map(value).collect();
+        let (low, high) = extent(values.iter().copied());
+        panel.line(
+            [low, high].map(|end| (end, rows.y(row))),
+            Pen::new(GRID, 2.0),
         );
-        for index in 0..rows {
-            let values: Vec<f64> = input
-                .models
-                .iter()
-                .zip(&means)
-                .map(|(model, mean)| model.gap_rmse_m.get(index).copied().unwrap_or(*mean))
-                .collect();
-            let y = last - index as f64;
-            let low = values.iter().copied().fold(f64::INFINITY, f64::min);
-            let high = values.iter().copied().fold(0.0, f64::max);
-            canvas.line(frame.at(low, y), frame.at(high, y), Pen::new(GRID, 2.0));
-            let offsets = apart(&values.iter().map(|v| frame.x.at(*v)).collect::<Vec<_>>());
-            for ((model, value), offset) in input.models.iter().zip(&values).zip(offsets).rev() {
-                let (x, y) = frame.at(*value, y);
-                let y = y + offset;
-                match model.model.mark() {
-                    Some(pen) => canvas.line((x, y - 4.5), (x, y + 4.5), pen),
-                    None => {
-                        canvas.marker((x, y), 2.4, model.model.marker(), model.model.colour());
-                    }
-                }
+        let places: Vec<(f64, f64)> = values
+            .iter()
+            .map(|v| panel.frame.at(*v, rows.y(row)))
+            .collect();
+        let offsets = apart(&places.iter().map(|place| place.0).collect::<Vec<_>>());
+        for ((model, (x, y)), offset) in input.models.iter().zip(places).zip(offsets).rev() {
+            let (model, y) = (model.model, y + offset);
+            match model.mark() {
+                Some(pen) => panel.canvas.line((x, y - 4.5), (x, y + 4.5), pen),
+                None => panel
+                    .canvas
+                    .marker((x, y), 2.4, model.marker(), model.colour()),
             }
         }
-    })
+    }
 }
 
 /// How far markers at these places move up or down so that none hides another, in points.
@@ -161,18 +129,14 @@ fn apart(places: &[f64]) -> Vec<f64> {
     const LEVELS: [f64; 3] = [0.0, -4.2, 4.2];
     const WIDE: f64 = 4.6;
     let mut taken: Vec<(f64, f64)> = Vec::new();
-    places
-        .iter()
-        .map(|&x| {
-            let free = |level: &&f64| {
-                let mut here = taken.iter().filter(|(_, at)| (at - **level).abs() < 0.1);
-                here.all(|(other, _)| (other - x).abs() >= WIDE)
-            };
-            let level = *LEVELS.iter().find(free).unwrap_or(&0.0);
-            taken.push((x, level));
-            level
-        })
-        .collect()
+    for &x in places {
+        let free = |level: &&f64| {
+            let mut beside = taken.iter().filter(|(_, at)| (at - **level).abs() < 0.1);
+            beside.all(|(other, _)| (other - x).abs() >= WIDE)
+        };
+        taken.push((x, *LEVELS.iter().find(free).unwrap_or(&0.0)));
+    }
+    taken.into_iter().map(|(_, level)| level).collect()
 }
 
 #[cfg(test)]

@@ -1,7 +1,6 @@
 //! Many contrasts under each other: estimates with their intervals.
 
 use super::prelude::*;
-use crate::apa;
 
 /// Contrasts or coefficients, from top to bottom.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -41,17 +40,15 @@ pub fn forest(input: &Forest, context: &Context) -> Result<Figure, ReportError> 
     let check = Check(NAME);
     let values = || input.rows.iter().filter_map(|row| row.estimate).flatten();
     check.at_least(1, "contrasts", input.rows.len())?;
-    check.that(
-        input.rows.len() <= MOST,
-        "contrasts",
-        input.rows.len() as f64,
-        "at most 60",
-    )?;
+    check.at_most(MOST, "contrasts", input.rows.len())?;
     check.finite("an estimate", values())?;
-    check.finite("bounds", input.bounds.into_iter().flat_map(|(a, b)| [a, b]))?;
+    check.finite(
+        "bounds",
+        input.bounds.into_iter().flat_map(<[f64; 2]>::from),
+    )?;
     check.at_least(1, "estimates", values().count())?;
-    let found = input.rows.iter().filter_map(|row| {
-        let [value, low, high] = row.estimate?.map(|v| apa::number(v, 2));
+    let estimates = input.rows.iter().filter_map(|row| {
+        let [value, low, high] = row.estimate?.map(|v| number(v, 2));
         Some(format!("{} {value} [{low}, {high}]", row.name))
     });
     let bounds = if input.bounds.is_some() {
@@ -71,54 +68,39 @@ pub fn forest(input: &Forest, context: &Context) -> Result<Figure, ReportError> 
             markup::literal(&input.title),
             input.n
         ),
-        alt: found.collect::<Vec<_>>().join("; "),
+        alt: estimates.collect::<Vec<_>>().join("; "),
         shows: Shows::Participants,
     };
     draw(plan, context, |canvas, mut place| {
         let look = Look::new(size::TICK);
-        let widest = input
-            .rows
-            .iter()
-            .map(|row| look.width(&row.said))
-            .fold(0.0, f64::max);
+        let widths = input.rows.iter().map(|row| look.width(&row.said));
         let right = place.right;
-        place.right -= widest + 8.0;
-        let last = input.rows.len() as f64 - 1.0;
-        let names = input.rows.iter().enumerate();
-        let names = names.map(|(i, row)| (last - i as f64, markup::literal(&row.name)));
-        let ends = input.bounds.into_iter().flat_map(|(a, b)| [a, b]);
+        place.right -= widths.fold(0.0, f64::max) + 8.0;
+        let rows = Rows::new(input.rows.iter().map(|row| &row.name), 0.7);
+        let ends = input.bounds.into_iter().flat_map(<[f64; 2]>::from);
         let x = Scale::over(values().chain([0.0]).chain(ends), 6);
-        let y = Scale::labelled(-0.7, last + 0.7, names.collect());
         let labels = Labels {
             x: &input.axis,
             ..Labels::default()
         };
-        let frame = Frame::draw(canvas, place, &labels, x, y);
-        ground(canvas, &frame, input.bounds);
+        let mut panel = Panel::open(canvas, place, &labels, (x, rows.axis()));
+        if let Some((low, high)) = input.bounds {
+            panel.stripe([low, high], PALE, 1.0);
+        }
+        panel.nothing(0.0);
         for (i, row) in input.rows.iter().enumerate() {
-            let y = frame.y.at(last - i as f64);
-            canvas.text(&row.said, (right, y), look.end().centred());
+            let y = rows.y(i);
+            let at = (right, panel.frame.y.at(y));
+            panel.canvas.text(&row.said, at, look.end().centred());
             let Some([value, low, high]) = row.estimate else {
-                canvas.text("–", (frame.x.at(0.0), y), look.middle().centred());
+                panel.dash(panel.frame.x.at(0.0), y);
                 continue;
             };
-            let ends = ((frame.x.at(low), y), (frame.x.at(high), y));
-            canvas.line(ends.0, ends.1, Pen::new(INK, stroke::STRONG));
-            canvas.disc((frame.x.at(value), y), 2.0, INK, 1.0);
+            panel.line([(low, y), (high, y)], Pen::new(INK, stroke::STRONG));
+            let at = panel.frame.at(value, y);
+            panel.canvas.disc(at, 2.0, INK, 1.0);
         }
     })
-}
-
-/// The bounds, shaded, and the line of no difference.
-fn ground(canvas: &mut Canvas<'_>, frame: &Frame, bounds: Option<(f64, f64)>) {
-    let (top, bottom) = (frame.place.top, frame.place.bottom);
-    if let Some((low, high)) = bounds {
-        let corners = ((frame.x.at(low), top), (frame.x.at(high), bottom));
-        canvas.fill_rect(corners.0, corners.1, PALE, 1.0);
-    }
-    let zero = frame.x.at(0.0);
-    let pen = Pen::new(GREY, stroke::AXIS).dashed(2.0, 1.5);
-    canvas.line((zero, top), (zero, bottom), pen);
 }
 
 #[cfg(test)]

@@ -2,16 +2,16 @@
 
 use super::axes::Place;
 use super::canvas::Canvas;
-use super::theme::ONE_COLUMN_MM;
+use super::legend::Key;
+use super::theme::{ONE_COLUMN_MM, TWO_COLUMNS_MM};
 use super::{Context, Figure, Plan, draw};
 use crate::error::ReportError;
-use crate::markup;
 
 /// Panels in rows, from left to right.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Grid {
     count: usize,
-    columns: usize,
+    pub(crate) columns: usize,
     gap: (f64, f64),
 }
 
@@ -24,15 +24,25 @@ impl Grid {
             gap,
         }
     }
-}
 
-/// Each panel's title and what its statistic says, in words.
-pub(crate) fn told<'a>(panels: impl IntoIterator<Item = (&'a str, &'a str)>) -> String {
-    let told = panels.into_iter().map(|(title, statistic)| {
-        let statistic = markup::plain(statistic).replace('\n', "; ");
-        format!("{title}: {statistic}.")
-    });
-    told.collect::<Vec<_>>().join(" ")
+    /// At most three a row, or another number.
+    pub(crate) fn of(count: usize, most: usize, gap: (f64, f64)) -> Self {
+        Self::new(count, count.clamp(1, most), gap)
+    }
+
+    fn lines(self) -> usize {
+        self.count.div_ceil(self.columns)
+    }
+
+    /// Rows of panels, to multiply a height with.
+    pub(crate) fn rows(self) -> f64 {
+        self.lines() as f64
+    }
+
+    /// Width in millimetres where three columns fill the page; never below one column of print.
+    pub(crate) fn width_mm(self) -> f64 {
+        (TWO_COLUMNS_MM / 3.0 * self.columns as f64).max(ONE_COLUMN_MM)
+    }
 }
 
 /// The letter of a panel: a, b … z; none after that.
@@ -40,26 +50,19 @@ fn letter(index: usize) -> Option<char> {
     (b'a'..=b'z').nth(index).map(char::from)
 }
 
-/// As [`draw_panels_below`], with nothing above the panels.
+/// Draws all panels into one figure, and each again as a figure of one column's width, with the names of the series above them.
 pub(crate) fn draw_panels(
     plan: Plan,
     context: &Context,
     grid: Grid,
+    keys: &[(Key, &str)],
     paint: impl Fn(&mut Canvas<'_>, usize, Place),
 ) -> Result<Figure, ReportError> {
-    draw_panels_below(plan, context, grid, |_, whole| whole, paint)
-}
-
-/// Draws all panels into one figure, and each again as a figure of one column's width: `head` draws what stands above them and gives the place
-/// below it.
-pub(crate) fn draw_panels_below(
-    plan: Plan,
-    context: &Context,
-    grid: Grid,
-    head: impl Fn(&mut Canvas<'_>, Place) -> Place,
-    paint: impl Fn(&mut Canvas<'_>, usize, Place),
-) -> Result<Figure, ReportError> {
-    let rows = grid.count.div_ceil(grid.columns);
+    let head = |canvas: &mut Canvas<'_>, place: Place| match keys {
+        [] => place,
+        keys => canvas.legend(place, keys),
+    };
+    let rows = grid.lines();
     let single = |index: usize| {
         let letter = letter(index)?;
         Some(Plan {

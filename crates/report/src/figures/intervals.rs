@@ -1,7 +1,6 @@
 //! A few estimates with their intervals, small: the picture of an answer.
 
 use super::prelude::*;
-use crate::apa;
 use maveric_stats::Proportion;
 
 /// Estimates under each other on one axis.
@@ -57,8 +56,16 @@ impl IntervalRow {
         Self::new(label, share.map(|s| s.estimate), ends)
     }
 
+    fn words(&self) -> Option<String> {
+        let estimate = number(self.estimate?, 2);
+        let ends = self.interval.map_or_else(String::new, |(low, high)| {
+            format!(" [{}, {}]", number(low, 2), number(high, 2))
+        });
+        Some(format!("{} {estimate}{ends}", self.label))
+    }
+
     fn values(&self) -> impl Iterator<Item = f64> {
-        let ends = self.interval.into_iter().flat_map(|(a, b)| [a, b]);
+        let ends = self.interval.into_iter().flat_map(<[f64; 2]>::from);
         [self.estimate, self.floor, self.ceiling]
             .into_iter()
             .flatten()
@@ -90,24 +97,10 @@ pub fn intervals(
 ) -> Result<Figure, ReportError> {
     let check = Check(name);
     let values = || input.rows.iter().flat_map(IntervalRow::values);
-    let most = input.rows.len() as f64;
-    check.that(input.rows.len() <= MOST, "rows", most, "at most 30")?;
-    check.at_least(
-        1,
-        "estimates",
-        input.rows.iter().filter(|r| r.estimate.is_some()).count(),
-    )?;
+    check.at_most(MOST, "rows", input.rows.len())?;
+    let estimates = input.rows.iter().filter(|r| r.estimate.is_some());
+    check.at_least(1, "estimates", estimates.count())?;
     check.finite("an estimate", values().chain(input.nothing))?;
-    let said = input.rows.iter().filter_map(|row| {
-        let ends = row.interval.map_or_else(String::new, |(low, high)| {
-            format!(" [{}, {}]", apa::number(low, 2), apa::number(high, 2))
-        });
-        Some(format!(
-            "{} {}{ends}",
-            row.label,
-            apa::number(row.estimate?, 2)
-        ))
-    });
     let mut caption = format!("{}.", input.what);
     if input.rows.iter().any(|r| r.floor.is_some()) {
         caption += " Grey bar: the floor.";
@@ -118,94 +111,71 @@ pub fn intervals(
     if input.bounds.is_some() {
         caption += " Shaded: what the rule asks for.";
     }
+    let estimates = input.rows.iter().filter_map(IntervalRow::words);
     let plan = Plan {
         name: name.to_owned(),
         size_mm: (ONE_COLUMN_MM, ROW_MM * input.rows.len() as f64 + 12.0),
         title: title.to_owned(),
         caption,
-        alt: said.collect::<Vec<_>>().join("; "),
+        alt: estimates.collect::<Vec<_>>().join("; "),
         shows: Shows::Participants,
     };
     draw(plan, context, |canvas, place| {
-        let look = Look::new(size::TICK);
         let room = NAMES * (place.right - place.left);
-        let last = input.rows.len() as f64 - 1.0;
-        let names = input.rows.iter().enumerate().map(|(i, row)| {
-            let name = shortened(&row.label, look, room);
-            (last - i as f64, name)
-        });
-        let ends = input.bounds.into_iter().flat_map(|(a, b)| [a, b]);
-        let x = Scale::over(
-            values()
-                .chain(input.nothing)
-                .chain(ends.filter(|e| e.is_finite())),
-            4,
-        );
-        let y = Scale::labelled(-0.6, last + 0.6, names.collect());
+        let names = input.rows.iter().map(|row| shortened(&row.label, room));
+        let rows = Rows::new(names, 0.6);
+        let ends = input.bounds.into_iter().flat_map(<[f64; 2]>::from);
+        let ends = ends.filter(|end| end.is_finite());
+        let x = Scale::over(values().chain(input.nothing).chain(ends), 4);
         let labels = Labels {
             x: &input.axis,
             ..Labels::default()
         };
-        let frame = Frame::draw(canvas, place, &labels, x, y);
-        ground(canvas, &frame, input);
+        let mut panel = Panel::open(canvas, place, &labels, (x, rows.axis()));
+        if let Some((low, high)) = input.bounds {
+            let (least, most) = (panel.frame.x.low(), panel.frame.x.high());
+            let ends = [low, high].map(|end| end.clamp(least, most));
+            panel.stripe(ends, PALE, 1.0);
+        }
+        if let Some(nothing) = input.nothing {
+            panel.nothing(nothing);
+        }
         for (i, row) in input.rows.iter().enumerate() {
-            one(canvas, &frame, row, frame.y.at(last - i as f64));
+            paint(&mut panel, row, rows.y(i));
         }
     })
 }
 
 /// A name that fits, cut with an ellipsis.
-fn shortened(name: &str, look: Look, room: f64) -> String {
+fn shortened(name: &str, room: f64) -> String {
+    let look = Look::new(size::TICK);
     let mut kept: String = name.to_owned();
     while look.width(&markup::literal(&kept)) > room && kept.chars().count() > 4 {
         kept = kept.trim_end_matches('…').chars().collect::<String>();
         kept.pop();
         kept = format!("{}…", kept.trim_end());
     }
-    markup::literal(&kept)
+    kept
 }
 
-fn ground(canvas: &mut Canvas<'_>, frame: &Frame, input: &Intervals) {
-    let (top, bottom) = (frame.place.top, frame.place.bottom);
-    if let Some((low, high)) = input.bounds {
-        let at = |value: f64| {
-            let inside = value.clamp(frame.x.low(), frame.x.high());
-            frame.x.at(inside)
-        };
-        canvas.fill_rect((at(low), top), (at(high), bottom), PALE, 1.0);
-    }
-    if let Some(nothing) = input.nothing {
-        let x = frame.x.at(nothing);
-        canvas.line(
-            (x, top),
-            (x, bottom),
-            Pen::new(GREY, stroke::AXIS).dashed(2.0, 1.5),
-        );
-    }
-}
-
-fn one(canvas: &mut Canvas<'_>, frame: &Frame, row: &IntervalRow, y: f64) {
+fn paint(panel: &mut Panel<'_, '_>, row: &IntervalRow, y: f64) {
+    let Place { left, right, .. } = panel.frame.place;
     let Some(value) = row.estimate else {
-        let look = Look::new(size::TICK).middle().centred();
-        canvas.text(
-            "–",
-            (f64::midpoint(frame.place.left, frame.place.right), y),
-            look,
-        );
-        return;
+        return panel.dash(f64::midpoint(left, right), y);
     };
+    let (x, height) = (panel.frame.x.clone(), panel.frame.y.at(y));
     if let Some(floor) = row.floor {
-        let x = frame.x.at(floor);
-        canvas.line((x, y - 3.2), (x, y + 3.2), Pen::new(GREY, 1.6));
+        let (x, pen) = (x.at(floor), Pen::new(GREY, 1.6));
+        panel.canvas.line((x, height - 3.2), (x, height + 3.2), pen);
     }
     if let Some((low, high)) = row.interval {
-        let ends = ((frame.x.at(low), y), (frame.x.at(high), y));
-        canvas.line(ends.0, ends.1, Pen::new(INK, stroke::STRONG));
+        panel.line([(low, y), (high, y)], Pen::new(INK, stroke::STRONG));
     }
     if let Some(ceiling) = row.ceiling {
-        canvas.ring((frame.x.at(ceiling), y), 2.6, Pen::new(MUTED, stroke::BOX));
+        let pen = Pen::new(MUTED, stroke::BOX);
+        panel.canvas.ring((x.at(ceiling), height), 2.6, pen);
     }
-    canvas.disc((frame.x.at(value), y), 1.9, INK, 1.0);
+    panel.canvas.disc((x.at(value), height), 1.9, INK, 1.0);
 }
 
 #[cfg(test)]

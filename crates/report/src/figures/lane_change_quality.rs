@@ -2,7 +2,6 @@
 
 use super::crowd;
 use super::prelude::*;
-use std::fmt::Write as _;
 
 /// Lane changes at several speeds, judged by several quantities.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -54,35 +53,16 @@ pub fn lane_change_quality(
             check.that(fits, &panel.title, value, "a finite size, at least 0")?;
         }
     }
-    let mut above = 0;
-    let mut found = Vec::new();
-    for panel in &input.panels {
-        let most = panel.values.iter().copied().fold(0.0, f64::max);
-        let mut words = format!("{}: at most {}", panel.title, number(most, 2));
-        if let Some((limit, name)) = &panel.limit {
-            let beyond = panel.values.iter().filter(|v| **v > *limit).count();
-            above += beyond;
-            let _ = write!(
-                words,
-                ", {beyond} of {changes} above the limit {name} ({})",
-                number(*limit, 2)
-            );
-        }
-        found.push(words + ".");
-    }
-    let columns = input.panels.len().min(3);
-    let rows = input.panels.len().div_ceil(columns);
+    let above: usize = input.panels.iter().map(QualityPanel::beyond).sum();
     let limits = if input.panels.iter().any(|p| p.limit.is_some()) {
         format!("; dashed: the limit, which {above} values pass")
     } else {
         String::new()
     };
+    let grid = Grid::of(input.panels.len(), 3, (11.0, 10.0));
     let plan = Plan {
         name: NAME.to_owned(),
-        size_mm: (
-            (TWO_COLUMNS_MM / 3.0 * columns as f64).max(85.0),
-            55.0 * rows as f64 + 3.0,
-        ),
+        size_mm: (grid.width_mm(), 55.0 * grid.rows() + 3.0),
         title: "Quality of the lane changes over speed".to_owned(),
         caption: format!(
             "{} Each point is the largest value in one lane change{limits}.{} \
@@ -90,47 +70,62 @@ pub fn lane_change_quality(
             input.manoeuvre,
             crowd::words(changes).replace("participants", "lane changes")
         ),
-        alt: found.join(" "),
+        alt: sentences(input.panels.iter().map(QualityPanel::words)),
         shows: Shows::Explanation,
     };
-    draw_panels(
-        plan,
-        context,
-        Grid::new(input.panels.len(), columns, (11.0, 10.0)),
-        |canvas, index, place| {
-            let panel = &input.panels[index];
-            let labels = Labels {
-                title: &panel.title,
-                x: "Speed (m/s)",
-                y: &panel.axis,
-                ..Labels::default()
-            };
-            let limit = panel.limit.as_ref().map(|limit| limit.0);
-            let most = panel
-                .values
-                .iter()
-                .copied()
-                .chain(limit)
-                .fold(0.0, f64::max);
-            let x = Scale::over(input.speed_mps.iter().copied(), 5);
-            let top = if most > 0.0 { 1.12 * most } else { 1.0 };
-            let frame = Frame::draw(canvas, place, &labels, x, Scale::between(0.0, top, 4));
-            if let Some((limit, name)) = &panel.limit {
-                let (left, y) = (frame.place.left, frame.y.at(*limit));
-                let pen = Pen::new(GREY, stroke::BOX).dashed(3.0, 2.0);
-                canvas.line((left, y), (frame.place.right, y), pen);
-                let look = Look::new(size::SMALL).colour(MUTED);
-                canvas.text(name, (left + 3.0, y - 2.0), look);
-            }
-            let points: Vec<(f64, f64)> = input
-                .speed_mps
-                .iter()
-                .copied()
-                .zip(panel.values.iter().copied())
-                .collect();
-            crowd::paint(canvas, &frame, &points, 1.6, (Marker::Circle, INK));
-        },
-    )
+    draw_panels(plan, context, grid, &[], |canvas, index, place| {
+        let QualityPanel {
+            title,
+            axis,
+            values,
+            limit,
+        } = &input.panels[index];
+        let labels = Labels {
+            title,
+            x: "Speed (m/s)",
+            y: axis,
+            ..Labels::default()
+        };
+        let limit_value = limit.as_ref().map(|limit| limit.0);
+        let most = values
+            .iter()
+            .copied()
+            .chain(limit_value)
+            .fold(0.0, f64::max);
+        let top = if most > 0.0 { 1.12 * most } else { 1.0 };
+        let x = Scale::over(input.speed_mps.iter().copied(), 5);
+        let mut panel = Panel::open(canvas, place, &labels, (x, Scale::between(0.0, top, 4)));
+        if let Some((limit, name)) = limit {
+            panel.level(*limit, Pen::new(GREY, stroke::BOX).dashed(3.0, 2.0));
+            let (left, y) = (panel.frame.place.left, panel.frame.y.at(*limit));
+            let look = Look::new(size::SMALL).colour(MUTED);
+            panel.canvas.text(name, (left + 3.0, y - 2.0), look);
+        }
+        let points = input.speed_mps.iter().copied().zip(values.iter().copied());
+        let (points, look): (Vec<_>, _) = (points.collect(), (Marker::Circle, INK));
+        crowd::paint(panel.canvas, &panel.frame, &points, 1.6, look);
+    })
+}
+
+impl QualityPanel {
+    /// How many values pass the limit.
+    fn beyond(&self) -> usize {
+        let limit = self.limit.as_ref().map_or(f64::INFINITY, |limit| limit.0);
+        self.values.iter().filter(|value| **value > limit).count()
+    }
+
+    fn words(&self) -> String {
+        let most = self.values.iter().copied().fold(0.0, f64::max);
+        let limit = self
+            .limit
+            .as_ref()
+            .map_or_else(String::new, |(limit, name)| {
+                let (beyond, changes) = (self.beyond(), self.values.len());
+                let limit = number(*limit, 2);
+                format!(", {beyond} of {changes} above the limit {name} ({limit})")
+            });
+        format!("{}: at most {}{limit}.", self.title, number(most, 2))
+    }
 }
 
 #[cfg(test)]

@@ -50,99 +50,69 @@ pub fn learning_curve(input: &LearningCurve, context: &Context) -> Result<Figure
     check.at_least(1, "panels", input.panels.len())?;
     for panel in &input.panels {
         check.at_least(1, "points", panel.points.len())?;
-        let values = panel
-            .points
-            .iter()
-            .flat_map(|p| [p.minutes, p.mean, p.low, p.high]);
+        let values = panel.points.iter().flat_map(LearningPoint::numbers);
         check.finite("a point", values.chain(panel.before))?;
-        for pair in panel.points.windows(2) {
-            let ascends = pair[0].minutes < pair[1].minutes;
-            check.that(ascends, "minutes", pair[1].minutes, "ascending minutes")?;
-        }
+        let minutes = panel.points.iter().map(|p| p.minutes);
+        check.rising("minutes", minutes, "ascending minutes")?;
     }
-    let found: Vec<String> = input
-        .panels
-        .iter()
-        .map(|panel| {
-            let (first, last) = (panel.points[0], panel.points[panel.points.len() - 1]);
-            format!(
-                "{}: {} after {} min, {} after {} min.",
-                crate::markup::plain(&panel.title),
-                number(first.mean, 3),
-                number(first.minutes, 0),
-                number(last.mean, 3),
-                number(last.minutes, 0)
-            )
-        })
-        .collect();
-    let columns = input.panels.len().clamp(1, 4);
-    let rows = input.panels.len().div_ceil(columns);
+    let grid = Grid::of(input.panels.len(), 4, (10.0, 9.0));
     let plan = Plan {
         name: NAME.to_owned(),
-        size_mm: (TWO_COLUMNS_MM, 56.0 * rows as f64 + 6.0),
+        size_mm: (TWO_COLUMNS_MM, 56.0 * grid.rows() + 6.0),
         title: "How much driving it takes to know a driver".to_owned(),
         caption: format!(
             "Embeddings fitted to the first minutes of a drive. {} Points: mean over drivers, 95% intervals; \
              dashed: the mean training embedding. *n* = {} drivers; no test.",
             input.judged_on, input.drivers
         ),
-        alt: found.join(" "),
+        alt: sentences(input.panels.iter().map(LearningPanel::ends)),
         shows: Shows::Participants,
     };
-    let known = input.panels.iter().any(|panel| panel.before.is_some());
     let dashed = Pen::new(GREY, stroke::STRONG).dashed(3.0, 2.0);
-    draw_panels_below(
-        plan,
-        context,
-        Grid::new(input.panels.len(), columns, (10.0, 9.0)),
-        |canvas, mut whole| {
-            if known {
-                let keys = [
-                    (Key::Point(Marker::Circle, INK), "fitted to the driver"),
-                    (Key::Line(dashed), "mean training embedding"),
-                ];
-                canvas.legend_row((whole.left, whole.top + 4.0), &keys);
-                whole.top += cap_height(size::TICK) + 8.0;
-            }
-            whole
-        },
-        |canvas, index, place| {
-            let panel = &input.panels[index];
-            let last = panel.points[panel.points.len() - 1].minutes;
-            let values = panel.points.iter().flat_map(|p| [p.low, p.high]);
-            let y = Scale::over(values.chain(panel.before), 4);
-            let labels = Labels {
-                title: &panel.title,
-                x: "Minutes driven",
-                y: &panel.axis,
-                ..Labels::default()
-            };
-            let x = Scale::between(0.0, 1.05 * last, 5);
-            let frame = Frame::draw(canvas, place, &labels, x, y);
-            if let Some(before) = panel.before {
-                canvas.line(frame.at(0.0, before), frame.at(last, before), dashed);
-            }
-            let path: Vec<(f64, f64)> = panel
-                .points
-                .iter()
-                .map(|p| frame.at(p.minutes, p.mean))
-                .collect();
-            canvas.path(&path, Pen::new(INK, stroke::STRONG));
-            for point in &panel.points {
-                let ends = [
-                    frame.at(point.minutes, point.low),
-                    frame.at(point.minutes, point.high),
-                ];
-                canvas.line(ends[0], ends[1], Pen::new(INK, stroke::AXIS));
-                canvas.marker(
-                    frame.at(point.minutes, point.mean),
-                    2.0,
-                    Marker::Circle,
-                    INK,
-                );
-            }
-        },
-    )
+    let keys = [
+        (Key::Point(Marker::Circle, INK), "fitted to the driver"),
+        (Key::Line(dashed), "mean training embedding"),
+    ];
+    let known = input.panels.iter().any(|panel| panel.before.is_some());
+    let keys = if known { &keys[..] } else { &[] };
+    draw_panels(plan, context, grid, keys, |canvas, index, place| {
+        let LearningPanel { points, before, .. } = &input.panels[index];
+        let last = points[points.len() - 1].minutes;
+        let values = points.iter().flat_map(|p| [p.low, p.high]);
+        let labels = Labels {
+            title: &input.panels[index].title,
+            x: "Minutes driven",
+            y: &input.panels[index].axis,
+            ..Labels::default()
+        };
+        let x = Scale::between(0.0, 1.05 * last, 5);
+        let y = Scale::over(values.chain(*before), 4);
+        let mut panel = Panel::open(canvas, place, &labels, (x, y));
+        if let Some(before) = *before {
+            panel.line([(0.0, before), (last, before)], dashed);
+        }
+        let points: Vec<[f64; 4]> = points.iter().map(LearningPoint::numbers).collect();
+        panel.curve(&points, (2.0, Marker::Circle, INK));
+    })
+}
+
+impl LearningPoint {
+    fn numbers(&self) -> [f64; 4] {
+        [self.minutes, self.mean, self.low, self.high]
+    }
+}
+
+impl LearningPanel {
+    /// Where it begins and ends, in words.
+    fn ends(&self) -> String {
+        let after = |p: &LearningPoint| {
+            let (mean, minutes) = (number(p.mean, 3), number(p.minutes, 0));
+            format!("{mean} after {minutes} min")
+        };
+        let (first, last) = (&self.points[0], &self.points[self.points.len() - 1]);
+        let title = markup::plain(&self.title);
+        format!("{title}: {}, {}.", after(first), after(last))
+    }
 }
 
 #[cfg(test)]

@@ -46,12 +46,13 @@ impl Canvas<'_> {
     }
 
     /// Names the series at the top of a place, in as many rows as they need. Returns the place below.
-    pub(crate) fn legend(&mut self, place: Place, entries: &[(Key, &str)]) -> Place {
+    pub(crate) fn legend(&mut self, place: Place, entries: &[(Key, impl AsRef<str>)]) -> Place {
         let look = Look::new(size::TICK);
         let mut y = place.top + 4.0;
         let mut row: Vec<(Key, &str)> = Vec::new();
         let mut x = place.left;
-        for &(key, label) in entries {
+        for (key, label) in entries {
+            let (key, label) = (*key, label.as_ref());
             let width = key.width() + look.width(label);
             if x + width > place.right && !row.is_empty() {
                 self.legend_row((place.left, y), &row);
@@ -64,7 +65,7 @@ impl Canvas<'_> {
         }
         self.legend_row((place.left, y), &row);
         Place {
-            top: y + cap_height(size::TICK) + 6.0,
+            top: y + cap_height(size::TICK) + 4.0,
             ..place
         }
     }

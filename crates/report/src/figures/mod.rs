@@ -5,14 +5,15 @@ mod canvas;
 pub(crate) mod check;
 pub(crate) mod condition_look;
 mod crowd;
+mod density;
 mod embedding_drives;
 mod embedding_plane;
-mod fit;
 mod following_spread;
 mod font;
 mod grid;
 mod legend;
 mod page;
+mod panel;
 #[cfg(any(feature = "pdf", feature = "png"))]
 mod parsed;
 #[cfg(feature = "pdf")]
@@ -24,10 +25,12 @@ mod projection;
 mod raincloud;
 mod rainclouds;
 mod regression;
+mod rows;
 mod style;
 mod theme;
 mod thin;
 mod vehicle;
+mod words;
 
 pub mod ablation;
 pub mod aggression_line;

@@ -1,10 +1,9 @@
 //! What changes on the way round the perpendicular ellipse.
 
 use super::crowd;
-use super::fit;
 use super::prelude::*;
 use maveric_domain::ConditionId;
-use std::f64::consts::TAU;
+use maveric_stats::circular_fit;
 
 /// Panels side by side, one a measure.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -67,19 +66,14 @@ pub fn perpendicular(
         check.finite("change", panel.points.iter().map(|point| point.change))?;
     }
     let count = input.panels.len();
-    let most = input
-        .panels
-        .iter()
-        .map(|p| p.points.len())
-        .max()
-        .unwrap_or(0);
+    let most = input.panels.iter().map(|p| p.points.len()).max();
+    let most = most.unwrap_or(0);
     let sizes: Vec<String> = input
         .panels
         .iter()
         .map(|panel| format!("{} ({})", panel.points.len(), panel.title.to_lowercase()))
         .collect();
     let panels = input.panels.iter();
-    let found = told(panels.map(|p| (p.title.as_str(), p.statistic.as_str())));
     let repeated = if most > crowd::MOST_POINTS {
         ""
     } else {
@@ -99,73 +93,58 @@ pub fn perpendicular(
             from = context.look(input.from).words(),
             across = context.look(input.across).words(),
         ),
-        alt: found,
+        alt: told(panels.map(|p| (p.title.as_str(), p.statistic.as_str()))),
         shows: Shows::Participants,
     };
-    draw_panels(
-        plan,
-        context,
-        Grid::new(count, count, (14.0, 0.0)),
-        |canvas, index, place| {
-            let panel = &input.panels[index];
-            paint(canvas, place, panel);
-        },
-    )
+    let grid = Grid::new(count, count, (14.0, 0.0));
+    draw_panels(plan, context, grid, &[], |canvas, index, place| {
+        paint(canvas, place, &input.panels[index]);
+    })
 }
 
-fn paint(canvas: &mut Canvas<'_>, place: super::axes::Place, panel: &PerpendicularPanel) {
+fn paint(canvas: &mut Canvas<'_>, place: Place, input: &PerpendicularPanel) {
     let ticks = [0.0, 90.0, 180.0, 270.0, 360.0].map(|angle| (angle, format!("{angle:.0}°")));
     let x = Scale::labelled(-6.0, 360.0 + REPEATED_DEGREES + 4.0, ticks.to_vec());
-    let y = Scale::over(
-        panel.points.iter().map(|point| point.change).chain([0.0]),
-        5,
-    );
+    let (angles, changes): (Vec<f64>, Vec<f64>) =
+        input.points.iter().map(|p| (p.angle_rad, p.change)).unzip();
+    let y = Scale::over(changes.iter().copied().chain([0.0]), 5);
     let labels = Labels {
-        title: &panel.title,
-        subtitle: &panel.statistic,
+        title: &input.title,
+        subtitle: &input.statistic,
         x: "Angle on the ellipse across the dial",
-        y: &panel.axis,
+        y: &input.axis,
         ..Labels::default()
     };
-    let frame = Frame::draw(canvas, place, &labels, x, y);
-    frame.rule(canvas, 0.0);
-    let pairs: Vec<(f64, f64)> = panel
-        .points
-        .iter()
-        .map(|point| (point.angle_rad, point.change))
-        .collect();
-    let ink = GREEN;
-    if let Some([level, cosine, sine]) = fit::circular_fit(&pairs) {
-        let curve: Vec<(f64, f64)> = (0..=90)
-            .map(|step| TAU * f64::from(step) / 90.0)
-            .map(|angle| {
-                (
-                    angle,
-                    level + cosine * libm::cos(angle) + sine * libm::sin(angle),
-                )
-            })
-            .filter(|(_, change)| *change >= frame.y.low() && *change <= frame.y.high())
-            .map(|(angle, change)| frame.at(angle / TAU * 360.0, change))
-            .collect();
-        canvas.path(&curve, Pen::new(ink, stroke::STRONG));
+    let mut panel = Panel::open(canvas, place, &labels, (x, y));
+    panel.rule(0.0);
+    if let Some([level, cosine, sine]) = circular_fit(&angles, &changes) {
+        let at = |degrees: f64| {
+            let (sin, cos) = libm::sincos(degrees.to_radians());
+            (degrees, level + cosine * cos + sine * sin)
+        };
+        let (least, most) = (panel.frame.y.low(), panel.frame.y.high());
+        let curve = (0..=90).map(|step| at(4.0 * f64::from(step)));
+        let inside = curve.filter(|(_, change)| (least..=most).contains(change));
+        panel.line(inside, Pen::new(GREEN, stroke::STRONG));
     }
-    let places: Vec<(f64, f64)> = pairs
-        .iter()
-        .map(|&(angle, change)| (fit::degrees_from_radians(angle), change))
-        .collect();
-    for &(degrees, change) in &places {
-        if degrees <= REPEATED_DEGREES && places.len() <= crowd::MOST_POINTS {
-            let again = frame.at(degrees + 360.0, change);
-            canvas.disc(again, 1.5, GREY, 0.6);
-            canvas.ring(again, 1.5, Pen::new(PAPER, stroke::THIN));
+    let degrees = angles.iter().map(|a| a.to_degrees().rem_euclid(360.0));
+    let places: Vec<(f64, f64)> = degrees.zip(changes).collect();
+    let again = |place: &&(f64, f64)| place.0 <= REPEATED_DEGREES;
+    if places.len() <= crowd::MOST_POINTS {
+        for &(degrees, change) in places.iter().filter(again) {
+            let again = panel.frame.at(degrees + 360.0, change);
+            panel.canvas.disc(again, 1.5, GREY, 0.6);
+            panel.canvas.ring(again, 1.5, Pen::new(PAPER, stroke::THIN));
         }
     }
-    crowd::paint(canvas, &frame, &places, 1.8, (Marker::Diamond, ink));
+    let look = (Marker::Diamond, GREEN);
+    crowd::paint(panel.canvas, &panel.frame, &places, 1.8, look);
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use std::f64::consts::TAU;
 
     fn input(angle_rad: f64) -> PerpendicularChanges {
         let points = vec![

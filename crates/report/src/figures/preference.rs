@@ -45,133 +45,96 @@ pub fn preference(input: &Preferences, context: &Context) -> Result<Figure, Repo
     for scale in &input.scales {
         check.at_least(1, "participants", scale.n)?;
         check.length("above", scale.above.len(), input.others.len())?;
-        for &count in &scale.above {
-            check.that(
-                count <= scale.n,
-                "above",
-                count as f64,
-                &format!("at most n = {}", scale.n),
-            )?;
-        }
+        let (most, counts) = (scale.n as f64, scale.above.iter().map(|&k| k as f64));
+        let expected = format!("at most n = {}", scale.n);
+        check.within((0.0, most), "above", counts, &expected)?;
     }
-    let low = input.scales.iter().map(|scale| scale.n).min().unwrap_or(0);
-    let high = input.scales.iter().map(|scale| scale.n).max().unwrap_or(0);
-    let n = if low == high {
-        format!("{low}")
-    } else {
-        format!("{low} to {high}, by scale")
-    };
     let own = context.look(input.own);
     let others: Vec<ConditionLook> = input.others.iter().map(|c| context.look(*c)).collect();
-    let less: Vec<&str> = input
-        .scales
-        .iter()
-        .filter(|s| s.less_is_better)
-        .map(|s| s.scale.as_str())
-        .collect();
-    let less = if less.is_empty() {
-        String::new()
-    } else {
-        format!("; on {}, less is better", less.join(" and "))
-    };
-    let share = |count: usize, n: usize| number(100.0 * count as f64 / n as f64, 0);
-    let found: Vec<String> = input
-        .scales
-        .iter()
-        .map(|scale| {
-            let one = |(look, above): (&ConditionLook, &usize)| {
-                format!("{}% {}", share(*above, scale.n), look.label)
-            };
-            let rated: Vec<String> = others.iter().zip(&scale.above).map(one).collect();
-            format!(
-                "{}: {} rated better than {}.",
-                scale.scale,
-                rated.join(" and "),
-                own.label
-            )
-        })
-        .collect();
-    let width = if input.scales.len() > 4 {
-        120.0
-    } else {
-        ONE_COLUMN_MM
-    };
-    let plan = Plan {
-        name: NAME.to_owned(),
-        size_mm: (width, 66.0),
-        title: "Preference for another style than one’s own".to_owned(),
-        caption: format!(
-            "Share of participants who rated {} better than {}, scale by scale (ties count as not better{less}). Lines: Wilson 95% \
-             intervals. *n* = {n}; no test.",
-            others
-                .iter()
-                .map(ConditionLook::words)
-                .collect::<Vec<_>>()
-                .join(" or "),
-            own.words()
-        ),
-        alt: found.join(" "),
-        shows: Shows::Participants,
-    };
-    let tops = input
-        .scales
-        .iter()
-        .flat_map(|scale| scale.above.iter().map(|k| 100.0 * interval(*k, scale.n).1));
+    let intervals = input.scales.iter().map(ScalePreference::percent);
+    let intervals: Vec<Vec<[f64; 3]>> = intervals.collect();
+    let tops = intervals.iter().flatten().map(|[_, _, high]| *high);
     let top = tops.fold(50.0, f64::max).min(100.0);
-    draw(plan, context, |canvas, mut place| {
-        let keys: Vec<(Key, &str)> = others
-            .iter()
-            .map(|look| (Key::Point(Marker::Square, look.rgb()), look.label.as_str()))
-            .collect();
-        canvas.legend_row((place.left, place.top + 4.0), &keys);
-        place.top += cap_height(size::TICK) + 8.0;
-        let count = input.scales.len() as f64;
-        let ticks = input
-            .scales
-            .iter()
-            .enumerate()
-            .map(|(index, scale)| (index as f64, scale.scale.clone()));
-        let x = Scale::labelled(-0.55, count - 0.45, ticks.collect());
+    draw(plan(input, &own, &others), context, |canvas, place| {
+        let key =
+            |look: &ConditionLook| (Key::Point(Marker::Square, look.rgb()), look.label.clone());
+        let place = canvas.legend(place, &others.iter().map(key).collect::<Vec<_>>());
+        let scales = input.scales.iter().enumerate();
+        let ticks = scales.map(|(index, scale)| (index as f64, scale.scale.clone()));
+        let x = Scale::labelled(-0.55, input.scales.len() as f64 - 0.45, ticks.collect());
         let y = Scale::between(0.0, top + 3.0, 5);
-        let axis = format!("Rated better than {} (% of participants)", own.label);
         let labels = Labels {
-            y: &axis,
+            y: &format!("Rated better than {} (% of participants)", own.label),
             ..Labels::default()
         };
-        let frame = Frame::draw(canvas, place, &labels, x, y);
-        for (index, scale) in input.scales.iter().enumerate() {
-            let k = others.len() as f64;
-            for (at, (look, &above)) in others.iter().zip(&scale.above).enumerate() {
-                let offset = (at as f64 - (k - 1.0) / 2.0) * 0.8 / k;
-                let half = 0.34 / k;
-                let share = 100.0 * above as f64 / scale.n as f64;
-                let (left, base) = frame.at(index as f64 + offset - half, 0.0);
-                let (right, height) = frame.at(index as f64 + offset + half, share);
-                canvas.fill_rect((left, height), (right, base), look.rgb(), 0.55);
-                canvas.line(
-                    (left, height),
-                    (right, height),
-                    Pen::new(look.rgb(), stroke::STRONG),
-                );
-                let middle = f64::midpoint(left, right);
-                let (low, high) = interval(above, scale.n);
-                let ends = [frame.y.at(100.0 * low), frame.y.at(100.0 * high)];
-                canvas.line(
-                    (middle, ends[0]),
-                    (middle, ends[1]),
-                    Pen::new(INK, stroke::BOX),
-                );
-                let look = Look::new(size::SMALL).middle();
-                let label = format!("{}%", number(share, 0));
-                canvas.text(&label, (middle, ends[1] - 2.5), look);
+        let mut panel = Panel::open(canvas, place, &labels, (x, y));
+        let k = others.len() as f64;
+        for (index, bars) in intervals.iter().enumerate() {
+            for (at, (look, interval)) in others.iter().zip(bars).enumerate() {
+                let middle = index as f64 + (at as f64 - (k - 1.0) / 2.0) * 0.8 / k;
+                bar(&mut panel, (middle, 0.34 / k), *interval, look.rgb());
             }
         }
     })
 }
 
-/// Wilson's 95 % interval of a share; everything if the counts make no share.
-fn interval(above: usize, n: usize) -> (f64, f64) {
-    proportion(above, n, 0.95).map_or((0.0, 1.0), |share| (share.low, share.high))
+/// A bar of a share in per cent, its interval, and the share in words above it.
+fn bar(
+    panel: &mut Panel<'_, '_>,
+    (middle, half): (f64, f64),
+    [share, low, high]: [f64; 3],
+    colour: RGBColor,
+) {
+    let ends = [middle - half, middle + half];
+    panel.shade(ends, [0.0, share], colour, 0.55);
+    panel.line(ends.map(|x| (x, share)), Pen::new(colour, stroke::STRONG));
+    panel.line([(middle, low), (middle, high)], Pen::new(INK, stroke::BOX));
+    let (x, y) = panel.frame.at(middle, high);
+    let (label, look) = (number(share, 0), Look::new(size::SMALL).middle());
+    panel.canvas.text(&format!("{label}%"), (x, y - 2.5), look);
+}
+
+impl ScalePreference {
+    /// Of each other condition the share in per cent, and the ends of Wilson's 95% interval.
+    fn percent(&self) -> Vec<[f64; 3]> {
+        let share = |&above: &usize| {
+            let ends = proportion(above, self.n, 0.95);
+            let (low, high) = ends.map_or((0.0, 1.0), |share| (share.low, share.high));
+            [above as f64 / self.n as f64, low, high].map(|share| 100.0 * share)
+        };
+        self.above.iter().map(share).collect()
+    }
+}
+
+fn plan(input: &Preferences, own: &ConditionLook, others: &[ConditionLook]) -> Plan {
+    let less = input.scales.iter().filter(|s| s.less_is_better);
+    let less = match less.map(|s| s.scale.as_str()).collect::<Vec<_>>() {
+        none if none.is_empty() => String::new(),
+        scales => format!("; on {}, less is better", scales.join(" and ")),
+    };
+    let words = |scale: &ScalePreference| {
+        let shares = others.iter().zip(scale.percent());
+        let shares =
+            shares.map(|(look, [share, ..])| format!("{}% {}", number(share, 0), look.label));
+        let shares = shares.collect::<Vec<_>>().join(" and ");
+        format!("{}: {shares} rated better than {}.", scale.scale, own.label)
+    };
+    let many = input.scales.len() > 4;
+    let names: Vec<String> = others.iter().map(ConditionLook::words).collect();
+    Plan {
+        name: NAME.to_owned(),
+        size_mm: (if many { 120.0 } else { ONE_COLUMN_MM }, 66.0),
+        title: "Preference for another style than one’s own".to_owned(),
+        caption: format!(
+            "Share of participants who rated {} better than {}, scale by scale (ties count as not better{less}). Lines: Wilson 95% \
+             intervals. *n* = {}; no test.",
+            names.join(" or "),
+            own.words(),
+            counted(input.scales.iter().map(|scale| scale.n), ", by scale"),
+        ),
+        alt: sentences(input.scales.iter().map(words)),
+        shows: Shows::Participants,
+    }
 }
 
 #[cfg(test)]

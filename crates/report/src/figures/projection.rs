@@ -31,11 +31,7 @@ const LEAST_SHARE: f64 = 0.25;
 impl View {
     /// Fits the box of all points into a place, turned so that `shown` is seen well.
     pub(crate) fn fit(points: &[[f64; 3]], shown: [f64; 3], place: Place) -> Self {
-        let ends = [0, 1, 2].map(|axis: usize| {
-            let along = points.iter().map(|w| w[axis]);
-            let low = along.clone().fold(f64::INFINITY, f64::min);
-            (low, along.fold(f64::NEG_INFINITY, f64::max))
-        });
+        let ends = [0, 1, 2].map(|axis: usize| extent(points.iter().map(|w| w[axis])));
         let widest = ends
             .iter()
             .map(|(low, high)| high - low)
@@ -76,12 +72,8 @@ impl View {
             points_per_unit: 1.0,
         };
         let corners: Vec<(f64, f64)> = (0..8).map(|k| view.project(view.corner(k)).0).collect();
-        let span = |pick: fn(&(f64, f64)) -> f64| {
-            let low = corners.iter().map(pick).fold(f64::INFINITY, f64::min);
-            let high = corners.iter().map(pick).fold(f64::NEG_INFINITY, f64::max);
-            (low, high)
-        };
-        let (x, y) = (span(|corner| corner.0), span(|corner| corner.1));
+        let x = extent(corners.iter().map(|corner| corner.0));
+        let y = extent(corners.iter().map(|corner| corner.1));
         let (wide, tall) = (
             place.right - place.left - 2.0 * RIM,
             place.bottom - place.top - 1.5 * RIM,
@@ -147,28 +139,13 @@ fn axes(azimuth_degrees: f64) -> ([f64; 3], [f64; 3], [f64; 3]) {
 
 /// Draws the three far faces with their grids, ticks and axis titles.
 pub(crate) fn paint_box(canvas: &mut Canvas<'_>, view: &View, titles: [&str; 3]) {
-    let far = [0, 1, 2].map(|axis: usize| {
-        if view.towards[axis] > 0.0 {
-            view.low[axis]
-        } else {
-            view.high[axis]
-        }
-    });
-    let near = [0, 1, 2].map(|axis: usize| {
-        if view.towards[axis] > 0.0 {
-            view.high[axis]
-        } else {
-            view.low[axis]
-        }
-    });
-    let grid = Pen::new(GRID, stroke::THIN);
-    let edge = Pen::new(GREY, stroke::AXIS);
+    let (grid, edge) = (Pen::new(GRID, stroke::THIN), edge());
     for face in 0..3 {
         let (j, k) = ((face + 1) % 3, (face + 2) % 3);
         for (across, along) in [(j, k), (k, j)] {
             let line = |value: f64| {
                 let mut from = [0.0; 3];
-                from[face] = far[face];
+                from[face] = view.ends(face).1;
                 from[across] = value;
                 let mut to = from;
                 from[along] = view.low[along];
@@ -185,78 +162,86 @@ pub(crate) fn paint_box(canvas: &mut Canvas<'_>, view: &View, titles: [&str; 3])
             }
         }
     }
-    let middle = view.project(view.centre).0;
-    for axis in 0..3 {
-        let (j, k) = ((axis + 1) % 3, (axis + 2) % 3);
-        // The edges that carry numbers: near ones on the floor, the leftmost upright one.
-        let mut base = [0.0; 3];
-        if axis == 2 {
-            let left = |a: f64, b: f64| view.project([a, b, view.centre[2]]).0.0;
-            let corners = [
-                (view.low[0], view.low[1]),
-                (view.low[0], view.high[1]),
-                (view.high[0], view.low[1]),
-                (view.high[0], view.high[1]),
-            ];
-            let leftmost = corners
-                .into_iter()
-                .min_by(|p, q| left(p.0, p.1).total_cmp(&left(q.0, q.1)))
-                .unwrap_or(corners[0]);
-            (base[0], base[1]) = leftmost;
-        } else {
-            base[2] = view.low[2];
-            let other = if j == 2 { k } else { j };
-            base[other] = near[other];
-        }
-        let at = |value: f64| {
-            let mut w = base;
-            w[axis] = value;
-            view.project(w).0
-        };
-        let centre = at(view.centre[axis]);
-        let (dx, dy) = if axis == 2 {
-            (-1.0, 0.0)
-        } else {
-            (centre.0 - middle.0, (centre.1 - middle.1).max(1.0))
-        };
-        let length = libm::hypot(dx, dy);
-        let away = (dx / length, dy / length);
-        let ends = (at(view.low[axis]), at(view.high[axis]));
-        canvas.line(ends.0, ends.1, edge);
-        let look = Look::new(size::TICK).centred();
-        // A short axis, or one seen from its end, has room for some of its numbers only.
-        let mut last: Option<((f64, f64), f64)> = None;
-        for (&tick, label) in view.scales[axis]
-            .ticks
-            .iter()
-            .zip(&view.scales[axis].labels)
-        {
-            let (x, y) = at(tick);
-            canvas.line((x, y), (x + 2.0 * away.0, y + 2.0 * away.1), edge);
-            let width = look.width(label);
-            let meets = last.is_some_and(|((from, height), of)| {
-                let across = if axis == 2 {
-                    0.0
-                } else {
-                    f64::midpoint(of, width)
-                };
-                (x - from).abs() <= across + 2.0 && (y - height).abs() < 1.4 * size::TICK
-            });
-            if meets {
-                continue;
-            }
-            last = Some(((x, y), width));
-            let look = if axis == 2 { look.end() } else { look.middle() };
-            let gap = if axis == 2 { 4.0 } else { 8.0 };
-            canvas.text(label, (x + gap * away.0, y + gap * away.1), look);
-        }
-        let title = (centre.0 + 21.0 * away.0, centre.1 + 21.0 * away.1);
-        canvas.text(
-            titles[axis],
-            title,
-            Look::new(size::AXIS + 0.5).middle().centred(),
-        );
+    for (axis, title) in titles.into_iter().enumerate() {
+        paint_axis(canvas, view, axis, title);
     }
+}
+
+fn edge() -> Pen {
+    Pen::new(GREY, stroke::AXIS)
+}
+
+impl View {
+    /// The nearer and the farther end of an axis.
+    fn ends(&self, axis: usize) -> (f64, f64) {
+        let (low, high) = (self.low[axis], self.high[axis]);
+        if self.towards[axis] > 0.0 {
+            (high, low)
+        } else {
+            (low, high)
+        }
+    }
+
+    /// A point of the edge that carries an axis's numbers: a near one on the floor, the leftmost upright one.
+    fn numbered_edge(&self, axis: usize) -> [f64; 3] {
+        let mut base = [0.0; 3];
+        if axis < 2 {
+            base[1 - axis] = self.ends(1 - axis).0;
+            base[2] = self.low[2];
+            return base;
+        }
+        let left = |k: &usize| self.project(self.corner(*k)).0.0;
+        let leftmost = (0..4).min_by(|a, b| left(a).total_cmp(&left(b)));
+        self.corner(leftmost.unwrap_or(0))
+    }
+}
+
+/// An axis with its numbers and its title, beside the box.
+fn paint_axis(canvas: &mut Canvas<'_>, view: &View, axis: usize, title: &str) {
+    let upright = axis == 2;
+    let base = view.numbered_edge(axis);
+    let at = |value: f64| {
+        let mut w = base;
+        w[axis] = value;
+        view.project(w).0
+    };
+    let (middle, centre) = (view.project(view.centre).0, at(view.centre[axis]));
+    let (dx, dy) = if upright {
+        (-1.0, 0.0)
+    } else {
+        (centre.0 - middle.0, (centre.1 - middle.1).max(1.0))
+    };
+    let length = libm::hypot(dx, dy);
+    let beside = |(x, y): (f64, f64), gap: f64| (x + gap * dx / length, y + gap * dy / length);
+    canvas.line(at(view.low[axis]), at(view.high[axis]), edge());
+    let look = Look::new(size::TICK).centred();
+    let (look, gap) = if upright {
+        (look.end(), 4.0)
+    } else {
+        (look.middle(), 8.0)
+    };
+    // A short axis, or one seen from its end, has room for some of its numbers only.
+    let mut last: Option<((f64, f64), f64)> = None;
+    let Scale { ticks, labels, .. } = &view.scales[axis];
+    for (&tick, label) in ticks.iter().zip(labels) {
+        let (x, y) = at(tick);
+        canvas.line((x, y), beside((x, y), 2.0), edge());
+        let width = look.width(label);
+        let meets = last.is_some_and(|((from, height), of)| {
+            let across = if upright {
+                0.0
+            } else {
+                f64::midpoint(of, width)
+            };
+            (x - from).abs() <= across + 2.0 && (y - height).abs() < 1.4 * size::TICK
+        });
+        if !meets {
+            last = Some(((x, y), width));
+            canvas.text(label, beside((x, y), gap), look);
+        }
+    }
+    let look = Look::new(size::AXIS + 0.5).middle().centred();
+    canvas.text(title, beside(centre, 21.0), look);
 }
 
 #[cfg(test)]

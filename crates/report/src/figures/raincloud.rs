@@ -1,7 +1,8 @@
 //! Half a violin and a box: one condition of a raincloud.
 
-use super::fit;
+use super::density::density;
 use super::prelude::*;
+use maveric_stats::quantile;
 
 /// Offset of the box within a slot, as a share of the slot's width.
 pub(crate) const BOX: f64 = 0.02;
@@ -21,7 +22,7 @@ impl Cloud {
     pub(crate) fn of(mut values: Vec<f64>, range: Option<(f64, f64)>) -> Option<Self> {
         values.sort_by(f64::total_cmp);
         let everything = (f64::NEG_INFINITY, f64::INFINITY);
-        let curve = fit::density(&values, STEPS, range.unwrap_or(everything));
+        let curve = density(&values, STEPS, range.unwrap_or(everything));
         (!values.is_empty()).then_some(Self {
             sorted: values,
             curve,
@@ -37,7 +38,7 @@ impl Cloud {
     }
 }
 
-/// Draws half a violin and a box round the middle of a slot.
+/// Draws half a violin and a box round the middle of a slot, both in points.
 pub(crate) fn paint(
     canvas: &mut Canvas<'_>,
     frame: &Frame,
@@ -46,47 +47,38 @@ pub(crate) fn paint(
     ink: RGBColor,
 ) {
     let edge = middle + VIOLIN * slot;
-    let curve: Vec<(f64, f64)> = curve
+    let (least, most) = (frame.y.low(), frame.y.high());
+    let inside = curve
         .iter()
-        .filter(|(value, _)| *value >= frame.y.low() && *value <= frame.y.high())
-        .map(|(value, height)| (edge + height * VIOLIN_WIDTH * slot, frame.y.at(*value)))
-        .collect();
-    if let (Some(first), Some(last)) = (curve.first().copied(), curve.last().copied()) {
-        let mut corners = curve;
-        corners.push((edge, last.1));
-        corners.push((edge, first.1));
+        .filter(|(value, _)| (least..=most).contains(value));
+    let outline =
+        inside.map(|(value, height)| (edge + height * VIOLIN_WIDTH * slot, frame.y.at(*value)));
+    let mut corners: Vec<(f64, f64)> = outline.collect();
+    if let (Some(first), Some(last)) = (corners.first().copied(), corners.last().copied()) {
+        corners.extend([(edge, last.1), (edge, first.1)]);
         canvas.polygon(&corners, ink, 0.25);
         corners.push(corners[0]);
         canvas.path(&corners, Pen::new(ink, stroke::OUTLINE));
     }
-    let [low, median, high] = [0.25, 0.5, 0.75].map(|share| fit::quantile(sorted, share));
+    let [low, median, high] = [0.25, 0.5, 0.75].map(|share| quantile(sorted, share).unwrap_or(0.0));
     let fence = 1.5 * (high - low);
-    let whisker_low = sorted
-        .iter()
-        .copied()
-        .find(|v| *v >= low - fence)
-        .unwrap_or(low);
-    let whisker_high = sorted
-        .iter()
-        .rev()
-        .copied()
-        .find(|v| *v <= high + fence)
-        .unwrap_or(high);
-    let centre = middle + BOX * slot;
-    let half = 0.07 * slot;
+    let inside = || {
+        sorted
+            .iter()
+            .copied()
+            .filter(|v| (low - fence..=high + fence).contains(v))
+    };
+    let whiskers = [
+        (inside().next().unwrap_or(low), low),
+        (high, inside().next_back().unwrap_or(high)),
+    ];
+    let (centre, half) = (middle + BOX * slot, 0.07 * slot);
+    let at = |side: f64, value: f64| (centre + side * half, frame.y.at(value));
     let pen = Pen::new(ink, stroke::BOX);
-    for (from, to) in [(whisker_low, low), (high, whisker_high)] {
-        canvas.line((centre, frame.y.at(from)), (centre, frame.y.at(to)), pen);
+    for (from, to) in whiskers {
+        canvas.line(at(0.0, from), at(0.0, to), pen);
     }
-    let corners = (
-        (centre - half, frame.y.at(high)),
-        (centre + half, frame.y.at(low)),
-    );
-    canvas.fill_rect(corners.0, corners.1, PAPER, 1.0);
-    canvas.rect(corners.0, corners.1, pen);
-    canvas.line(
-        (centre - half, frame.y.at(median)),
-        (centre + half, frame.y.at(median)),
-        pen,
-    );
+    canvas.fill_rect(at(-1.0, high), at(1.0, low), PAPER, 1.0);
+    canvas.rect(at(-1.0, high), at(1.0, low), pen);
+    canvas.line(at(-1.0, median), at(1.0, median), pen);
 }

@@ -31,49 +31,44 @@ pub(crate) struct Panel<'a> {
 }
 
 /// Draws the panel into its place.
-pub(crate) fn paint(canvas: &mut Canvas<'_>, place: Place, panel: &Panel<'_>) {
-    let k = panel.slots.len();
-    let brackets = brackets(&panel.contrasts);
-    let clouds: Vec<Option<Cloud>> = (0..k)
-        .map(|index| {
-            let values = panel.rows.iter().filter_map(|row| row[index]).collect();
-            Cloud::of(values, panel.range)
-        })
-        .collect();
+pub(crate) fn paint(canvas: &mut Canvas<'_>, place: Place, input: &Panel<'_>) {
+    let k = input.slots.len();
+    let brackets = brackets(&input.contrasts);
+    let cloud = |index: usize| {
+        let values = input.rows.iter().filter_map(|row| row[index]).collect();
+        Cloud::of(values, input.range)
+    };
+    let clouds: Vec<Option<Cloud>> = (0..k).map(cloud).collect();
     let values = clouds.iter().flatten().flat_map(Cloud::ends);
-    let data = Scale::over(values.chain(panel.reference), 5);
+    let data = Scale::over(values.chain(input.reference), 5);
     // The brackets need their room above the data.
-    let levels = brackets
-        .iter()
-        .map(|bracket| bracket.level + 1)
-        .max()
-        .unwrap_or(0);
-    let room = levels as f64 * STEP + if levels > 0 { 3.0 } else { 0.0 };
+    let levels = brackets.iter().map(|bracket| bracket.level + 1).max();
+    let room = levels.map_or(0.0, |levels| levels as f64 * STEP + 3.0);
     let plot = (place.bottom - place.top - 42.0).max(40.0);
     let (low, top) = (data.low(), data.high());
     let high = low + (top - low) * plot / (plot - room).max(plot / 3.0);
     // Ticks only where there are data: what lies above them is room for the brackets.
     let data = Scale::between(low, top, 4);
     let y = Scale::labelled(low, high, data.ticks.into_iter().zip(data.labels).collect());
-    let names = panel.slots.iter().enumerate();
+    let names = input.slots.iter().enumerate();
     let names = names.map(|(index, slot)| (index as f64, slot.name.clone()));
     let x = Scale::labelled(-0.55, k as f64 - 0.4, names.collect());
     let labels = Labels {
-        title: panel.title,
-        subtitle: panel.subtitle,
-        x: "",
-        y: panel.axis,
+        title: input.title,
+        subtitle: input.subtitle,
+        y: input.axis,
         ..Labels::default()
     };
-    let frame = Frame::draw(canvas, place, &labels, x, y);
-    if let Some(reference) = panel.reference {
-        frame.rule(canvas, reference);
+    let mut panel = super::panel::Panel::open(canvas, place, &labels, (x, y));
+    if let Some(reference) = input.reference {
+        panel.rule(reference);
     }
+    let frame = panel.frame;
     let slot = (frame.place.right - frame.place.left) / (k as f64 + 0.15);
-    if panel.rows.len() <= MOST_POINTS {
-        paint_people(canvas, &frame, panel, slot);
+    if input.rows.len() <= MOST_POINTS {
+        paint_people(canvas, &frame, input, slot);
     }
-    for (index, (of, cloud)) in panel.slots.iter().zip(&clouds).enumerate() {
+    for (index, (of, cloud)) in input.slots.iter().zip(&clouds).enumerate() {
         let middle = frame.x.at(index as f64);
         let Some(cloud) = cloud else {
             let centre = f64::midpoint(frame.place.top + room, frame.place.bottom);
@@ -82,33 +77,15 @@ pub(crate) fn paint(canvas: &mut Canvas<'_>, place: Place, panel: &Panel<'_>) {
             continue;
         };
         raincloud::paint(canvas, &frame, cloud, (middle, slot), of.look.1);
-        if let Some([mean, low, high]) = of.mean {
-            let x = middle + BOX * slot;
-            let ends = [frame.y.at(low), frame.y.at(high)];
-            canvas.line((x, ends[0]), (x, ends[1]), Pen::new(INK, stroke::STRONG));
-            canvas.disc((x, frame.y.at(mean)), 1.7, INK, 1.0);
-            canvas.ring((x, frame.y.at(mean)), 1.7, Pen::new(PAPER, stroke::THIN));
+        if let Some(ends) = of.mean {
+            let [mean, low, high] = ends.map(|end| (middle + BOX * slot, frame.y.at(end)));
+            canvas.line(low, high, Pen::new(INK, stroke::STRONG));
+            canvas.disc(mean, 1.7, INK, 1.0);
+            canvas.ring(mean, 1.7, Pen::new(PAPER, stroke::THIN));
         }
     }
-    let base = frame.place.top + room - 3.0;
     for bracket in &brackets {
-        let y = base - bracket.level as f64 * STEP;
-        let (from, to) = (
-            frame.x.at(bracket.from as f64),
-            frame.x.at(bracket.to as f64),
-        );
-        let pen = Pen::new(INK, stroke::AXIS);
-        canvas.path(
-            &[
-                (from + 1.0, y + 2.0),
-                (from + 1.0, y),
-                (to - 1.0, y),
-                (to - 1.0, y + 2.0),
-            ],
-            pen,
-        );
-        let look = Look::new(size::SMALL).middle();
-        canvas.text(bracket.text, (f64::midpoint(from, to), y - 1.8), look);
+        bracket.paint(canvas, &frame, frame.place.top + room - 3.0);
     }
 }
 
@@ -162,6 +139,19 @@ struct Bracket<'a> {
     to: usize,
     level: usize,
     text: &'a str,
+}
+
+impl Bracket<'_> {
+    /// Draws it on its level above a base on the page.
+    fn paint(&self, canvas: &mut Canvas<'_>, frame: &Frame, base: f64) {
+        let y = base - self.level as f64 * STEP;
+        let [from, to] = [self.from, self.to].map(|slot| frame.x.at(slot as f64));
+        let (left, right) = (from + 1.0, to - 1.0);
+        let feet = [(left, y + 2.0), (left, y), (right, y), (right, y + 2.0)];
+        canvas.path(&feet, Pen::new(INK, stroke::AXIS));
+        let look = Look::new(size::SMALL).middle();
+        canvas.text(self.text, (f64::midpoint(from, to), y - 1.8), look);
+    }
 }
 
 /// Shortest first, each on the lowest level where it meets no other.

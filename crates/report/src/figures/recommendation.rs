@@ -23,25 +23,21 @@ const NEAR: f64 = 5.0;
 /// [`ReportError`] if there is nobody, or a value is not finite.
 pub fn recommendation(input: &Recommendations, context: &Context) -> Result<Figure, ReportError> {
     let check = Check(NAME);
-    check.at_least(1, "people", input.people.len())?;
+    let people = input.people.len();
+    check.at_least(1, "people", people)?;
     check.finite("a shift", input.people.iter().flatten().copied())?;
-    let near = input
-        .people
-        .iter()
-        .filter(|p| (p[0] - p[1]).abs() <= NEAR)
-        .count();
+    let near = |p: &&[f64; 4]| (p[0] - p[1]).abs() <= NEAR;
+    let near = input.people.iter().filter(near).count();
     let plan = Plan {
         name: NAME.to_owned(),
         size_mm: (ONE_COLUMN_MM + 10.0, 84.0),
         title: "Recommended against preferred shift".to_owned(),
         caption: format!(
-            "New people after the conditions of the study, by a model learned from {} others. Lines: 95% intervals; band: within 5 points. *n* = {}.",
+            "New people after the conditions of the study, by a model learned from {} others. Lines: 95% intervals; band: within 5 points. *n* = {people}.",
             input.learned_from,
-            input.people.len()
         ),
         alt: format!(
-            "{near} of {} recommendations lie within 5 points of the preferred shift.",
-            input.people.len()
+            "{near} of {people} recommendations lie within 5 points of the preferred shift."
         ),
         shows: Shows::Participants,
     };
@@ -53,34 +49,19 @@ pub fn recommendation(input: &Recommendations, context: &Context) -> Result<Figu
             y: &recommended,
             ..Labels::default()
         };
-        let ends = input
-            .people
-            .iter()
-            .flatten()
-            .map(|v| v.abs())
-            .fold(15.0, f64::max)
-            + 1.0;
-        let scale = || Scale::between(-ends, ends, 6);
-        let frame = Frame::draw(canvas, place, &labels, scale(), scale());
+        let far = input.people.iter().flatten().map(|v| v.abs());
+        let ends = far.fold(15.0, f64::max) + 1.0;
+        let scale = Scale::between(-ends, ends, 6);
+        let mut panel = Panel::open(canvas, place, &labels, (scale.clone(), scale));
         let inner = ends - NEAR;
-        let corners = [
-            (-ends, -inner),
-            (inner, ends),
-            (ends, ends),
-            (ends, inner),
-            (-inner, -ends),
-            (-ends, -ends),
-        ];
-        canvas.polygon(&corners.map(|(x, y)| frame.at(x, y)), PALE, 1.0);
-        let dashed = Pen::new(MUTED, stroke::AXIS).dashed(2.0, 2.0);
-        canvas.line(frame.at(-ends, -ends), frame.at(ends, ends), dashed);
-        for [truth, found, low, high] in &input.people {
-            canvas.line(
-                frame.at(*truth, *low),
-                frame.at(*truth, *high),
-                Pen::new(GREY, stroke::AXIS),
-            );
-            canvas.marker(frame.at(*truth, *found), 1.8, Marker::Circle, INK);
+        let half = [(-ends, -inner), (inner, ends), (ends, ends)];
+        let other = half.map(|(x, y)| (-x, -y));
+        panel.area(&[half, other].concat(), PALE, 1.0);
+        let alike = Pen::new(MUTED, stroke::AXIS).dashed(2.0, 2.0);
+        panel.line([(-ends, -ends), (ends, ends)], alike);
+        let pen = Pen::new(GREY, stroke::AXIS);
+        for &[truth, shift, low, high] in &input.people {
+            panel.upright_interval(truth, [shift, low, high], pen, (1.8, Marker::Circle, INK));
         }
     })
 }

@@ -1,17 +1,77 @@
-//! A least-squares line with its band, over a panel's points.
+//! Points in a panel of their own, with their least-squares line and its band.
 
-use super::fit;
+use super::crowd;
 use super::prelude::*;
-use maveric_stats::LinearFit;
+use maveric_stats::{LinearFit, linear_fit};
 
 const STEPS: u32 = 30;
 const LEVEL: f64 = 0.95;
 /// How far beyond the points, as a share of their range, the band may widen the y axis.
 const ROOM: f64 = 0.35;
 
+/// Points, and how they are drawn.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Cloud<'a> {
+    pub(crate) points: &'a [(f64, f64)],
+    /// About so many ticks an axis.
+    pub(crate) ticks: usize,
+    /// Of a point, on the page.
+    pub(crate) radius: f64,
+}
+
+impl Cloud<'_> {
+    /// Draws axes, line with band where the points determine one, and the points.
+    pub(crate) fn paint(self, canvas: &mut Canvas<'_>, place: Place, labels: &Labels<'_>) {
+        let line = Regression::of(self.points);
+        self.paint_on(canvas, place, labels, line.as_ref(), &[]);
+    }
+
+    /// Draws axes, some other straight lines by their ends, and the points.
+    pub(crate) fn paint_with(
+        self,
+        canvas: &mut Canvas<'_>,
+        place: Place,
+        labels: &Labels<'_>,
+        lines: &[[(f64, f64); 2]],
+    ) {
+        self.paint_on(canvas, place, labels, None, lines);
+    }
+
+    fn paint_on(
+        self,
+        canvas: &mut Canvas<'_>,
+        place: Place,
+        labels: &Labels<'_>,
+        line: Option<&Regression>,
+        others: &[[(f64, f64); 2]],
+    ) {
+        let x = Scale::over(self.points.iter().map(|point| point.0), self.ticks);
+        let y = self.y_scale(line);
+        let mut panel = Panel::open(canvas, place, labels, (x, y));
+        if let Some(line) = line {
+            line.paint(&mut panel);
+        }
+        for ends in others {
+            panel.line(*ends, Pen::new(GREY, stroke::OUTLINE));
+        }
+        let look = (Marker::Circle, INK);
+        crowd::paint(panel.canvas, &panel.frame, self.points, self.radius, look);
+    }
+
+    /// The y axis: the points, and the band as far as it does not squeeze them.
+    fn y_scale(self, line: Option<&Regression>) -> Scale {
+        let ys = || self.points.iter().map(|point| point.1);
+        let (low, high) = extent(ys());
+        let room = ROOM * (high - low);
+        let band = line.map(Regression::band).into_iter().flatten();
+        let ends = band.flat_map(|(_, a, b)| [a.max(low - room), b.min(high + room)]);
+        Scale::over(ys().chain(ends), self.ticks)
+    }
+}
+
 /// A line through points, drawn from the lowest x to the highest.
 #[derive(Debug)]
-pub(crate) struct Regression {
+struct Regression {
     line: LinearFit,
     low: f64,
     high: f64,
@@ -19,13 +79,14 @@ pub(crate) struct Regression {
 
 impl Regression {
     /// `None` if the points do not determine a line with its band.
-    pub(crate) fn of(points: &[(f64, f64)]) -> Option<Self> {
-        let xs = || points.iter().map(|point| point.0);
-        Some(Self {
-            line: fit::line(points)?,
-            low: xs().fold(f64::INFINITY, f64::min),
-            high: xs().fold(f64::NEG_INFINITY, f64::max),
-        })
+    fn of(points: &[(f64, f64)]) -> Option<Self> {
+        let column = |value: fn(&(f64, f64)) -> f64| -> Vec<Option<f64>> {
+            points.iter().map(|point| Some(value(point))).collect()
+        };
+        let line = linear_fit(&column(|point| point.0), &column(|point| point.1)).ok();
+        let (low, high) = extent(points.iter().map(|point| point.0));
+        let line = line.filter(|line| line.residual_sd.is_some())?;
+        Some(Self { line, low, high })
     }
 
     fn band(&self) -> impl Iterator<Item = (f64, f64, f64)> {
@@ -38,27 +99,25 @@ impl Regression {
     }
 
     /// Shades the band and draws the line. A band that leaves the panel is cut there.
-    pub(crate) fn paint(&self, canvas: &mut Canvas<'_>, frame: &Frame, ink: RGBColor) {
-        let inside = |value: f64| value.clamp(frame.y.low(), frame.y.high());
+    fn paint(&self, panel: &mut Panel<'_, '_>) {
+        let (least, most) = (panel.frame.y.low(), panel.frame.y.high());
+        let inside = |value: f64| value.clamp(least, most);
         let band: Vec<(f64, f64, f64)> = self.band().collect();
-        let upper = band.iter().map(|&(x, _, high)| frame.at(x, inside(high)));
-        let lower = band
-            .iter()
-            .rev()
-            .map(|&(x, low, _)| frame.at(x, inside(low)));
-        canvas.polygon(&upper.chain(lower).collect::<Vec<_>>(), ink, 0.12);
-        let ends = [self.low, self.high].map(|x| frame.at(x, inside(self.line.predict(x))));
-        canvas.path(&ends, Pen::new(ink, stroke::STRONG));
+        let upper = band.iter().map(|&(x, _, high)| (x, inside(high)));
+        let lower = band.iter().rev().map(|&(x, low, _)| (x, inside(low)));
+        panel.area(&upper.chain(lower).collect::<Vec<_>>(), INK, 0.12);
+        let ends = [self.low, self.high].map(|x| (x, inside(self.line.predict(x))));
+        panel.line(ends, Pen::new(INK, stroke::STRONG));
     }
 }
 
-/// The y axis of a panel: the points, and the band as far as it does not squeeze them.
-pub(crate) fn y_scale(points: &[(f64, f64)], line: Option<&Regression>, ticks: usize) -> Scale {
-    let ys = || points.iter().map(|point| point.1);
-    let low = ys().fold(f64::INFINITY, f64::min);
-    let high = ys().fold(f64::NEG_INFINITY, f64::max);
-    let room = ROOM * (high - low);
-    let band = line.map(Regression::band).into_iter().flatten();
-    let ends = band.flat_map(|(_, a, b)| [a.max(low - room), b.min(high + room)]);
-    Scale::over(ys().chain(ends), ticks)
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn points_at_one_x_have_no_line() {
+        assert!(Regression::of(&[(1.0, 1.0), (1.0, 3.0), (1.0, 5.0)]).is_none());
+        assert!(Regression::of(&[(0.0, 1.0), (1.0, 3.0), (2.0, 4.0)]).is_some());
+    }
 }

@@ -45,104 +45,80 @@ pub fn residuals(input: &Residuals, context: &Context) -> Result<Figure, ReportE
     for panel in &input.panels {
         let count = panel.quantiles.len();
         check.at_least(3, "quantiles", count)?;
-        check.that(
-            count % 2 == 1,
-            "quantiles",
-            count as f64,
-            "an odd number of them",
-        )?;
+        let odd = count % 2 == 1;
+        check.that(odd, "quantiles", count as f64, "an odd number of them")?;
         check.finite("quantiles", panel.quantiles.iter().flat_map(|q| [q.0, q.1]))?;
         check.finite("mean and root-mean-square", [panel.mean, panel.rms])?;
         for pair in panel.quantiles.windows(2) {
             let ascend = pair[0].0 < pair[1].0 && pair[0].1 <= pair[1].1;
-            check.that(
-                ascend,
-                "quantiles",
-                pair[1].1,
-                "ascending shares and residuals",
-            )?;
+            let expected = "ascending shares and residuals";
+            check.that(ascend, "quantiles", pair[1].1, expected)?;
         }
     }
-    let rows: Vec<String> = input
-        .panels
-        .iter()
-        .map(|panel| format!("{} rows ({})", panel.rows, panel.title))
-        .collect();
-    let spread = |panel: &ResidualPanel| {
-        format!(
-            "mean {} {unit}, root-mean-square {} {unit}",
-            number(panel.mean, 2),
-            number(panel.rms, 2),
-            unit = panel.unit
-        )
-    };
-    let found: Vec<String> = input
-        .panels
-        .iter()
-        .map(|panel| format!("{}: {}.", panel.title, spread(panel)))
-        .collect();
-    let shares: Vec<String> = input.panels[0]
-        .quantiles
-        .iter()
-        .map(|(share, _)| number(100.0 * share, 0))
-        .collect();
+    let columns = input.panels.len().max(2);
+    let grid = Grid::new(input.panels.len(), columns, (14.0, 0.0));
+    draw_panels(plan(input), context, grid, &[], |canvas, index, place| {
+        let ResidualPanel {
+            quantiles, mean, ..
+        } = &input.panels[index];
+        let labels = Labels {
+            title: &input.panels[index].title,
+            subtitle: &input.panels[index].spread(),
+            x: &input.panels[index].axis,
+            ..Labels::default()
+        };
+        let values = quantiles.iter().map(|q| q.1).chain([0.0, *mean]);
+        let scales = (
+            Scale::over(values, 6),
+            Scale::labelled(-1.0, 1.0, Vec::new()),
+        );
+        let mut panel = Panel::open(canvas, place, &labels, scales);
+        let pairs = quantiles.len() / 2;
+        for outer in 0..pairs {
+            let ends = [outer, quantiles.len() - 1 - outer].map(|at| quantiles[at].1);
+            let half = 0.75 * (outer + 1) as f64 / pairs as f64;
+            panel.shade(ends, [-half, half], GREY, 0.35);
+        }
+        let dashed = Pen::new(MUTED, stroke::AXIS).dashed(2.0, 2.0);
+        panel.line([(0.0, -1.0), (0.0, 1.0)], dashed);
+        let solid = Pen::new(INK, stroke::STRONG);
+        panel.line([(*mean, -0.85), (*mean, 0.85)], solid);
+    })
+}
+
+impl ResidualPanel {
+    fn spread(&self) -> String {
+        let [mean, rms] = [self.mean, self.rms].map(|value| number(value, 2));
+        let unit = &self.unit;
+        format!("mean {mean} {unit}, root-mean-square {rms} {unit}")
+    }
+}
+
+fn plan(input: &Residuals) -> Plan {
+    let panels = input.panels.iter();
+    let rows = panels.map(|panel| format!("{} rows ({})", panel.rows, panel.title));
+    let shares = input.panels[0].quantiles.iter();
+    let shares = shares.map(|(share, _)| number(100.0 * share, 0));
+    let panels = input.panels.iter();
     let whose = if input.held_out {
         "not learned from"
     } else {
         "learned from"
     };
-    let plan = Plan {
+    Plan {
         name: NAME.to_owned(),
         size_mm: (TWO_COLUMNS_MM, 40.0),
         title: "What the predictions leave over".to_owned(),
         caption: format!(
             "Residuals of the networks on recorded windows {whose}, each drive with its own embedding. Boxes reach \
              between the quantiles at {}%; solid: the mean; dashed: no error. *n* = {}, {} drives; no test.",
-            shares.join(", "),
-            rows.join(", "),
+            shares.collect::<Vec<_>>().join(", "),
+            rows.collect::<Vec<_>>().join(", "),
             input.drives
         ),
-        alt: found.join(" "),
+        alt: sentences(panels.map(|panel| format!("{}: {}.", panel.title, panel.spread()))),
         shows: Shows::Participants,
-    };
-    draw_panels(
-        plan,
-        context,
-        Grid::new(input.panels.len(), input.panels.len().max(2), (14.0, 0.0)),
-        |canvas, index, place| {
-            let panel = &input.panels[index];
-            let subtitle = spread(panel);
-            let labels = Labels {
-                title: &panel.title,
-                subtitle: &subtitle,
-                x: &panel.axis,
-                ..Labels::default()
-            };
-            let values = panel.quantiles.iter().map(|q| q.1).chain([0.0, panel.mean]);
-            let x = Scale::over(values, 6);
-            let frame = Frame::draw(
-                canvas,
-                place,
-                &labels,
-                x,
-                Scale::labelled(-1.0, 1.0, Vec::new()),
-            );
-            let pairs = panel.quantiles.len() / 2;
-            for outer in 0..pairs {
-                let inner = panel.quantiles.len() - 1 - outer;
-                let (low, high) = (panel.quantiles[outer].1, panel.quantiles[inner].1);
-                let half = 0.75 * (outer + 1) as f64 / pairs as f64;
-                canvas.fill_rect(frame.at(low, -half), frame.at(high, half), GREY, 0.35);
-            }
-            let marks = [
-                (0.0, 1.0, Pen::new(MUTED, stroke::AXIS).dashed(2.0, 2.0)),
-                (panel.mean, 0.85, Pen::new(INK, stroke::STRONG)),
-            ];
-            for (value, half, pen) in marks {
-                canvas.line(frame.at(value, -half), frame.at(value, half), pen);
-            }
-        },
-    )
+    }
 }
 
 #[cfg(test)]

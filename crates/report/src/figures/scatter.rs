@@ -2,7 +2,7 @@
 
 use super::crowd;
 use super::prelude::*;
-use super::regression::{Regression, y_scale};
+use super::regression::Cloud;
 
 /// Points, and what is said of them.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -54,26 +54,23 @@ pub fn scatter(input: &Scatter, context: &Context) -> Result<Figure, ReportError
         alt: format!("{} against {}: {test}.", input.y, input.x),
         shows: Shows::Participants,
     };
-    let line = Regression::of(&input.points).filter(|_| input.people.is_empty());
     draw(plan, context, |canvas, place| {
-        let (x_title, y_title) = (markup::literal(&input.x), markup::literal(&input.y));
+        let (x, y) = (markup::literal(&input.x), markup::literal(&input.y));
         let labels = Labels {
             subtitle: &input.test,
-            x: &x_title,
-            y: &y_title,
+            x: &x,
+            y: &y,
             ..Labels::default()
         };
-        let x = Scale::over(input.points.iter().map(|point| point.0), 5);
-        let y = y_scale(&input.points, line.as_ref(), 5);
-        let frame = Frame::draw(canvas, place, &labels, x, y);
-        if let Some(line) = &line {
-            line.paint(canvas, &frame, INK);
+        let cloud = Cloud {
+            points: &input.points,
+            ticks: 5,
+            radius: 1.5,
+        };
+        match &input.people[..] {
+            [] => cloud.paint(canvas, place, &labels),
+            people => cloud.paint_with(canvas, place, &labels, people),
         }
-        for [from, to] in &input.people {
-            let ends = [frame.at(from.0, from.1), frame.at(to.0, to.1)];
-            canvas.path(&ends, Pen::new(GREY, stroke::OUTLINE));
-        }
-        crowd::paint(canvas, &frame, &input.points, 1.5, (Marker::Circle, INK));
     })
 }
 

@@ -1,9 +1,10 @@
 //! One moment of a simulated drive, from above.
 
+use super::ConditionLook;
 use super::prelude::*;
 use super::theme::{LANE_LINE, ROAD};
 use super::vehicle::paint_vehicle;
-use maveric_domain::ConditionId;
+use maveric_domain::{ConditionId, units::MetresPerSecond};
 
 /// Where everything is at one moment.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -61,7 +62,6 @@ impl VehicleView {
 }
 
 const NAME: &str = "simulator-view";
-const MPH_PER_MPS: f64 = 2.236_936_292_054_402;
 /// The stretch of road shown, metres behind and ahead of the ego.
 const BEHIND_M: f64 = 60.0;
 const AHEAD_M: f64 = 120.0;
@@ -89,184 +89,228 @@ pub fn simulator_view(input: &SimulatorView, context: &Context) -> Result<Figure
     )?;
     let paths = input.trail_m.iter().chain(&input.plan_m);
     check.finite("a path", paths.flat_map(|place| [place.0, place.1]))?;
-    let seen = |vehicle: &VehicleView| {
-        let ahead = vehicle.x_m - input.ego.x_m;
-        ahead - vehicle.length_m / 2.0 >= -BEHIND_M && ahead + vehicle.length_m / 2.0 <= AHEAD_M
-    };
-    let hidden = input.others.iter().filter(|vehicle| !seen(vehicle)).count();
-    let reference = input.reference.and_then(|index| input.others.get(index));
-    let gap = reference.map(|vehicle| {
-        vehicle.x_m - input.ego.x_m - f64::midpoint(vehicle.length_m, input.ego.length_m)
-    });
-    let speed = number(input.ego.speed_mps * MPH_PER_MPS, 1);
     let condition = context.look(input.condition);
-    let plan = Plan {
-        name: NAME.to_owned(),
-        size_mm: (
-            TWO_COLUMNS_MM,
-            25.5 + STRETCH * input.lane_width_m * input.lanes as f64,
+    draw(plan(input, &condition), context, |canvas, place| {
+        let view = View::new(input, place);
+        view.road(canvas);
+        view.path(
+            canvas,
+            &input.trail_m,
+            Pen::new(GREY, stroke::STRONG).dashed(2.0, 2.0),
+        );
+        let plan_pen = Pen::new(condition.rgb(), stroke::STRONG).dashed(4.0, 2.0);
+        view.path(canvas, &input.plan_m, plan_pen);
+        for (index, vehicle) in input
+            .others
+            .iter()
+            .enumerate()
+            .filter(|(_, v)| input.sees(v))
+        {
+            let is_reference = input.reference == Some(index);
+            view.other(canvas, vehicle, if is_reference { GREY } else { PAPER });
+        }
+        view.ego(canvas, condition.rgb());
+        view.gap(canvas);
+        view.ruler(canvas);
+        let head = format!("{}, {} s", condition.words(), number(input.time_s, 1));
+        let y = place.top + cap_height(size::TITLE);
+        canvas.text(&head, (place.left, y), Look::new(size::TITLE).semibold());
+        let look = Look::new(size::TICK).end().colour(MUTED);
+        canvas.text("driving direction →", (place.right, y), look);
+    })
+}
+
+impl SimulatorView {
+    fn sees(&self, vehicle: &VehicleView) -> bool {
+        let (ahead, half) = (vehicle.x_m - self.ego.x_m, vehicle.length_m / 2.0);
+        ahead - half >= -BEHIND_M && ahead + half <= AHEAD_M
+    }
+
+    /// The reference vehicle, and its distance from bumper to bumper.
+    fn lead(&self) -> Option<(&VehicleView, f64)> {
+        let lead = self.others.get(self.reference?)?;
+        let lengths = f64::midpoint(lead.length_m, self.ego.length_m);
+        Some((lead, lead.x_m - self.ego.x_m - lengths))
+    }
+}
+
+fn mph(speed_mps: f64, decimals: usize) -> String {
+    number(MetresPerSecond(speed_mps).mph(), decimals)
+}
+
+fn plan(input: &SimulatorView, condition: &ConditionLook) -> Plan {
+    let hidden = input.others.iter().filter(|vehicle| !input.sees(vehicle));
+    let hidden = match hidden.count() {
+        0 => String::new(),
+        1 => " One more vehicle is outside the picture.".to_owned(),
+        more => format!(" {more} more vehicles are outside the picture."),
+    };
+    let (others, speed) = (input.others.len(), mph(input.ego.speed_mps, 1));
+    let words = match input.lead() {
+        Some((_, gap)) => format!(
+            "The ego drives {speed} mph, {} m from the reference vehicle; {} other vehicles.",
+            number(gap, 1),
+            others.saturating_sub(1)
         ),
+        None => format!(
+            "The ego drives {speed} mph without a reference vehicle; {others} other vehicles."
+        ),
+    };
+    let road = STRETCH * input.lane_width_m * input.lanes as f64;
+    Plan {
+        name: NAME.to_owned(),
+        size_mm: (TWO_COLUMNS_MM, 25.5 + road),
         title: "The simulator".to_owned(),
         caption: format!(
             "One moment of a simulated drive: participant {}, {}, {} s after the start. Speeds in \
-             mph; widths are drawn {} times as large as lengths. Dashed: the ego’s trail and plan.{} \
+             mph; widths are drawn {} times as large as lengths. Dashed: the ego’s trail and plan.{hidden} \
              *n* = 1 drive; no test.",
             markup::literal(&input.participant),
             condition.words(),
             number(input.time_s, 1),
             number(STRETCH, 0),
-            match hidden {
-                0 => String::new(),
-                1 => " One more vehicle is outside the picture.".to_owned(),
-                more => format!(" {more} more vehicles are outside the picture."),
-            }
         ),
-        alt: match gap {
-            Some(gap) => format!(
-                "The ego drives {speed} mph, {} m from the reference vehicle; {} other vehicles.",
-                number(gap, 1),
-                input.others.len().saturating_sub(1)
-            ),
-            None => format!(
-                "The ego drives {speed} mph without a reference vehicle; {} other vehicles.",
-                input.others.len()
-            ),
-        },
+        alt: words,
         shows: Shows::Participants,
-    };
-    draw(plan, context, |canvas, place| {
-        let scale = (place.right - place.left) / (BEHIND_M + AHEAD_M);
-        let top = place.top + 14.0;
-        let highest = (input.lanes as f64 - 0.5) * input.lane_width_m;
-        let at = |x_m: f64, y_m: f64| {
-            (
-                place.left + (x_m - input.ego.x_m + BEHIND_M) * scale,
-                top + (highest - y_m) * scale * STRETCH,
-            )
-        };
-        paint_road(canvas, input, place.left, place.right, &|y_m| {
-            at(0.0, y_m).1
-        });
-        for (path, pen) in [
-            (
-                &input.trail_m,
-                Pen::new(GREY, stroke::STRONG).dashed(2.0, 2.0),
-            ),
-            (
-                &input.plan_m,
-                Pen::new(condition.rgb(), stroke::STRONG).dashed(4.0, 2.0),
-            ),
-        ] {
-            let inside: Vec<(f64, f64)> = path
-                .iter()
-                .filter(|(x, _)| (-BEHIND_M..=AHEAD_M).contains(&(x - input.ego.x_m)))
-                .map(|&(x, y)| at(x, y))
-                .collect();
-            canvas.path(&inside, pen);
-        }
-        // The plan leaves the ego's front, so its own label stands beside it: to the left, or to the right in the
-        // leftmost lane.
-        let leftmost = input.ego.y_m > (input.lanes as f64 - 1.25) * input.lane_width_m;
-        let aside = if leftmost { 1.0 } else { -1.0 };
-        let mut paint = |vehicle: &VehicleView, ink: RGBColor, is_ego: bool| {
-            let centre = at(vehicle.x_m, vehicle.y_m);
-            let length = vehicle.length_m * scale;
-            let width = vehicle.width_m * scale * STRETCH;
-            paint_vehicle(canvas, centre, (length, width), vehicle.heading_rad, ink);
-            let speed = number(vehicle.speed_mps * MPH_PER_MPS, 0);
-            if is_ego {
-                let label = format!("{speed} mph");
-                let look = Look::new(size::TICK).centred().middle();
-                let at = (centre.0, centre.1 + aside * (width / 2.0 + 6.0));
-                let half = look.width(&label) / 2.0 + 1.5;
-                let corners = ((at.0 - half, at.1 - 4.5), (at.0 + half, at.1 + 4.5));
-                canvas.fill_rect(corners.0, corners.1, ROAD, 1.0);
-                canvas.text(&label, at, look);
-                return;
-            }
-            let label = speed;
-            let right = centre.0 + length / 2.0 + 3.0;
-            let look = Look::new(size::TICK).centred();
-            // A plan may run through here: the label gets its own ground.
-            let corner = (right + look.width(&label) + 1.5, centre.1 + 4.5);
-            canvas.fill_rect((right - 1.5, centre.1 - 4.5), corner, ROAD, 1.0);
-            canvas.text(&label, (right, centre.1), look);
-        };
-        for (index, vehicle) in input.others.iter().enumerate().filter(|(_, v)| seen(v)) {
-            let is_reference = input.reference == Some(index);
-            paint(vehicle, if is_reference { GREY } else { PAPER }, false);
-        }
-        paint(&input.ego, condition.rgb(), true);
-        let bottom = at(0.0, -input.lane_width_m / 2.0).1;
-        if let (Some(vehicle), Some(gap)) =
-            (reference.filter(|v| seen(v)), gap.filter(|gap| *gap > 0.0))
-        {
-            let y = bottom + 6.0;
-            let from = at(input.ego.x_m + input.ego.length_m / 2.0, 0.0).0;
-            let to = at(vehicle.x_m - vehicle.length_m / 2.0, 0.0).0;
-            let pen = Pen::new(INK, stroke::AXIS);
-            for (x, vehicle_y) in [(from, input.ego.y_m), (to, vehicle.y_m)] {
-                canvas.line(
-                    (x, at(0.0, vehicle_y).1),
-                    (x, y + 2.5),
-                    Pen::new(MUTED, stroke::THIN).dashed(1.5, 1.5),
-                );
-            }
-            canvas.line((from, y), (to, y), pen);
-            let label = format!("*d*^{{(x)}} = {} m", number(gap, 1));
-            let label_at = (f64::midpoint(from, to), y + 4.0);
-            canvas.text(&label, label_at, Look::new(size::TICK).middle().hanging());
-        }
-        paint_ruler(canvas, place.left, place.right, bottom + 19.0, scale);
-        let head = format!("{}, {} s", condition.words(), number(input.time_s, 1));
-        let y = place.top + cap_height(size::TITLE);
-        canvas.text(&head, (place.left, y), Look::new(size::TITLE).semibold());
-        canvas.text(
-            "driving direction →",
-            (place.right, y),
-            Look::new(size::TICK).end().colour(MUTED),
-        );
-    })
+    }
 }
 
-fn paint_road(
-    canvas: &mut Canvas<'_>,
-    input: &SimulatorView,
+/// The stretch of road round the ego, laid on the page.
+struct View<'a> {
+    input: &'a SimulatorView,
     left: f64,
     right: f64,
-    y: &dyn Fn(f64) -> f64,
-) {
-    let edge_m = |line: usize| (line as f64 - 0.5) * input.lane_width_m;
-    let (low, high) = (y(edge_m(0)), y(edge_m(input.lanes)));
-    canvas.fill_rect((left, high), (right, low), ROAD, 1.0);
-    let pen = Pen::new(LANE_LINE, stroke::STRONG);
-    for line in 0..=input.lanes {
-        let y = y(edge_m(line));
-        let inner = line > 0 && line < input.lanes;
-        canvas.line(
-            (left, y),
-            (right, y),
-            if inner { pen.dashed(8.5, 12.0) } else { pen },
-        );
-    }
+    top: f64,
+    /// Points in a metre along the road.
+    scale: f64,
 }
 
-fn paint_ruler(canvas: &mut Canvas<'_>, left: f64, right: f64, y: f64, scale: f64) {
-    let pen = Pen::new(INK, stroke::AXIS);
-    canvas.line((left, y), (right, y), pen);
-    let look = Look::new(size::TICK).hanging().middle();
-    for step in -2..=5 {
-        let metres = f64::from(step) * 20.0;
-        let x = left + (metres + BEHIND_M) * scale;
-        canvas.line((x, y), (x, y + 2.0), pen);
-        canvas.text(&number(metres, 0), (x, y + 4.5), look);
+impl<'a> View<'a> {
+    fn new(input: &'a SimulatorView, place: Place) -> Self {
+        Self {
+            input,
+            left: place.left,
+            right: place.right,
+            top: place.top + 14.0,
+            scale: (place.right - place.left) / (BEHIND_M + AHEAD_M),
+        }
     }
-    let title = Look::new(size::AXIS).middle();
-    canvas.text(
-        "Distance from the ego along the road (m)",
-        (f64::midpoint(left, right), y + 21.0),
-        title,
-    );
+
+    /// Where a place of the road frame, in metres, lies on the page.
+    fn at(&self, x_m: f64, y_m: f64) -> (f64, f64) {
+        let highest = (self.input.lanes as f64 - 0.5) * self.input.lane_width_m;
+        (
+            self.left + (x_m - self.input.ego.x_m + BEHIND_M) * self.scale,
+            self.top + (highest - y_m) * self.scale * STRETCH,
+        )
+    }
+
+    /// The lower edge of the road.
+    fn bottom(&self) -> f64 {
+        self.at(0.0, -self.input.lane_width_m / 2.0).1
+    }
+
+    fn road(&self, canvas: &mut Canvas<'_>) {
+        let edge_m = |line: usize| (line as f64 - 0.5) * self.input.lane_width_m;
+        let y = |line: usize| self.at(0.0, edge_m(line)).1;
+        let lanes = self.input.lanes;
+        canvas.fill_rect((self.left, y(lanes)), (self.right, y(0)), ROAD, 1.0);
+        let pen = Pen::new(LANE_LINE, stroke::STRONG);
+        for line in 0..=lanes {
+            let inner = line > 0 && line < lanes;
+            let pen = if inner { pen.dashed(8.5, 12.0) } else { pen };
+            canvas.line((self.left, y(line)), (self.right, y(line)), pen);
+        }
+    }
+
+    fn path(&self, canvas: &mut Canvas<'_>, path: &[(f64, f64)], pen: Pen) {
+        let seen = |(x, _): &&(f64, f64)| (-BEHIND_M..=AHEAD_M).contains(&(x - self.input.ego.x_m));
+        let inside = path.iter().filter(seen).map(|&(x, y)| self.at(x, y));
+        canvas.path(&inside.collect::<Vec<_>>(), pen);
+    }
+
+    /// Draws a vehicle; gives its centre, length and width on the page.
+    fn vehicle(
+        &self,
+        canvas: &mut Canvas<'_>,
+        vehicle: &VehicleView,
+        ink: RGBColor,
+    ) -> ((f64, f64), f64, f64) {
+        let centre = self.at(vehicle.x_m, vehicle.y_m);
+        let length = vehicle.length_m * self.scale;
+        let width = vehicle.width_m * self.scale * STRETCH;
+        paint_vehicle(canvas, centre, (length, width), vehicle.heading_rad, ink);
+        (centre, length, width)
+    }
+
+    /// A label with its own ground, since a plan may run through it.
+    fn label(canvas: &mut Canvas<'_>, text: &str, (left, y): (f64, f64)) {
+        let look = Look::new(size::TICK).centred();
+        let corner = (left + look.width(text) + 1.5, y + 4.5);
+        canvas.fill_rect((left - 1.5, y - 4.5), corner, ROAD, 1.0);
+        canvas.text(text, (left, y), look);
+    }
+
+    fn other(&self, canvas: &mut Canvas<'_>, vehicle: &VehicleView, ink: RGBColor) {
+        let (centre, length, _) = self.vehicle(canvas, vehicle, ink);
+        let beside = (centre.0 + length / 2.0 + 3.0, centre.1);
+        Self::label(canvas, &mph(vehicle.speed_mps, 0), beside);
+    }
+
+    fn ego(&self, canvas: &mut Canvas<'_>, ink: RGBColor) {
+        let (centre, _, width) = self.vehicle(canvas, &self.input.ego, ink);
+        // The plan leaves the ego's front, so its own label stands beside it: to the left, or to the right in the
+        // leftmost lane.
+        let leftmost_m = (self.input.lanes as f64 - 1.25) * self.input.lane_width_m;
+        let aside = if self.input.ego.y_m > leftmost_m {
+            1.0
+        } else {
+            -1.0
+        };
+        let label = format!("{} mph", mph(self.input.ego.speed_mps, 0));
+        let half = Look::new(size::TICK).width(&label) / 2.0;
+        let place = (centre.0 - half, centre.1 + aside * (width / 2.0 + 6.0));
+        Self::label(canvas, &label, place);
+    }
+
+    /// The distance to the reference vehicle, below the road.
+    fn gap(&self, canvas: &mut Canvas<'_>) {
+        let SimulatorView { ego, .. } = self.input;
+        let lead = self
+            .input
+            .lead()
+            .filter(|(lead, gap)| self.input.sees(lead) && *gap > 0.0);
+        let Some((lead, gap)) = lead else {
+            return;
+        };
+        let y = self.bottom() + 6.0;
+        let from = self.at(ego.x_m + ego.length_m / 2.0, ego.y_m);
+        let to = self.at(lead.x_m - lead.length_m / 2.0, lead.y_m);
+        let thin = Pen::new(MUTED, stroke::THIN).dashed(1.5, 1.5);
+        for (x, bumper) in [from, to] {
+            canvas.line((x, bumper), (x, y + 2.5), thin);
+        }
+        canvas.line((from.0, y), (to.0, y), Pen::new(INK, stroke::AXIS));
+        let label = format!("*d*^{{(x)}} = {} m", number(gap, 1));
+        let place = (f64::midpoint(from.0, to.0), y + 4.0);
+        canvas.text(&label, place, Look::new(size::TICK).middle().hanging());
+    }
+
+    fn ruler(&self, canvas: &mut Canvas<'_>) {
+        let (left, right, y) = (self.left, self.right, self.bottom() + 19.0);
+        let pen = Pen::new(INK, stroke::AXIS);
+        canvas.line((left, y), (right, y), pen);
+        let look = Look::new(size::TICK).hanging().middle();
+        for step in -2..=5 {
+            let metres = f64::from(step) * 20.0;
+            let x = left + (metres + BEHIND_M) * self.scale;
+            canvas.line((x, y), (x, y + 2.0), pen);
+            canvas.text(&number(metres, 0), (x, y + 4.5), look);
+        }
+        let title = Look::new(size::AXIS).middle();
+        let place = (f64::midpoint(left, right), y + 21.0);
+        canvas.text("Distance from the ego along the road (m)", place, title);
+    }
 }
 
 #[cfg(test)]

@@ -1,7 +1,6 @@
 //! How the car's controllers answer a step: velocity, gap, lane.
 
 use super::prelude::*;
-use super::thin::thinned;
 
 /// Answers to steps, side by side.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -51,92 +50,69 @@ const MOST_POINTS: usize = 800;
 /// them; all three come in from outside.
 pub fn step_responses(input: &StepResponses, context: &Context) -> Result<Figure, ReportError> {
     check(input)?;
-    let found: Vec<String> = input
-        .panels
-        .iter()
-        .map(|panel| format!("{}: {}.", panel.title, words(panel).join(", ")))
-        .collect();
-    let bands: Vec<String> = input
-        .panels
-        .iter()
-        .map(|panel| {
-            let title = panel.title.to_lowercase();
-            format!("±{} {} ({title})", number(panel.band, 2), panel.unit)
-        })
-        .collect();
-    let columns = match input.panels.len() {
-        4 => 2,
-        panels => panels.min(3),
-    };
-    let rows = input.panels.len().div_ceil(columns);
+    let bands = input.panels.iter().map(|panel| {
+        let title = panel.title.to_lowercase();
+        format!("±{} {} ({title})", number(panel.band, 2), panel.unit)
+    });
+    let most = if input.panels.len() == 4 { 2 } else { 3 };
+    let grid = Grid::of(input.panels.len(), most, (11.0, 10.0));
+    let panels = input.panels.iter();
     let plan = Plan {
         name: NAME.to_owned(),
-        size_mm: (
-            (TWO_COLUMNS_MM / 3.0 * columns as f64).max(85.0),
-            60.0 * rows as f64 + 6.0,
-        ),
+        size_mm: (grid.width_mm(), 60.0 * grid.rows() + 6.0),
         title: "Answers of the controllers to a step".to_owned(),
         caption: format!(
             "What each controller reaches (black) when what it is asked for (dashed) steps. Shaded: the band that \
              counts as settled, {}; vertical line: from then on the answer stays within it. Steady-state error: mean \
              of answer less target after that. One simulated run a panel, without noise: no data of participants, \
              *n* = {}; no test.",
-            bands.join(", "),
+            bands.collect::<Vec<_>>().join(", "),
             input.panels.len()
         ),
-        alt: found.join(" "),
+        alt: sentences(
+            panels.map(|panel| format!("{}: {}.", panel.title, words(panel).join(", "))),
+        ),
         shows: Shows::Explanation,
     };
     let solid = Pen::new(INK, stroke::STRONG);
-    let target = Pen::new(GREY, stroke::STRONG).dashed(3.0, 2.0);
+    let asked = Pen::new(GREY, stroke::STRONG).dashed(3.0, 2.0);
     let settled = Pen::new(OCHRE, stroke::BOX);
-    draw_panels_below(
-        plan,
-        context,
-        Grid::new(input.panels.len(), columns, (11.0, 10.0)),
-        |canvas, whole| {
-            let keys = [
-                (Key::Line(solid), "reached"),
-                (Key::Line(target), "asked for"),
-                (Key::Line(settled), "settled from here on"),
-            ];
-            canvas.legend(whole, &keys)
-        },
-        |canvas, index, place| {
-            let panel = &input.panels[index];
-            let subtitle = words(panel).join("\n");
-            let labels = Labels {
-                title: &panel.title,
-                subtitle: &subtitle,
-                x: "Time (s)",
-                y: &panel.axis,
-                ..Labels::default()
-            };
-            let (first, last) = (panel.time_s[0], panel.time_s[panel.time_s.len() - 1]);
-            let goal = panel.target[panel.target.len() - 1];
-            let ends = [goal - panel.band, goal + panel.band];
-            let values = panel.value.iter().chain(&panel.target).chain(&ends);
-            let y = Scale::over(values.copied(), 5);
-            let frame = Frame::draw(canvas, place, &labels, Scale::between(first, last, 5), y);
-            let from = panel.step_at_s.clamp(first, last);
-            canvas.fill_rect(frame.at(from, ends[1]), frame.at(last, ends[0]), PALE, 1.0);
-            if let Some(settling) = panel.settling_s {
-                let x = frame.x.at((panel.step_at_s + settling).clamp(first, last));
-                canvas.line((x, frame.place.bottom), (x, frame.place.top), settled);
-            }
-            for (values, pen) in [(&panel.target, target), (&panel.value, solid)] {
-                let pairs: Vec<(f64, f64)> = panel
-                    .time_s
-                    .iter()
-                    .copied()
-                    .zip(values.iter().copied())
-                    .collect();
-                let path = thinned(&pairs, MOST_POINTS);
-                let path: Vec<(f64, f64)> = path.into_iter().map(|(t, v)| frame.at(t, v)).collect();
-                canvas.path(&path, pen);
-            }
-        },
-    )
+    let keys = [
+        (Key::Line(solid), "reached"),
+        (Key::Line(asked), "asked for"),
+        (Key::Line(settled), "settled from here on"),
+    ];
+    draw_panels(plan, context, grid, &keys, |canvas, index, place| {
+        let StepPanel {
+            time_s,
+            value,
+            target,
+            band,
+            step_at_s,
+            ..
+        } = &input.panels[index];
+        let labels = Labels {
+            title: &input.panels[index].title,
+            subtitle: &words(&input.panels[index]).join("\n"),
+            x: "Time (s)",
+            y: &input.panels[index].axis,
+            ..Labels::default()
+        };
+        let (first, last) = (time_s[0], time_s[time_s.len() - 1]);
+        let goal = target[target.len() - 1];
+        let ends = [goal - band, goal + band];
+        let values = value.iter().chain(target).chain(&ends).copied();
+        let scales = (Scale::between(first, last, 5), Scale::over(values, 5));
+        let mut panel = Panel::open(canvas, place, &labels, scales);
+        panel.shade([step_at_s.clamp(first, last), last], ends, PALE, 1.0);
+        if let Some(settling) = input.panels[index].settling_s {
+            panel.upright((step_at_s + settling).clamp(first, last), settled);
+        }
+        for (values, pen) in [(target, asked), (value, solid)] {
+            let pairs = time_s.iter().copied().zip(values.iter().copied());
+            panel.thin_line(&pairs.collect::<Vec<_>>(), MOST_POINTS, pen);
+        }
+    })
 }
 
 fn words(panel: &StepPanel) -> Vec<String> {
@@ -145,14 +121,10 @@ fn words(panel: &StepPanel) -> Vec<String> {
         || "does not settle".to_owned(),
         |settling| format!("settled after {} s", number(settling, 1)),
     );
-    let mut words = vec![
-        format!("overshoot {} {unit}", number(panel.overshoot, 2)),
-        settled,
-    ];
-    if let Some(error) = panel.steady_state_error {
-        words.push(format!("steady-state error {} {unit}", number(error, 3)));
-    }
-    words
+    let overshoot = format!("overshoot {} {unit}", number(panel.overshoot, 2));
+    let error = panel.steady_state_error;
+    let error = error.map(|e| format!("steady-state error {} {unit}", number(e, 3)));
+    [overshoot, settled].into_iter().chain(error).collect()
 }
 
 fn check(input: &StepResponses) -> Result<(), ReportError> {
@@ -166,19 +138,12 @@ fn check(input: &StepResponses) -> Result<(), ReportError> {
             check.finite(field, values.iter().copied())?;
         }
         check.finite("time_s", panel.time_s.iter().copied())?;
-        for pair in panel.time_s.windows(2) {
-            check.that(pair[0] < pair[1], "time_s", pair[1], "rising times")?;
-        }
-        let found = [panel.step_at_s].into_iter().chain(panel.settling_s);
-        check.finite("times of the step", found.chain(panel.steady_state_error))?;
-        for (field, value) in [("band", panel.band), ("overshoot", panel.overshoot)] {
-            check.that(
-                value >= 0.0 && value.is_finite(),
-                field,
-                value,
-                "at least 0",
-            )?;
-        }
+        check.rising("time_s", panel.time_s.iter().copied(), "rising times")?;
+        let times = [panel.step_at_s].into_iter().chain(panel.settling_s);
+        check.finite("times of the step", times.chain(panel.steady_state_error))?;
+        let any = (0.0, f64::MAX);
+        check.within(any, "band", [panel.band], "at least 0")?;
+        check.within(any, "overshoot", [panel.overshoot], "at least 0")?;
     }
     Ok(())
 }

@@ -1,8 +1,7 @@
 //! One drive as a time-space diagram, with what was decided marked on it.
 
 use super::prelude::*;
-use super::thin::thinned;
-use maveric_domain::ConditionId;
+use maveric_domain::{ConditionId, units::MetresPerSecond};
 
 /// The ego and the vehicles round it over time.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -102,46 +101,9 @@ pub fn time_space(input: &TimeSpace, context: &Context) -> Result<Figure, Report
         .flat_map(near)
         .collect();
     let own = pieces(&input.ego, |_| true, flat);
-    let count = |kind| input.decisions.iter().filter(|d| d.kind == kind).count();
-    let counts: Vec<String> = DecisionKind::ALL
-        .into_iter()
-        .filter(|&kind| count(kind) > 0)
-        .map(|kind| format!("{} × {}", count(kind), kind.look().2))
-        .collect();
-    let counts = if counts.is_empty() {
-        "none".to_owned()
-    } else {
-        counts.join(", ")
-    };
-    let left_out = input.others.len().saturating_sub(MOST_OTHERS);
-    let left_out = if left_out > 0 {
-        format!(" {left_out} more vehicles are left out, there being too many.")
-    } else {
-        String::new()
-    };
     let condition = context.look(input.condition);
     let whose = condition.words();
-    let mph = number(speed * 2.236_936_292_054_402, 1);
-    let plan = Plan {
-        name: NAME.to_owned(),
-        size_mm: (TWO_COLUMNS_MM, 92.0),
-        title: format!("Time-space diagram of {}", markup::literal(&input.drive)),
-        caption: format!(
-            "Position along the road against time, less a steady ride at the drive’s mean speed ({mph} mph): a line \
-             that rises is faster than that. Solid: in the right lane; dashed: in another; shaded: the ego ({whose}) \
-             is out of the right lane. Vehicles are drawn within {SIGHT_M:.0} m of the ego. Decisions: {counts}.\
-             {left_out} *n* = 1 drive of {:.0} s; no test.",
-            last - first
-        ),
-        alt: format!(
-            "{} over {:.0} s at {mph} mph on average among {} leads and {} other vehicles. Decisions: {counts}.",
-            input.drive,
-            last - first,
-            input.leads.len(),
-            input.others.len()
-        ),
-        shows: Shows::Participants,
-    };
+    let plan = plan(input, &whose, (last - first, speed));
     let ego_pen = Pen::new(condition.rgb(), 1.5);
     let lead_pen = Pen::new(MUTED, stroke::BOX);
     let other_pen = Pen::new(GREY, stroke::AXIS).alpha(0.7);
@@ -154,48 +116,85 @@ pub fn time_space(input: &TimeSpace, context: &Context) -> Result<Figure, Report
         if !others.is_empty() {
             keys.push((Key::Line(other_pen), "other traffic"));
         }
-        for kind in DecisionKind::ALL
-            .into_iter()
-            .filter(|&kind| count(kind) > 0)
-        {
-            let (marker, colour, name) = kind.look();
+        for (marker, colour, name) in input.kinds().map(|(kind, _)| kind.look()) {
             keys.push((Key::Point(marker, colour), name));
         }
         let place = canvas.legend(whole, &keys);
-        let all = own.iter().chain(&leads).chain(&others);
-        let y = Scale::over(all.flat_map(|piece| piece.points.iter().map(|p| p.1)), 5);
+        let everything = own.iter().chain(&leads).chain(&others);
+        let places = everything.flat_map(|piece| piece.points.iter().map(|p| p.1));
         let labels = Labels {
             x: "Time (s)",
             y: "Ahead of the steady ride (m)",
             ..Labels::default()
         };
-        let frame = Frame::draw(
-            canvas,
-            place,
-            &labels,
-            Scale::between(0.0, last - first, 8),
-            y,
-        );
+        let scales = (Scale::between(0.0, last - first, 8), Scale::over(places, 5));
+        let mut panel = Panel::open(canvas, place, &labels, scales);
         for piece in own.iter().filter(|piece| !piece.right_lane) {
             let ends = [piece.points[0].0, piece.points[piece.points.len() - 1].0];
-            let (a, b) = (frame.x.at(ends[0]), frame.x.at(ends[1]));
-            canvas.fill_rect((a, frame.place.top), (b, frame.place.bottom), OCHRE, 0.1);
+            panel.stripe(ends, OCHRE, 0.1);
         }
         for (pieces, pen, most) in [
             (&others, other_pen, MOST_POINTS_OF_OTHERS),
             (&leads, lead_pen, MOST_POINTS_OF_OTHERS),
             (&own, ego_pen, MOST_POINTS),
         ] {
-            for piece in pieces {
-                paint(canvas, &frame, piece, pen, most);
+            for Piece { right_lane, points } in pieces {
+                let pen = if *right_lane {
+                    pen
+                } else {
+                    pen.dashed(4.0, 1.8)
+                };
+                panel.thin_line(points, most, pen);
             }
         }
         for decision in &input.decisions {
             let (marker, colour, _) = decision.kind.look();
-            let (x, y) = flat((decision.time_s, ego.at(decision.time_s)));
-            canvas.marker(frame.at(x, y), 2.8, marker, colour);
+            let place = flat((decision.time_s, ego.at(decision.time_s)));
+            panel.mark(place, (2.8, marker, colour));
         }
     })
+}
+
+impl TimeSpace {
+    /// What was decided, and how often.
+    fn kinds(&self) -> impl Iterator<Item = (DecisionKind, usize)> {
+        let count = |kind| self.decisions.iter().filter(|d| d.kind == kind).count();
+        let kinds = DecisionKind::ALL.map(|kind| (kind, count(kind)));
+        kinds.into_iter().filter(|(_, count)| *count > 0)
+    }
+}
+
+fn plan(input: &TimeSpace, whose: &str, (seconds, speed): (f64, f64)) -> Plan {
+    let counts = input
+        .kinds()
+        .map(|(kind, count)| format!("{count} × {}", kind.look().2));
+    let counts = match counts.collect::<Vec<_>>() {
+        none if none.is_empty() => "none".to_owned(),
+        counts => counts.join(", "),
+    };
+    let left_out = match input.others.len().saturating_sub(MOST_OTHERS) {
+        0 => String::new(),
+        more => format!(" {more} more vehicles are left out, there being too many."),
+    };
+    let mph = number(MetresPerSecond(speed).mph(), 1);
+    Plan {
+        name: NAME.to_owned(),
+        size_mm: (TWO_COLUMNS_MM, 92.0),
+        title: format!("Time-space diagram of {}", markup::literal(&input.drive)),
+        caption: format!(
+            "Position along the road against time, less a steady ride at the drive’s mean speed ({mph} mph): a line \
+             that rises is faster than that. Solid: in the right lane; dashed: in another; shaded: the ego ({whose}) \
+             is out of the right lane. Vehicles are drawn within {SIGHT_M:.0} m of the ego. Decisions: {counts}.\
+             {left_out} *n* = 1 drive of {seconds:.0} s; no test."
+        ),
+        alt: format!(
+            "{} over {seconds:.0} s at {mph} mph on average among {} leads and {} other vehicles. Decisions: {counts}.",
+            input.drive,
+            input.leads.len(),
+            input.others.len()
+        ),
+        shows: Shows::Participants,
+    }
 }
 
 fn check(input: &TimeSpace) -> Result<(f64, f64), ReportError> {
@@ -211,16 +210,18 @@ fn check(input: &TimeSpace) -> Result<(f64, f64), ReportError> {
         check.length("lane", track.lane.len(), rows)?;
         check.finite("time_s", track.time_s.iter().copied())?;
         check.finite("x_m", track.x_m.iter().copied())?;
-        for pair in track.time_s.windows(2) {
-            check.that(pair[0] < pair[1], "time_s", pair[1], "rising times")?;
-        }
+        check.rising("time_s", track.time_s.iter().copied(), "rising times")?;
     }
     let first = input.ego.time_s[0];
     let last = input.ego.time_s[input.ego.time_s.len() - 1];
     for decision in &input.decisions {
-        let inside = (first..=last).contains(&decision.time_s);
         let expected = format!("a time within the drive, {first} to {last} s");
-        check.that(inside, "time of a decision", decision.time_s, &expected)?;
+        check.within(
+            (first, last),
+            "time of a decision",
+            [decision.time_s],
+            &expected,
+        )?;
     }
     Ok((first, last))
 }
@@ -283,22 +284,6 @@ impl<'a> Path<'a> {
         }
         let share = (time - time_s[after - 1]) / (time_s[after] - time_s[after - 1]);
         x_m[after - 1] + share * (x_m[after] - x_m[after - 1])
-    }
-}
-
-fn paint(canvas: &mut Canvas<'_>, frame: &Frame, piece: &Piece, pen: Pen, most: usize) {
-    let points: Vec<(f64, f64)> = thinned(&piece.points, most)
-        .into_iter()
-        .map(|(time, x)| frame.at(time, x))
-        .collect();
-    let pen = if piece.right_lane {
-        pen
-    } else {
-        pen.dashed(4.0, 1.8)
-    };
-    canvas.path(&points, pen);
-    if let [alone] = points[..] {
-        canvas.disc(alone, 0.6, INK, 1.0);
     }
 }
 

@@ -33,108 +33,77 @@ pub fn training_curves(input: &TrainingCurves, context: &Context) -> Result<Figu
     let check = Check(NAME);
     check.at_least(1, "terms", input.terms.len())?;
     for term in &input.terms {
-        check.at_least(1, "epochs", term.train.len())?;
-        check.finite(
-            &term.title,
-            term.train.iter().chain(&term.validation).copied(),
-        )?;
-        if !term.validation.is_empty() {
-            check.length(
-                "the validation curve",
-                term.validation.len(),
-                term.train.len(),
-            )?;
+        let (train, kept) = (&term.train, &term.validation);
+        check.at_least(1, "epochs", train.len())?;
+        check.finite(&term.title, train.iter().chain(kept).copied())?;
+        if !kept.is_empty() {
+            check.length("the validation curve", kept.len(), train.len())?;
         }
     }
-    let columns = input.terms.len().min(3);
-    let rows = input.terms.len().div_ceil(3);
+    let grid = Grid::of(input.terms.len(), 3, (12.0, 9.0));
     let validated = input.terms.iter().any(|term| !term.validation.is_empty());
-    let epochs = input
-        .terms
-        .iter()
-        .map(|term| term.train.len())
-        .max()
-        .unwrap_or(0);
-    let found: Vec<String> = input
-        .terms
-        .iter()
-        .map(|term| {
-            let name = crate::markup::plain(&term.title);
-            let (first, last) = (term.train[0], term.train[term.train.len() - 1]);
-            let kept = term.validation.iter().copied().enumerate();
-            let kept = kept.min_by(|a, b| a.1.total_cmp(&b.1)).zip(term.validation.last());
-            let kept = kept.map_or_else(String::new, |((at, least), end)| {
-                format!(" On what was kept back it is least after epoch {} ({least:.3}) and ends at {end:.3}.", at + 1)
-            });
-            format!("{name} goes from {first:.3} to {last:.3} on what is learned from.{kept}")
-        })
-        .collect();
+    let epochs = input.terms.iter().map(|term| term.train.len()).max();
     let plan = Plan {
         name: NAME.to_owned(),
-        size_mm: (TWO_COLUMNS_MM, 44.0 * rows as f64 + 6.0),
+        size_mm: (TWO_COLUMNS_MM, 44.0 * grid.rows() + 6.0),
         title: "Training".to_owned(),
         caption: format!(
             "Each term of the loss by epoch, unweighted, on standardised targets, over {} training \
-             drives and {epochs} epochs; no test.{}",
+             drives and {} epochs; no test.{}",
             input.drives,
+            epochs.unwrap_or(0),
             if validated {
                 " Dashed: the last part of every drive, not learned from."
             } else {
                 ""
             }
         ),
-        alt: found.join(" "),
+        alt: sentences(input.terms.iter().map(LossTerm::course)),
         shows: Shows::Participants,
     };
     let solid = Pen::new(INK, stroke::STRONG);
     let dashed = Pen::new(GREY, stroke::STRONG).dashed(3.0, 2.0);
-    draw_panels_below(
-        plan,
-        context,
-        Grid::new(input.terms.len(), columns, (12.0, 9.0)),
-        |canvas, mut whole| {
-            if validated {
-                let keys = [
-                    (Key::Line(solid), "rows learned from"),
-                    (Key::Line(dashed), "last part of each drive, kept back"),
-                ];
-                canvas.legend_row((whole.left, whole.top + 4.0), &keys);
-                whole.top += 15.0;
-            }
-            whole
-        },
-        |canvas, index, place| {
-            let term = &input.terms[index];
-            let values = || term.train.iter().chain(&term.validation).copied();
-            let low = values().fold(f64::INFINITY, f64::min);
-            let high = values().fold(f64::NEG_INFINITY, f64::max);
-            let y = if low > 0.0 && high / low > 10.0 {
-                Scale::log_over(values())
-            } else {
-                Scale::over(values(), 4)
-            };
-            let x = Scale::between(0.0, term.train.len() as f64, 4);
-            let labels = Labels {
-                title: &term.title,
-                subtitle: "",
-                x: "Epoch",
-                y: "Loss",
-                ..Labels::default()
-            };
-            let frame = Frame::draw(canvas, place, &labels, x, y);
-            for (curve, pen) in [(&term.validation, dashed), (&term.train, solid)] {
-                let path: Vec<(f64, f64)> = curve
-                    .iter()
-                    .enumerate()
-                    .map(|(epoch, value)| frame.at((epoch + 1) as f64, *value))
-                    .collect();
-                canvas.path(&path, pen);
-                if let [only] = path.as_slice() {
-                    canvas.disc(*only, stroke::POINT, INK, 1.0);
-                }
-            }
-        },
-    )
+    let keys = [
+        (Key::Line(solid), "rows learned from"),
+        (Key::Line(dashed), "last part of each drive, kept back"),
+    ];
+    let keys = if validated { &keys[..] } else { &[] };
+    draw_panels(plan, context, grid, keys, |canvas, index, place| {
+        let term = &input.terms[index];
+        let values = || term.train.iter().chain(&term.validation).copied();
+        let (low, high) = extent(values());
+        let y = if low > 0.0 && high / low > 10.0 {
+            Scale::log_over(values())
+        } else {
+            Scale::over(values(), 4)
+        };
+        let x = Scale::between(0.0, term.train.len() as f64, 4);
+        let labels = Labels {
+            title: &term.title,
+            x: "Epoch",
+            y: "Loss",
+            ..Labels::default()
+        };
+        let mut panel = Panel::open(canvas, place, &labels, (x, y));
+        for (curve, pen) in [(&term.validation, dashed), (&term.train, solid)] {
+            let epochs = (1..=curve.len()).map(|epoch| epoch as f64);
+            panel.line(epochs.zip(curve.iter().copied()), pen);
+        }
+    })
+}
+
+impl LossTerm {
+    /// From where to where it went, in words.
+    fn course(&self) -> String {
+        let name = markup::plain(&self.title);
+        let (first, last) = (self.train[0], self.train[self.train.len() - 1]);
+        let kept = self.validation.iter().copied().enumerate();
+        let least = kept.min_by(|a, b| a.1.total_cmp(&b.1));
+        let kept = least.zip(self.validation.last()).map_or_else(String::new, |((at, least), end)| {
+            format!(" On what was kept back it is least after epoch {} ({least:.3}) and ends at {end:.3}.", at + 1)
+        });
+        format!("{name} goes from {first:.3} to {last:.3} on what is learned from.{kept}")
+    }
 }
 
 #[cfg(test)]

@@ -15,3 +15,4 @@ mod drawn;
 mod golden;
 mod many;
 mod page;
+mod read_back;

@@ -18,7 +18,7 @@ pub(crate) use pearson::coefficient;
 use crate::{
     Reasons, StatsError, complete,
     normality::shapiro_wilk,
-    numerics::distributions::{normal_quantile, t_two_sided},
+    numerics::distributions::{NORMAL_975, normal_quantile, t_two_sided},
     reasons::p_words,
 };
 
@@ -239,7 +239,7 @@ pub(crate) fn fisher_interval(r: f64, error: f64) -> (f64, f64) {
     if r.abs() >= 1.0 {
         return (r, r);
     }
-    let half = 1.959_963_984_540_054 * error;
+    let half = NORMAL_975 * error;
     (
         libm::tanh(libm::atanh(r) - half),
         libm::tanh(libm::atanh(r) + half),

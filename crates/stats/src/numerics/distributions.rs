@@ -46,6 +46,9 @@ pub(crate) fn normal_quantile(p: f64) -> f64 {
     if step.is_finite() { z - step } else { z }
 }
 
+/// 97.5 % point of the normal distribution.
+pub(crate) const NORMAL_975: f64 = 1.959_963_984_540_054;
+
 /// P(|T| > |t|) with `df` degrees of freedom.
 pub(crate) fn t_two_sided(t: f64, df: f64) -> f64 {
     let square = t * t;
