@@ -73,8 +73,10 @@ fn allowed(name: &str) -> Vec<&'static str> {
 }
 
 /// Heavy dependencies and the crates that may name them.
-const HOMES: [(&str, &[&str]); 13] = [
+const HOMES: [(&str, &[&str]); 15] = [
     ("pyo3", &["python"]),
+    ("calamine", &["study"]),
+    ("encoding_rs", &["study"]),
     ("polars", &["ingest", "study"]),
     ("polars-io", &["ingest", "study"]),
     ("mcap", &["bag"]),

@@ -30,6 +30,7 @@ pub fn analyse(data: &StudyData, friedman: Friedman) -> Result<Analysis, Analysi
         scripted: data.is_scripted(),
         participants: data.participants.len(),
         flow: data.flow.clone(),
+        orders: data.order_balance(),
         hypotheses: hypotheses::verdicts(data, &panels)?,
         line: line::line(data, true)?,
         line_without_adb: line::line(data, false)?,

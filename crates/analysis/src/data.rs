@@ -2,6 +2,7 @@
 
 use crate::{
     AnalysisError,
+    balance::OrderBalance,
     exclusions::{Driven, LeftOut},
     flow::{self, Flow},
     person::Person,
@@ -410,6 +411,16 @@ impl StudyData {
             Some((_, subscale)) if subscale.lower_is_better => Sign::Minus,
             _ => Sign::Plus,
         }
+    }
+
+    /// How evenly the conditions stand in the orders of those who were tested; none where no order is known.
+    pub(crate) fn order_balance(&self) -> Option<OrderBalance> {
+        let order = |id| self.people.get(id).map(|person| person.order.as_slice());
+        let orders = self
+            .participants
+            .iter()
+            .map(|id| order(id).unwrap_or_default());
+        OrderBalance::of(&self.design, orders)
     }
 
     /// What the table of people says of a participant.

@@ -1,6 +1,7 @@
 #![doc = include_str!("../README.md")]
 
 mod analyse;
+mod balance;
 mod compare;
 mod contrast;
 mod correlations;
@@ -30,6 +31,7 @@ mod turned;
 pub mod verdict;
 
 pub use analyse::analyse;
+pub use balance::{Balance, OrderBalance, PlacesOf};
 pub use data::{StudyData, Tables};
 pub use design_test::Friedman;
 pub use error::AnalysisError;

@@ -1,6 +1,6 @@
 //! Who takes part.
 
-use maveric_domain::ParticipantId;
+use maveric_domain::{ConditionId, ParticipantId};
 use std::collections::BTreeMap;
 
 /// Somebody in the table of people.
@@ -12,6 +12,8 @@ pub struct Person {
     pub learned: bool,
     /// Whether they sat through the conditions.
     pub tested: bool,
+    /// The conditions in the order in which they met them; empty where it is not known.
+    pub order: Vec<ConditionId>,
     /// Every further column: factors and covariates.
     pub columns: BTreeMap<String, String>,
 }

@@ -1,6 +1,6 @@
 //! What the analyses of a study give: everything that a figure, a table or a claim is made from.
 
-use crate::{finding::Finding, flow::Flow, verdict::Verdict};
+use crate::{balance::OrderBalance, finding::Finding, flow::Flow, verdict::Verdict};
 use maveric_domain::{
     ConditionId,
     design::{ScoreName, Sign},
@@ -20,6 +20,9 @@ pub struct Analysis {
     pub participants: usize,
     /// How many there were at each step, and who was left out.
     pub flow: Flow,
+    /// How evenly the conditions stand in the orders in which people met them; none where no order is known.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub orders: Option<OrderBalance>,
     /// The hypotheses of the design, judged by their rules.
     pub hypotheses: Vec<Judged>,
     /// What became of each question that the study asks, in the order in which a reader asks; a page words them.

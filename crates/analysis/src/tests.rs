@@ -426,6 +426,7 @@ fn with_people(ages: [&str; 6]) -> Tables {
         id: person(i),
         learned: false,
         tested: true,
+        order: Vec::new(),
         columns: BTreeMap::from([
             ("city".to_owned(), ["A", "B"][i % 2].to_owned()),
             ("age".to_owned(), ages[i].to_owned()),
@@ -767,6 +768,7 @@ fn whoever_is_excluded_is_out_of_everything_and_counted_with_the_reason() {
             id: person(i),
             learned: false,
             tested: true,
+            order: Vec::new(),
             columns: BTreeMap::new(),
         })
         .collect();
@@ -884,6 +886,7 @@ fn whoever_is_learned_from_or_drove_nothing_of_the_study_takes_no_part() {
             id: person(i),
             learned: !tested,
             tested,
+            order: Vec::new(),
             columns: BTreeMap::new(),
         });
     }

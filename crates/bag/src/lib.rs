@@ -28,6 +28,6 @@ pub use parts::{Parts, is_split, parts_of};
 pub use record::{Channel, Message, Metadata, Record, Schema};
 pub use ros2::cdr::Writer as CdrWriter;
 pub use streams::{Stream, Streams, Take, read_streams};
-pub use summary::{Announced, announced, attachment};
+pub use summary::{Announced, announced, attachment, begins_ns};
 pub use wanted::name_number;
 pub use writer::Writer;

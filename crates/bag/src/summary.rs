@@ -86,6 +86,20 @@ pub fn announced(path: &Path) -> Option<Vec<Announced>> {
     Some(announced.collect())
 }
 
+/// When the first message of a file was received, in ns since 1970, by its own summary; none where it has no whole one, or its clock stood
+/// before the year 2000: it says how long ago something was switched on, not what day it is.
+pub fn begins_ns(path: &Path) -> Option<u64> {
+    const YEAR_2000_NS: u64 = 946_684_800_000_000_000;
+    let bytes = summary(&mut File::open(path).ok()?)?;
+    let counts = records(&bytes).flatten().find_map(|(opcode, content)| {
+        match record::account(opcode, content) {
+            Some(Account::Statistics(counts)) if counts.message_count > 0 => Some(counts),
+            _ => None,
+        }
+    });
+    Some(counts?.message_start_time).filter(|ns| *ns >= YEAR_2000_NS)
+}
+
 /// What is attached to a file under `name`, by its summary; none where there is no such attachment, or no whole summary.
 ///
 /// # Errors

@@ -27,6 +27,8 @@ mod settings;
 mod source;
 mod synchronise;
 
+pub use maveric_bag::begins_ns;
+
 pub use csv::{Csv, read_csv};
 pub use drive_file::{drive_frame, read_drive_from, write_drive_to};
 pub use error::IngestError;

@@ -5,6 +5,7 @@ use crate::{
     error::StudyError,
     gate::analysed,
     run_folder::{read_scales, score_range},
+    stages::{import::refuse_export, orders::balance_of},
     tables::{Table, participants::Enrolled},
 };
 use maveric_analysis::Why;
@@ -20,6 +21,7 @@ use std::{collections::BTreeSet, path::Path};
 /// # Errors
 /// [`StudyError`] naming the design's file, the key, what it says and what would be possible.
 pub fn check_design(study: &DesignFile) -> Result<(), StudyError> {
+    refuse_export(study)?;
     let folder = study.resolve(&study.design.files().scales);
     let scales = read_scales(&folder)?;
     of_scales(study, &scales).map_err(|error| {
@@ -232,6 +234,9 @@ pub fn study_notes(study: &DesignFile, results: &Path) -> Result<Vec<String>, St
             "{}: neither learned from nor tested, by the columns that `[people]` names",
             neither.join(", ")
         ));
+    }
+    if let Some(balance) = balance_of(study, &enrolled.enrolled) {
+        notes.extend(maveric_pages::orders(design, &balance)?);
     }
     let driven = words(
         &[

@@ -22,11 +22,7 @@ pub fn design_pipeline(study: &DesignFile) -> String {
     let values = context! {
         design => DESIGN_FILE,
         title => design.title().replace(['\n', '\r'], " "),
-        software => match design.files().software {
-            Software::Table => None,
-            Software::Otree => Some("otree"),
-            Software::Jspsych => Some("jspsych"),
-        },
+        software => Some(design.files().software).filter(|s| *s != Software::Table).map(Software::id),
         simulates,
         varies => design.conditions().iter().any(|c| c.vary),
         needs_model => design.needs_a_model(),

@@ -215,6 +215,7 @@ pub(crate) fn read_study(
                 id: p.id,
                 learned: p.learned_from,
                 tested: p.tested,
+                order: p.order,
                 columns: p.cells,
             })
             .collect(),

@@ -3,14 +3,15 @@
 use super::{print_outcome, today};
 use crate::diagnostics::Failure;
 use maveric_study::outcome::Format;
-use maveric_study::stages::{declare, freeze};
+use maveric_study::stages::{declare, freeze, orders};
 use std::path::PathBuf;
 
-/// The study's design as the text of a preregistration; frozen, so that the page can say what differs
+/// The study's design as the text of a preregistration; frozen, so that the page can say what differs; orders of its conditions
 #[derive(Debug, clap::Args)]
 #[command(after_help = "\
 Examples: maveric design describe > preregistration.md
-          maveric design freeze --design my_study/study.toml")]
+          maveric design freeze --design my_study/study.toml
+          maveric design orders --people 24")]
 pub(crate) struct Design {
     #[command(subcommand)]
     what: What,
@@ -22,6 +23,16 @@ enum What {
     Describe(Describe),
     /// Write study.lock beside the design: what was declared, and when
     Freeze(Args),
+    /// Write a table of people with the order in which each meets the conditions, balanced by a Williams or Latin square
+    Orders(Orders),
+}
+
+#[derive(Debug, clap::Args)]
+struct Orders {
+    #[command(flatten)]
+    args: Args,
+    #[command(flatten)]
+    asked: orders::Orders,
 }
 
 #[derive(Debug, clap::Args)]
@@ -49,6 +60,11 @@ impl Design {
             What::Describe(Describe { args: a, power }) => {
                 print_outcome(a.format, "could not describe the design", |_| {
                     declare::describe(a.design.as_deref(), power.as_deref())
+                })
+            }
+            What::Orders(Orders { args: a, asked }) => {
+                print_outcome(a.format, "could not write the orders", |_| {
+                    orders::orders(a.design.as_deref(), &asked)
                 })
             }
             What::Freeze(a) => {

@@ -77,13 +77,46 @@ pub struct RigMapping {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Software {
-    /// A plain table.
+    /// The table that is scored: a row an answer.
     #[default]
     Table,
     /// oTree.
     Otree,
     /// jsPsych.
     Jspsych,
+    /// Qualtrics.
+    Qualtrics,
+    /// `LimeSurvey`.
+    Limesurvey,
+    /// `SoSci` Survey.
+    Sosci,
+    /// Anything else that writes a row a participant.
+    Wide,
+}
+
+impl Software {
+    /// Everything whose exports are imported: all but the table that is scored.
+    pub const IMPORTED: [Self; 6] = [
+        Self::Otree,
+        Self::Jspsych,
+        Self::Qualtrics,
+        Self::Limesurvey,
+        Self::Sosci,
+        Self::Wide,
+    ];
+
+    /// Its word in a design and on the command line.
+    pub fn id(self) -> &'static str {
+        match self {
+            Self::Table => "table",
+            Self::Otree => "otree",
+            Self::Jspsych => "jspsych",
+            Self::Qualtrics => "qualtrics",
+            Self::Limesurvey => "limesurvey",
+            Self::Sosci => "sosci",
+            Self::Wide => "wide",
+        }
+    }
 }
 
 /// A model that was learned elsewhere.

@@ -1,4 +1,37 @@
-//! Orders of conditions in which each stands in every place, and after every other, equally often.
+//! Orders of conditions in which each stands in every place equally often.
+
+use serde::{Deserialize, Serialize};
+
+/// A square of orders: a row a person, over and over again.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Square {
+    /// Each condition stands in every place, and after every other, equally often: [`williams`].
+    #[default]
+    Williams,
+    /// Each condition stands in every place equally often, and always after the same other: as few rows as there are conditions.
+    Latin,
+}
+
+impl Square {
+    /// Rows over so many conditions, after which it begins again.
+    pub fn rows(self, conditions: usize) -> usize {
+        match self {
+            Self::Williams => williams_rows(conditions),
+            Self::Latin => conditions,
+        }
+    }
+
+    /// The row `index` over `conditions` places: numbers from 0, each once.
+    pub fn row(self, conditions: usize, index: usize) -> Vec<usize> {
+        match self {
+            Self::Williams => williams(conditions, index),
+            Self::Latin => (0..conditions)
+                .map(|place| (place + index) % conditions)
+                .collect(),
+        }
+    }
+}
 
 /// Rows of the Williams square over so many conditions.
 pub fn williams_rows(conditions: usize) -> usize {
@@ -62,6 +95,19 @@ mod tests {
             assert!(after.values().all(|count| *count == rows / n), "{n}");
             assert_eq!(after.len(), n * (n - 1), "{n}");
             assert_eq!(williams(n, rows), orders[0]);
+        }
+    }
+
+    #[test]
+    fn a_latin_square_has_each_condition_in_every_place_once() {
+        for n in 1..=7_usize {
+            assert_eq!(Square::Latin.rows(n), n);
+            for place in 0..n {
+                let mut there: Vec<usize> =
+                    (0..n).map(|row| Square::Latin.row(n, row)[place]).collect();
+                there.sort_unstable();
+                assert_eq!(there, (0..n).collect::<Vec<_>>());
+            }
         }
     }
 }

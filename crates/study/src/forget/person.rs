@@ -7,7 +7,11 @@ use crate::{
     forgotten::FORGOTTEN_FILE,
     named::names,
     run_folder::{embeddings_path, training_path},
-    stages::{export::METADATA, import::participant_column, ingest::logs_of},
+    stages::{
+        export::METADATA,
+        import::{column_of_people, has_row_of},
+        ingest::logs_of,
+    },
     tables::{Table, collected::NOTES},
 };
 use maveric_domain::{ParticipantId, design::Software};
@@ -81,7 +85,7 @@ pub fn forget_person(study: &DesignFile, id: &ParticipantId) -> Result<Forgotten
         if name == FORGOTTEN_FILE || name.starts_with(DATABASE) {
             continue;
         }
-        if let Some(column) = column_of_people(study, &path)? {
+        if let Some(column) = column_of_ids(study, &path)? {
             let mut count = rows::take_out(&path, &column, id, |cell, id| cell == id)?;
             if path == notes && Table::read(&path)?.has("text") {
                 count += rows::take_out(&path, "text", id, is_about)?;
@@ -145,7 +149,7 @@ fn models_of(
 }
 
 /// The column of a table of words that says whose each row is; none for any other file.
-fn column_of_people(study: &DesignFile, path: &Path) -> Result<Option<String>, StudyError> {
+fn column_of_ids(study: &DesignFile, path: &Path) -> Result<Option<String>, StudyError> {
     let is_table = path
         .extension()
         .is_some_and(|e| ["csv", "tsv"].iter().any(|t| e.eq_ignore_ascii_case(t)));
@@ -156,13 +160,19 @@ fn column_of_people(study: &DesignFile, path: &Path) -> Result<Option<String>, S
     let Ok(table) = Table::read(path) else {
         return Ok(None);
     };
-    let files = study.design.files();
-    let answers: PathBuf = study.resolve(&files.answers).components().collect();
-    if *path == answers && files.software == Software::Otree {
-        let columns = files.columns.as_ref().map(|file| study.resolve(file));
-        return participant_column(&table, columns.as_deref());
+    if is_answers(study, path) && study.design.files().software != Software::Table {
+        let column = column_of_people(study)?;
+        return Ok(column.filter(|column| table.has(column)));
     }
     Ok(table.has("participant").then(|| "participant".to_owned()))
+}
+
+fn is_answers(study: &DesignFile, path: &Path) -> bool {
+    let answers: PathBuf = study
+        .resolve(&study.design.files().answers)
+        .components()
+        .collect();
+    *path == answers
 }
 
 /// Whether a file names somebody, in its path or as a word of its text. Whose a log is was read already, and a number is a word of many
@@ -170,6 +180,10 @@ fn column_of_people(study: &DesignFile, path: &Path) -> Result<Option<String>, S
 fn names_still(study: &DesignFile, path: &Path, id: &ParticipantId) -> Result<bool, StudyError> {
     let within = path.strip_prefix(study.folder()).unwrap_or(path);
     if names(&within.to_string_lossy(), id.as_str()) {
+        return Ok(true);
+    }
+    // A workbook, or a text in another encoding, shows its words to its reader alone.
+    if is_answers(study, path) && has_row_of(study, id)? {
         return Ok(true);
     }
     let logs: PathBuf = study

@@ -13,6 +13,7 @@ pub mod ingest;
 pub mod init;
 pub mod inspect;
 pub mod measure;
+pub mod orders;
 pub mod personalize;
 pub mod rate;
 pub mod recommend;
@@ -36,7 +37,7 @@ use std::collections::BTreeMap;
 pub fn versions() -> BTreeMap<String, String> {
     [
         ("generate", 5),
-        ("import", 2),
+        ("import", 3),
         ("codebook", 1),
         ("export", 3),
         ("ingest", 11),
@@ -48,13 +49,13 @@ pub fn versions() -> BTreeMap<String, String> {
         ("measure", 4),
         ("rate", 2),
         ("evaluate", 6),
-        ("stats", 11),
+        ("stats", 12),
         ("ablate", 7),
         ("validate", 9),
         ("recommend", 3),
         ("rehearse", 6),
         ("rehearse-dial", 5),
-        ("report", 11),
+        ("report", 12),
     ]
     .map(|(command, version)| (command.to_owned(), version.to_string()))
     .into()

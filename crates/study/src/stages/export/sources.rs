@@ -64,7 +64,7 @@ impl Sources {
         let there = |path: &Path| Some(study.resolve(path)).filter(|path| path.is_file());
         let answers = match files.software {
             Software::Table => there(&files.answers),
-            Software::Otree | Software::Jspsych => there(&Path::new(RESULTS).join(IMPORTED)),
+            _ => there(&Path::new(RESULTS).join(IMPORTED)),
         };
         let ingested = Ingest {
             mapping: options.mapping.clone(),

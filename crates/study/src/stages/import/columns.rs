@@ -1,132 +1,199 @@
 //! What the columns of an export mean: by convention, by the scales' own files, or by a map.
 
-use crate::{atomic_write::read_text, error::StudyError};
+use super::{
+    map_file::{MapFile, ScaleColumns},
+    pattern::Pattern,
+};
+use crate::error::StudyError;
 use maveric_domain::{Design, Moment, Scale};
-use serde::Deserialize;
 use std::{collections::BTreeMap, path::Path};
 
-/// A map, as a TOML file: only what differs from the convention need be in it.
-#[derive(Debug, Clone, Default, Deserialize)]
-#[serde(deny_unknown_fields, default)]
-pub(super) struct ColumnMap {
-    /// Column, or property of a trial, that holds the participant's id.
-    pub(super) participant: Option<String>,
-    /// Field beside the answers that says the moment; `condition` or `moment` without it.
-    pub(super) moment: Option<String>,
-    /// Words in that field, and the moments they mean.
-    moments: BTreeMap<String, Moment>,
-    /// By the scale's id.
-    scales: BTreeMap<String, ScaleColumns>,
+/// When an answer was given, by the name of its column.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub(super) enum When {
+    /// The name does not say it: a field beside it may.
+    Unsaid,
+    Known(Moment),
+    /// After the ride of this number, from 1, in the person's own order.
+    Trial(usize),
 }
 
-#[derive(Debug, Clone, Default, Deserialize)]
-#[serde(deny_unknown_fields, default)]
-struct ScaleColumns {
-    /// Pattern of the field's name, with `{item}`.
-    column: Option<String>,
-    /// Added to every number: 1 where the software counts answers from 0.
-    add: Option<i32>,
-    /// Answers in words, from the lowest.
-    labels: Vec<String>,
+/// What a field holds.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) struct Slot {
+    /// Position of the scale.
+    pub(super) scale: usize,
+    pub(super) item: u32,
+    pub(super) when: When,
 }
 
 /// Fields that say the moment where no map names one.
 const MOMENT_FIELDS: [&str; 2] = ["condition", "moment"];
 
-impl ColumnMap {
-    pub(super) fn read(path: &Path) -> Result<Self, StudyError> {
-        let text = read_text(path)?;
-        toml::from_str(&text)
-            .map_err(|e| StudyError::file(path, format!("not a map of columns: {e}")))
-    }
+/// The columns of the study's scales.
+#[derive(Debug, Clone)]
+pub(super) struct Columns<'a> {
+    pub(super) scales: &'a [Scale],
+    pub(super) map: MapFile,
+    /// Every word for a moment: those of the map, and every label of the design.
+    words: BTreeMap<String, Moment>,
+    /// By scale.
+    patterns: Vec<Pattern>,
+}
 
-    /// Every label of the design is a word for the moment after that drive, whatever else it is a word for, unless the map says otherwise.
-    pub(super) fn know(&mut self, design: &Design) {
-        for id in design.labels() {
-            let moment = self.moments.entry(id.to_string());
-            moment.or_insert(Moment::After(id));
+impl<'a> Columns<'a> {
+    /// By the map at `path`; without one by convention. Every label of the design is a word for the moment after that drive, whatever else
+    /// it is a word for, unless the map says otherwise.
+    ///
+    /// # Errors
+    /// [`StudyError`] naming the map and the key that does not fit the scales.
+    pub(super) fn new(
+        path: Option<&Path>,
+        scales: &'a [Scale],
+        design: &Design,
+    ) -> Result<Self, StudyError> {
+        let map = path.map(MapFile::read).transpose()?.unwrap_or_default();
+        let bad = |problem| StudyError::file(path.unwrap_or(Path::new("")), problem);
+        if let Some(id) = map
+            .scales
+            .keys()
+            .find(|id| !scales.iter().any(|s| s.id == **id))
+        {
+            let known: Vec<&str> = scales.iter().map(|s| s.id.as_str()).collect();
+            let known = known.join(", ");
+            return Err(bad(format!(
+                "[scales.{id}]: no such scale; the scales are {known}"
+            )));
         }
-    }
-
-    /// Whether the map fits the scales.
-    pub(super) fn check(&self, path: Option<&Path>, scales: &[Scale]) -> Result<(), StudyError> {
-        let bad = |problem| Err(StudyError::file(path.unwrap_or(Path::new("")), problem));
-        for (id, columns) in &self.scales {
-            let Some(scale) = scales.iter().find(|s| s.id == *id) else {
-                let known: Vec<&str> = scales.iter().map(|s| s.id.as_str()).collect();
-                return bad(format!(
-                    "[scales.{id}]: no such scale; the scales are {}",
-                    known.join(", ")
-                ));
-            };
-            let boxes = (scale.max - scale.min + 1) as usize;
-            if !columns.labels.is_empty() && columns.labels.len() != boxes {
-                let found = columns.labels.len();
-                return bad(format!(
-                    "[scales.{id}]: {found} labels for the {boxes} answers {} to {}",
-                    scale.min, scale.max
-                ));
+        let mut patterns = Vec::new();
+        for scale in scales {
+            let mapped = map.scales.get(&scale.id);
+            let at = |problem: String| bad(format!("[scales.{}]: {problem}", scale.id));
+            if let Some(columns) = mapped {
+                columns.fits(scale).map_err(at)?;
             }
-            if let Some(column) = columns.column.as_ref().filter(|c| !c.contains("{item}")) {
-                return bad(format!(
-                    "[scales.{id}]: column `{column}` has no `{{item}}` where the item's number stands"
-                ));
-            }
+            let own = mapped
+                .and_then(|c| c.column.as_ref())
+                .or(scale.column.as_ref());
+            let convention = || format!("{}_{{item}}", scale.id);
+            patterns.push(Pattern::new(&own.cloned().unwrap_or_else(convention)).map_err(at)?);
         }
-        Ok(())
-    }
-
-    /// Pattern of the fields of a scale.
-    pub(super) fn pattern(&self, scale: &Scale) -> String {
-        let mapped = self.scales.get(&scale.id).and_then(|c| c.column.clone());
-        let declared = || scale.column.clone();
-        mapped
-            .or_else(declared)
-            .unwrap_or_else(|| format!("{}_{{item}}", scale.id))
-    }
-
-    /// Position of the scale and number of the item that a field belongs to.
-    pub(super) fn item_of(&self, scales: &[Scale], field: &str) -> Option<(usize, u32)> {
-        scales.iter().enumerate().find_map(|(position, scale)| {
-            let pattern = self.pattern(scale);
-            let (before, after) = pattern.split_once("{item}")?;
-            let number = field.strip_prefix(before)?.strip_suffix(after)?;
-            let digits = !number.is_empty() && number.bytes().all(|b| b.is_ascii_digit());
-            Some((position, number.parse().ok().filter(|_| digits)?))
+        let labels = design.labels().into_iter();
+        let mut words: BTreeMap<String, Moment> = labels
+            .map(|id| (id.to_string(), Moment::After(id)))
+            .collect();
+        words.extend(map.moments.clone());
+        Ok(Self {
+            scales,
+            map,
+            words,
+            patterns,
         })
+    }
+
+    /// The pattern of a scale, as it is written.
+    pub(super) fn pattern_of(&self, scale: &Scale) -> String {
+        let position = self.scales.iter().position(|s| s.id == scale.id);
+        position.map_or_else(String::new, |at| self.patterns[at].to_string())
+    }
+
+    /// The patterns of all scales.
+    pub(super) fn patterns(&self) -> impl Iterator<Item = &Pattern> {
+        self.patterns.iter()
+    }
+
+    /// Every word that means a moment.
+    pub(super) fn words(&self) -> impl Iterator<Item = &str> {
+        self.words.keys().map(String::as_str)
+    }
+
+    /// What a field holds by its name; an error is the word where a condition stands in it that means none.
+    pub(super) fn slot_of<'n>(&self, name: &'n str) -> Option<Result<Slot, &'n str>> {
+        let mut stranger = None;
+        for (scale, pattern) in self.patterns.iter().enumerate() {
+            let items = self
+                .mapped(scale)
+                .map(|c| c.items.as_slice())
+                .unwrap_or_default();
+            let Some(parts) = pattern.read(name, items) else {
+                continue;
+            };
+            let when = match (parts.moment, parts.trial) {
+                (Some(word), _) => match self.moment_by_word(word) {
+                    Some(moment) => When::Known(moment),
+                    None => {
+                        stranger = Some(Err(word));
+                        continue;
+                    }
+                },
+                (None, Some(trial)) => When::Trial(trial),
+                (None, None) => {
+                    let fixed = self.mapped(scale).and_then(|c| c.moment);
+                    fixed.map_or(When::Unsaid, When::Known)
+                }
+            };
+            let item = parts.item;
+            return Some(Ok(Slot { scale, item, when }));
+        }
+        stranger
+    }
+
+    fn mapped(&self, scale: usize) -> Option<&ScaleColumns> {
+        self.map.scales.get(&self.scales[scale].id)
+    }
+
+    /// The moment that a word means by the map or the design, in small or large letters.
+    pub(super) fn moment_by_word(&self, word: &str) -> Option<Moment> {
+        let same = || {
+            self.words
+                .iter()
+                .find(|(w, _)| w.eq_ignore_ascii_case(word))
+        };
+        let exact = self
+            .words
+            .get(word)
+            .or_else(|| same().map(|(_, moment)| moment));
+        let pre = Moment::Pre.to_string();
+        exact
+            .copied()
+            .or_else(|| pre.eq_ignore_ascii_case(word).then_some(Moment::Pre))
     }
 
     /// Fields that may say the moment.
     pub(super) fn moment_fields(&self) -> Vec<&str> {
-        match &self.moment {
+        match &self.map.moment {
             Some(field) => vec![field.as_str()],
             None => MOMENT_FIELDS.to_vec(),
         }
     }
 
-    /// The moment that a word means.
+    /// The moment that a word in a field means.
     pub(super) fn moment_of(&self, word: &str) -> Result<Moment, String> {
         let word = word.trim();
-        match self.moments.get(word) {
-            Some(moment) => Ok(*moment),
+        match self.moment_by_word(word) {
+            Some(moment) => Ok(moment),
             None => word.parse().map_err(|e| {
                 format!("{e}; other words can be given a meaning in the map's [moments]")
             }),
         }
     }
 
-    /// An answer as given, from what stands in the file; `add` is added to numbers unless the map says otherwise.
+    /// An answer as given, from what stands in the file; `add` is added to numbers unless the map says otherwise, and `missing` are the
+    /// software's words for no answer.
     pub(super) fn answer_of(
         &self,
-        scale: &Scale,
+        scale: usize,
         text: &str,
         add: i32,
+        missing: &[&str],
     ) -> Result<Option<i32>, String> {
         let text = text.trim();
-        if matches!(text, "" | "NA" | "null") {
+        let is_missing = missing.contains(&text) || self.map.missing.iter().any(|m| m == text);
+        if is_missing || matches!(text, "" | "NA" | "null") {
             return Ok(None);
         }
-        let columns = self.scales.get(&scale.id);
+        let columns = self.mapped(scale);
+        let scale = &self.scales[scale];
         let labels = columns.map(|c| c.labels.as_slice()).unwrap_or_default();
         let mut labelled = (scale.min..).zip(labels);
         if let Some((answer, _)) = labelled.find(|(_, l)| l.trim().eq_ignore_ascii_case(text)) {
@@ -138,7 +205,7 @@ impl ColumnMap {
         match whole.and_then(|n| n.checked_add(add)) {
             Some(answer) if (scale.min..=scale.max).contains(&answer) => Ok(Some(answer)),
             _ => Err(format!(
-                "found `{text}`, expected a whole number from {} to {}, or nothing",
+                "found `{text}`, expected a whole number from {} to {}, or nothing; answers in words can be given their numbers by `labels` in the map of columns",
                 scale.min - add,
                 scale.max - add
             )),

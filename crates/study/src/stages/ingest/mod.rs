@@ -13,6 +13,7 @@ use crate::{
     outcome::{Outcome, Watch, for_each_on},
     outputs::{put_in_place, spare_inputs},
     stage::{Files, Stage},
+    stages::orders,
     tables::{
         drives::{ExclusionRow, refuse_foreign, write_drive_list, write_drive_of},
         write_rows,
@@ -20,7 +21,7 @@ use crate::{
 };
 use maveric_analysis::Why;
 use maveric_domain::{Drive, DriveMeta, Sees};
-use maveric_ingest::{IngestError, Provenance, Warning, read_log};
+use maveric_ingest::{IngestError, Provenance, Warning, begins_ns, read_log};
 use path_slash::PathExt as _;
 use serde::Serialize;
 use std::{
@@ -101,6 +102,8 @@ struct Written {
     meta: DriveMeta,
     rows: usize,
     duration_s: f64,
+    /// When its log began, in ns since 1970, where its clock says it.
+    begins_ns: Option<u64>,
     /// Whether any row has a lead vehicle.
     led: bool,
     /// What its rig sees.
@@ -192,6 +195,9 @@ impl Stage for Ingest {
                 ),
                 help: Some("leave one of them out, or ingest them into two folders".to_owned()),
             });
+        }
+        if let (Some(study), Some(gate)) = (&study, &gate) {
+            orders_agree(study, self.participants.as_deref(), gate, &drives)?;
         }
         watch.check()?;
         refuse_foreign(&self.out, drives.iter().map(|d| d.meta.drive.as_str()))?;
@@ -350,6 +356,24 @@ fn sorted_out(
     (drives, left_out)
 }
 
+/// Refuses an order of somebody's that their logs contradict.
+fn orders_agree(
+    study: &DesignFile,
+    participants: Option<&Path>,
+    gate: &Gate,
+    drives: &[Written],
+) -> Result<(), StudyError> {
+    let own = study.resolve(&study.design.people().file);
+    let table = participants.unwrap_or(&own);
+    for (row, person) in gate.people().enrolled.iter().enumerate() {
+        let theirs = drives.iter().filter(|d| d.meta.participant == person.id);
+        let ridden = theirs.filter(|d| study.design.condition(d.meta.condition).is_some());
+        let recorded = ridden.map(|d| (d.meta.condition, d.begins_ns)).collect();
+        orders::agrees(table, row, person, &recorded)?;
+    }
+    Ok(())
+}
+
 /// Writes the drives of one log into a folder of its own in `aside`, so that equal names do not meet there.
 fn write_log((number, log): (usize, &logs::Log), aside: &Path) -> Result<Vec<Written>, StudyError> {
     let mut written = Vec::new();
@@ -363,6 +387,7 @@ fn write_log((number, log): (usize, &logs::Log), aside: &Path) -> Result<Vec<Wri
             meta: drive.meta().clone(),
             rows: drive.len(),
             duration_s: rows.time_s.last().copied().unwrap_or(0.0),
+            begins_ns: begins_ns(&log.path),
             led: rows.lead_present.contains(&true),
             sees: drive.sees(),
             warnings: found.warnings,

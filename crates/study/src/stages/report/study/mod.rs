@@ -150,7 +150,11 @@ pub(super) fn page(
         .parameters
         .iter()
         .map(|(name, value)| (format!("pipeline: {name}"), value.clone()));
-    let paragraphs = methods::text(&run, road.as_ref(), minutes);
+    let mut paragraphs = methods::text(&run, road.as_ref(), minutes);
+    if let Some(balance) = &run.analysis.orders {
+        let told = maveric_pages::orders(&study.design, balance)?;
+        paragraphs.push(("Orders", told.join(" ")));
+    }
     let report = Report {
         manuscript: Some(manuscript::manuscript(&run, &paragraphs, &reliabilities)),
         glossary: crate::stages::report::words::glossary(),

@@ -1,0 +1,183 @@
+//! Columns that are numbered alike, which may be the items of a scale.
+
+use super::{columns::Columns, formats::Format, grid::Grid};
+use maveric_domain::{Moment, Scale};
+use std::collections::BTreeMap;
+
+/// Columns whose names differ in one number alone.
+#[derive(Debug)]
+pub(super) struct Family {
+    pub(super) before: String,
+    pub(super) behind: String,
+    /// By that number.
+    pub(super) columns: BTreeMap<u32, usize>,
+}
+
+impl Family {
+    pub(super) fn pattern(&self) -> String {
+        format!("{}{{item}}{}", self.before, self.behind)
+    }
+}
+
+/// Every family of columns whose numbers are 1, 2, 3 and so on.
+pub(super) fn families(grid: &Grid, format: &Format) -> Vec<Family> {
+    let mut families: BTreeMap<(String, String), BTreeMap<u32, usize>> = BTreeMap::new();
+    for (column, name) in grid.columns.iter().enumerate() {
+        let (_, field) = format.field_of(name);
+        let is_digit = |at: usize| field.as_bytes().get(at).is_some_and(u8::is_ascii_digit);
+        let starts = (0..field.len()).filter(|at| is_digit(*at) && (*at == 0 || !is_digit(at - 1)));
+        for start in starts {
+            let end = (start..field.len())
+                .find(|at| !is_digit(*at))
+                .unwrap_or(field.len());
+            if let Ok(number) = field[start..end].parse() {
+                let key = (field[..start].to_owned(), field[end..].to_owned());
+                families.entry(key).or_default().insert(number, column);
+            }
+        }
+    }
+    let all = families
+        .into_iter()
+        .map(|((before, behind), columns)| Family {
+            before,
+            behind,
+            columns,
+        });
+    let is_counted = |family: &Family| {
+        family
+            .columns
+            .keys()
+            .copied()
+            .eq(1..=family.columns.len() as u32)
+    };
+    all.filter(|family| family.columns.len() > 1 && is_counted(family))
+        .collect()
+}
+
+/// How the answers in a family of columns look to a scale.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub(super) enum Answers {
+    Within,
+    /// All within, when 1 is added.
+    FromZero,
+    Words,
+    Beyond,
+}
+
+pub(super) fn answers(grid: &Grid, scale: &Scale, family: &Family) -> Answers {
+    let cells = family
+        .columns
+        .values()
+        .flat_map(|column| grid.column(*column));
+    let filled: Vec<&str> = cells.filter(|cell| !cell.is_empty()).collect();
+    let numbers: Vec<i32> = filled.iter().filter_map(|cell| cell.parse().ok()).collect();
+    let range = scale.min..=scale.max;
+    let possible = |n: i32, add: i32| n.checked_add(add).is_some_and(|n| range.contains(&n));
+    // Negative numbers are codes for no answer.
+    let given = || numbers.iter().copied().filter(|n| *n >= scale.min.min(0));
+    if numbers.len() < filled.len() {
+        Answers::Words
+    } else if given().all(|n| possible(n, 0)) {
+        Answers::Within
+    } else if scale.min == 1 && given().all(|n| possible(n, 1)) {
+        Answers::FromZero
+    } else {
+        Answers::Beyond
+    }
+}
+
+/// The one pattern of several families whose names differ in one place, and what stands there.
+pub(super) fn joint_pattern(families: &[&Family]) -> Option<(String, Vec<String>)> {
+    let (first, rest) = families.split_first()?;
+    if rest.is_empty() || rest.iter().any(|f| f.behind != first.behind) {
+        return None;
+    }
+    let names: Vec<Vec<char>> = families
+        .iter()
+        .map(|f| f.before.chars().collect())
+        .collect();
+    let shortest = names.iter().map(Vec::len).min()?;
+    let same = |at: &dyn Fn(&Vec<char>) -> Option<char>| {
+        names.iter().all(|name| at(name) == at(&names[0]))
+    };
+    let ahead = (0..shortest)
+        .take_while(|i| same(&|name| name.get(*i).copied()))
+        .count();
+    let back = (0..shortest - ahead)
+        .take_while(|i| same(&|name| name.iter().rev().nth(*i).copied()))
+        .count();
+    let middle = |name: &Vec<char>| name[ahead..name.len() - back].iter().collect::<String>();
+    let words: Vec<String> = names.iter().map(middle).collect();
+    if words.iter().any(String::is_empty) {
+        return None;
+    }
+    let text = |part: &[char]| part.iter().collect::<String>();
+    let ends = (
+        text(&names[0][..ahead]),
+        text(&names[0][names[0].len() - back..]),
+    );
+    Some((
+        format!("{}{{condition}}{}{{item}}{}", ends.0, ends.1, first.behind),
+        words,
+    ))
+}
+
+/// A family's pattern, `{condition}` where a word stands that the study knows as one.
+pub(super) fn with_condition(family: &Family, columns: &Columns<'_>) -> String {
+    let pre = Moment::Pre.to_string();
+    let mut words: Vec<&str> = columns.words().chain([pre.as_str()]).collect();
+    words.sort_by_key(|word| std::cmp::Reverse(word.len()));
+    let replaced = |text: &str| {
+        let at = words
+            .iter()
+            .find_map(|word| Some((place_of(text, word)?, word.len())));
+        at.map(|(at, length)| format!("{}{{condition}}{}", &text[..at], &text[at + length..]))
+    };
+    let before = replaced(&family.before);
+    let behind = if before.is_none() {
+        replaced(&family.behind)
+    } else {
+        None
+    };
+    format!(
+        "{}{{item}}{}",
+        before.as_ref().unwrap_or(&family.before),
+        behind.as_ref().unwrap_or(&family.behind)
+    )
+}
+
+/// Where a word stands by itself in a name, in small or large letters.
+fn place_of(name: &str, word: &str) -> Option<usize> {
+    let ends = name.len().checked_sub(word.len())?;
+    (0..=ends).find(|at| {
+        let part = name.get(*at..at + word.len());
+        let (before, after) = (
+            name.get(..*at).and_then(|r| r.chars().next_back()),
+            name.get(at + word.len()..).and_then(|r| r.chars().next()),
+        );
+        part.is_some_and(|part| part.eq_ignore_ascii_case(word))
+            && !before.is_some_and(char::is_alphanumeric)
+            && !after.is_some_and(char::is_lowercase)
+    })
+}
+
+/// Whether a part of a scale's id stands in the names of a family.
+pub(super) fn resembles(scale: &Scale, family: &Family) -> bool {
+    let name = format!("{}|{}", family.before, family.behind).to_lowercase();
+    let mut parts = scale.id.split('_').filter(|part| part.len() >= 3);
+    parts.any(|part| name.contains(&part.to_lowercase()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_word_counts_where_it_stands_by_itself() {
+        assert_eq!(place_of("TLX_Sporty_", "sporty"), Some(4));
+        assert_eq!(place_of("sportyTLX", "sporty"), Some(0));
+        assert_eq!(place_of("unsporty_", "sporty"), None);
+        assert_eq!(place_of("calmness_", "calm"), None);
+        assert_eq!(place_of("größe_calm", "calm"), Some("größe_".len()));
+    }
+}

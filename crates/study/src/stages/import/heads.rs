@@ -1,0 +1,223 @@
+//! What the columns of a table hold, page by page, and what is missing or unclear about them.
+
+use super::{
+    alike,
+    columns::{Columns, Slot, When},
+    formats::Format,
+    grid::Grid,
+    pattern::Pattern,
+    sheets::Contents,
+};
+use crate::error::StudyError;
+use maveric_domain::Moment;
+use std::collections::{BTreeMap, BTreeSet};
+
+/// A column that holds answers.
+pub(super) struct ItemColumn {
+    pub(super) slot: Slot,
+    pub(super) column: usize,
+}
+
+/// What is asked on one page.
+#[derive(Default)]
+pub(super) struct PageColumns {
+    /// The column that says when.
+    pub(super) moment: Option<usize>,
+    pub(super) items: Vec<ItemColumn>,
+}
+
+/// The columns by page; what belongs to no scale is noted.
+///
+/// # Errors
+/// [`StudyError::BadFile`] for two columns of one item, items without a column, conditions that no column has, and answers of which it is not
+/// said when they were given.
+pub(super) fn pages<'g>(
+    grid: &'g Grid,
+    format: &Format,
+    columns: &Columns<'_>,
+    contents: &mut Contents,
+) -> Result<BTreeMap<&'g str, PageColumns>, StudyError> {
+    let mut pages: BTreeMap<&str, PageColumns> = BTreeMap::new();
+    let mut strangers: BTreeMap<&str, usize> = BTreeMap::new();
+    for (column, whole) in grid.columns.iter().enumerate() {
+        let (page, field) = format.field_of(first_of_two(grid, whole));
+        match columns.slot_of(field) {
+            Some(Ok(slot)) => {
+                let page_columns = pages.entry(page).or_default();
+                let same = |item: &&ItemColumn| item.slot == slot;
+                if let Some(before) = page_columns.items.iter().find(same) {
+                    return Err(StudyError::file(
+                        grid.path(),
+                        format!(
+                            "scale `{}`, item {}: both `{}` and `{whole}` hold it",
+                            columns.scales[slot.scale].id, slot.item, grid.columns[before.column]
+                        ),
+                    ));
+                }
+                page_columns.items.push(ItemColumn { slot, column });
+                continue;
+            }
+            Some(Err(word)) => *strangers.entry(word).or_default() += 1,
+            None if columns.moment_fields().contains(&field) => {
+                pages.entry(page).or_default().moment = Some(column);
+                continue;
+            }
+            None => (),
+        }
+        contents.unused.insert(whole.clone());
+    }
+    pages.retain(|_, page_columns| !page_columns.items.is_empty());
+    complete(grid, columns, &pages)?;
+    conditions_named(grid, columns, &pages, &strangers, &mut contents.warnings)?;
+    if let Some(name) = format.questionnaire {
+        by_questionnaire(grid, name, columns, &mut pages)?;
+    }
+    let unsaid = pages.values().filter(|page| page.moment.is_none());
+    let unsaid = unsaid
+        .flat_map(|page| &page.items)
+        .filter(|item| item.slot.when == When::Unsaid);
+    let scales = unsaid.map(|item| item.slot.scale).collect();
+    alike::refuse(grid, format, columns, &scales, &contents.unused)?;
+    Ok(pages)
+}
+
+/// The name that a column was given before its number was put behind it: of two of one name both say the same.
+fn first_of_two<'n>(grid: &Grid, name: &'n str) -> &'n str {
+    let before = name.rsplit_once(" (column ").map(|(before, _)| before);
+    before
+        .filter(|before| grid.position(before).is_some())
+        .unwrap_or(name)
+}
+
+/// Whether every item of a scale has a column wherever it is asked.
+fn complete(
+    grid: &Grid,
+    columns: &Columns<'_>,
+    pages: &BTreeMap<&str, PageColumns>,
+) -> Result<(), StudyError> {
+    let bad = |problem| Err(StudyError::file(grid.path(), problem));
+    for (page, page_columns) in pages {
+        let mut sheets: BTreeMap<(usize, When), Vec<&ItemColumn>> = BTreeMap::new();
+        for item in &page_columns.items {
+            let sheet = (item.slot.scale, item.slot.when);
+            sheets.entry(sheet).or_default().push(item);
+        }
+        for ((scale, _), sheet) in sheets {
+            let scale = &columns.scales[scale];
+            let has = |item: &u32| sheet.iter().any(|other| other.slot.item == *item);
+            let missing = (1..=scale.items).filter(|item| !has(item));
+            let missing: Vec<String> = missing.map(|item| item.to_string()).collect();
+            if !missing.is_empty() {
+                let beside = match sheet.first() {
+                    Some(first) if page.is_empty() => {
+                        format!("beside `{}`, the table", grid.columns[first.column])
+                    }
+                    _ => format!("`{page}`"),
+                };
+                let (id, missing) = (&scale.id, missing.join(", "));
+                return bad(format!(
+                    "scale `{id}`: {beside} has no column for items {missing}"
+                ));
+            }
+        }
+    }
+    Ok(())
+}
+
+/// Whether the names of columns have the conditions that the map gives words for; which of the design's they do not have, and which words
+/// mean none, is said.
+fn conditions_named(
+    grid: &Grid,
+    columns: &Columns<'_>,
+    pages: &BTreeMap<&str, PageColumns>,
+    strangers: &BTreeMap<&str, usize>,
+    warnings: &mut Vec<String>,
+) -> Result<(), StudyError> {
+    if !columns.patterns().any(Pattern::names_a_moment) {
+        return Ok(());
+    }
+    let items = pages.values().flat_map(|page| &page.items);
+    let named: BTreeSet<Moment> = items
+        .filter_map(|item| match item.slot.when {
+            When::Known(moment) => Some(moment),
+            _ => None,
+        })
+        .collect();
+    let others: Vec<&str> = strangers.keys().copied().collect();
+    let others = others.join("`, `");
+    if named.is_empty() && !others.is_empty() {
+        let known: Vec<&str> = columns.words().collect();
+        return Err(StudyError::BadFile {
+            path: grid.path().to_owned(),
+            problem: format!(
+                "no column names a condition of the study: where one stands, there are `{others}`, expected {}",
+                known.join(", ")
+            ),
+            help: Some("say in the map of columns what each means, under [moments]".to_owned()),
+        });
+    }
+    let field_says = pages.values().any(|page| page.moment.is_some());
+    let mut words = columns.map.moments.iter();
+    if let Some((word, _)) = words.find(|(_, moment)| !named.contains(moment) && !field_says) {
+        let instead = if others.is_empty() {
+            String::new()
+        } else {
+            format!("; where a condition stands, other columns have `{others}`")
+        };
+        return Err(StudyError::file(
+            grid.path(),
+            format!(
+                "no column has `{word}`, for which [moments] of the map of columns has a meaning{instead}"
+            ),
+        ));
+    }
+    if !others.is_empty() {
+        let n: usize = strangers.values().sum();
+        warnings.push(format!(
+            "{n} columns not read: `{others}`, where a condition stands in their names, means none; [moments] of the map of columns can say what it means"
+        ));
+    }
+    Ok(())
+}
+
+/// Takes the moment from the column that says which of several questionnaires a row answers, where nothing else says it.
+fn by_questionnaire(
+    grid: &Grid,
+    name: &str,
+    columns: &Columns<'_>,
+    pages: &mut BTreeMap<&str, PageColumns>,
+) -> Result<(), StudyError> {
+    let Some(column) = grid.position(name) else {
+        return Ok(());
+    };
+    let words: BTreeSet<&str> = grid
+        .column(column)
+        .filter(|word| !word.is_empty())
+        .collect();
+    let unsaid = |page: &PageColumns| {
+        page.moment.is_none() && page.items.iter().any(|item| item.slot.when == When::Unsaid)
+    };
+    if words.len() < 2 || !pages.values().any(unsaid) {
+        return Ok(());
+    }
+    if let Some(word) = words
+        .iter()
+        .find(|word| columns.moment_by_word(word).is_none())
+    {
+        let words: Vec<&str> = words.iter().copied().collect();
+        return Err(StudyError::BadFile {
+            path: grid.path().to_owned(),
+            problem: format!(
+                "column `{name}` has {}, and `{word}` is no condition: it is not said when these questionnaires were answered",
+                words.join(", ")
+            ),
+            help: Some(format!(
+                "say it in the map of columns: [moments] {word} = \"pre\", or a condition; or name another column by `moment`"
+            )),
+        });
+    }
+    for page in pages.values_mut().filter(|page| unsaid(page)) {
+        page.moment = Some(column);
+    }
+    Ok(())
+}

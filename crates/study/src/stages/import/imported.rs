@@ -1,0 +1,172 @@
+//! What was imported: the answers that are let in, and why the others are not.
+
+use super::{
+    columns::Columns,
+    export::Export,
+    long_table::{LeftOutAnswers, let_in, refuse_twice, unknown_moments, write},
+    sheets::{Contents, Row},
+};
+use crate::{
+    error::StudyError,
+    gate::{Gate, counted},
+    outcome::Outcome,
+    run_folder::exclusions_path,
+    tables::write_rows,
+};
+use maveric_domain::{ConditionId, Design, Moment, ParticipantId, design::Software};
+use maveric_report::tables::Exclusion;
+use path_slash::PathExt as _;
+use serde::Serialize;
+use std::{
+    collections::{BTreeMap, BTreeSet},
+    path::Path,
+};
+
+/// What was imported.
+#[derive(Debug, Clone, Serialize)]
+pub struct Imported {
+    /// What wrote the export.
+    pub software: Software,
+    /// People with an answer.
+    pub participants: usize,
+    /// Answers, those left out among them.
+    pub answers: usize,
+    /// Sheets (one scale answered once) by scale.
+    pub sheets: BTreeMap<String, usize>,
+    /// Sheets by the moment at which they were answered.
+    pub moments: BTreeMap<Moment, usize>,
+    /// Columns or fields that belong to no scale.
+    pub unused: usize,
+}
+
+/// What an import is made by.
+pub(super) struct Imports<'a> {
+    pub(super) file: &'a Path,
+    pub(super) export: &'a Export,
+    pub(super) columns: &'a Columns<'a>,
+    pub(super) design: &'a Design,
+    pub(super) gate: Option<&'a Gate>,
+}
+
+impl Imports<'_> {
+    /// Writes the answers of those who are let in, and beside them who is not.
+    ///
+    /// # Errors
+    /// [`StudyError`] for answers that are there twice, none at all, or a table that cannot be written.
+    pub(super) fn write(
+        &self,
+        out: &Path,
+        contents: Contents,
+    ) -> Result<Outcome<Imported>, StudyError> {
+        let scales = self.columns.scales;
+        let Contents {
+            mut rows,
+            unused,
+            mut warnings,
+        } = contents;
+        let unknown = unknown_moments(&mut rows, self.design);
+        let left_out: usize = unknown.values().map(|(n, _)| n).sum();
+        warnings.extend(unknown.into_iter().map(|(moment, (n, place))| {
+            format!(
+                "{n} answers left out: condition `{moment}` (first in {place}) is none of the design's: {}",
+                ConditionId::listed(&self.design.labels())
+            )
+        }));
+        refuse_twice(self.file, &rows, scales)?;
+        let nobody = rows.is_empty();
+        let kept_out = let_in(&mut rows, self.gate);
+        let why = counted(["answer", "answers"], kept_out.values().flatten());
+        if rows.is_empty() {
+            return Err(self.nothing(nobody, &why));
+        }
+        rows.sort_by(|a, b| {
+            let key = |r: &Row| (r.moment, r.scale, r.item);
+            a.participant.cmp(&b.participant).then(key(a).cmp(&key(b)))
+        });
+        write(out, &rows, scales)?;
+        write_kept_out(out, &kept_out)?;
+        let value = self.counts(&rows, unused.len());
+        for scale in scales.iter().filter(|s| !value.sheets.contains_key(&s.id)) {
+            let named = self.columns.pattern_of(scale);
+            warnings.push(format!(
+                "scale `{}`: nobody answered it ({named})",
+                scale.id
+            ));
+        }
+        let mut summary = vec![
+            format!(
+                "{} answers of {} participants, as {} writes them: {}",
+                value.answers,
+                value.participants,
+                self.export.title(),
+                out.to_slash_lossy()
+            ),
+            format!(
+                "sheets: {}; when: {}; {} columns that belong to no scale were not read",
+                list(&value.sheets),
+                list(&value.moments),
+                value.unused
+            ),
+        ];
+        if left_out > 0 {
+            summary.push(format!("{left_out} answers left out by unknown condition"));
+        }
+        summary.extend(why);
+        Ok(Outcome {
+            value,
+            summary,
+            warnings,
+        })
+    }
+
+    /// Why there is not one answer: `nobody` gave one, or nobody is let in.
+    fn nothing(&self, nobody: bool, why: &[String]) -> StudyError {
+        let (problem, help) = if nobody {
+            self.export.no_answers(self.columns)
+        } else {
+            (
+                "holds no answers of anybody who is let in".to_owned(),
+                why.join("; "),
+            )
+        };
+        StudyError::BadFile {
+            path: self.file.to_owned(),
+            problem,
+            help: Some(help),
+        }
+    }
+
+    fn counts(&self, rows: &[Row], unused: usize) -> Imported {
+        let participants: BTreeSet<&ParticipantId> = rows.iter().map(|r| &r.participant).collect();
+        let mut sheets: BTreeMap<String, usize> = BTreeMap::new();
+        let mut moments: BTreeMap<Moment, usize> = BTreeMap::new();
+        for row in rows.iter().filter(|r| r.item == 1) {
+            let scale = self.columns.scales[row.scale].id.clone();
+            *sheets.entry(scale).or_default() += 1;
+            *moments.entry(row.moment).or_default() += 1;
+        }
+        Imported {
+            software: self.export.software(),
+            participants: participants.len(),
+            answers: rows.len(),
+            sheets,
+            moments,
+            unused,
+        }
+    }
+}
+
+/// Writes whose answers were left out, and why, beside the table.
+fn write_kept_out(out: &Path, kept_out: &LeftOutAnswers) -> Result<(), StudyError> {
+    let listed = kept_out.iter().map(|((who, moment), why)| Exclusion {
+        who: who.to_string(),
+        what: format!("answers ({moment})"),
+        why: why[0].to_string(),
+    });
+    write_rows(&exclusions_path(out), &listed.collect::<Vec<Exclusion>>())
+}
+
+fn list<K: std::fmt::Display>(counts: &BTreeMap<K, usize>) -> String {
+    let each: Vec<String> = counts.iter().map(|(key, n)| format!("{key} {n}")).collect();
+    each.join(", ")
+}

@@ -1,0 +1,83 @@
+//! The table that is scored: which answers are in it.
+
+use super::sheets::Row;
+use crate::{error::StudyError, gate::Gate, tables::TableBuilder};
+use maveric_analysis::Why;
+use maveric_domain::{Answer, Design, Moment, ParticipantId, Scale};
+use std::{collections::BTreeMap, path::Path};
+
+/// Takes out the answers about conditions that the design does not have: how many of each, and where the first stands.
+pub(super) fn unknown_moments(
+    rows: &mut Vec<Row>,
+    design: &Design,
+) -> BTreeMap<Moment, (usize, String)> {
+    let mut unknown: BTreeMap<Moment, (usize, String)> = BTreeMap::new();
+    rows.retain(|row| match row.moment {
+        Moment::After(condition) if !design.knows(condition) => {
+            let first = || (0, row.place.clone());
+            unknown.entry(row.moment).or_insert_with(first).0 += 1;
+            false
+        }
+        _ => true,
+    });
+    unknown
+}
+
+/// Whose answers, and when → why each is left out.
+pub(super) type LeftOutAnswers = BTreeMap<(ParticipantId, Moment), Vec<Why>>;
+
+/// Takes out the answers of whoever the design leaves out by name, or who is nobody of its people.
+pub(super) fn let_in(rows: &mut Vec<Row>, gate: Option<&Gate>) -> LeftOutAnswers {
+    let mut left_out = LeftOutAnswers::new();
+    let Some(gate) = gate else {
+        return left_out;
+    };
+    rows.retain(|row| match gate.answer(&row.participant, row.moment) {
+        None => true,
+        Some(why) => {
+            let sheet = (row.participant.clone(), row.moment);
+            left_out.entry(sheet).or_default().push(why);
+            false
+        }
+    });
+    left_out
+}
+
+/// Refuses a sheet that is there twice: one row of a person too many, or a condition rated twice.
+pub(super) fn refuse_twice(file: &Path, rows: &[Row], scales: &[Scale]) -> Result<(), StudyError> {
+    let mut seen: BTreeMap<(&ParticipantId, Moment, usize, u32), &Row> = BTreeMap::new();
+    for row in rows {
+        let key = (&row.participant, row.moment, row.scale, row.item);
+        if let Some(before) = seen.insert(key, row) {
+            let scale = &scales[row.scale].id;
+            let problem = format!(
+                "participant {} ({}), scale `{scale}`, item {}: answered twice, in {} and in {}",
+                row.participant, row.moment, row.item, before.place, row.place
+            );
+            return Err(StudyError::BadFile {
+                path: file.to_owned(),
+                problem,
+                help: Some("keep one; a condition can be rated once".to_owned()),
+            });
+        }
+    }
+    Ok(())
+}
+
+pub(super) fn write(path: &Path, rows: &[Row], scales: &[Scale]) -> Result<(), StudyError> {
+    let answers = rows.iter().map(|r| Answer {
+        participant: r.participant.clone(),
+        moment: r.moment,
+        scale: scales[r.scale].id.clone(),
+        item: r.item,
+        answer: r.answer,
+    });
+    let answers: Vec<Answer> = answers.collect();
+    let table = TableBuilder::of(&answers)?;
+    if rows.iter().any(|r| r.seconds.is_some()) {
+        return table
+            .numbers("seconds", rows.iter().map(|r| r.seconds))
+            .write(path);
+    }
+    table.write(path)
+}

@@ -1,0 +1,140 @@
+//! Answers as every reader finds them in an export, and what becomes of them: a row an answer.
+
+use super::columns::{Columns, Slot, When};
+use crate::error::StudyError;
+use maveric_domain::{ConditionId, Moment, ParticipantId};
+use std::{
+    borrow::Cow,
+    collections::{BTreeMap, BTreeSet},
+    path::Path,
+};
+
+/// One answer with the time it took.
+pub(super) struct Row {
+    pub(super) participant: ParticipantId,
+    pub(super) moment: Moment,
+    /// Position of the scale.
+    pub(super) scale: usize,
+    pub(super) item: u32,
+    pub(super) answer: Option<i32>,
+    pub(super) seconds: Option<f64>,
+    /// Where in the file it stands, for messages.
+    pub(super) place: String,
+}
+
+/// What somebody filled in at one time: a page of oTree, a trial of jsPsych, a row of other tables.
+pub(super) struct Page<'e> {
+    /// Where it is in the file.
+    pub(super) place: String,
+    pub(super) participant: Cow<'e, str>,
+    /// The field that says when, and its word.
+    pub(super) moment: Option<(&'e str, Cow<'e, str>)>,
+    /// Each answer with the name of its field.
+    pub(super) fields: Vec<(Slot, &'e str, Cow<'e, str>)>,
+    /// Whether it was shown even where nothing is filled in.
+    pub(super) shown: bool,
+    /// Whether answers are positions of boxes, the first of which is 0.
+    pub(super) from_zero: bool,
+    /// How long each answer took.
+    pub(super) seconds: Option<f64>,
+}
+
+/// What a reader makes of a file.
+#[derive(Default)]
+pub(super) struct Contents {
+    pub(super) rows: Vec<Row>,
+    /// Names that belong to no scale.
+    pub(super) unused: BTreeSet<String>,
+    pub(super) warnings: Vec<String>,
+}
+
+/// The conditions of each person in the order of the rides, where the table of people says it.
+pub(super) type Orders = BTreeMap<ParticipantId, Vec<ConditionId>>;
+
+/// What the answers of a file are read by.
+pub(super) struct Reading<'a> {
+    pub(super) path: &'a Path,
+    pub(super) columns: &'a Columns<'a>,
+    pub(super) orders: &'a Orders,
+    /// The software's words for no answer.
+    pub(super) missing: &'a [&'a str],
+}
+
+impl Reading<'_> {
+    /// The answers of a page; none where the person never reached it.
+    ///
+    /// # Errors
+    /// [`StudyError::BadFile`] naming place, field and what was expected: an id, a moment or an answer that is none.
+    pub(super) fn rows_of(&self, page: &Page<'_>) -> Result<Vec<Row>, StudyError> {
+        let bad = |problem: String| StudyError::file(self.path, problem);
+        let sheet = |slot: &Slot| (slot.scale, slot.when);
+        let filled = page
+            .fields
+            .iter()
+            .filter(|(_, _, text)| !text.trim().is_empty());
+        let reached: BTreeSet<_> = filled.map(|(slot, ..)| sheet(slot)).collect();
+        let is_there = |slot: &Slot| page.shown || reached.contains(&sheet(slot));
+        let mut rows = Vec::new();
+        for (slot, name, text) in page.fields.iter().filter(|(slot, ..)| is_there(slot)) {
+            let place = format!("{}, `{name}`", page.place);
+            let participant = ParticipantId::new(page.participant.trim())
+                .map_err(|e| bad(format!("{}: {e}", page.place)))?;
+            let moment = self.moment(page, slot.when, &participant)?;
+            let scale = &self.columns.scales[slot.scale];
+            let wrong = |problem: String| {
+                let (id, item) = (&scale.id, slot.item);
+                bad(format!(
+                    "participant {participant} ({moment}), scale `{id}`, item {item} ({place}): {problem}"
+                ))
+            };
+            if !(1..=scale.items).contains(&slot.item) {
+                return Err(wrong(format!("the scale has {} items", scale.items)));
+            }
+            let add = if page.from_zero { scale.min } else { 0 };
+            let answer = self.columns.answer_of(slot.scale, text, add, self.missing);
+            let answer = answer.map_err(wrong)?;
+            rows.push(Row {
+                participant,
+                moment,
+                scale: slot.scale,
+                item: slot.item,
+                answer,
+                seconds: page.seconds,
+                place,
+            });
+        }
+        Ok(rows)
+    }
+
+    fn moment(
+        &self,
+        page: &Page<'_>,
+        when: When,
+        id: &ParticipantId,
+    ) -> Result<Moment, StudyError> {
+        let at = |problem: String| {
+            StudyError::file(
+                self.path,
+                format!("{} (participant {id}){problem}", page.place),
+            )
+        };
+        match (when, &page.moment) {
+            (When::Known(moment), _) => Ok(moment),
+            (When::Trial(trial), _) => {
+                let order = self.orders.get(id).map(Vec::as_slice).unwrap_or_default();
+                let condition = trial.checked_sub(1).and_then(|at| order.get(at));
+                condition.map(|id| Moment::After(*id)).ok_or_else(|| {
+                    at(format!(
+                        ": answers about ride {trial}, and the table of people has an `order` of {} conditions for them; write it there, or put the condition's name in place of the number",
+                        order.len()
+                    ))
+                })
+            }
+            (When::Unsaid, None) => Ok(Moment::Pre),
+            (When::Unsaid, Some((field, word))) => self
+                .columns
+                .moment_of(word)
+                .map_err(|e| at(format!(", `{field}`: {e}"))),
+        }
+    }
+}

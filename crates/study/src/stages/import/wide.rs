@@ -1,0 +1,110 @@
+//! Tables with a row a participant: oTree, Qualtrics, `LimeSurvey`, `SoSci` Survey, and any other.
+
+use super::{
+    columns::Columns,
+    formats::Format,
+    grid::Grid,
+    heads::pages,
+    map_file::MapFile,
+    sheets::{Contents, Orders, Page, Reading},
+};
+use crate::error::StudyError;
+
+/// Reads a table of words.
+///
+/// # Errors
+/// [`StudyError`] naming file, row and column: items without a column, conditions that no column has, what says the same twice, an id, a
+/// moment or an answer that is none.
+pub(super) fn read(
+    grid: &Grid,
+    format: &Format,
+    columns: &Columns<'_>,
+    orders: &Orders,
+) -> Result<Contents, StudyError> {
+    let mut contents = Contents::default();
+    contents.warnings.clone_from(&grid.warnings);
+    let pages = pages(grid, format, columns, &mut contents)?;
+    let people = people_column(grid, format, &columns.map)?;
+    let trials = format
+        .trials
+        .and_then(|(name, words, what)| Some((grid.position(name)?, words, what)));
+    let reading = Reading {
+        path: grid.path(),
+        columns,
+        orders,
+        missing: format.missing,
+    };
+    let mut trial_rows = 0;
+    for row in 0..grid.rows() {
+        if trials.is_some_and(|(column, words, _)| words.contains(&grid.cell(column, row))) {
+            trial_rows += 1;
+            continue;
+        }
+        let place = format!("row {}", row + 1);
+        let participant = people.map_or("", |column| grid.cell(column, row));
+        let before = contents.rows.len();
+        for page in pages.values() {
+            let name = |column: usize| grid.columns[column].as_str();
+            let moment = page
+                .moment
+                .map(|column| (name(column), grid.cell(column, row).into()));
+            let fields = page.items.iter();
+            let fields = fields.map(|h| (h.slot, name(h.column), grid.cell(h.column, row).into()));
+            let page = Page {
+                place: place.clone(),
+                participant: participant.into(),
+                moment,
+                fields: fields.collect(),
+                shown: false,
+                from_zero: false,
+                seconds: None,
+            };
+            contents.rows.extend(reading.rows_of(&page)?);
+        }
+        if contents.rows.len() == before && !pages.is_empty() {
+            contents.warnings.push(format!(
+                "{place} (participant `{participant}`) has no answers: left out"
+            ));
+        }
+    }
+    if let Some((_, _, what)) = trials.filter(|_| trial_rows > 0) {
+        contents
+            .warnings
+            .push(format!("{trial_rows} rows of {what}: left out"));
+    }
+    Ok(contents)
+}
+
+/// The column that says whose each row is: the map's, else the first of the software's that anybody filled in.
+///
+/// # Errors
+/// [`StudyError::NoColumn`] where the map's, or every one of them, is missing.
+pub(super) fn people_column(
+    grid: &Grid,
+    format: &Format,
+    map: &MapFile,
+) -> Result<Option<usize>, StudyError> {
+    let missing = |wanted: &str| {
+        let known = grid.columns.iter().map(String::as_str);
+        StudyError::NoColumn {
+            path: grid.path().to_owned(),
+            wanted: wanted.to_owned(),
+            found: grid.columns.clone(),
+            nearest: maveric_domain::nearest(wanted, known).map(str::to_owned),
+        }
+    };
+    if let Some(named) = &map.participant {
+        return grid.position(named).map(Some).ok_or_else(|| missing(named));
+    }
+    let there = || {
+        format
+            .participant
+            .iter()
+            .filter_map(|name| grid.position(name))
+    };
+    let filled = there().find(|column| grid.is_filled(*column));
+    match (filled, format.participant) {
+        (None, [first, ..]) if there().next().is_none() => Err(missing(first)),
+        (column, _) => Ok(column),
+    }
+}
