@@ -2,7 +2,7 @@
 
 use crate::once::told_once;
 use maveric_domain::{BeyondWhy, EmbeddingRow};
-use maveric_model::{HEADS, Model};
+use maveric_model::{FreeSpeed, HEADS, Model};
 use std::collections::BTreeMap;
 
 /// Why a drive is beyond what the model has learned from, in words.
@@ -42,6 +42,7 @@ pub(crate) fn told(model: &Model, rows: &[EmbeddingRow]) -> Vec<String> {
             .into_iter()
             .map(|(drive, why)| (drive.to_owned(), why)),
     );
+    said.extend(unseen_limits(model, rows));
     let known = rows.iter().any(|row| row.support_p.is_some());
     match model.people() {
         _ if known => {}
@@ -53,4 +54,34 @@ pub(crate) fn told(model: &Model, rows: &[EmbeddingRow]) -> Vec<String> {
         ),
     }
     said
+}
+
+/// A sentence for drives on roads whose limit lies outside those that the model learned from.
+fn unseen_limits(model: &Model, rows: &[EmbeddingRow]) -> Vec<String> {
+    let Some(posted) = model.posted() else {
+        return Vec::new();
+    };
+    let [low, high] = [posted.lowest_mps, posted.highest_mps].map(|v| format!("{:.0}", 3.6 * v));
+    let range = if low == high {
+        low
+    } else {
+        format!("{low} to {high}")
+    };
+    let read = match posted.free_speed {
+        FreeSpeed::Absolute => "its free speed is read in m/s, as if that were posted there too",
+        FreeSpeed::Posted => "its free speed is read by its share of the limit",
+    };
+    let why = format!(
+        "the model learned where {range} km/h is posted, which is not what is posted here: {read}"
+    );
+    let unseen: BTreeMap<&str, &str> = rows
+        .iter()
+        .filter(|row| row.posted_unseen == Some(true))
+        .map(|row| (row.drive.as_str(), why.as_str()))
+        .collect();
+    let of_each = unseen.into_iter();
+    told_once(
+        "drive",
+        of_each.map(|(drive, why)| (drive.to_owned(), why.to_owned())),
+    )
 }
