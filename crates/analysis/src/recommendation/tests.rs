@@ -427,3 +427,32 @@ fn on_the_scale_both_uncertainties_add_up_as_squares() {
     near(low, 45.0 - (36.0 + (1.96 * 4.5_f64).powi(2)).sqrt(), 1e-9);
     near(high, 45.0 + (64.0 + (1.96 * 4.5_f64).powi(2)).sqrt(), 1e-9);
 }
+
+#[test]
+fn a_recommendation_that_the_scale_has_no_score_for_has_none_and_no_interval_leaves_the_scale() {
+    let mut data = eight(below);
+    let row = |i: usize, position: f64| EmbeddingRow {
+        adb_hat: Some(30.0 + 9.0 * position),
+        line_position_se: Some(0.5),
+        ..crate::testing::position(i, position)
+    };
+    data.embeddings = vec![row(0, 1.0), row(1, -1.0)];
+    assert_eq!(data.style_range(), None);
+    let ranged = DESIGN.replace("points = 15", "points = 15\nrange = [11, 55]");
+    data.design = Design::from_toml(&ranged).unwrap();
+    assert_eq!(data.style_range(), Some((11.0, 55.0)));
+    // S reads 39.
+    let preferred = |points: f64| Preferred {
+        points,
+        low: points - 8.0,
+        high: points + 8.0,
+        within_5: 0.5,
+    };
+    let inside = on_the_scale(&data, &person(0), &preferred(15.0)).unwrap();
+    assert_eq!((inside.at, inside.high), (54.0, 55.0));
+    assert!(inside.low < 54.0 - 8.0);
+    assert_eq!(on_the_scale(&data, &person(0), &preferred(17.0)), None);
+    // Whoever reads as no score of the scale has no place on it.
+    data.embeddings[0].adb_hat = None;
+    assert_eq!(on_the_scale(&data, &person(0), &preferred(0.0)), None);
+}

@@ -6,8 +6,8 @@ use crate::{
     outcome::{Watch, for_each_on},
     run_folder::read_model,
 };
-use maveric_domain::AdbScore;
-use maveric_model::{ModelError, Personalized, personalize, style_space::LinearHead};
+use maveric_domain::BeyondWhy;
+use maveric_model::{ModelError, Personalized, Support, personalize, style_space::LinearHead};
 use maveric_rehearsal::leave_out::{Drove, Shipped, ShippedPerson, people, shipped};
 
 /// Reads everybody's drive in the higher role and in the ordinary one by the model that was given; none where none was.
@@ -61,13 +61,8 @@ pub(super) fn said_of(
 /// Whether a drive is beyond what the model has met, before any style is fitted or because it reads as a score that the scale does not
 /// have; none where the model cannot say.
 fn beyond(known: &Personalized) -> Option<bool> {
-    let scale = AdbScore::MIN..=AdbScore::MAX;
-    if known
-        .aggression_hat
-        .is_some_and(|points| !scale.contains(&points))
-    {
-        return Some(true);
-    }
-    let support = known.support.as_ref()?;
-    support.p.map(|_| support.beyond().is_some())
+    let support = known.support.as_ref();
+    let (_, why) = BeyondWhy::of_reading(known.aggression_hat, support.and_then(Support::beyond));
+    let says = support.is_some_and(|s| s.p.is_some());
+    (says || why.is_some()).then(|| why.is_some())
 }
