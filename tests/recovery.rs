@@ -214,6 +214,14 @@ fn nobody_whom_the_scale_does_not_have_is_turned(study: &TempStudy) {
     let (told, theirs, rows) = steered(&[sweep, "--beyond"]);
     assert!(told.contains("turned all the same"), "{told}");
     assert_eq!((theirs.len(), rows), (3, 1 + 8 * 3));
+    let driven = "simulate --model d/model.maveric --conditions d/far_conditions.csv --out d/far --duration 5";
+    let driven = study.maveric(&driven.split_whitespace().collect::<Vec<_>>());
+    let told = driven.ok().stderr;
+    assert!(
+        told.contains("participant S2P02: reads as a score that the scale does not have")
+            && told.contains("the car drives all the same"),
+        "{told}"
+    );
     let openness = [
         "--attribute",
         "mini_ipip.openness",

@@ -1,8 +1,7 @@
 //! Somebody's style beside those of the others, for who has taken part.
 
 use crate::{error::SeatError, listed::Listed, person::Person, seat::Seat};
-use maveric_domain::{BeyondWhy, design::Sign};
-use maveric_seat_page::Fit;
+use maveric_domain::design::Sign;
 use serde::Serialize;
 
 /// Fewer others could be told apart by who knows when they drove.
@@ -21,12 +20,11 @@ pub(crate) struct AmongOthers {
 
 /// What is known of somebody's score: none without any, inside none where their drive is beyond what the model has learned from.
 fn score(person: &Person) -> Option<Option<f64>> {
-    let fit: Fit = serde_json::from_str(person.fit.as_deref()?).ok()?;
-    // A style that was kept before has a score also where the scale has none.
-    match BeyondWhy::of_reading(fit.score, fit.beyond) {
-        (_, Some(_)) => Some(None),
-        (score, None) => score.filter(|_| fit.readings > 0).map(Some),
+    let style = person.style()?;
+    if person.beyond().is_some() {
+        return Some(None);
     }
+    style.score.filter(|_| style.readings > 0).map(Some)
 }
 
 fn through(person: &Person) -> bool {

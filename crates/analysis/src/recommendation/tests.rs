@@ -9,7 +9,7 @@ use crate::{
     testing::{drive, id, person, score, steered},
 };
 use maveric_domain::{
-    ConditionRow, Design, EmbeddingRow, MeasureValues, Moment, design::ScoreName,
+    BeyondWhy, ConditionRow, Design, EmbeddingRow, MeasureValues, Moment, design::ScoreName,
 };
 use maveric_stats::{Belief, Hierarchical};
 use std::collections::BTreeMap;
@@ -374,7 +374,8 @@ fn what_eight_people_like_is_found_again_in_their_ratings_and_in_their_trait() {
         let expected = 10.0 * liked(i);
         near(found.preferred.unwrap().points, expected, 1.5);
         near(found.before_riding.unwrap().points, expected, 2.5);
-        assert!(SETTINGS.contains(&found.next.0) && found.next.1 >= 0.0);
+        let (next, nats) = found.next.unwrap();
+        assert!(SETTINGS.contains(&next) && nats >= 0.0);
         assert!(
             found.on_the_scale.is_none(),
             "no model read anybody's score"
@@ -394,6 +395,19 @@ fn what_eight_people_like_is_found_again_in_their_ratings_and_in_their_trait() {
     assert!(found.preferred.unwrap().points > before.points);
     let turned = |r: &Reason| r.because == "own turns of the dial";
     assert!(found.reasons.iter().any(turned));
+    // From a drive that the model has met nobody with the dial has no place to turn from, unless the design lets it.
+    let mut stranger = data.clone();
+    stranger.embeddings = vec![EmbeddingRow {
+        beyond_why: Some(BeyondWhy::Scale),
+        ..crate::testing::position(PEOPLE - 1, 0.0)
+    }];
+    let none = learned.recommendation(&stranger, last);
+    assert_eq!(none.beyond, Some(BeyondWhy::Scale));
+    assert!(none.preferred.is_none() && none.before_riding.is_none() && none.next.is_none());
+    let driven = format!("{DESIGN}[model]\nbeyond = \"drive\"\n");
+    stranger.design = Design::from_toml(&driven).unwrap();
+    let asked = learned.recommendation(&stranger, last);
+    assert!(asked.beyond.is_some() && asked.preferred.is_some());
     let few = Learned::from(&data, &people[..4], None).unwrap_err();
     assert!(few.to_string().contains("4 people"), "{few}");
 }

@@ -44,7 +44,7 @@ pub fn versions() -> BTreeMap<String, String> {
         ("train", 9),
         ("personalize", 8),
         ("steer", 6),
-        ("simulate", 8),
+        ("simulate", 9),
         ("measure", 4),
         ("rate", 2),
         ("evaluate", 6),

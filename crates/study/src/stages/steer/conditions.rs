@@ -133,6 +133,10 @@ pub(super) fn conditions(
                 clamped: steering.clamped > clamped_before,
                 angle_rad,
                 beyond_training: is_beyond(model, &embedding)?,
+                beyond_why: match condition.car {
+                    Some(Car::Dial(_) | Car::Across) => why.clone(),
+                    _ => None,
+                },
                 sweep: None,
                 embedding,
             });

@@ -109,6 +109,7 @@ pub(super) fn sweep(
                 clamped: cut,
                 angle_rad: None,
                 beyond_training: is_beyond(model, &embedding)?,
+                beyond_why: why.clone(),
                 sweep: Some(SweepPoint {
                     drive: drive_name(row.participant.as_str(), name, requested_points)?,
                     attribute: name.to_owned(),
