@@ -117,6 +117,18 @@ fn driven(drives: &[Drove], who: &ParticipantId, role: ConditionId) -> Vec<usize
     all.filter(theirs).map(|(place, _)| place).collect()
 }
 
+/// Standard errors to either side of an interval that a true difference lies in about 95 times of 100.
+const REACH: f64 = 2.0;
+
+/// Whether a wrong order is not what the standard error lets expect: the interval of its difference does not hold 0. Where no standard
+/// error is known nobody can say so.
+fn wrong_and_sure(wrong: bool, difference: Option<f64>, se: Option<f64>) -> bool {
+    wrong
+        && difference
+            .zip(se)
+            .is_some_and(|(d, se)| d.abs() > REACH * se)
+}
+
 /// Mean and SD between people of a value over everybody but `who`, the SD within roles and pooled over them; none where no role has
 /// two people who differ.
 pub fn between_people(

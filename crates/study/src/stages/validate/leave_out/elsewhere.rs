@@ -48,8 +48,11 @@ pub(super) fn said_of(
             position.transpose()
         };
         let (of_ordinary, of_higher) = (position(ordinary)?, position(higher)?);
+        let se = |role| known(role).and_then(|k| k.sd_along(axis.gradient()));
+        let ses = se(ordinary).zip(se(higher));
         found.push(ShippedPerson {
             line: of_higher.zip(of_ordinary).map(|(h, o)| h - o),
+            line_se: ses.map(|(o, h)| libm::hypot(o, h)),
             ordinary_beyond: known(ordinary).and_then(beyond),
             higher_beyond: known(higher).and_then(beyond),
             participant: who,
