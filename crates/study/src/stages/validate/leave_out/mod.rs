@@ -1,5 +1,6 @@
 //! `validate --leave-out people`: a study's own recordings, learned in turn from everybody but one.
 
+mod commit;
 mod direction;
 mod elsewhere;
 mod folds;
@@ -87,6 +88,8 @@ pub struct Answered {
     pub answer: Option<Answer>,
     /// Why there is none.
     pub unanswered: Option<String>,
+    /// The first look at its recordings, where the rules were others then: the table was changed after it.
+    pub changed_since: Option<Look>,
 }
 
 /// What a table says.
@@ -174,7 +177,7 @@ pub(super) fn work(options: &Validate, watch: Watch<'_>) -> Result<Outcome<InTur
         (Rules::of_roles(title, &all.drove(), &all.labels())?, None)
     };
     let looks = match options.rules.as_ref().zip(rules_hash.as_ref()) {
-        Some((path, hash)) => looks::look(path, hash, &rules, options, &all)?,
+        Some((path, hash)) => looks::look(path, hash, &rules, options, &all, &mut warnings)?,
         None => Vec::new(),
     };
     let settings = TrainSettings {
@@ -192,7 +195,9 @@ pub(super) fn work(options: &Validate, watch: Watch<'_>) -> Result<Outcome<InTur
             settings: &settings,
             scale,
         };
-        let answered = bench.answered(watch)?;
+        let mut answered = bench.answered(watch)?;
+        answered.changed_since =
+            looks::changed_since(&looks, rules_hash.as_deref(), table, &all);
         warnings.extend(
             answered
                 .unanswered
@@ -277,6 +282,7 @@ impl Bench<'_> {
             id: self.table.id.clone(),
             answer,
             unanswered,
+            changed_since: None,
         })
     }
 

@@ -23,7 +23,7 @@ pub(super) fn tables(
             seen: rule.seen,
             design,
         };
-        let tables = match &answered.answer {
+        let mut tables = match &answered.answer {
             None => Vec::new(),
             Some(Answer::Order(order)) => words.order(order)?,
             Some(Answer::Identity(rows)) => words.identity(rows)?,
@@ -32,6 +32,12 @@ pub(super) fn tables(
             Some(Answer::Direction { found, .. }) => words.direction(found, rule)?,
             Some(Answer::Shipped(shipped)) => words.shipped(shipped, rule)?,
         };
+        if let Some(first) = &answered.changed_since {
+            for table in &mut tables {
+                let values = context! { date => first.date.as_str(), title => table.title.as_str() };
+                table.title = text("page", "changed", &values)?;
+            }
+        }
         Ok((answered.id.clone(), tables))
     };
     found

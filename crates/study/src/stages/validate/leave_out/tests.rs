@@ -220,8 +220,8 @@ fn rules_open_the_test_part_only_when_asked_and_each_look_is_noted_once() {
         table("unseen", "test", "sporty"),
         table("nobody", "test", "asleep")
     );
-    std::fs::write(&rules, text).unwrap();
-    options.rules = Some(rules);
+    std::fs::write(&rules, &text).unwrap();
+    options.rules = Some(rules.clone());
     options.permutations = None;
     let first = run(&options).unwrap().value;
     let unanswered = |found: &InTurn| -> Vec<String> {
@@ -233,15 +233,76 @@ fn rules_open_the_test_part_only_when_asked_and_each_look_is_noted_once() {
         first.findings.is_empty(),
         "no verdict rests on what was seen"
     );
+    assert!(first.tables.iter().all(|t| t.changed_since.is_none()));
     run(&options).unwrap();
     options.part = Part::Test;
+    let looks_file = folder.path().join("lab_looks.csv");
+    let looks = || std::fs::read_to_string(&looks_file).unwrap();
+    let git = commit::Stands::of(&rules, "git") != commit::Stands::NoGit;
+    if git {
+        // Rules that stand in no commit open nothing, and no look is noted.
+        let error = run(&options).unwrap_err();
+        assert!(error.to_string().contains("lab_rules.toml"), "{error}");
+        assert!(error.suggestion().unwrap().contains("git commit"));
+        assert_eq!(looks().lines().count(), 2);
+        assert!(commit::tests::commit(folder.path()));
+    }
     let opened = run(&options).unwrap().value;
     assert_eq!(unanswered(&opened), ["nobody drove in the role `asleep`"]);
     assert_eq!(opened.findings.len(), 2);
-    let looks = std::fs::read_to_string(folder.path().join("lab_looks.csv")).unwrap();
-    assert_eq!(looks.lines().count(), 3, "{looks}");
-    assert!(looks.contains("2026-01-02") && looks.contains("P0 P1 P2 P3 P4 P5"));
+    assert_eq!(looks().lines().count(), 3, "{}", looks());
+    assert!(looks().contains("2026-01-02") && looks().contains("P0 P1 P2 P3 P4 P5"));
     assert_eq!(opened.looks.len(), 2);
+    assert_eq!(opened.looks[0].commit, "unknown");
+    assert_eq!(opened.looks[1].commit == "unknown", !git);
+
+    // Other rules after the first look: every table that was opened before says so, with the day.
+    std::fs::write(&rules, text.replace("permutations = 10", "permutations = 11")).unwrap();
+    if git {
+        let error = run(&options).unwrap_err().to_string();
+        assert!(error.contains("it was changed since commit"), "{error}");
+        assert!(commit::tests::commit(folder.path()));
+    }
+    options.date = Some("2026-01-03".to_owned());
+    let again = run(&options).unwrap().value;
+    let days = |found: &InTurn| -> Vec<Option<String>> {
+        let day = |t: &Answered| t.changed_since.as_ref().map(|look| look.date.clone());
+        found.tables.iter().map(day).collect()
+    };
+    let first_day = || Some("2026-01-02".to_owned());
+    assert_eq!(days(&opened), [None, None, None]);
+    assert_eq!(days(&again), [first_day(), first_day(), first_day()]);
+    let page = std::fs::read_to_string(options.out.join("validation.md")).unwrap();
+    assert_eq!(
+        page.matches("Changed after the first look (2026-01-02): Order").count(),
+        2,
+        "{page}"
+    );
+}
+
+#[test]
+fn a_list_of_looks_from_before_commits_were_noted_goes_on() {
+    let folder = study(drives());
+    let mut options = options(folder.path());
+    let rules = folder.path().join("lab_rules.toml");
+    let text = "title = \"Lab\"\n[[table]]\nid = \"errors\"\nasks = \"errors\"\nrole = \"calm\"\nlearn = [\"calm\", \"sporty\", \"calm-again\"]\n";
+    std::fs::write(&rules, text).unwrap();
+    options.rules = Some(rules);
+    let before = "date,program,rules,part,people,roles\n2025-12-31,0.1.0,abc,development,P9,calm\n";
+    let path = folder.path().join("lab_looks.csv");
+    std::fs::write(&path, before).unwrap();
+    let found = run(&options).unwrap().value;
+    let known: Vec<(&str, &str)> = found
+        .looks
+        .iter()
+        .map(|l| (l.date.as_str(), l.commit.as_str()))
+        .collect();
+    assert_eq!(known[0], ("2025-12-31", "unknown"));
+    assert_eq!(known.len(), 2);
+    // P9 is nobody whose drives are read here, so nothing was changed after a look at them.
+    assert_eq!(found.tables[0].changed_since, None);
+    let read = std::fs::read_to_string(path).unwrap();
+    assert!(read.starts_with("date,program,commit,rules,part,people,roles\n2025-12-31,0.1.0,unknown,abc"));
 }
 
 #[test]
