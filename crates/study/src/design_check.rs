@@ -298,14 +298,14 @@ fn words<P: AsRef<Path>>(
 mod tests {
     use super::*;
     use crate::tables::embeddings::{EmbeddingRow, write_embeddings};
-    use maveric_domain::{BeyondWhy, Embedding};
+    use maveric_domain::{BeyondWhy, DriveId, Embedding, ParticipantId};
 
     #[test]
     fn who_is_beyond_what_the_model_has_met_is_named_and_a_model_that_cannot_say_is_too() {
         let row =
             |drive: &str, support_p: Option<f64>, beyond_why: Option<BeyondWhy>| EmbeddingRow {
-                drive: drive.parse().unwrap(),
-                participant: "P".parse().unwrap(),
+                drive: DriveId::new(drive).unwrap(),
+                participant: ParticipantId::new("P").unwrap(),
                 condition: "own".parse().unwrap(),
                 adb_used: false,
                 adb: None,

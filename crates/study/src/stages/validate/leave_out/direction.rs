@@ -3,12 +3,12 @@
 use super::{
     Bench,
     folds::{Fold, Learning, first_in},
-    recordings::Recorded,
     role_of,
 };
 use crate::{
     error::StudyError,
     outcome::{Watch, for_each_on},
+    recordings::Recorded,
     run_folder::read_scenario,
     stages::simulate::drive_style,
 };

@@ -1,9 +1,10 @@
 //! What a model that was learned elsewhere says of these people.
 
-use super::{Bench, folds::first_in, recordings::Recorded, role_of};
+use super::{Bench, folds::first_in, role_of};
 use crate::{
     error::StudyError,
     outcome::{Watch, for_each_on},
+    recordings::Recorded,
     run_folder::read_model,
 };
 use maveric_domain::BeyondWhy;

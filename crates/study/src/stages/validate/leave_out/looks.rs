@@ -2,11 +2,11 @@
 
 use super::{
     commit::{Stands, UNKNOWN},
-    recordings::Recordings,
     rules::{Part, Rules, Table},
 };
 use crate::{
     error::StudyError,
+    recordings::Recordings,
     stages::validate::Validate,
     tables::{Table as File, write_rows},
 };
@@ -51,7 +51,7 @@ impl Look {
     fn opened(&self, table: &Table, all: &Recordings) -> bool {
         let names = |list: &str, name: &str| list.split(' ').any(|word| word == name);
         let part = self.part == Part::Test || table.part == Part::Development;
-        part && all.of(table).iter().any(|row| {
+        part && table.reads(all).iter().any(|row| {
             let meta = row.drive.meta();
             names(&self.people, meta.participant.as_str())
                 && names(&self.roles, meta.condition.as_str())
@@ -126,7 +126,7 @@ pub(super) fn look(
     let opened = |part: Part| part == Part::Development || options.part == Part::Test;
     let (mut people, mut roles) = (BTreeSet::new(), BTreeSet::new());
     for table in rules.tables.iter().filter(|t| opened(t.part)) {
-        for row in all.of(table) {
+        for row in table.reads(all) {
             let meta = row.drive.meta();
             people.insert(meta.participant.to_string());
             roles.insert(meta.condition.to_string());

@@ -6,7 +6,6 @@ mod elsewhere;
 mod folds;
 mod looks;
 mod page;
-mod recordings;
 mod rules;
 mod tables;
 #[cfg(test)]
@@ -20,6 +19,7 @@ use crate::{
     design::DesignFile,
     error::StudyError,
     outcome::{Outcome, Watch},
+    recordings::{self, Recorded, Recordings},
     stages::report::write_page,
     style_scale::StyleScale,
 };
@@ -37,11 +37,7 @@ use maveric_rehearsal::{
     },
 };
 use path_slash::PathExt as _;
-use recordings::{Recorded, Recordings};
 use serde::Serialize;
-
-/// Fewest people that can be left out in turn: two are learned from.
-const FEWEST_PEOPLE: usize = 3;
 
 /// What was found of people who were left out in turn.
 #[derive(Debug, Clone, Serialize)]
@@ -168,7 +164,12 @@ pub(super) fn work(options: &Validate, watch: Watch<'_>) -> Result<Outcome<InTur
     let study = DesignFile::find(options.design.as_deref())?;
     let scale = StyleScale::of(&study)?;
     let mut warnings = Vec::new();
-    let all = recordings::read(&study, &options.run, scale, &mut warnings)?;
+    let scores = options.run.join("scores.csv");
+    let files = (
+        &*options.run.join("drives"),
+        scores.is_file().then_some(&*scores),
+    );
+    let all = recordings::read(&study, files, scale, &mut warnings)?;
     let (rules, rules_hash) = if let Some(path) = &options.rules {
         let (rules, hash) = Rules::read(path)?;
         (rules, Some(hash))
@@ -196,8 +197,7 @@ pub(super) fn work(options: &Validate, watch: Watch<'_>) -> Result<Outcome<InTur
             scale,
         };
         let mut answered = bench.answered(watch)?;
-        answered.changed_since =
-            looks::changed_since(&looks, rules_hash.as_deref(), table, &all);
+        answered.changed_since = looks::changed_since(&looks, rules_hash.as_deref(), table, &all);
         warnings.extend(
             answered
                 .unanswered
@@ -292,7 +292,7 @@ impl Bench<'_> {
         if table.part == Part::Test && self.options.part != Part::Test {
             return Ok(Err("the test part is not opened".to_owned()));
         }
-        let rows = self.all.of(table);
+        let rows = table.reads(self.all);
         let mut drove: Vec<Drove> = rows.iter().map(|r| r.drove.clone()).collect();
         for (row, drove) in rows.iter().zip(&mut drove) {
             let label = row.drive.meta().condition;
@@ -306,11 +306,8 @@ impl Bench<'_> {
             }
         }
         let everybody = people(&drove);
-        if everybody.len() < FEWEST_PEOPLE {
-            return Ok(Err(format!(
-                "{} people drove in its roles, expected at least {FEWEST_PEOPLE}",
-                everybody.len()
-            )));
+        if let Err(why) = recordings::enough(everybody.len()) {
+            return Ok(Err(why));
         }
         for role in [table.higher, table.among, table.sought, table.role]
             .into_iter()

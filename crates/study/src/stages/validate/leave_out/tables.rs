@@ -34,7 +34,8 @@ pub(super) fn tables(
         };
         if let Some(first) = &answered.changed_since {
             for table in &mut tables {
-                let values = context! { date => first.date.as_str(), title => table.title.as_str() };
+                let values =
+                    context! { date => first.date.clone(), title => table.title.clone() };
                 table.title = text("page", "changed", &values)?;
             }
         }
@@ -89,7 +90,7 @@ impl Words<'_> {
 
     fn order(&self, order: &Order) -> Result<Vec<Table>, StudyError> {
         let sure = order.people.iter().filter(|p| p.wrong_and_sure());
-        let wrong_and_sure: Vec<&str> = sure.map(|p| p.participant.as_str()).collect();
+        let wrong_and_sure: Vec<String> = sure.map(|p| p.participant.to_string()).collect();
         let values = context! {
             higher => self.design.label(order.asked.higher),
             lower => self.listed(&order.asked.lower),

@@ -1,65 +1,10 @@
 use super::*;
 use crate::{
+    recordings::testing::{drives, study},
     stages::validate::{Checked, LeaveOut},
-    tables::drives::write_drive,
 };
-use maveric_domain::{Drive, DriveId, DriveMeta, LatentTraits, ParticipantId, Seconds};
-use maveric_simulator::{Driver, DriverParams, Scenario, rollout};
-use std::{path::Path, sync::OnceLock, sync::atomic::AtomicBool};
-
-const DESIGN: &str = r#"
-[study]
-title = "Calm and sporty"
-[style]
-score = "adb.total"
-range = [11, 55]
-[[role]]
-id = "calm"
-score = 20
-[[role]]
-id = "sporty"
-score = 45
-[[role]]
-id = "calm-again"
-repeats = "calm"
-[[role]]
-id = "asleep"
-score = 15
-"#;
-
-fn drive(who: usize, role: &str, aggressiveness: f64, seed: u64) -> Drive {
-    let scenario = Scenario::paper().with_duration(Seconds(150.0)).unwrap();
-    let traits = LatentTraits {
-        aggressiveness,
-        spacing: 0.3 * (who as f64 - 2.0),
-        ..LatentTraits::default()
-    };
-    let person = DriverParams::draw(&traits, who as u64, seed);
-    let driven = rollout(&scenario, Driver::Human(&person), seed).unwrap();
-    let meta = DriveMeta {
-        drive: DriveId::new(format!("P{who}-{role}")).unwrap(),
-        participant: ParticipantId::new(format!("P{who}")).unwrap(),
-        condition: role.parse().unwrap(),
-        driven_by: DrivenBy::Synthetic,
-    };
-    Drive::from_recording(meta, &driven.recording).unwrap()
-}
-
-/// Six people, calm, sporty and calm again, made once for all tests.
-fn drives() -> &'static [Drive] {
-    static DRIVES: OnceLock<Vec<Drive>> = OnceLock::new();
-    DRIVES.get_or_init(|| {
-        let of = |who: usize| {
-            let seed = 10 * who as u64;
-            [
-                drive(who, "calm", -1.5, seed),
-                drive(who, "sporty", 1.5, seed + 1),
-                drive(who, "calm-again", -1.5, seed + 2),
-            ]
-        };
-        (0..6).flat_map(of).collect()
-    })
-}
+use maveric_domain::Drive;
+use std::{path::Path, sync::atomic::AtomicBool};
 
 fn options(folder: &Path) -> Validate {
     Validate {
@@ -82,15 +27,6 @@ fn options(folder: &Path) -> Validate {
         date: Some("2026-01-02".to_owned()),
         program: Some("1.0".to_owned()),
     }
-}
-
-fn study<'a>(drives: impl IntoIterator<Item = &'a Drive>) -> tempfile::TempDir {
-    let folder = tempfile::tempdir().unwrap();
-    std::fs::write(folder.path().join("study.toml"), DESIGN).unwrap();
-    for drive in drives {
-        write_drive(&folder.path().join("drives"), drive).unwrap();
-    }
-    folder
 }
 
 fn run(options: &Validate) -> Result<Outcome<InTurn>, StudyError> {
@@ -257,7 +193,11 @@ fn rules_open_the_test_part_only_when_asked_and_each_look_is_noted_once() {
     assert_eq!(opened.looks[1].commit == "unknown", !git);
 
     // Other rules after the first look: every table that was opened before says so, with the day.
-    std::fs::write(&rules, text.replace("permutations = 10", "permutations = 11")).unwrap();
+    std::fs::write(
+        &rules,
+        text.replace("permutations = 10", "permutations = 11"),
+    )
+    .unwrap();
     if git {
         let error = run(&options).unwrap_err().to_string();
         assert!(error.contains("it was changed since commit"), "{error}");
@@ -274,7 +214,8 @@ fn rules_open_the_test_part_only_when_asked_and_each_look_is_noted_once() {
     assert_eq!(days(&again), [first_day(), first_day(), first_day()]);
     let page = std::fs::read_to_string(options.out.join("validation.md")).unwrap();
     assert_eq!(
-        page.matches("Changed after the first look (2026-01-02): Order").count(),
+        page.matches("Changed after the first look (2026-01-02): Order")
+            .count(),
         2,
         "{page}"
     );
@@ -302,7 +243,11 @@ fn a_list_of_looks_from_before_commits_were_noted_goes_on() {
     // P9 is nobody whose drives are read here, so nothing was changed after a look at them.
     assert_eq!(found.tables[0].changed_since, None);
     let read = std::fs::read_to_string(path).unwrap();
-    assert!(read.starts_with("date,program,commit,rules,part,people,roles\n2025-12-31,0.1.0,unknown,abc"));
+    assert!(
+        read.starts_with(
+            "date,program,commit,rules,part,people,roles\n2025-12-31,0.1.0,unknown,abc"
+        )
+    );
 }
 
 #[test]

@@ -1,6 +1,5 @@
 //! A study's recordings as they were told and measured.
 
-use super::rules::Table;
 use crate::{
     design::DesignFile,
     error::StudyError,
@@ -14,50 +13,53 @@ use maveric_measures::objective::{self, median_time_gap_s};
 use maveric_rehearsal::leave_out::Drove;
 use std::path::Path;
 
+/// Fewest people that can be left out in turn: two are learned from.
+const FEWEST_PEOPLE: usize = 3;
+
+/// Whether one of so many people can be left out in turn; why not otherwise.
+pub(crate) fn enough(people: usize) -> Result<(), String> {
+    if people < FEWEST_PEOPLE {
+        return Err(format!(
+            "{people} people drove in its roles, expected at least {FEWEST_PEOPLE}"
+        ));
+    }
+    Ok(())
+}
+
 /// A recording.
 #[derive(Debug)]
-pub(super) struct Recorded {
-    pub(super) drive: Drive,
-    pub(super) drove: Drove,
+pub(crate) struct Recorded {
+    pub(crate) drive: Drive,
+    pub(crate) drove: Drove,
 }
 
 /// All of a study, by person, then role, the first drive in a role before the one that repeats it.
 #[derive(Debug)]
-pub(super) struct Recordings {
-    pub(super) rows: Vec<Recorded>,
+pub(crate) struct Recordings {
+    pub(crate) rows: Vec<Recorded>,
 }
 
 impl Recordings {
-    pub(super) fn drove(&self) -> Vec<Drove> {
+    pub(crate) fn drove(&self) -> Vec<Drove> {
         self.rows.iter().map(|r| r.drove.clone()).collect()
     }
 
     /// The labels that drives have, repeats of a role among them.
-    pub(super) fn labels(&self) -> Vec<ConditionId> {
+    pub(crate) fn labels(&self) -> Vec<ConditionId> {
         let labels = self.rows.iter().map(|r| r.drive.meta().condition);
         let labels: std::collections::BTreeSet<ConditionId> = labels.collect();
         labels.into_iter().collect()
     }
-
-    /// What a table reads.
-    pub(super) fn of(&self, table: &Table) -> Vec<&Recorded> {
-        let is_of = |r: &&Recorded| {
-            let meta = r.drive.meta();
-            let of_people = table.people.is_empty() || table.people.contains(&meta.participant);
-            of_people && table.roles().any(|role| role == meta.condition)
-        };
-        self.rows.iter().filter(is_of).collect()
-    }
 }
 
-/// Reads the drives of `run` that people drove by hand in a role or as baseline. A drive's score is its role's or, without one, what
-/// its driver answered.
+/// Reads the drives of a folder that people drove by hand in a role or as baseline. A drive's score is its role's or, without one, what
+/// its driver answered by a table of `scores`.
 ///
 /// # Errors
 /// [`StudyError`] for a drive or a table that cannot be read, a design without a style, or no drive in a role.
-pub(super) fn read(
+pub(crate) fn read(
     study: &DesignFile,
-    run: &Path,
+    (folder, scores): (&Path, Option<&Path>),
     scale: StyleScale,
     warnings: &mut Vec<String>,
 ) -> Result<Recordings, StudyError> {
@@ -68,18 +70,12 @@ pub(super) fn read(
             Some("say which score the style is read as: [style] score = \"adb.total\"".to_owned()),
         ));
     }
-    let folder = run.join("drives");
     let gate = Gate::where_listed(study, None)?;
-    let scores = run.join("scores.csv");
-    let scores = if scores.is_file() {
-        read_scores(&scores)?
-    } else {
-        Vec::new()
-    };
+    let scores = scores.map(read_scores).transpose()?.unwrap_or_default();
     let (scores, _) = style_scores(scores, study.path.as_deref())?;
     let baseline = design.baseline_id();
     let mut rows = Vec::new();
-    for drive in read_drives(&folder)? {
+    for drive in read_drives(folder)? {
         let meta = drive.meta();
         let label = meta.condition;
         let role = match design.role(label) {
@@ -109,7 +105,7 @@ pub(super) fn read(
     if rows.is_empty() {
         let labels: Vec<ConditionId> = design.labels();
         return Err(StudyError::BadFile {
-            path: folder,
+            path: folder.to_owned(),
             problem: "holds no drive in a role of the design".to_owned(),
             help: Some(format!(
                 "{} knows {}; [[role]] declares more, and [names] of the mapping says whose and which drive a log is",
@@ -128,4 +124,78 @@ pub(super) fn read(
             .then_with(|| a.drove.drive.cmp(&b.drove.drive))
     });
     Ok(Recordings { rows })
+}
+
+#[cfg(test)]
+pub(crate) mod testing {
+    use crate::tables::drives::write_drive;
+    use maveric_domain::{
+        Drive, DriveId, DriveMeta, DrivenBy, LatentTraits, ParticipantId, Seconds,
+    };
+    use maveric_simulator::{Driver, DriverParams, Scenario, rollout};
+    use std::sync::OnceLock;
+
+    const DESIGN: &str = r#"
+[study]
+title = "Calm and sporty"
+[style]
+score = "adb.total"
+range = [11, 55]
+[[role]]
+id = "calm"
+score = 20
+[[role]]
+id = "sporty"
+score = 45
+[[role]]
+id = "calm-again"
+repeats = "calm"
+[[role]]
+id = "asleep"
+score = 15
+"#;
+
+    fn drive(who: usize, role: &str, aggressiveness: f64, seed: u64) -> Drive {
+        let scenario = Scenario::paper().with_duration(Seconds(150.0)).unwrap();
+        let traits = LatentTraits {
+            aggressiveness,
+            spacing: 0.3 * (who as f64 - 2.0),
+            ..LatentTraits::default()
+        };
+        let person = DriverParams::draw(&traits, who as u64, seed);
+        let driven = rollout(&scenario, Driver::Human(&person), seed).unwrap();
+        let meta = DriveMeta {
+            drive: DriveId::new(format!("P{who}-{role}")).unwrap(),
+            participant: ParticipantId::new(format!("P{who}")).unwrap(),
+            condition: role.parse().unwrap(),
+            driven_by: DrivenBy::Synthetic,
+        };
+        Drive::from_recording(meta, &driven.recording).unwrap()
+    }
+
+    /// Six people, calm, sporty and calm again, made once for all tests.
+    pub(crate) fn drives() -> &'static [Drive] {
+        static DRIVES: OnceLock<Vec<Drive>> = OnceLock::new();
+        DRIVES.get_or_init(|| {
+            let of = |who: usize| {
+                let seed = 10 * who as u64;
+                [
+                    drive(who, "calm", -1.5, seed),
+                    drive(who, "sporty", 1.5, seed + 1),
+                    drive(who, "calm-again", -1.5, seed + 2),
+                ]
+            };
+            (0..6).flat_map(of).collect()
+        })
+    }
+
+    /// A study in a folder with these drives.
+    pub(crate) fn study<'a>(drives: impl IntoIterator<Item = &'a Drive>) -> tempfile::TempDir {
+        let folder = tempfile::tempdir().unwrap();
+        std::fs::write(folder.path().join("study.toml"), DESIGN).unwrap();
+        for drive in drives {
+            write_drive(&folder.path().join("drives"), drive).unwrap();
+        }
+        folder
+    }
 }
