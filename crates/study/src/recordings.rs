@@ -130,7 +130,7 @@ pub(crate) fn read(
 pub(crate) mod testing {
     use crate::tables::drives::write_drive;
     use maveric_domain::{
-        Drive, DriveId, DriveMeta, DrivenBy, LatentTraits, ParticipantId, Seconds,
+        Drive, DriveId, DriveMeta, DrivenBy, LatentTraits, ParticipantId, Recording, Seconds,
     };
     use maveric_simulator::{Driver, DriverParams, Scenario, rollout};
     use std::sync::OnceLock;
@@ -155,7 +155,7 @@ id = "asleep"
 score = 15
 "#;
 
-    fn drive(who: usize, role: &str, aggressiveness: f64, seed: u64) -> Drive {
+    fn recorded(who: usize, aggressiveness: f64, seed: u64) -> Recording {
         let scenario = Scenario::paper().with_duration(Seconds(150.0)).unwrap();
         let traits = LatentTraits {
             aggressiveness,
@@ -163,14 +163,33 @@ score = 15
             ..LatentTraits::default()
         };
         let person = DriverParams::draw(&traits, who as u64, seed);
-        let driven = rollout(&scenario, Driver::Human(&person), seed).unwrap();
+        rollout(&scenario, Driver::Human(&person), seed)
+            .unwrap()
+            .recording
+    }
+
+    fn drive(who: usize, role: &str, aggressiveness: f64, seed: u64) -> Drive {
         let meta = DriveMeta {
             drive: DriveId::new(format!("P{who}-{role}")).unwrap(),
             participant: ParticipantId::new(format!("P{who}")).unwrap(),
             condition: role.parse().unwrap(),
             driven_by: DrivenBy::Synthetic,
         };
-        Drive::from_recording(meta, &driven.recording).unwrap()
+        Drive::from_recording(meta, &recorded(who, aggressiveness, seed)).unwrap()
+    }
+
+    /// The same drive with nobody else on the road.
+    pub(crate) fn alone(drive: &Drive, who: usize, aggressiveness: f64, seed: u64) -> Drive {
+        let all = recorded(who, aggressiveness, seed);
+        let recording = Recording::new(
+            *all.road(),
+            all.rate_hz(),
+            all.time_s().to_vec(),
+            all.segment().to_vec(),
+            all.ego().clone(),
+            Vec::new(),
+        );
+        Drive::from_recording(drive.meta().clone(), &recording.unwrap()).unwrap()
     }
 
     /// Six people, calm, sporty and calm again, made once for all tests.

@@ -1,5 +1,6 @@
 //! What a model that was learned elsewhere says of people, and whether it says that it has met nobody like them.
 
+use super::Uncounted;
 use crate::error::RehearsalError;
 use maveric_domain::ParticipantId;
 use maveric_stats::{Proportion, proportion_exact};
@@ -61,15 +62,23 @@ pub struct Shipped {
     /// Whose order is wrong though nothing was said of it: neither drive is known to be beyond, and the interval of two standard errors
     /// does not hold 0.
     pub wrong_and_sure: Vec<ParticipantId>,
+    /// People whom the model learned from; none where it does not say.
+    pub people_learned_from: Option<usize>,
     /// Person by person.
     pub people: Vec<ShippedPerson>,
+    /// Whoever cannot be counted.
+    pub uncounted: Vec<Uncounted>,
 }
 
-/// Counts people by whether they are read right and whether they are beyond.
+/// Counts people by whether they are read right and whether they are beyond, by a model that learned from so many people.
 ///
 /// # Errors
 /// [`RehearsalError::Stats`] where an interval has no ends.
-pub fn shipped(people: Vec<ShippedPerson>) -> Result<Shipped, RehearsalError> {
+pub fn shipped(
+    people: Vec<ShippedPerson>,
+    people_learned_from: Option<usize>,
+    uncounted: Vec<Uncounted>,
+) -> Result<Shipped, RehearsalError> {
     let count = |right: bool, beyond: Option<bool>| {
         let of = |p: &&ShippedPerson| {
             p.line.is_some_and(|line| (line > 0.0) == right) && p.beyond() == beyond
@@ -96,7 +105,9 @@ pub fn shipped(people: Vec<ShippedPerson>) -> Result<Shipped, RehearsalError> {
             .filter(|p| p.wrong_and_sure())
             .map(|p| p.participant.clone())
             .collect(),
+        people_learned_from,
         people,
+        uncounted,
     })
 }
 
@@ -115,15 +126,15 @@ mod tests {
                 higher_beyond: higher,
             };
         let (yes, no) = (Some(true), Some(false));
-        let found = shipped(vec![
+        let people = vec![
             person(Some(0.5), no, no),
             person(Some(0.5), no, yes),
             person(Some(-0.5), yes, None),
             person(Some(0.0), no, no),
             person(Some(0.2), no, None),
             person(None, yes, yes),
-        ])
-        .unwrap();
+        ];
+        let found = shipped(people, Some(30), Vec::new()).unwrap();
         assert_eq!(
             (
                 found.n,
@@ -139,7 +150,7 @@ mod tests {
             found.wrong_and_sure.is_empty(),
             "no standard error is known"
         );
-        let none = shipped(Vec::new()).unwrap();
+        let none = shipped(Vec::new(), None, Vec::new()).unwrap();
         assert_eq!((none.n, none.share), (0, None));
     }
 
@@ -152,14 +163,14 @@ mod tests {
             ordinary_beyond: beyond,
             higher_beyond: beyond,
         };
-        let found = shipped(vec![
+        let people = vec![
             person("right", 0.9, 0.1, Some(false)),
             person("covered", -0.9, 0.5, Some(false)),
             person("sure", -0.9, 0.4, Some(false)),
             person("told", -0.9, 0.1, Some(true)),
             person("unknown", -0.9, 0.1, None),
-        ])
-        .unwrap();
+        ];
+        let found = shipped(people, None, Vec::new()).unwrap();
         let named: Vec<&str> = found.wrong_and_sure.iter().map(|p| p.as_str()).collect();
         assert_eq!(named, ["sure", "unknown"]);
     }

@@ -9,7 +9,9 @@ use crate::{
 };
 use maveric_domain::BeyondWhy;
 use maveric_model::{ModelError, Personalized, Support, personalize, style_space::LinearHead};
-use maveric_rehearsal::leave_out::{Drove, Shipped, ShippedPerson, people, shipped};
+use maveric_rehearsal::leave_out::{
+    By, Drove, Missing, Shipped, ShippedPerson, Uncounted, people, shipped,
+};
 
 /// Reads everybody's drive in the higher role and in the ordinary one by the model that was given; none where none was.
 pub(super) fn said_of(
@@ -38,8 +40,21 @@ pub(super) fn said_of(
         role_of(bench.table.lower.first().copied())?,
         role_of(bench.table.higher)?,
     );
-    let mut found = Vec::new();
+    let (mut found, mut uncounted) = (Vec::new(), Vec::new());
     for who in people(drove) {
+        for role in [ordinary, higher] {
+            let why = match first_in(drove, &who, role) {
+                None => Some(Missing::Drive { role }),
+                Some(place) => fitted[place].is_none().then(|| Missing::Reading {
+                    drive: drove[place].drive.clone(),
+                    by: By::Line,
+                }),
+            };
+            uncounted.extend(why.map(|why| Uncounted {
+                participant: who.clone(),
+                why,
+            }));
+        }
         let known = |role| -> Option<&Personalized> {
             let place = first_in(drove, &who, role)?;
             fitted[place].as_ref()
@@ -59,7 +74,7 @@ pub(super) fn said_of(
             participant: who,
         });
     }
-    Ok(Some(shipped(found)?))
+    Ok(Some(shipped(found, model.people(), uncounted)?))
 }
 
 /// Whether a drive is beyond what the model has met, before any style is fitted or because it reads as a score that the scale does not

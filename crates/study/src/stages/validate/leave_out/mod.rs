@@ -1,5 +1,6 @@
 //! `validate --leave-out people`: a study's own recordings, learned in turn from everybody but one.
 
+mod answer;
 mod commit;
 mod direction;
 mod elsewhere;
@@ -11,6 +12,7 @@ mod tables;
 #[cfg(test)]
 mod tests;
 
+pub use answer::Answer;
 pub use rules::{Asks, Part, Rules, Table};
 
 use super::Validate;
@@ -23,18 +25,15 @@ use crate::{
     stages::report::write_page,
     style_scale::StyleScale,
 };
+use answer::findings_of;
 use folds::{Fold, Learning, styles};
 use looks::Look;
 use maveric_analysis::Finding;
 use maveric_domain::DrivenBy;
 use maveric_measures::objective;
 use maveric_model::{HeadsKind, TrainSettings};
-use maveric_rehearsal::{
-    findings,
-    leave_out::{
-        Asked, Direction, Drove, ErrorShare, Order, Repeated, Retest, Shipped, Uncounted, Whose,
-        errors_that_hold, order, people, retest, whose,
-    },
+use maveric_rehearsal::leave_out::{
+    Asked, Drove, Order, Repeated, errors_that_hold, order, people, retest, whose,
 };
 use path_slash::PathExt as _;
 use serde::Serialize;
@@ -88,77 +87,6 @@ pub struct Answered {
     pub changed_since: Option<Look>,
 }
 
-/// What a table says.
-#[derive(Debug, Clone, Serialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Answer {
-    /// An order.
-    Order(Order),
-    /// Whose drive it is.
-    Identity(Vec<Whose>),
-    /// How alike two drives are.
-    Retest {
-        /// Measure by measure.
-        measures: Vec<Retest>,
-        /// Whoever drove only once.
-        uncounted: Vec<Uncounted>,
-    },
-    /// Which share of standard errors holds.
-    Errors(ErrorShare),
-    /// Where the dial points.
-    Direction {
-        /// Beside what.
-        found: Direction,
-        /// Whoever lacks a drive.
-        uncounted: Vec<Uncounted>,
-    },
-    /// What a model says that was learned elsewhere.
-    Shipped(Shipped),
-}
-
-impl Answer {
-    /// Whoever it cannot count.
-    fn uncounted(&self) -> Vec<&Uncounted> {
-        match self {
-            Self::Order(order) => order.uncounted.iter().collect(),
-            Self::Identity(rows) => rows.iter().flat_map(|row| &row.uncounted).collect(),
-            Self::Retest { uncounted, .. } | Self::Direction { uncounted, .. } => {
-                uncounted.iter().collect()
-            }
-            Self::Errors(_) | Self::Shipped(_) => Vec::new(),
-        }
-    }
-}
-
-/// What became of the questions of these answers; of a question that no table asks there is none.
-fn findings_of(answers: &[&Answer]) -> Vec<Finding> {
-    let orders: Vec<&Order> = answers
-        .iter()
-        .filter_map(|answer| match answer {
-            Answer::Order(order) => Some(order),
-            _ => None,
-        })
-        .collect();
-    let whose = answers.iter().filter_map(|answer| match answer {
-        Answer::Identity(rows) => Some(rows),
-        _ => None,
-    });
-    let directions: Vec<&Direction> = answers
-        .iter()
-        .filter_map(|answer| match answer {
-            Answer::Direction { found, .. } => Some(found),
-            _ => None,
-        })
-        .collect();
-    let all = [
-        findings::ordered(&orders),
-        findings::beyond_speed(&orders),
-        findings::recognised_unmet(whose.flatten()),
-        findings::pointed(&directions),
-    ];
-    all.into_iter().filter(|f| !f.parts.is_empty()).collect()
-}
-
 /// Leaves people out in turn; writes `validation.json`, `validation.md` and a page with the tables.
 pub(super) fn work(options: &Validate, watch: Watch<'_>) -> Result<Outcome<InTurn>, StudyError> {
     let study = DesignFile::find(options.design.as_deref())?;
@@ -204,12 +132,7 @@ pub(super) fn work(options: &Validate, watch: Watch<'_>) -> Result<Outcome<InTur
                 .iter()
                 .map(|why| format!("{}: {why}", table.id)),
         );
-        for uncounted in answered.answer.iter().flat_map(Answer::uncounted) {
-            warnings.push(format!(
-                "{}: {} is not counted: {}",
-                table.id, uncounted.participant, uncounted.why
-            ));
-        }
+        warnings.extend(answered.answer.iter().flat_map(|a| a.warnings(&table.id)));
         tables.push(answered);
     }
     warnings.dedup();

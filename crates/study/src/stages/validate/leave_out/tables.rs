@@ -34,8 +34,7 @@ pub(super) fn tables(
         };
         if let Some(first) = &answered.changed_since {
             for table in &mut tables {
-                let values =
-                    context! { date => first.date.clone(), title => table.title.clone() };
+                let values = context! { date => first.date.clone(), title => table.title.clone() };
                 table.title = text("page", "changed", &values)?;
             }
         }
@@ -295,6 +294,7 @@ impl Words<'_> {
         let values = context! {
             n => shipped.n,
             unknown => shipped.unknown,
+            people_learned_from => shipped.people_learned_from,
             ordinary => shipped.ordinary,
             ordinary_beyond => shipped.ordinary_beyond,
             low => shipped.share.map(|s| 100.0 * s.low),

@@ -1,9 +1,10 @@
 use super::*;
 use crate::{
-    recordings::testing::{drives, study},
+    recordings::testing::{alone, drives, study},
     stages::validate::{Checked, LeaveOut},
 };
 use maveric_domain::Drive;
+use maveric_rehearsal::leave_out::By;
 use std::{path::Path, sync::atomic::AtomicBool};
 
 fn options(folder: &Path) -> Validate {
@@ -39,6 +40,30 @@ fn run(options: &Validate) -> Result<Outcome<InTurn>, StudyError> {
     }))
 }
 
+/// The file of a model that was learned from all six, with what of it was changed.
+fn elsewhere(folder: &Path, change: impl Fn(&mut serde_json::Value)) -> std::path::PathBuf {
+    let given: Vec<maveric_model::TrainingDrive<'_>> = drives()
+        .iter()
+        .map(|drive| maveric_model::TrainingDrive {
+            drive,
+            adb: maveric_domain::AdbScore::new(if drive.meta().condition.as_str() == "sporty" {
+                45.0
+            } else {
+                20.0
+            })
+            .ok(),
+        })
+        .collect();
+    let mut observe = |_: &maveric_model::EpochReport| std::ops::ControlFlow::Continue(());
+    let trained = maveric_model::train(&given, &TrainSettings::default(), 1, &mut observe).unwrap();
+    let mut parts = serde_json::to_value(&trained.model).unwrap();
+    change(&mut parts);
+    let model: maveric_model::Model = serde_json::from_value(parts).unwrap();
+    let path = folder.join("elsewhere.maveric");
+    std::fs::write(&path, maveric_model::model_file::to_bytes(&model).unwrap()).unwrap();
+    path
+}
+
 #[test]
 fn six_people_told_to_drive_differently_are_placed_recognised_and_repeated_whatever_the_threads() {
     let folder = study(drives());
@@ -52,7 +77,7 @@ fn six_people_told_to_drive_differently_are_placed_recognised_and_repeated_whate
     let Some(Answer::Order(order)) = &found.tables[0].answer else {
         panic!("{:?}", found.tables[0]);
     };
-    let line = order.by(maveric_rehearsal::leave_out::By::Line).unwrap();
+    let line = order.by(By::Line).unwrap();
     assert_eq!(line.n, 6);
     assert!(line.right >= 5, "{order:?}");
     assert!(
@@ -105,7 +130,7 @@ fn whoever_drove_once_and_a_drive_that_shows_nothing_are_named_and_left_out_of_w
     let Some(Answer::Order(order)) = &outcome.value.tables[0].answer else {
         panic!();
     };
-    assert!(order.by(maveric_rehearsal::leave_out::By::Line).unwrap().n <= 5);
+    assert!(order.by(By::Line).unwrap().n <= 5);
     let said = outcome.warnings.join("\n");
     assert!(
         said.contains("P5 is not counted: no drive in the role `sporty`"),
@@ -254,23 +279,7 @@ fn a_list_of_looks_from_before_commits_were_noted_goes_on() {
 fn the_dial_is_driven_beside_directions_and_a_model_from_elsewhere_is_asked_what_it_says() {
     let folder = study(drives());
     let mut options = options(folder.path());
-    let given: Vec<maveric_model::TrainingDrive<'_>> = drives()
-        .iter()
-        .map(|drive| maveric_model::TrainingDrive {
-            drive,
-            adb: maveric_domain::AdbScore::new(if drive.meta().condition.as_str() == "sporty" {
-                45.0
-            } else {
-                20.0
-            })
-            .ok(),
-        })
-        .collect();
-    let mut observe = |_: &maveric_model::EpochReport| std::ops::ControlFlow::Continue(());
-    let trained = maveric_model::train(&given, &TrainSettings::default(), 1, &mut observe).unwrap();
-    let model = folder.path().join("elsewhere.maveric");
-    let bytes = maveric_model::model_file::to_bytes(&trained.model).unwrap();
-    std::fs::write(&model, bytes).unwrap();
+    let model = elsewhere(folder.path(), |_| {});
     let rules = folder.path().join("rules.toml");
     let roles = "learn = [\"calm\", \"sporty\"]\nhigher = \"sporty\"\nlower = [\"calm\"]\n";
     let text = format!(
@@ -307,4 +316,122 @@ fn the_dial_is_driven_beside_directions_and_a_model_from_elsewhere_is_asked_what
     );
     let page = std::fs::read_to_string(options.out.join("index.html")).unwrap();
     assert!(page.contains("Does the dial point where people themselves go"));
+}
+
+/// A file of rules with all six tables.
+fn all_six(folder: &Path) -> std::path::PathBuf {
+    let roles = "learn = [\"calm\", \"sporty\", \"calm-again\"]\n";
+    let pair = "higher = \"sporty\"\nlower = [\"calm\"]\n";
+    let of = |asks: &str, keys: &str| {
+        format!("[[table]]\nid = \"{asks}\"\nasks = \"{asks}\"\n{roles}{keys}")
+    };
+    let tables = [
+        of("order", pair),
+        of("identity", "among = \"calm\"\nsought = \"calm\"\n"),
+        of("retest", "role = \"calm\"\n"),
+        of("errors", "role = \"calm\"\n"),
+        of(
+            "direction",
+            &format!("{pair}judged = [\"P0\", \"P1\"]\npoints = 15\ndirections = 20\n"),
+        ),
+        of("shipped", pair),
+    ];
+    let path = folder.join("rules.toml");
+    let text = format!("title = \"Lab\"\npermutations = 5\n{}", tables.concat());
+    std::fs::write(&path, text).unwrap();
+    path
+}
+
+#[test]
+fn a_drive_without_lanes_and_one_without_anybody_ahead_are_named_in_every_table_that_lacks_them() {
+    let mut kept: Vec<Drive> = drives().to_vec();
+    for drive in &mut kept {
+        match drive.meta().drive.as_str() {
+            "P0-calm" => *drive = drive.clone().without_lateral(),
+            // The same person on the same day, with nobody else on the road.
+            "P1-sporty" => *drive = alone(drive, 1, 1.5, 11),
+            "P2-calm" => *drive = alone(drive, 2, -1.5, 20),
+            _ => {}
+        }
+    }
+    let folder = study(&kept);
+    let mut options = options(folder.path());
+    options.rules = Some(all_six(folder.path()));
+    options.permutations = None;
+    options.models = vec![elsewhere(folder.path(), |_| {})];
+    let outcome = run(&options).unwrap();
+    let found = outcome.value;
+    let unanswered: Vec<&str> = found
+        .tables
+        .iter()
+        .filter(|t| t.answer.is_none())
+        .map(|t| t.id.as_str())
+        .collect();
+    assert!(unanswered.is_empty(), "{unanswered:?}");
+    let named = outcome.warnings.join("\n");
+    for wanted in [
+        "order: P1 is not counted: drive P1-sporty shows no vehicle ahead, so no time gap",
+        "order: P2 is not counted: drive P2-calm shows no vehicle ahead, so no time gap",
+        "identity: P2 is not counted: drive P2-calm shows no vehicle ahead, so no time gap",
+        "shipped: support is not known: the model learned from 6 people, too few to say",
+    ] {
+        assert!(named.contains(wanted), "{wanted}\n{named}");
+    }
+    let lacks = |who: &str, measure: &str| {
+        let of = |line: &&str| line.starts_with("retest: ") && line.contains(who);
+        named.lines().filter(of).any(|line| line.contains(measure))
+    };
+    assert!(lacks("P2", "median time gap"), "{named}");
+    assert!(lacks("P0", "counted in the rest"), "{named}");
+    let Some(Answer::Order(order)) = &found.tables[0].answer else {
+        panic!();
+    };
+    let n = |by| order.by(by).unwrap().n;
+    assert_eq!((n(By::Speed), n(By::TimeGap)), (6, 4));
+    for name in ["validation.json", "validation.md", "index.html"] {
+        let text = std::fs::read_to_string(options.out.join(name)).unwrap();
+        assert!(!text.contains("NaN"), "{name}");
+    }
+}
+
+#[test]
+fn a_model_without_reference_and_one_of_too_few_people_say_that_support_is_not_known_and_why() {
+    let folder = study(drives());
+    let mut options = options(folder.path());
+    options.rules = Some(all_six(folder.path()));
+    options.permutations = None;
+    let said = |options: &Validate| {
+        let outcome = run(options).unwrap();
+        let shipped = outcome
+            .value
+            .tables
+            .into_iter()
+            .find_map(|t| match t.answer {
+                Some(Answer::Shipped(shipped)) => Some(shipped),
+                _ => None,
+            });
+        let markdown = std::fs::read_to_string(options.out.join("validation.md")).unwrap();
+        (shipped.unwrap(), outcome.warnings.join("\n"), markdown)
+    };
+    let few = (Some(6), "6 people, too few to say");
+    let none = (None, "does not say whom it learned from");
+    for (change, (people, why)) in [
+        ((|_| {}) as fn(&mut serde_json::Value), few),
+        (
+            |parts| drop(parts.as_object_mut().unwrap().remove("population")),
+            none,
+        ),
+    ] {
+        options.models = vec![elsewhere(folder.path(), change)];
+        let (shipped, warnings, markdown) = said(&options);
+        assert_eq!((shipped.people_learned_from, shipped.n), (people, 6));
+        // Whoever reads as no score of the scale is beyond without any reference.
+        assert!(shipped.unknown > 0 && shipped.wrong_within + shipped.right_within == 0);
+        assert!(shipped.people.iter().all(|p| p.line_se.is_some()));
+        assert!(warnings.contains("shipped: support is not known") && warnings.contains(why));
+        assert!(
+            markdown.contains("support is not known") && markdown.contains(why),
+            "{markdown}"
+        );
+    }
 }
