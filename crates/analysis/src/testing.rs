@@ -101,6 +101,7 @@ pub(crate) fn position(i: usize, position: f64) -> EmbeddingRow {
         line_position_se: None,
         support_p: None,
         beyond_why: None,
+        posted_unseen: None,
         embedding: Embedding::new(vec![position]).unwrap(),
     }
 }

@@ -108,6 +108,8 @@ pub struct EmbeddingRow {
     pub support_p: Option<f64>,
     /// Why the drive is beyond what was learned from; none where it is not, or where nobody can say.
     pub beyond_why: Option<BeyondWhy>,
+    /// Whether what was posted lies outside what was posted for those learned from; none where nobody can say.
+    pub posted_unseen: Option<bool>,
     /// The embedding.
     pub embedding: Embedding,
 }

@@ -305,7 +305,7 @@ impl Style {
             return Err(said("`lead_speed_mps` must be a finite speed of 0 or more"));
         }
         let habits = Habits::new(&self.model, &self.embedding).map_err(raised)?;
-        let free = habits.free_speed_mps();
+        let free = habits.free_speed_mps(None);
         let found = PyDict::new(py);
         found.set_item("free_speed_mps", free)?;
         found.set_item("move_out_gap_s", habits.move_out_s())?;

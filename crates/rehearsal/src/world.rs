@@ -263,6 +263,7 @@ fn embedding(
         line_position_se: None,
         support_p: None,
         beyond_why: None,
+        posted_unseen: None,
         embedding: Embedding::new(vec![position])?,
     })
 }

@@ -2,7 +2,7 @@
 
 use crate::once::told_once;
 use maveric_domain::{BeyondWhy, EmbeddingRow};
-use maveric_model::{HEADS, Model};
+use maveric_model::{FreeSpeed, HEADS, Model};
 
 /// Why a drive is beyond what the model has learned from, in words.
 pub fn beyond_in_words(why: &BeyondWhy) -> String {
@@ -49,6 +49,7 @@ pub(crate) fn told(model: &Model, rows: &[EmbeddingRow]) -> Vec<String> {
         of_rows(rows).filter(|(_, why)| !off_the_scale(why)),
         ": the model has met nobody who drives like this, and where it puts this driver says little",
     );
+    told.extend(unseen_limits(model, rows));
     let known = rows.iter().any(|row| row.support_p.is_some());
     let shows = rows.iter().any(|row| row.readings != Some(0));
     told.extend((shows && !known).then(|| unknown(model.people())));
@@ -63,6 +64,31 @@ pub(crate) fn unknown(people: Option<usize>) -> String {
         ),
         None => "the model does not say whom it learned from, so nobody knows whether it has met drivers like these: train it anew".to_owned(),
     }
+}
+
+/// A sentence for drives on roads whose limit lies outside those that the model learned from.
+fn unseen_limits(model: &Model, rows: &[EmbeddingRow]) -> Vec<String> {
+    let Some(posted) = model.posted() else {
+        return Vec::new();
+    };
+    let [low, high] = [posted.lowest_mps, posted.highest_mps].map(|v| format!("{:.0}", 3.6 * v));
+    let range = if low == high {
+        low
+    } else {
+        format!("{low} to {high}")
+    };
+    let read = match posted.free_speed {
+        FreeSpeed::Absolute => "its free speed is read in m/s, as if that were posted there too",
+        FreeSpeed::Posted => "its free speed is read by its share of the limit",
+    };
+    let why = format!(
+        "the model learned where {range} km/h is posted, which is not what is posted here: {read}"
+    );
+    let unseen = rows.iter().filter(|row| row.posted_unseen == Some(true));
+    told_once(
+        "drive",
+        unseen.map(|row| (row.drive.to_string(), why.clone())),
+    )
 }
 
 #[cfg(test)]

@@ -267,6 +267,7 @@ mod tests {
             line_position_se: None,
             support_p: None,
             beyond_why: None,
+            posted_unseen: None,
             embedding: maveric_domain::Embedding::new(vec![0.0]).unwrap(),
         };
         let points = [0.9, 1.0, 3.5, 6.0, 6.1].map(Some);

@@ -84,6 +84,7 @@ mod tests {
             line_position_se: Some(0.3),
             support_p: None,
             beyond_why: None,
+            posted_unseen: None,
             embedding: Embedding::new(vec![position]).unwrap(),
         };
         let found = points_a_step(&[row(0.5), row(-1.0)]).unwrap();

@@ -420,6 +420,7 @@ fn on_the_scale_both_uncertainties_add_up_as_squares() {
         line_position_se: Some(0.5),
         support_p: None,
         beyond_why: None,
+        posted_unseen: None,
         ..crate::testing::position(i, position)
     };
     data.embeddings = vec![row(0, 1.0), row(1, -1.0)];
