@@ -316,6 +316,7 @@ mod tests {
                 line_position_se: None,
                 support_p,
                 beyond_why,
+                posted_unseen: None,
                 embedding: Embedding::new(vec![0.0]).unwrap(),
             };
         let results = tempfile::tempdir().unwrap();
