@@ -177,6 +177,7 @@ pub(crate) fn steered(
         clamped: false,
         angle_rad,
         beyond_training,
+        beyond_why: None,
         sweep: None,
         embedding: Embedding::new(vec![0.0]).unwrap(),
     }

@@ -282,6 +282,7 @@ fn condition_row(
         clamped: false,
         angle_rad: (condition.car == Some(Car::Across)).then_some(angle),
         beyond_training: false,
+        beyond_why: None,
         sweep: None,
         embedding: Embedding::new(vec![0.0])?,
     })
