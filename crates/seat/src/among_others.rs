@@ -21,7 +21,7 @@ pub(crate) struct AmongOthers {
 /// What is known of somebody's score: none without any, inside none where their drive is beyond what the model has learned from.
 fn score(person: &Person) -> Option<Option<f64>> {
     let style = person.style()?;
-    if person.beyond().is_some() {
+    if style.beyond.is_some() {
         return Some(None);
     }
     style.score.filter(|_| style.readings > 0).map(Some)

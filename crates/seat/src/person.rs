@@ -46,14 +46,15 @@ impl Person {
 
     /// Their style.
     pub(crate) fn style(&self) -> Option<Fit> {
-        serde_json::from_str(self.fit.as_deref()?).ok()
+        let mut style: Fit = serde_json::from_str(self.fit.as_deref()?).ok()?;
+        // One that was kept before has a score also where the scale has none.
+        (style.score, style.beyond) = BeyondWhy::of_reading(style.score, style.beyond);
+        Some(style)
     }
 
     /// Why the drive that their style was learned of is beyond what the model has learned from; none where it is not.
     pub(crate) fn beyond(&self) -> Option<BeyondWhy> {
-        let style = self.style()?;
-        // A style that was kept before has a score also where the scale has none.
-        BeyondWhy::of_reading(style.score, style.beyond).1
+        self.style()?.beyond
     }
 
     pub(crate) fn read(row: &rusqlite::Row<'_>) -> rusqlite::Result<Self> {

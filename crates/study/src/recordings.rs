@@ -20,7 +20,7 @@ const FEWEST_PEOPLE: usize = 3;
 pub(crate) fn enough(people: usize) -> Result<(), String> {
     if people < FEWEST_PEOPLE {
         return Err(format!(
-            "{people} people drove in its roles, expected at least {FEWEST_PEOPLE}"
+            "{people} people drove in the roles asked for, expected at least {FEWEST_PEOPLE}"
         ));
     }
     Ok(())
