@@ -76,6 +76,14 @@ pub(crate) fn write_samples(path: &Path, drive: &Drive) -> Result<(), StudyError
         .write(path)
 }
 
+/// The drives that a list has.
+///
+/// # Errors
+/// As [`Table`] does, naming row and column.
+pub(crate) fn list_of(list: &Path) -> Result<Vec<DriveMeta>, StudyError> {
+    Table::read(list)?.records()
+}
+
 /// Reads one drive back.
 ///
 /// # Errors
