@@ -43,7 +43,7 @@ pub use mapping::{
     LeadSignal, LengthUnit, Long, LongColumns, Mapping, McapMapping, MessageMapping, Names, Only,
     Pair, PairColumns, Platoon, PlatoonColumns, Point, RecordingMeta, RigSigns, RoadMapping,
     RoadSignal, SeesMapping, Side, SignalTables, Signals, SpeedSignal, SpeedUnit, TableMapping,
-    Tells, TimeUnit, Topics, TracksSignal, TwistFrame, Units, VelocitySignal,
+    Tells, TimeUnit, Topics, TracksSignal, TwistFrame, Units, VelocitySignal, named_after,
 };
 pub use parquet::{ParquetFile, is_parquet, parquet_bytes, read_parquet};
 pub use provenance::Provenance;

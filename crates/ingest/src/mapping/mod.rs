@@ -19,7 +19,7 @@ pub use columns::{LongColumns, PairColumns, PlatoonColumns};
 pub use layout::{Directions, Forward, Layout, Long, Pair, Platoon, Point, SignalTables};
 use maveric_domain::{Road, nearest};
 pub use mcap::{McapMapping, MessageMapping, RigSigns, Tells, Topics, TwistFrame};
-pub use names::Names;
+pub use names::{Names, named_after};
 pub use recording_meta::RecordingMeta;
 pub use sees::SeesMapping;
 use serde::{Deserialize, Serialize};
