@@ -67,7 +67,7 @@ impl TryFrom<String> for BeyondWhy {
 }
 
 /// One fitted embedding.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct EmbeddingRow {
     /// The drive it was fitted to.
     pub drive: DriveId,

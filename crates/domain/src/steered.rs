@@ -9,7 +9,7 @@ use crate::{
 use serde::{Deserialize, Serialize};
 
 /// One participant in one condition.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct ConditionRow {
     /// The participant.
     pub participant: ParticipantId,
@@ -27,7 +27,8 @@ pub struct ConditionRow {
     pub angle_rad: Option<f64>,
     /// Whether the embedding lies further out than any training driver's.
     pub beyond_training: bool,
-    /// What it is one point of; none for the conditions of a study.
+    /// What it is one point of; none for the conditions of a study. In a table its fields are columns of their own.
+    #[serde(skip_deserializing)]
     pub sweep: Option<SweepPoint>,
     /// The embedding.
     pub embedding: Embedding,

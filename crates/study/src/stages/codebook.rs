@@ -7,13 +7,13 @@ use crate::{
     outputs::spare_inputs,
     run_folder::read_scales,
     stage::{Files, Stage},
-    tables::write_rows,
+    tables::{TableName, write_rows},
     texts,
 };
 use maveric_domain::{Scale, survey::Scoring};
 use minijinja::{Value, context};
 use path_slash::PathExt as _;
-use serde::{Deserialize, Serialize};
+use serde::Serialize;
 use std::path::{Path, PathBuf};
 
 /// Describe the questionnaires: items, ranges, reversals, subscales, norms
@@ -38,7 +38,7 @@ pub struct Codebook {
 }
 
 /// An item of a subscale: a row of `codebook.csv`.
-#[derive(Serialize, Deserialize)]
+#[derive(Serialize)]
 struct ItemRow {
     scale: String,
     subscale: String,
@@ -91,7 +91,7 @@ impl Stage for Describe {
                 }));
             }
         }
-        write_rows(&csv, &rows)?;
+        write_rows(TableName::Codebook, &csv, &rows)?;
         atomic_write_bytes(&markdown, page.as_bytes())?;
         let value = Codebook {
             scales: scales.len(),

@@ -7,7 +7,7 @@ use super::{
 use crate::{
     error::StudyError,
     stages::validate::Validate,
-    tables::{Table, write_rows},
+    tables::{TableName, read_rows, write_rows},
 };
 use serde::{Deserialize, Serialize};
 use std::{
@@ -15,20 +15,14 @@ use std::{
     path::{Path, PathBuf},
 };
 
-/// One look at recordings.
+/// One look at recordings; `columns.toml` says what its fields are.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Look {
-    /// The day, as `2026-11-22`.
     pub date: String,
-    /// Version of the program, with its commit where it was built from one.
     pub program: String,
-    /// BLAKE3 of the file of rules.
     pub rules: String,
-    /// Which part was opened.
     pub part: Part,
-    /// The people whose drives were read.
     pub people: String,
-    /// The roles in which they were driven, which name the road.
     pub roles: String,
 }
 
@@ -52,7 +46,7 @@ pub(super) fn look(
 ) -> Result<Vec<Look>, StudyError> {
     let path = looks_path(rules_file);
     let mut looks: Vec<Look> = if path.is_file() {
-        Table::read(&path)?.records()?
+        read_rows(&path)?
     } else {
         Vec::new()
     };
@@ -80,7 +74,7 @@ pub(super) fn look(
     };
     if !look.people.is_empty() && !looks.iter().any(same) {
         looks.push(look);
-        write_rows(&path, &looks)?;
+        write_rows(TableName::Looks, &path, &looks)?;
     }
     Ok(looks)
 }
