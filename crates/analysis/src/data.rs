@@ -395,6 +395,17 @@ impl StudyData {
         Some((scale, subscale))
     }
 
+    /// Lowest and highest score of the design's style; none where neither it nor a questionnaire says.
+    pub fn style_range(&self) -> Option<(f64, f64)> {
+        let style = self.design.style()?;
+        let declared = style.range.map(|[low, high]| (low, high));
+        let of_scale = || {
+            let (scale, subscale) = self.subscale(&style.score)?;
+            Some(scale.score_range(subscale))
+        };
+        declared.or_else(of_scale)
+    }
+
     /// What a page calls a score: the subscale's title, or the scale's where it has no other.
     pub fn score_title(&self, name: &ScoreName) -> String {
         match self.subscale(name) {

@@ -1,11 +1,13 @@
 //! A design held against what there is: scales, measures, people, drives and answers.
 
 use crate::{
+    atomic_write::if_there,
+    beyond,
     design::{DesignFile, People},
     error::StudyError,
     gate::analysed,
     run_folder::{read_scales, score_range},
-    tables::{Table, participants::Enrolled},
+    tables::{Table, embeddings::read_embeddings, participants::Enrolled},
 };
 use maveric_analysis::Why;
 use maveric_domain::{
@@ -233,6 +235,7 @@ pub fn study_notes(study: &DesignFile, results: &Path) -> Result<Vec<String>, St
             neither.join(", ")
         ));
     }
+    notes.extend(met(results)?);
     let driven = words(
         &[
             results.join("drives/drives.csv"),
@@ -259,6 +262,19 @@ pub fn study_notes(study: &DesignFile, results: &Path) -> Result<Vec<String>, St
     Ok(notes)
 }
 
+/// Who of those whose styles were learned is beyond what the model has met, and whether it can say.
+fn met(results: &Path) -> Result<Vec<String>, StudyError> {
+    let rows = if_there(&results.join("embeddings.csv"), read_embeddings)?;
+    let mut notes = beyond::named("drive", beyond::of_rows(&rows), "");
+    if !rows.is_empty() && rows.iter().all(|row| row.beyond().is_none()) {
+        notes.push(
+            "nobody can say whether the model has met drivers like these: it learned from too few people, or does not say from whom (`support_p` of embeddings.csv is empty)"
+                .to_owned(),
+        );
+    }
+    Ok(notes)
+}
+
 /// What stands in a column of those tables that are there and have it; none where there is no such table yet.
 fn words<P: AsRef<Path>>(
     tables: &[P],
@@ -276,4 +292,55 @@ fn words<P: AsRef<Path>>(
         }
     }
     Ok(found)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::tables::embeddings::{EmbeddingRow, write_embeddings};
+    use maveric_domain::{BeyondWhy, DriveId, Embedding, ParticipantId};
+
+    #[test]
+    fn who_is_beyond_what_the_model_has_met_is_named_and_a_model_that_cannot_say_is_too() {
+        let row =
+            |drive: &str, support_p: Option<f64>, beyond_why: Option<BeyondWhy>| EmbeddingRow {
+                drive: DriveId::new(drive).unwrap(),
+                participant: ParticipantId::new("P").unwrap(),
+                condition: "own".parse().unwrap(),
+                adb_used: false,
+                adb: None,
+                adb_hat: None,
+                line_position: None,
+                readings: Some(9),
+                covariance: None,
+                line_position_se: None,
+                support_p,
+                beyond_why,
+                posted_unseen: None,
+                embedding: Embedding::new(vec![0.0]).unwrap(),
+            };
+        let results = tempfile::tempdir().unwrap();
+        assert!(
+            met(results.path()).unwrap().is_empty(),
+            "nothing is there yet"
+        );
+        let notes = |rows: &[EmbeddingRow]| {
+            write_embeddings(&results.path().join("embeddings.csv"), rows).unwrap();
+            met(results.path()).unwrap()
+        };
+        let usual = row("P-own", Some(0.4), None);
+        assert!(notes(std::slice::from_ref(&usual)).is_empty());
+        let habit = "following_gap_s".to_owned();
+        let stranger = row("Q-own", Some(0.001), Some(BeyondWhy::Habits { habit }));
+        let named = notes(&[usual, stranger]);
+        assert!(
+            named.len() == 1 && named[0].starts_with("drive Q-own: shows habits"),
+            "{named:?}"
+        );
+        let unknown = notes(&[row("P-own", None, None)]);
+        assert!(
+            unknown.len() == 1 && unknown[0].contains("nobody can say"),
+            "{unknown:?}"
+        );
+    }
 }

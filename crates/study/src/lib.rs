@@ -17,6 +17,7 @@ mod named;
 mod once;
 pub mod outcome;
 mod outputs;
+mod recordings;
 pub mod run_folder;
 mod stage;
 pub mod stages;

@@ -27,7 +27,11 @@ pub fn write_conditions(path: &Path, rows: &[ConditionRow]) -> Result<(), StudyE
 /// As [`Table`] does, naming row and column.
 pub fn read_conditions(path: &Path) -> Result<Vec<ConditionRow>, StudyError> {
     let table = Table::read(path)?;
-    let beside = [("embedding", read_coordinates(&table)?)];
+    let mut beside = vec![("embedding", read_coordinates(&table)?)];
+    // A table of before does not say it.
+    if !table.has("beyond_why") {
+        beside.push(("beyond_why", vec![None; table.rows()]));
+    }
     let mut rows: Vec<ConditionRow> = table.records_beside(&beside)?;
     if !table.has("drive") {
         table.each_once(&["participant", "condition"])?;
@@ -43,7 +47,7 @@ pub fn read_conditions(path: &Path) -> Result<Vec<ConditionRow>, StudyError> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use maveric_domain::{DriveId, Embedding, ParticipantId};
+    use maveric_domain::{BeyondWhy, DriveId, Embedding, ParticipantId};
 
     #[test]
     fn a_sweep_comes_back_with_its_drives_and_a_study_without() {
@@ -56,6 +60,9 @@ mod tests {
             clamped: false,
             angle_rad: None,
             beyond_training: false,
+            beyond_why: sweep.is_none().then(|| BeyondWhy::Habits {
+                habit: "pass".to_owned(),
+            }),
             sweep,
             embedding: Embedding::new(vec![0.5, -1.0]).unwrap(),
         };
@@ -75,6 +82,10 @@ mod tests {
             write_conditions(&path, &rows).unwrap();
             assert_eq!(read_conditions(&path).unwrap(), rows);
         }
+        // A table of before has no column for it.
+        let before = "participant,condition,adb_hat,moved_points,moved_points_sd,clamped,angle_rad,beyond_training,w1\nP01,own,30,0,,false,,false,0.5\n";
+        std::fs::write(&path, before).unwrap();
+        assert_eq!(read_conditions(&path).unwrap()[0].beyond_why, None);
         assert_eq!(row(None).drive().unwrap().as_str(), "P01-sporty");
     }
 }

@@ -68,7 +68,12 @@ pub fn read_embeddings(path: &Path) -> Result<Vec<EmbeddingRow>, StudyError> {
     let covariances = read_covariances(&table, d)?;
     let mut beside = vec![("embedding", embeddings), ("covariance", covariances)];
     // Tables without covariances have no errors beside them, and older ones do not say what is beyond their model.
-    let absent = ["line_position_se", "support_p", "beyond_why"];
+    let absent = [
+        "line_position_se",
+        "support_p",
+        "beyond_why",
+        "posted_unseen",
+    ];
     let absent = absent.into_iter().filter(|name| !table.has(name));
     beside.extend(absent.map(|name| (name, vec![None; table.rows()])));
     table.records_beside(&beside)
@@ -115,6 +120,7 @@ mod tests {
             beyond_why: covariance.as_ref().map(|_| BeyondWhy::Style {
                 habit: "pass".to_owned(),
             }),
+            posted_unseen: covariance.as_ref().map(|_| true),
             covariance,
             embedding: Embedding::new(vec![0.5, -1.0]).unwrap(),
         };
