@@ -7,15 +7,18 @@ use crate::{
     error::StudyError,
     gate::analysed,
     run_folder::{read_scales, score_range},
-    tables::{Table, embeddings::read_embeddings, participants::Enrolled},
+    tables::{
+        embeddings::read_embeddings, own_measures::read_own_measures, participants::Enrolled,
+    },
 };
 use maveric_analysis::Why;
 use maveric_domain::{
-    Moment, Scale,
+    Design, Scale,
     design::{DesignError, Quantity, ScoreName},
 };
 use maveric_measures::objective;
-use std::{collections::BTreeSet, path::Path};
+use path_slash::PathExt as _;
+use std::path::Path;
 
 /// Says whether every scale, measure and person that a design names is there.
 ///
@@ -28,6 +31,7 @@ pub fn check_design(study: &DesignFile) -> Result<(), StudyError> {
         let help = error.suggestion();
         study.wrong(error.to_string(), help)
     })?;
+    read_own_measures(study, None)?;
     let excluded = study.design.exclude();
     let table = study.resolve(&study.design.people().file);
     if excluded.people.is_empty() && excluded.drives.is_empty() && !table.exists() {
@@ -89,19 +93,24 @@ fn nobodys(people: &People) -> impl Iterator<Item = &Enrolled> {
 }
 
 /// What an outcome may be: a measure's column, or a score of a scale.
-struct Known {
-    measures: Vec<&'static str>,
+struct Known<'a> {
+    measures: Vec<&'a str>,
     scores: Vec<String>,
 }
 
-impl Known {
-    fn of(scales: &[Scale]) -> Self {
+impl<'a> Known<'a> {
+    fn of(design: &'a Design, scales: &[Scale]) -> Self {
         let of_scale = |scale: &Scale| {
             let name = |sub: &maveric_domain::Subscale| format!("{}.{}", scale.id, sub.id);
             scale.subscales.iter().map(name).collect::<Vec<_>>()
         };
         Self {
-            measures: objective::all().iter().map(|m| m.name).collect(),
+            measures: objective::all()
+                .iter()
+                .chain(objective::further())
+                .map(|m| m.name)
+                .chain(design.measures().iter().map(|m| m.id.as_str()))
+                .collect(),
             scores: scales.iter().flat_map(of_scale).collect(),
         }
     }
@@ -139,7 +148,7 @@ impl Known {
 }
 
 fn of_scales(study: &DesignFile, scales: &[Scale]) -> Result<(), DesignError> {
-    let (design, known) = (&study.design, Known::of(scales));
+    let (design, known) = (&study.design, Known::of(&study.design, scales));
     if let Some(style) = design.style() {
         known.score("style.score", &style.score)?;
         style_range(study, scales)?;
@@ -212,7 +221,7 @@ fn style_range(study: &DesignFile, scales: &[Scale]) -> Result<(), DesignError> 
     }
 }
 
-/// What one should know of a study before it is run: who is left out by name, which declared condition nobody drove or rated yet.
+/// What one should know of a study before it is run: who is left out, and by which rule.
 /// `results` is where the runs of the study write.
 ///
 /// # Errors
@@ -236,28 +245,12 @@ pub fn study_notes(study: &DesignFile, results: &Path) -> Result<Vec<String>, St
         ));
     }
     notes.extend(met(results)?);
-    let driven = words(
-        &[
-            results.join("drives/drives.csv"),
-            results.join("av/drives/drives.csv"),
-        ],
-        "condition",
-    )?;
-    let answers = [
-        results.join("answers.csv"),
-        results.join("ratings.csv"),
-        study.resolve(&design.files().answers),
-    ];
-    let rated = words(&answers, "moment")?;
-    for condition in design.conditions() {
-        let id = condition.id.as_str();
-        if driven.as_ref().is_some_and(|d| !d.contains(id)) {
-            notes.push(format!("condition {id}: nobody drove it"));
-        }
-        let moment = Moment::After(condition.id).to_string();
-        if rated.as_ref().is_some_and(|r| !r.contains(&moment)) {
-            notes.push(format!("condition {id}: nobody rated it"));
-        }
+    let measures = &design.files().measures;
+    if design.measures().is_empty() && study.resolve(measures).is_file() {
+        notes.push(format!(
+            "{} is not read: the design declares no [[measure]]",
+            measures.to_slash_lossy()
+        ));
     }
     Ok(notes)
 }
@@ -273,25 +266,6 @@ fn met(results: &Path) -> Result<Vec<String>, StudyError> {
         );
     }
     Ok(notes)
-}
-
-/// What stands in a column of those tables that are there and have it; none where there is no such table yet.
-fn words<P: AsRef<Path>>(
-    tables: &[P],
-    column: &str,
-) -> Result<Option<BTreeSet<String>>, StudyError> {
-    let mut found: Option<BTreeSet<String>> = None;
-    for path in tables.iter().map(AsRef::as_ref).filter(|p| p.is_file()) {
-        if path.extension().is_none_or(|e| e != "csv") {
-            continue;
-        }
-        let table = Table::read(path)?;
-        if table.has(column) {
-            let words = table.text(column)?.into_iter().flatten();
-            found.get_or_insert_default().extend(words);
-        }
-    }
-    Ok(found)
 }
 
 #[cfg(test)]

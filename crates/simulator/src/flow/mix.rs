@@ -21,9 +21,9 @@ settings! {
     pub struct TrafficMix {
         /// Share of trucks.
         truck_share: f64 = 0.1, 0.0..=1.0;
-        /// The average car.
+        /// The average car: all keys or none.
         car: IdmDriver = IdmDriver::CAR;
-        /// The average truck.
+        /// The average truck: all keys or none.
         truck: IdmDriver = IdmDriver::TRUCK;
         /// SD of the desired speed, as a share of the mean; cut at two SD.
         desired_speed_spread: f64 = 0.1, 0.0..=0.3;

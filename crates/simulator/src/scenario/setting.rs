@@ -62,7 +62,7 @@ pub(crate) fn check(name: &str, found: f64, range: impl Into<Range>) -> Result<(
 }
 
 /// How the ends of names say a unit; the longer first.
-const UNITS: [(&str, &str); 15] = [
+const UNITS: [(&str, &str); 14] = [
     ("_per_km_and_lane", "vehicles per km and lane"),
     ("_rad_per_s", "rad/s"),
     ("_n_per_rad", "N/rad"),
@@ -74,7 +74,6 @@ const UNITS: [(&str, &str); 15] = [
     ("_mps", "m/s"),
     ("_mph", "mph"),
     ("_rad", "rad"),
-    ("_km", "km"),
     ("_kg", "kg"),
     ("_s", "s"),
     ("_m", "m"),

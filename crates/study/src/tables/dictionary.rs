@@ -11,6 +11,7 @@ use std::{collections::BTreeMap, sync::LazyLock};
 pub enum TableName {
     Answers,
     Codebook,
+    CodebookMeasures,
     Conditions,
     Consents,
     Dial,
@@ -28,7 +29,9 @@ pub enum TableName {
     LeftOut,
     Looks,
     Measurements,
+    Missing,
     Notes,
+    OwnMeasurements,
     Participants,
     Reliabilities,
     Rollouts,
@@ -156,7 +159,12 @@ fn read(text: &str) -> Result<Vec<FileEntry>, String> {
             column.means.clone_from(shared?);
         }
         if file.measures {
-            file.columns.extend(objective::all().iter().map(measure));
+            let further = objective::further().iter().map(|further| ColumnEntry {
+                when: Some("the design names it (an outcome, a hypothesis, `expected`)".to_owned()),
+                ..measure(further)
+            });
+            let measures = objective::all().iter().map(measure).chain(further);
+            file.columns.extend(measures);
         }
     }
     Ok(dictionary.file)

@@ -8,6 +8,7 @@ pub mod dictionary;
 pub mod drives;
 pub mod embeddings;
 pub mod measurements;
+pub mod own_measures;
 pub mod participants;
 mod records;
 mod reshape;

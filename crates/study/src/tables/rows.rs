@@ -9,8 +9,7 @@ use std::path::Path;
 /// Writes a table of a row each; its columns stand in the order of the dictionary, which has to know them.
 ///
 /// A row is a struct, whose fields are its cells (one that is a list or a struct is none), a pair of a column's name and its cell, or
-/// several of these side by side: a tuple, a list. Of a column that only some rows have the others' cells are missing; one that the
-/// dictionary has only now and then is not written where all are.
+/// several of these side by side: a tuple, a list. Of a column that only some rows have the others' cells are missing.
 ///
 /// # Errors
 /// As [`TableBuilder::write`]; [`StudyError::BadFile`] for a column that the dictionary does not have, or rows without one that it has.
@@ -55,11 +54,9 @@ pub fn write_rows<T: Serialize>(
     }
     columns.sort_by_key(|column| column.0);
     let mut builder = TableBuilder::default();
-    for (place, name, mut cells) in columns {
-        if entry.columns[place].when.is_none() || !cells.iter().all(Value::is_null) {
-            cells.resize(count, Value::Null);
-            builder = builder.values(&name, &cells);
-        }
+    for (_, name, mut cells) in columns {
+        cells.resize(count, Value::Null);
+        builder = builder.values(&name, &cells);
     }
     builder.write(path)
 }

@@ -299,7 +299,7 @@ fn write(path: &Path, rows: &[Row], scales: &[Scale]) -> Result<(), StudyError> 
             item: r.item,
             answer: r.answer,
         };
-        (answer, ("seconds", r.seconds))
+        (answer, r.seconds.map(|seconds| ("seconds", seconds)))
     });
     write_rows(TableName::Answers, path, answers)
 }

@@ -425,8 +425,10 @@ fn a_model_without_reference_and_one_of_too_few_people_say_that_support_is_not_k
         options.models = vec![elsewhere(folder.path(), change)];
         let (shipped, warnings, markdown) = said(&options);
         assert_eq!((shipped.people_learned_from, shipped.n), (people, 6));
-        // Whoever reads as no score of the scale is beyond without any reference.
-        assert!(shipped.unknown > 0 && shipped.wrong_within + shipped.right_within == 0);
+        assert!(shipped.unknown > 0, "{shipped:?}");
+        // Without any reference nobody is known to be within; whoever reads as no score of the scale is beyond all the same.
+        let within = shipped.wrong_within + shipped.right_within;
+        assert!(people.is_some() || within == 0, "{shipped:?}");
         assert!(shipped.people.iter().all(|p| p.line_se.is_some()));
         assert!(warnings.contains("shipped: support is not known") && warnings.contains(why));
         assert!(
