@@ -8,7 +8,7 @@ use crate::{
     outputs::spare_inputs,
     run_folder::read_scales,
     stage::{Files, Stage},
-    tables::write_rows,
+    tables::{TableName, write_rows},
     texts,
 };
 use maveric_domain::{
@@ -18,7 +18,7 @@ use maveric_domain::{
 };
 use minijinja::{Value, context};
 use path_slash::PathExt as _;
-use serde::{Deserialize, Serialize};
+use serde::Serialize;
 use std::path::{Path, PathBuf};
 
 /// Describe the questionnaires (items, ranges, reversals, subscales, norms) and the study's own measures
@@ -48,7 +48,7 @@ pub struct Codebook {
 }
 
 /// An item of a subscale: a row of `codebook.csv`.
-#[derive(Serialize, Deserialize)]
+#[derive(Serialize)]
 struct ItemRow {
     scale: String,
     subscale: String,
@@ -61,7 +61,7 @@ struct ItemRow {
 }
 
 /// A measure of the study's own: a row of `codebook_measures.csv`.
-#[derive(Serialize, Deserialize)]
+#[derive(Serialize)]
 struct MeasureRow {
     id: String,
     title: String,
@@ -146,9 +146,9 @@ impl Stage for Describe {
                 }));
             }
         }
-        write_rows(&csv, &rows)?;
+        write_rows(TableName::Codebook, &csv, &rows)?;
         if !own.is_empty() {
-            write_rows(&of_measures, &own)?;
+            write_rows(TableName::CodebookMeasures, &of_measures, &own)?;
         }
         atomic_write_bytes(&markdown, page.as_bytes())?;
         let value = Codebook {

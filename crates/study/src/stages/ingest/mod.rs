@@ -15,6 +15,7 @@ use crate::{
     outputs::{put_in_place, spare_inputs},
     stage::{Files, Stage},
     tables::{
+        TableName,
         drives::{ExclusionRow, refuse_foreign, write_drive_list, write_drive_of},
         write_rows,
     },
@@ -412,8 +413,8 @@ fn write_exclusions(
         count: 1,
         ..ExclusionRow::default()
     });
-    let rows: Vec<ExclusionRow> = repaired.chain(kept_out).chain(lost).collect();
-    write_rows(&folder.join("exclusions.csv"), &rows)
+    let rows = repaired.chain(kept_out).chain(lost);
+    write_rows(TableName::Exclusions, &folder.join("exclusions.csv"), rows)
 }
 
 #[cfg(test)]
