@@ -4,6 +4,7 @@ use crate::{
     condition::ConditionId,
     embedding::Embedding,
     ids::{DriveId, ParticipantId},
+    survey::AdbScore,
 };
 use serde::{Deserialize, Serialize};
 use std::{fmt, str::FromStr};
@@ -26,6 +27,20 @@ pub enum BeyondWhy {
         /// Code name of the habit.
         habit: String,
     },
+}
+
+impl BeyondWhy {
+    /// The score that a drive has where a model read this one of it, in points of the ADB scale, and why the drive is beyond: a reading
+    /// that the scale does not have is no score, and is why; otherwise it is what the model's support says.
+    pub fn of_reading(
+        reading: Option<f64>,
+        by_support: Option<Self>,
+    ) -> (Option<f64>, Option<Self>) {
+        match reading {
+            Some(points) if !AdbScore::has(points) => (None, Some(Self::Scale)),
+            _ => (reading, by_support),
+        }
+    }
 }
 
 impl fmt::Display for BeyondWhy {
@@ -67,7 +82,7 @@ impl TryFrom<String> for BeyondWhy {
 }
 
 /// One fitted embedding.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct EmbeddingRow {
     /// The drive it was fitted to.
     pub drive: DriveId,
@@ -88,11 +103,14 @@ pub struct EmbeddingRow {
     /// Its covariance, shape `(d, d)`, row by row; none for training drives, and where a drive is too short to tell.
     pub covariance: Option<Vec<f64>>,
     /// SD of `line_position`.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub line_position_se: Option<f64>,
     /// Probability of a drive at least as surprising by one of the people learned from; none where the model cannot say.
     pub support_p: Option<f64>,
     /// Why the drive is beyond what was learned from; none where it is not, or where nobody can say.
     pub beyond_why: Option<BeyondWhy>,
+    /// Whether what was posted lies outside what was posted for those learned from; none where nobody can say.
+    pub posted_unseen: Option<bool>,
     /// The embedding.
     pub embedding: Embedding,
 }
@@ -107,6 +125,23 @@ impl EmbeddingRow {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_reading_that_the_scale_does_not_have_is_no_score_and_why_a_drive_is_beyond() {
+        let pass = || {
+            Some(BeyondWhy::Style {
+                habit: "pass".to_owned(),
+            })
+        };
+        let scale = (None, Some(BeyondWhy::Scale));
+        assert_eq!(BeyondWhy::of_reading(Some(-1.3), None), scale);
+        assert_eq!(BeyondWhy::of_reading(Some(55.1), pass()), scale);
+        assert_eq!(
+            BeyondWhy::of_reading(Some(30.0), pass()),
+            (Some(30.0), pass())
+        );
+        assert_eq!(BeyondWhy::of_reading(None, None), (None, None));
+    }
 
     #[test]
     fn why_a_drive_is_beyond_survives_its_text() {

@@ -4,12 +4,13 @@ use crate::{
     condition::ConditionId,
     embedding::Embedding,
     error::DomainError,
+    fitted::BeyondWhy,
     ids::{DriveId, ParticipantId},
 };
 use serde::{Deserialize, Serialize};
 
 /// One participant in one condition.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct ConditionRow {
     /// The participant.
     pub participant: ParticipantId,
@@ -27,7 +28,11 @@ pub struct ConditionRow {
     pub angle_rad: Option<f64>,
     /// Whether the embedding lies further out than any training driver's.
     pub beyond_training: bool,
-    /// What it is one point of; none for the conditions of a study.
+    /// Why the drive that the person's style was learned of is beyond what the model has met; none where it is not or nobody can say, and
+    /// where the car has another style than the person's.
+    pub beyond_why: Option<BeyondWhy>,
+    /// What it is one point of; none for the conditions of a study. In a table its fields are columns of their own.
+    #[serde(skip_deserializing)]
     pub sweep: Option<SweepPoint>,
     /// The embedding.
     pub embedding: Embedding,

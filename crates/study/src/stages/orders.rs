@@ -127,15 +127,15 @@ fn new_people(study: &DesignFile, plan: &OrderPlan, n: usize) -> Result<Written,
     let digits = n.to_string().len().max(2);
     let orders: Vec<Vec<ConditionId>> = (0..n).map(|person| plan.order(person)).collect();
     let ids = (1..=n).map(|number| format!("P{number:0digits$}"));
-    let mut table = TableBuilder::default().text("participant", ids);
+    let mut table = TableBuilder::default().cells("participant", ids.map(Some));
     let people = study.design.people();
     for column in people.columns() {
         let word = people.test.as_ref().and_then(|test| test.get(column));
         let word = word.cloned().unwrap_or_default();
-        table = table.text(column, std::iter::repeat_n(word, n));
+        table = table.cells(column, std::iter::repeat_n(Some(word), n));
     }
     Ok((
-        table.text("order", orders.iter().map(|order| words(order))),
+        table.cells("order", orders.iter().map(|order| Some(words(order)))),
         orders,
     ))
 }
@@ -175,7 +175,7 @@ fn same_people(study: &DesignFile, plan: &OrderPlan, path: &Path) -> Result<Writ
     for name in table.columns().iter().filter(|name| *name != "order") {
         written = written.cells(name, table.text(name)?);
     }
-    Ok((written.text("order", cells), orders))
+    Ok((written.cells("order", cells.into_iter().map(Some)), orders))
 }
 
 /// How evenly the conditions stand in the orders of those who are tested and not left out; none where nobody's is known.

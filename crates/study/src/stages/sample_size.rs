@@ -89,6 +89,15 @@ pub(super) fn sample_size(
         first.studies
     );
     lines.insert(0, note);
+    let own = design.measures().iter();
+    let own: Vec<&str> = own.map(|m| m.title.as_str()).collect();
+    if !own.is_empty() {
+        lines.push(format!(
+            "Not rehearsed: {}. What moves a measure of the study's own is not known to the program; `maveric stats power` gives the power \
+             for an effect that is assumed.",
+            own.join(", ")
+        ));
+    }
     Ok(lines)
 }
 
@@ -98,7 +107,8 @@ fn wanted(study: &DesignFile, cells: &[&Cell]) -> Vec<(String, String, bool)> {
     let title = |outcome: &str| {
         let declared = design.outcomes().iter().find(|o| o.id() == outcome);
         let label = declared.and_then(|o| o.label.clone());
-        let measure = || objective::find(outcome).map(|m| m.title.to_owned());
+        let own = || design.measure(outcome).map(|m| m.title.clone());
+        let measure = || own().or_else(|| objective::find(outcome).map(|m| m.title.to_owned()));
         label.or_else(measure).unwrap_or_else(|| outcome.to_owned())
     };
     let mut outcomes: Vec<String> = design.outcomes().iter().map(Outcome::id).collect();

@@ -2,6 +2,7 @@
 
 use crate::{
     atomic_write::write_recording,
+    beyond,
     design::DesignFile,
     error::StudyError,
     forget::refuse_learned_from_gone,
@@ -10,16 +11,19 @@ use crate::{
     run_folder::{read_model, read_scenario},
     stage::{Files, Stage},
     tables::{
-        TableBuilder,
+        TableName,
         conditions::{ConditionRow, read_conditions},
-        drives::{former_drives, refuse_foreign, remove_former, write_drive, write_drive_list},
+        drives::{
+            EndedEarly, former_drives, refuse_foreign, remove_former, write_drive, write_drive_list,
+        },
         variability::read_variability,
+        write_rows,
     },
     watching::{WatchedDrive, braking, read_watched, write_watch_page},
 };
 use maveric_domain::{
-    Drive, DriveId, DriveMeta, DrivenBy, Embedding, ParticipantId, Recording, Variability,
-    design::Condition, stream_seed,
+    BeyondWhy, Drive, DriveId, DriveMeta, DrivenBy, Embedding, ParticipantId, Recording,
+    Variability, design::Condition, stream_seed,
 };
 use maveric_ingest::{Beside, IngestSettings};
 use maveric_model::Model;
@@ -28,7 +32,10 @@ use maveric_simulator::{Driver, Rollout, RolloutReport, Scenario, SimulatorError
 use maveric_steering::{ModelPlanner, Varying};
 use path_slash::PathExt as _;
 use serde::Serialize;
-use std::path::{Path, PathBuf};
+use std::{
+    collections::{BTreeMap, BTreeSet},
+    path::{Path, PathBuf},
+};
 
 /// Drive each participant's conditions in the simulator
 #[derive(Debug, Clone, clap::Args)]
@@ -125,7 +132,7 @@ fn known<'a>(
     wanted: &str,
     participants: impl Iterator<Item = &'a ParticipantId>,
 ) -> Result<(), StudyError> {
-    let there: std::collections::BTreeSet<&str> = participants.map(ParticipantId::as_str).collect();
+    let there: BTreeSet<&str> = participants.map(ParticipantId::as_str).collect();
     if there.contains(wanted) {
         return Ok(());
     }
@@ -156,6 +163,8 @@ pub struct Simulated {
     pub rule_violations: usize,
     /// Interventions of the safety layer over all drives.
     pub interventions: usize,
+    /// People whose style the car drives though their own drive is beyond what the model has learned from.
+    pub beyond: Vec<ParticipantId>,
 }
 
 impl Stage for Simulate {
@@ -194,7 +203,7 @@ impl Stage for Simulate {
                 return Err(StudyError::file(&self.conditions, problem));
             }
         }
-        let mut names = std::collections::BTreeSet::new();
+        let mut names = BTreeSet::new();
         for row in &conditions {
             let drive = row.drive()?;
             if !names.insert(drive.clone()) {
@@ -232,10 +241,12 @@ impl Stage for Simulate {
             .into_iter()
             .filter_map(|ended| ended.map_err(|why| stopped.push(why)).ok())
             .collect();
-        TableBuilder::default()
-            .text("drive", stopped.iter().map(|(drive, _)| drive.as_str()))
-            .text("what", stopped.iter().map(|(_, why)| why.to_string()))
-            .write(&self.out.join("drives").join("exclusions.csv"))?;
+        let ended = stopped.iter().map(|(drive, why)| EndedEarly {
+            drive: drive.to_string(),
+            what: why.to_string(),
+        });
+        let exclusions = self.out.join("drives").join("exclusions.csv");
+        write_rows(TableName::EndedEarly, &exclusions, ended)?;
         let ended_early = stopped.len();
         if let (true, Some((_, why))) = (driven.is_empty(), stopped.pop()) {
             return Err(why.into());
@@ -248,16 +259,20 @@ impl Stage for Simulate {
             remove_former(&log)?;
         }
         write_drive_list(&drives, &list)?;
-        TableBuilder::default()
-            .text("drive", driven.iter().map(|d| d.0.drive.as_str()))
-            .beside(TableBuilder::of(driven.iter().map(|d| &d.3))?)
-            .write(&self.out.join("rollouts.csv"))?;
+        let rollouts = driven.iter().map(|d| (("drive", &d.0.drive), &d.3));
+        write_rows(
+            TableName::Rollouts,
+            &self.out.join("rollouts.csv"),
+            rollouts,
+        )?;
         if let Some(page) = &self.watch {
             write_page(self, page, &driven)?;
         }
         let total =
             |of: fn(&RolloutReport) -> u32| driven.iter().map(|d| of(&d.3) as usize).sum::<usize>();
+        let strangers = strangers(&conditions);
         let value = Simulated {
+            beyond: strangers.keys().map(|who| (*who).clone()).collect(),
             drives: driven.len(),
             collisions: total(|r| r.collisions),
             rule_violations: total(|r| r.rule_violations),
@@ -265,6 +280,11 @@ impl Stage for Simulate {
         };
         let collisions = (value.collisions > 0)
             .then(|| format!("{} collisions: see rollouts.csv", value.collisions));
+        let beyond = beyond::named(
+            "participant",
+            strangers.iter().map(|(who, why)| (who.to_string(), *why)),
+            "; the car drives all the same, in a style that says little of this person",
+        );
         let early = (ended_early > 0).then(|| {
             format!(
                 "{} left out: see drives/exclusions.csv",
@@ -291,9 +311,17 @@ impl Stage for Simulate {
         Ok(Outcome {
             value,
             summary,
-            warnings: collisions.into_iter().chain(early).collect(),
+            warnings: collisions.into_iter().chain(early).chain(beyond).collect(),
         })
     }
+}
+
+/// Whoever's style is driven though their own drive is beyond what the model has learned from.
+fn strangers(conditions: &[ConditionRow]) -> BTreeMap<&ParticipantId, &BeyondWhy> {
+    conditions
+        .iter()
+        .filter_map(|row| Some((&row.participant, row.beyond_why.as_ref()?)))
+        .collect()
 }
 
 impl Simulate {
@@ -465,7 +493,7 @@ fn centre_line(scenario: &Scenario, recording: &Recording) -> Option<CentreLine>
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::tables::variability::{VariabilityRow, write_variability};
+    use crate::tables::variability::VariabilityRow;
     use clap::Parser as _;
     use maveric_domain::Design;
 
@@ -485,6 +513,7 @@ mod tests {
             clamped: false,
             angle_rad: None,
             beyond_training: false,
+            beyond_why: None,
             sweep: None,
             embedding: Embedding::new(vec![0.0]).unwrap(),
         }
@@ -513,7 +542,8 @@ mod tests {
             place_lag_s: None,
             place_m: None,
         };
-        write_variability(&path, &[drive("other", Some(0.9)), drive("own", Some(0.4))]).unwrap();
+        let drives = [drive("other", Some(0.9)), drive("own", Some(0.4))];
+        write_rows(TableName::Variability, &path, drives).unwrap();
         let asked = |more: &[&str]| {
             let fixed = [
                 "simulate",

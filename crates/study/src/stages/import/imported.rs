@@ -11,7 +11,7 @@ use crate::{
     gate::{Gate, counted},
     outcome::Outcome,
     run_folder::exclusions_path,
-    tables::write_rows,
+    tables::{TableName, write_rows},
 };
 use maveric_domain::{ConditionId, Design, Moment, ParticipantId, design::Software};
 use maveric_report::tables::Exclusion;
@@ -163,7 +163,7 @@ fn write_kept_out(out: &Path, kept_out: &LeftOutAnswers) -> Result<(), StudyErro
         what: format!("answers ({moment})"),
         why: why[0].to_string(),
     });
-    write_rows(&exclusions_path(out), &listed.collect::<Vec<Exclusion>>())
+    write_rows(TableName::LeftOut, &exclusions_path(out), listed)
 }
 
 fn list<K: std::fmt::Display>(counts: &BTreeMap<K, usize>) -> String {

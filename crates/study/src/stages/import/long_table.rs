@@ -1,7 +1,11 @@
 //! The table that is scored: which answers are in it.
 
 use super::sheets::Row;
-use crate::{error::StudyError, gate::Gate, tables::TableBuilder};
+use crate::{
+    error::StudyError,
+    gate::Gate,
+    tables::{TableName, write_rows},
+};
 use maveric_analysis::Why;
 use maveric_domain::{Answer, Design, Moment, ParticipantId, Scale};
 use std::{collections::BTreeMap, path::Path};
@@ -65,19 +69,15 @@ pub(super) fn refuse_twice(file: &Path, rows: &[Row], scales: &[Scale]) -> Resul
 }
 
 pub(super) fn write(path: &Path, rows: &[Row], scales: &[Scale]) -> Result<(), StudyError> {
-    let answers = rows.iter().map(|r| Answer {
-        participant: r.participant.clone(),
-        moment: r.moment,
-        scale: scales[r.scale].id.clone(),
-        item: r.item,
-        answer: r.answer,
+    let answers = rows.iter().map(|r| {
+        let answer = Answer {
+            participant: r.participant.clone(),
+            moment: r.moment,
+            scale: scales[r.scale].id.clone(),
+            item: r.item,
+            answer: r.answer,
+        };
+        (answer, r.seconds.map(|seconds| ("seconds", seconds)))
     });
-    let answers: Vec<Answer> = answers.collect();
-    let table = TableBuilder::of(&answers)?;
-    if rows.iter().any(|r| r.seconds.is_some()) {
-        return table
-            .numbers("seconds", rows.iter().map(|r| r.seconds))
-            .write(path);
-    }
-    table.write(path)
+    write_rows(TableName::Answers, path, answers)
 }

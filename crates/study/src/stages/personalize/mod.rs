@@ -16,9 +16,11 @@ use crate::{
     stage::{Files, Stage},
     style_scale::{OffTheScale, StyleScale, style_scores},
     tables::{
+        TableName,
         embeddings::{EmbeddingRow, write_embeddings},
         surveys::read_scores,
-        variability::{VariabilityRow, write_variability},
+        variability::VariabilityRow,
+        write_rows,
     },
 };
 use maveric_domain::{AdbScore, Drive, Score};
@@ -229,7 +231,7 @@ impl Stage for Personalize {
             let measured = for_each_on(self.jobs, &drives, watch, "variability", |drive| {
                 Ok(VariabilityRow::of(drive))
             })?;
-            write_variability(path, &measured)?;
+            write_rows(TableName::Variability, path, &measured)?;
         }
         let scale = scale.unwrap_or(StyleScale::ADB);
         let off_the_scale = scale.outward_rows(&mut rows);
@@ -331,6 +333,7 @@ fn fit(personalizer: &Personalizer<'_>, task: &Task<'_>) -> Result<EmbeddingRow,
         line_position_se: axis.and_then(|a| found.sd_along(a.gradient())),
         support_p: found.support.as_ref().and_then(|s| s.p),
         beyond_why: found.support.as_ref().and_then(Support::beyond),
+        posted_unseen: (personalizer.model().posted()).map(|_| found.posted_unseen),
         covariance: found.covariance,
         embedding: found.embedding,
     })

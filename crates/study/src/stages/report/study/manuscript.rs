@@ -53,11 +53,20 @@ fn asked(scale: &str, reliabilities: &[Reliable]) -> bool {
         .any(|r| r.id.split('.').next() == Some(scale))
 }
 
-/// The definition of every objective measure that is an outcome.
+/// The definition of every measure that is an outcome.
 fn measures(run: &Run) -> Vec<String> {
     let mut found: Vec<String> = Vec::new();
     for panel in run.analysis.panels.iter().filter(|p| p.group.is_none()) {
-        if let Some(measure) = objective::find(&panel.outcome) {
+        if let Some(own) = run.design.measure(&panel.outcome) {
+            let unit = own.shown_unit();
+            let unit = if unit.is_empty() {
+                String::new()
+            } else {
+                format!(" (in {unit})")
+            };
+            let title = markup::literal(&own.title);
+            found.push(format!("{title}: a measure of our own{unit}."));
+        } else if let Some(measure) = objective::find(&panel.outcome) {
             found.push(format!(
                 "{}: {}.",
                 panel.title,

@@ -8,6 +8,7 @@ mod learned;
 mod manuscript;
 mod methods;
 mod nameless;
+mod not_there;
 mod run;
 mod setting;
 mod setup;
@@ -24,6 +25,7 @@ use crate::{
     design::DesignFile,
     error::StudyError,
     mean::mean,
+    missing::missing,
     once::{names, together},
     outcome::Watch,
     run_folder::{durations, lists, read_scenario},
@@ -118,6 +120,9 @@ pub(super) fn page(
     sections.extend(undeclared(section_kept(&run)?));
     sections.extend(section_homophily(&run, claimed)?);
     sections.push(section_study(folder, &run, &people, &reliabilities)?);
+    let missing = missing(&study, folder, options.participants.as_deref())?;
+    sections.extend(not_there::section_missing(&run, &missing)?);
+    not_there::list(&options.out, &missing)?;
     let nameless = Nameless::of(&study, folder, participants)?;
     let exclusions = nameless.counted(left_out(&run).chain(listed_exclusions(folder)?));
     let exclusions = each_reason_once(exclusions);
