@@ -2,8 +2,18 @@
 
 mod card;
 pub mod cards;
+mod codebook;
+mod glossary;
+mod page_texts;
 mod preregistration;
+pub mod study;
+mod table_text;
 mod texts;
 pub mod words;
 
+pub use codebook::codebook;
+pub use glossary::glossary;
+pub use page_texts::{
+    ABLATION, DECLARED, DIAL, FOLLOWING, METHODS, PageTexts, REHEARSAL, STUDY, TextFile, VALIDATION,
+};
 pub use preregistration::preregistration;
