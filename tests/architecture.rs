@@ -73,12 +73,13 @@ fn allowed(name: &str) -> Vec<&'static str> {
 }
 
 /// Heavy dependencies and the crates that may name them.
-const HOMES: [(&str, &[&str]); 13] = [
+const HOMES: [(&str, &[&str]); 14] = [
     ("pyo3", &["python"]),
     ("polars", &["ingest", "study"]),
     ("polars-io", &["ingest", "study"]),
     ("mcap", &["bag"]),
     ("plotters", &["report"]),
+    ("docx-rs", &["pages"]),
     ("resvg", &["report"]),
     ("pulp", &["model", "following"]),
     ("clap", &["study", "cli"]),

@@ -4,6 +4,7 @@ mod card;
 pub mod cards;
 mod codebook;
 mod glossary;
+mod manuscript;
 mod page_texts;
 mod preregistration;
 pub mod study;
@@ -14,6 +15,7 @@ pub mod words;
 pub use codebook::codebook;
 pub use glossary::glossary;
 pub use page_texts::{
-    ABLATION, DECLARED, DIAL, FOLLOWING, METHODS, PageTexts, REHEARSAL, STUDY, TextFile, VALIDATION,
+    ABLATION, DECLARED, DIAL, FOLLOWING, METHODS, PageTexts, REHEARSAL, RESULTS, STUDY, TextFile,
+    VALIDATION,
 };
 pub use preregistration::preregistration;

@@ -41,6 +41,7 @@ files! {
     FOLLOWING "following_page.toml" "Car-following of recorded drivers.",
     METHODS "methods.toml" "How a study was done.",
     REHEARSAL "rehearsal_page.toml" "How often tests err, and how many people they need.",
+    RESULTS "results.toml" "The results of a study as sentences.",
     STUDY "study_page.toml" "A study.",
     VALIDATION "validation_page.toml" "People who drove twice.",
 }

@@ -3,7 +3,7 @@
 use crate::texts::{environment, failed};
 use maveric_report::{
     ReportError, apa,
-    tables::{Align, Cell, Column, Table},
+    tables::{Align, Cell, Column, Data, Table},
 };
 use minijinja::{Environment, Value, context};
 use serde::Deserialize;
@@ -16,6 +16,8 @@ pub(crate) struct TableText {
     name: Option<String>,
     title: String,
     columns: Vec<ColumnText>,
+    /// What a row is of, for the table for machines: an expression of ids. Without it there is none.
+    id: Option<String>,
     /// What stands below; a note that comes out empty is left out.
     #[serde(default)]
     notes: Vec<String>,
@@ -24,7 +26,10 @@ pub(crate) struct TableText {
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct ColumnText {
-    head: String,
+    /// Its head where it is shown; a column without one is for machines alone.
+    head: Option<String>,
+    /// Its head for machines; a column without one is shown alone.
+    key: Option<String>,
     /// An expression over a row.
     value: String,
     #[serde(default)]
@@ -97,24 +102,51 @@ impl TableText {
             columns: Vec::new(),
             rows: vec![Vec::new(); rows.len()],
             notes,
+            data: None,
         };
+        let mut data = Data {
+            heads: Vec::new(),
+            ids: Vec::new(),
+            rows: vec![Vec::new(); rows.len()],
+        };
+        if let Some(id) = &self.id {
+            let id = environment.compile_expression(id).map_err(of)?;
+            let ids = rows.iter().map(|row| Ok(id.eval(row.clone())?.to_string()));
+            data.ids = ids.collect::<Result<_, minijinja::Error>>().map_err(of)?;
+        }
         for column in &self.columns {
             for values in column.copies(&environment, page).map_err(of)? {
-                let head = say(&column.head, &values)?;
+                let head = column
+                    .head
+                    .as_deref()
+                    .map(|head| say(head, &values))
+                    .transpose()?;
                 let expression = environment.compile_expression(&column.value).map_err(of)?;
-                for (cells, row) in table.rows.iter_mut().zip(&rows) {
+                for (at, row) in rows.iter().enumerate() {
                     let row = context! { ..row.clone(), ..values.clone() };
                     let found = expression.eval(row.clone());
                     let cell = found
                         .and_then(|found| column.cell(found, column.decimals(&environment, row)?));
-                    cells.push(cell.map_err(|e| failed(format!("{place}, {head}: {e:#}")))?);
+                    let named = head
+                        .as_deref()
+                        .or(column.key.as_deref())
+                        .unwrap_or_default();
+                    let cell = cell.map_err(|e| failed(format!("{place}, {named}: {e:#}")))?;
+                    if column.key.is_some() {
+                        data.rows[at].push(cell.clone());
+                    }
+                    if head.is_some() {
+                        table.rows[at].push(cell);
+                    }
                 }
-                table.columns.push(Column {
-                    header: head,
+                data.heads.extend(column.key.clone());
+                table.columns.extend(head.map(|header| Column {
+                    header,
                     align: column.align(),
-                });
+                }));
             }
         }
+        table.data = self.id.is_some().then_some(data);
         Ok(table)
     }
 
@@ -122,7 +154,7 @@ impl TableText {
     #[cfg(test)]
     pub(crate) fn check(&self) -> Result<(), minijinja::Error> {
         let environment = environment();
-        let heads = self.columns.iter().map(|c| &c.head);
+        let heads = self.columns.iter().filter_map(|c| c.head.as_ref());
         for text in heads
             .chain(&self.notes)
             .chain(&self.name)
@@ -273,6 +305,25 @@ mod tests {
         assert_eq!(made.rows[1][1], Cell::Missing);
         assert_eq!(made.rows[1][3], Cell::number(Some(0.5), 2));
         made.check().unwrap();
+    }
+
+    #[test]
+    fn columns_with_a_key_stand_in_the_table_for_machines_by_the_id_of_their_row() {
+        let text = "title = \"t\"\nid = \"name ~ '.x'\"\ncolumns = [{ head = \"Who\", key = \"who\", value = \"name\" }, \
+                    { head = \"Shown\", value = \"name\" }, { key = \"r\", value = \"r\", show = \"bounded\" }]";
+        let text: TableText = toml::from_str(text).unwrap();
+        let rows = vec![context! { name => "a", r => 0.5 }];
+        let made = text.table("t", "t", rows, &context! {}).unwrap();
+        assert_eq!(made.columns.len(), 2);
+        let data = made.data.unwrap();
+        assert_eq!(
+            (data.heads, data.ids),
+            (
+                vec!["who".to_owned(), "r".to_owned()],
+                vec!["a.x".to_owned()]
+            )
+        );
+        assert_eq!(data.rows, [[Cell::text("a"), Cell::bounded(Some(0.5), 2)]]);
     }
 
     #[test]

@@ -1,6 +1,6 @@
 //! The templates of `texts/`: tables of texts, filled with values.
 
-use maveric_analysis::Correlation;
+use maveric_analysis::{Correlation, Verdict};
 use maveric_report::{ReportError, apa, markup};
 use minijinja::{Environment, UndefinedBehavior, Value, syntax::SyntaxConfig, value::Serde};
 use std::collections::BTreeMap;
@@ -87,6 +87,7 @@ pub(crate) fn environment() -> Environment<'static> {
         value.map_or_else(|| "–".to_owned(), |value| apa::number(value, decimals))
     });
     environment.add_filter("shortest", |number: f64| number.to_string());
+    environment.add_filter("verdict", |verdict: Serde<Verdict>| verdict.words());
     environment.add_filter("cell", cell);
     environment.add_filter("ends", ends);
     environment.add_filter("with_unit", |title: &str, unit: &str| {

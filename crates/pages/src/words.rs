@@ -95,7 +95,7 @@ pub fn omnibus(panel: &Panel, short: bool) -> String {
             1 => said.markup().to_owned(),
             _ => format!(
                 "{}: {}",
-                markup::literal(&name.replace(':', " × ")),
+                markup::literal(&effect_words(&name)),
                 said.markup()
             ),
         })
@@ -106,6 +106,11 @@ pub fn omnibus(panel: &Panel, short: bool) -> String {
         ([.., last], true) => last.clone(),
         (all, false) => all.join("; "),
     }
+}
+
+/// An effect of several factors as a page calls it: `city × condition`.
+pub(crate) fn effect_words(name: &str) -> String {
+    name.replace(':', " × ")
 }
 
 /// A paired test in words; *p* is that of Holm over its family, under its plain name.

@@ -1,10 +1,11 @@
 //! What the conditions did, and which habits they left alone.
 
-use super::{StudyPage, titled};
-use crate::{
-    texts::value,
-    words::{capital, omnibus, paired, with_unit},
+use super::{
+    StudyPage,
+    tested::{contrast, tested},
+    titled,
 };
+use crate::words::{capital, omnibus, with_unit};
 use maveric_analysis::{Contrast, Kept, Panel};
 use maveric_report::{
     ReportError,
@@ -53,18 +54,21 @@ impl StudyPage<'_> {
             .section("conditions", figures, tables)
     }
 
-    /// Which test answered each panel, and why.
+    /// Which test answered each effect of each panel, and why.
     fn omnibus(&self) -> Result<Table, ReportError> {
-        let panels = self.analysis.panels.iter();
-        let row = |p: &Panel| context! { title => titled(p), test => omnibus(p, false), reasons => p.reasons.clone() };
-        self.texts.table("omnibus", panels.map(row))
+        let rows = self.analysis.panels.iter().flat_map(tested);
+        self.texts.table("omnibus", rows)
     }
 
     /// Every declared contrast with its test.
     fn contrasts(&self) -> Result<Table, ReportError> {
-        let row = |panel: &Panel, pair: &Contrast| context! { title => titled(panel), test => paired(panel, pair), ..value(pair) };
         let panels = self.analysis.panels.iter();
-        let rows = panels.flat_map(|p| p.contrasts.iter().map(move |pair| row(p, pair)));
+        let rows = panels.flat_map(|panel| {
+            panel
+                .contrasts
+                .iter()
+                .map(move |pair| contrast(panel, pair))
+        });
         self.texts.table("contrasts", rows)
     }
 

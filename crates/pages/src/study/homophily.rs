@@ -59,6 +59,7 @@ impl StudyPage<'_> {
             let claimed = self.ledger.iter().any(|l| l.claim.key == key);
             if claimed || row.correlation.p.is_some_and(|p| p < 0.05) {
                 rows.push(context! {
+                    id => row.key(),
                     independent => row.title.as_str(),
                     dependent => self.texts.with(row).text("dependent")?,
                     here => value(&row.correlation),
@@ -69,6 +70,7 @@ impl StudyPage<'_> {
         }
         for row in &self.analysis.similarity {
             rows.push(context! {
+                id => format!("similarity.{}", row.rating),
                 independent => self.texts.text("similarity")?,
                 dependent => row.title.as_str(),
                 here => value(&row.pooled),

@@ -49,7 +49,7 @@ impl StudyPage<'_> {
         Ok(paragraphs)
     }
 
-    fn method_values(&self) -> Value {
+    pub(super) fn method_values(&self) -> Value {
         let (design, a) = (self.design, self.analysis);
         let called = |label: &Option<String>, column: &str| {
             label.clone().unwrap_or_else(|| column.to_owned())
@@ -128,5 +128,74 @@ impl StudyPage<'_> {
             sentences.push(texts.with(&values).text("left_out")?);
         }
         Ok(sentences.join(" "))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::{METHODS, PageTexts};
+    use minijinja::{Value, context};
+
+    fn said(key: &str, values: &Value) -> String {
+        PageTexts::new(METHODS, values).unwrap().text(key).unwrap()
+    }
+
+    fn tests(t: bool, wilcoxon: bool) -> String {
+        let used = context! { factorial => false, groups => false, mixed => false, ordinal => false, one_factor => false, t, wilcoxon };
+        said(
+            "tests",
+            &context! { used, compare => "all", correlations => false },
+        )
+    }
+
+    #[test]
+    fn only_tests_that_were_run_are_named() {
+        assert!(tests(true, false).starts_with("Contrasts by paired t tests. Compared are every"));
+        assert!(
+            !tests(false, true).contains("t tests") && tests(false, true).contains("signed ranks")
+        );
+        let both = tests(true, true);
+        assert!(
+            both.contains("paired t tests") && both.contains("signed ranks"),
+            "{both}"
+        );
+        assert!(tests(false, false).starts_with("Compared are"));
+    }
+
+    #[test]
+    fn where_patience_is_0_people_kept_back_decided_nothing_and_the_page_says_so() {
+        let learned = |patience: usize| {
+            let settings =
+                context! { window_s => 4.0, window_rate_hz => 2.5, batch_size => 8, patience };
+            let networks = context! { epochs => vec![1, 2], rows => 10, selection => context! { people => 120 } };
+            said(
+                "learning",
+                &context! { training => context! { settings, networks, seed => 1 } },
+            )
+        };
+        assert!(learned(0).contains("decided nothing"));
+        assert!(learned(5).contains("was chosen on 120 people kept back"));
+        assert!(
+            learned(5).starts_with(
+                "The paper’s networks: windows of 4 s at 2.5 Hz; 2 passes over 10 rows"
+            )
+        );
+    }
+
+    #[test]
+    fn one_minute_is_no_plural_and_a_road_says_its_lanes() {
+        let driven = |minutes: Option<f64>| {
+            let road = context! { lanes => 2, lane_width_m => 3.66 };
+            said(
+                "driving",
+                &context! { road, posted_mph => 55.0, minutes, by_hand => true },
+            )
+        };
+        assert_eq!(
+            driven(Some(1.2)),
+            "2 lanes of 3.66 m in one direction, posted 55 mph, 1 minute a drive by hand."
+        );
+        assert!(driven(Some(6.0)).contains("6 minutes a drive by hand"));
+        assert!(driven(None).ends_with("55 mph."));
     }
 }

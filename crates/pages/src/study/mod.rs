@@ -7,13 +7,15 @@ mod line;
 mod manuscript;
 mod methods;
 mod people;
+mod results;
+mod tested;
 
 pub use line::{line_panels, steps};
 pub use methods::Paragraph;
 pub use people::Reliability;
 
 use crate::{
-    page_texts::{METHODS, PageTexts, STUDY},
+    page_texts::{METHODS, PageTexts, RESULTS, STUDY},
     texts::value,
     words::{correlation_of_claim, in_words, of_group, omnibus, percent},
 };
@@ -39,6 +41,7 @@ pub struct StudyPage<'a> {
     /// The texts of the page, with the values that all of them may ask for.
     pub texts: PageTexts,
     methods: PageTexts,
+    results: PageTexts,
 }
 
 /// What the texts may ask for beside design and analysis.
@@ -93,6 +96,7 @@ impl<'a> StudyPage<'a> {
             ledger,
             texts: PageTexts::new(STUDY, &values)?.labelled(design),
             methods: PageTexts::new(METHODS, &values)?.labelled(design),
+            results: PageTexts::new(RESULTS, &values)?.labelled(design),
         })
     }
 

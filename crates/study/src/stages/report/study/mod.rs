@@ -170,9 +170,7 @@ pub(super) fn page(
         .parameters
         .iter()
         .map(|(name, value)| (format!("pipeline: {name}"), value.clone()));
-    let (head, lines) = (page.subtitle()?, page.lines()?);
-    let report = Report {
-        manuscript: Some(page.manuscript(&run.scales, &reliabilities)?),
+    let mut report = Report {
         glossary: glossary(),
         cards: cards(&run, &reliabilities, ledger.as_deref())?,
         summary: said,
@@ -190,7 +188,7 @@ pub(super) fn page(
                     .collect::<Vec<_>>(),
             )?),
         },
-        ledger,
+        ledger: ledger.clone(),
         exclusions,
         warnings,
         provenance: Provenance {
@@ -208,9 +206,10 @@ pub(super) fn page(
                     .chain(logs),
             )?,
         },
-        ..Report::new(study.design.title(), head, &run.context)
+        ..Report::new(study.design.title(), page.subtitle()?, &run.context)
     };
-    Ok((report, lines))
+    report.beside = page.manuscript(&report, &run.scales, &reliabilities)?;
+    Ok((report, page.lines()?))
 }
 
 /// The road, and how long the baseline drives of those who were tested took, in minutes; of any drive where there is no baseline.
