@@ -323,7 +323,7 @@ fn status_says_who_is_out_and_what_nobody_drove_and_a_design_names_only_what_the
     let said = study.maveric_in("mine", &["status"]).ok().stderr;
     assert!(said.contains("P02 is left out: withdrew consent"), "{said}");
     assert!(
-        said.contains("condition sporty: nobody drove it") && !said.contains("calm: nobody"),
+        said.contains("sporty, drive: no log (everybody)") && !said.contains("calm, drive"),
         "{said}"
     );
     let sound = read(&study, "mine/study.toml");

@@ -195,6 +195,43 @@ fn nobody_whom_the_scale_does_not_have_is_turned(study: &TempStudy) {
         "{told}"
     );
     assert_eq!((theirs.len(), rows), (4, 1 + 8 * 4));
+
+    // A sweep is held to the same.
+    let sweep = "--sweep=-10,0,10";
+    let (told, theirs, rows) = steered(&[sweep]);
+    assert!(
+        told.contains("participant S2P02: drives beyond") && told.contains("--beyond"),
+        "{told}"
+    );
+    assert_eq!((theirs, rows), (vec!["mimic".to_owned()], 1 + 7 * 3 + 1));
+    let score = |line: &str| line.split(',').nth(2).unwrap().to_owned();
+    let swept = || std::fs::read_to_string(study.path("d/far_conditions.csv")).unwrap();
+    for line in swept().lines().skip(1) {
+        // A number that cannot be is none.
+        let theirs = line.starts_with("S2P02,");
+        assert_eq!(score(line).is_empty(), theirs, "{line}");
+    }
+    let (told, theirs, rows) = steered(&[sweep, "--beyond"]);
+    assert!(told.contains("turned all the same"), "{told}");
+    assert_eq!((theirs.len(), rows), (3, 1 + 8 * 3));
+    let driven = "simulate --model d/model.maveric --conditions d/far_conditions.csv --out d/far --duration 5";
+    let driven = study.maveric(&driven.split_whitespace().collect::<Vec<_>>());
+    let told = driven.ok().stderr;
+    assert!(
+        told.contains("participant S2P02: reads as a score that the scale does not have")
+            && told.contains("the car drives all the same"),
+        "{told}"
+    );
+    let openness = [
+        "--attribute",
+        "mini_ipip.openness",
+        "--scores",
+        "d/scores.csv",
+        "--points",
+        "0.2",
+    ];
+    let (_, theirs, rows) = steered(&openness);
+    assert_eq!((theirs.len(), rows), (1, 1 + 7 * 3 + 1));
 }
 
 /// A sweep can be driven, another attribute can be moved with aggression held, and what cannot is said.

@@ -10,7 +10,8 @@ this script, and prints the table. Not part of the tests.
 
 Recordings and drives: time gaps are bumper to bumper over ego speed. `following` rows are those with a gap below 3 s and
 speeds within 1 m/s, above 5 m/s, for all of them; `n` is the number of drivers, mean and SD are over the drivers' medians,
-deciles over all rows, every driver the same weight.
+deciles over all rows, every driver the same weight. `…_halves_icc`: ICC(2,1) of the drivers' means over the two halves of
+the first two thirds of their rows (what may be looked at of these recordings).
 """
 
 import csv
@@ -64,6 +65,33 @@ def quantities(frames):
     yield "free_speed", "m/s", [s for s in free if len(s)]
 
 
+def icc_2_1(table):
+    """ICC(2,1), absolute agreement, single readings, of a row a driver and a column a reading (McGraw and Wong 1996)."""
+    n, k = table.shape
+    people, readings, all_ = table.mean(1), table.mean(0), table.mean()
+    ms_people = k * ((people - all_) ** 2).sum() / (n - 1)
+    ms_readings = n * ((readings - all_) ** 2).sum() / (k - 1)
+    rest = table - people[:, None] - readings[None, :] + all_
+    ms_rest = (rest**2).sum() / ((n - 1) * (k - 1))
+    return (ms_people - ms_rest) / (ms_people + (k - 1) * ms_rest + k * (ms_readings - ms_rest) / n)
+
+
+def halves(where, frames):
+    """How far the two halves of what may be looked at of each driver agree."""
+    means = {"speed": [], "following_time_gap": []}
+    for f in frames:
+        fit = f.iloc[: 2 * len(f) // 3]
+        cut = [fit.iloc[: len(fit) // 2], fit.iloc[len(fit) // 2 :]]
+        t = [h.gap / h.speed.where(h.speed > 5) for h in cut]
+        follows = [(g < 3) & ((h.speed - h.lead).abs() < 1) for g, h in zip(t, cut)]
+        means["speed"].append([h.speed.mean() for h in cut])
+        if all(x.sum() >= 25 for x in follows):
+            means["following_time_gap"].append([g[x].mean() for g, x in zip(t, follows)])
+    for quantity, rows in means.items():
+        if len(rows) > 2:
+            yield [f"{quantity}_halves_icc", "-", where, len(rows), icc_2_1(np.array(rows)), *[float("nan")] * 12, ""]
+
+
 def weighted_deciles(rows):
     grid = np.linspace(0, 1, 1001)
     pooled = np.sort(np.concatenate([np.quantile(r, grid) for r in rows]))
@@ -96,8 +124,11 @@ def main():
         label = "chosen" if s["citation"] == "chosen" else f"source, {mark}: {s['citation'].split(':')[0]}"
         out.append([s["quantity"], s["unit"], label, "", number("mean"), number("sd"), number("low"), number("high"),
                     *[float("nan")] * 9, s["note"]])
-    out += describe("recordings: OpenACC", recorded(data / "openacc_astazero", 1.0))
-    out += describe("recordings: NGSIM I-80", recorded(data / "ngsim_i80_pairs", FOOT))
+    for name, frames in (
+        ("recordings: OpenACC", recorded(data / "openacc_astazero", 1.0)),
+        ("recordings: NGSIM I-80", recorded(data / "ngsim_i80_pairs", FOOT)),
+    ):
+        out += [*describe(name, frames), *halves(name, frames)]
     order = ["desired_speed", "free_speed", "speed", "following_time_gap", "following_time_gap_within_driver_cv"]
     rank = lambda q: order.index(q) if q in order else len(order)
     out.sort(key=lambda r: (rank(r[0]), r[0]))

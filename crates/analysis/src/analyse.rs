@@ -77,15 +77,28 @@ fn notes(data: &StudyData) -> Vec<String> {
     let cross = conditions.iter().any(|c| !c.levels.is_empty());
     let mut notes = Vec::new();
     let undeclared = data.design.outcomes().is_empty();
+    let driven = !data.measurements.is_empty();
     let nowhere: Vec<String> = objective::all()
         .iter()
-        .filter(|m| undeclared && !data.is_measured(m.name))
+        .filter(|m| undeclared && driven && !data.is_measured(m.name))
         .map(|m| format!("{} ({})", m.title.to_lowercase(), m.why_missing))
         .collect();
     if !nowhere.is_empty() {
         notes.push(format!(
             "No drive has a value of these measures, so they are not tested: {}.",
             nowhere.join("; ")
+        ));
+    }
+    if !driven {
+        notes.push("There are no drives: nothing that a drive shows is measured.".to_owned());
+    }
+    let own = data.design.measures().iter();
+    let own = own.filter(|m| !data.is_measured(&m.id));
+    let own: Vec<&str> = own.map(|m| m.title.as_str()).collect();
+    if !own.is_empty() {
+        notes.push(format!(
+            "Nobody has a value of these measures of the study’s own: {}.",
+            own.join("; ")
         ));
     }
     if cross && conditions.len() > 1 && crossed(&conditions).is_none() {

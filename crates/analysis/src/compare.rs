@@ -80,7 +80,9 @@ fn panel(
         contrasts = vec![[one, baseline]];
         conditions.push(baseline);
     }
-    let from = baseline.filter(|b| asked.column().is_some() && !conditions.contains(b));
+    let from = baseline
+        .filter(|b| asked.column().is_some() && !conditions.contains(b))
+        .filter(|b| has_baseline(data, asked, *b, people));
     let value = |p, c| match from {
         Some(b) => difference_from_own(asked.value(data, p, c), asked.value(data, p, b)),
         None => asked.value(data, p, c),
@@ -165,6 +167,18 @@ fn panel(
         contrast.people = people;
     }
     Ok(panel)
+}
+
+/// Whether differences from the baseline can be taken: a measure of the study's own may exist in the conditions alone, as the time to take
+/// over from a car does.
+fn has_baseline(
+    data: &StudyData,
+    asked: &Asked,
+    baseline: ConditionId,
+    people: &[ParticipantId],
+) -> bool {
+    let measured = |p| asked.value(data, p, baseline).is_some();
+    data.design.measure(&asked.id).is_none() || people.iter().any(measured)
 }
 
 /// Says of a count or an extreme that it was taken from parts of drives, where a person's drives differ in length.

@@ -9,7 +9,7 @@ use crate::{
 };
 use maveric_domain::{
     Answer, ConditionId, ConditionRow, Design, DriveId, DrivenBy, EmbeddingRow, MeasureValues,
-    MeasuredDrive, Moment, ParticipantId, Scale, Score,
+    MeasuredDrive, Moment, OwnMeasurement, ParticipantId, Scale, Score,
     design::{Condition, ScoreName, Sign},
 };
 use std::collections::{BTreeMap, BTreeSet};
@@ -59,6 +59,8 @@ pub struct Tables {
     pub people: Vec<Person>,
     /// What was measured, a row a drive.
     pub measurements: Vec<MeasuredDrive>,
+    /// What the study's own measures say of people in conditions.
+    pub own: Vec<OwnMeasurement>,
     /// Fitted embeddings; empty without a model.
     pub embeddings: Vec<EmbeddingRow>,
     /// Where in style space each condition lies; empty without a learned car.
@@ -82,7 +84,7 @@ pub struct Tables {
 pub struct StudyData {
     /// What the study is.
     pub design: Design,
-    /// Those who were tested and drove or rated something, in order.
+    /// Those who were tested and drove or rated something, or were measured, in order.
     pub participants: Vec<ParticipantId>,
     /// What was measured, a row a drive.
     pub measurements: Vec<MeasuredDrive>,
@@ -96,6 +98,8 @@ pub struct StudyData {
     scales: Vec<Scale>,
     /// Where people left the dial, a ride each.
     settled: BTreeMap<ParticipantId, Vec<Settled>>,
+    /// The study's own measures by condition and participant.
+    own: BTreeMap<ConditionId, BTreeMap<ParticipantId, BTreeMap<String, f64>>>,
     /// Drives of tested people by condition and participant.
     drives: BTreeMap<ConditionId, BTreeMap<ParticipantId, usize>>,
     /// Subscales answered before the drives and after a condition, in the order in which they were scored.
@@ -109,8 +113,8 @@ impl StudyData {
     /// Puts the tables of a study side by side, without what the design leaves out, by name or by rule.
     ///
     /// # Errors
-    /// [`AnalysisError::TooFewPeople`] for fewer than three who drove or rated a condition;
-    /// [`AnalysisError::NobodyThere`] for a condition that nobody drove or rated.
+    /// [`AnalysisError::TooFewPeople`] for fewer than three who drove or rated a condition, or were measured in it;
+    /// [`AnalysisError::NobodyThere`] for a condition in which nobody is there so.
     pub fn new(design: &Design, tables: Tables) -> Result<Self, AnalysisError> {
         let driven: Vec<Driven> = tables
             .measurements
@@ -123,10 +127,6 @@ impl StudyData {
             })
             .collect();
         let judged: Vec<Driven> = driven.iter().cloned().chain(tables.kept_out).collect();
-        let mut left_out = LeftOut::named(design)
-            .with_straight_lined(design, &tables.scales, &tables.answers)
-            .with_short(design, &judged)
-            .with_few_conditions(design, &judged, &tables.post);
         let in_study = |c| design.baseline_id() == Some(c) || design.condition(c).is_some();
         let tested = |p: &ParticipantId| {
             tables.people.is_empty() || tables.people.iter().any(|q| q.id == *p && q.tested)
@@ -135,16 +135,22 @@ impl StudyData {
             Moment::After(c) if s.value.is_some() => Some((&s.participant, c)),
             _ => None,
         });
+        let own = tables.own.iter().map(|m| (&m.participant, m.condition));
+        let without_drive = rated.chain(own);
         let came = judged.iter().map(|d| (&d.participant, d.condition));
+        let came = came.chain(without_drive.clone());
+        let mut left_out = LeftOut::named(design)
+            .with_straight_lined(design, &tables.scales, &tables.answers)
+            .with_short(design, &judged)
+            .with_few_conditions(design, came.clone());
         let there: BTreeSet<ParticipantId> = came
-            .chain(rated.clone())
             .filter(|(p, c)| in_study(*c) && tested(p))
             .map(|(p, _)| p.clone())
             .collect();
         let kept: BTreeSet<ParticipantId> = driven
             .iter()
             .map(|d| (&d.participant, d.condition))
-            .chain(rated)
+            .chain(without_drive)
             .filter(|(p, c)| in_study(*c) && left_out.keeps(p, *c))
             .map(|(p, _)| p.clone())
             .collect();
@@ -164,6 +170,15 @@ impl StudyData {
             if there.contains(&drive.meta.participant) {
                 let of = drives.entry(drive.meta.condition).or_default();
                 of.entry(drive.meta.participant.clone()).or_insert(at);
+            }
+        }
+        let mut own: BTreeMap<ConditionId, BTreeMap<ParticipantId, BTreeMap<String, f64>>> =
+            BTreeMap::new();
+        for row in tables.own {
+            if there.contains(&row.participant) && left_out.keeps(&row.participant, row.condition) {
+                let people = own.entry(row.condition).or_default();
+                let values = people.entry(row.participant).or_default();
+                values.insert(row.measure, row.value);
             }
         }
         let participants: Vec<ParticipantId> = there
@@ -193,6 +208,7 @@ impl StudyData {
             participants,
             flow,
             settled: BTreeMap::new(),
+            own,
             drives,
             before: subscales(&pre),
             after: subscales(&post),
@@ -211,12 +227,13 @@ impl StudyData {
         for condition in data.design.conditions() {
             let id = condition.id;
             let driven = data.drives.get(&id).is_some_and(|of| !of.is_empty());
+            let measured = data.own.contains_key(&id);
             let rated = |p| {
                 data.after
                     .iter()
                     .any(|name| data.rated(p, id, name).is_some())
             };
-            if !driven && !data.participants.iter().any(rated) {
+            if !driven && !measured && !data.participants.iter().any(rated) {
                 return Err(AnalysisError::NobodyThere { condition: id });
             }
         }
@@ -273,17 +290,19 @@ impl StudyData {
             .collect()
     }
 
-    /// A measure of a participant's drive.
+    /// A measure of a participant's drive, or one of the study's own.
     pub fn measured(
         &self,
         participant: &ParticipantId,
         condition: ConditionId,
         measure: &str,
     ) -> Option<f64> {
-        self.drive(participant, condition)?
-            .get(measure)
-            .copied()
-            .flatten()
+        let drive = self.drive(participant, condition);
+        let value = drive.and_then(|values| values.get(measure).copied().flatten());
+        value.or_else(|| {
+            let values = self.own.get(&condition)?.get(participant)?;
+            values.get(measure).copied()
+        })
     }
 
     /// Time from the start of a participant's drive over which counts were taken, in s, where the person's drives differ in length.
@@ -317,14 +336,16 @@ impl StudyData {
         again.values.get(measure).copied().flatten()
     }
 
-    /// Whether any tested person's drive has this measure.
+    /// Whether any tested person's drive has this measure, or any of them was measured so.
     pub(crate) fn is_measured(&self, measure: &str) -> bool {
-        self.drives.values().flat_map(BTreeMap::values).any(|&at| {
+        let mut drives = self.drives.values().flat_map(BTreeMap::values);
+        let mut own = self.own.values().flat_map(BTreeMap::values);
+        drives.any(|&at| {
             self.measurements[at]
                 .values
                 .get(measure)
                 .is_some_and(Option::is_some)
-        })
+        }) || own.any(|values| values.contains_key(measure))
     }
 
     /// A measure of every baseline drive that the networks learned from and that has it.
@@ -393,6 +414,17 @@ impl StudyData {
         let scale = self.scales.iter().find(|s| s.id == name.scale)?;
         let subscale = scale.subscales.iter().find(|s| s.id == name.subscale)?;
         Some((scale, subscale))
+    }
+
+    /// Lowest and highest score of the design's style; none where neither it nor a questionnaire says.
+    pub fn style_range(&self) -> Option<(f64, f64)> {
+        let style = self.design.style()?;
+        let declared = style.range.map(|[low, high]| (low, high));
+        let of_scale = || {
+            let (scale, subscale) = self.subscale(&style.score)?;
+            Some(scale.score_range(subscale))
+        };
+        declared.or_else(of_scale)
     }
 
     /// What a page calls a score: the subscale's title, or the scale's where it has no other.

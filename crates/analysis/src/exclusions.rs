@@ -1,6 +1,6 @@
 //! Who and what is left out, and by which rule: the one place that judges drives, answers and people alike.
 
-use maveric_domain::{Answer, ConditionId, Design, DriveId, Moment, ParticipantId, Scale, Score};
+use maveric_domain::{Answer, ConditionId, Design, DriveId, ParticipantId, Scale};
 use maveric_measures::{ScoreWarning, survey::response_styles};
 use serde::{Deserialize, Serialize};
 use std::{
@@ -187,24 +187,18 @@ impl LeftOut {
         self
     }
 
-    /// And people with fewer conditions than the design asks for: drives that are not left out, and conditions that they rated.
+    /// And people with fewer conditions than the design asks for, of those in which they `came`: drove, answered or were measured.
     #[must_use]
-    pub fn with_few_conditions(
+    pub fn with_few_conditions<'a>(
         mut self,
         design: &Design,
-        drives: &[Driven],
-        rated: &[Score],
+        came: impl IntoIterator<Item = (&'a ParticipantId, ConditionId)>,
     ) -> Self {
         let Some(least) = design.exclude().fewer_conditions_than else {
             return self;
         };
         let mut sat: BTreeMap<&ParticipantId, BTreeSet<ConditionId>> = BTreeMap::new();
-        let driven = drives.iter().map(|d| (&d.participant, d.condition));
-        let answered = rated.iter().filter_map(|s| match s.moment {
-            Moment::After(condition) if s.value.is_some() => Some((&s.participant, condition)),
-            _ => None,
-        });
-        for (who, condition) in driven.chain(answered) {
+        for (who, condition) in came {
             let conditions = sat.entry(who).or_default();
             let out = self.cells.contains_key(&(who.clone(), condition));
             if design.condition(condition).is_some() && !out {
@@ -273,7 +267,10 @@ mod tests {
         ];
         let left_out = LeftOut::named(&design)
             .with_short(&design, &drives)
-            .with_few_conditions(&design, &drives, &[]);
+            .with_few_conditions(
+                &design,
+                drives.iter().map(|d| (&d.participant, d.condition)),
+            );
         let people: Vec<&str> = left_out.people.keys().map(ParticipantId::as_str).collect();
         // One short drive leaves P2 with one condition; P3 sat through none, which is for others to judge.
         assert_eq!(people, ["P2", "P4"]);

@@ -13,7 +13,7 @@ use std::collections::{BTreeMap, BTreeSet};
 pub struct Flow {
     /// People in the table who were to sit through the conditions.
     pub recruited: usize,
-    /// Those of them who drove or rated at least one condition, or drove the baseline.
+    /// Those of them who drove or rated at least one condition, were measured in one, or drove the baseline.
     pub drove: usize,
     /// People left out, a row a reason.
     pub left_out: Vec<LeftOutFor>,

@@ -107,7 +107,7 @@ pub(crate) fn kept(data: &StudyData) -> Result<Vec<Kept>, AnalysisError> {
         };
         let changes: Vec<Option<f64>> = data.participants.iter().map(change).collect();
         let round = circular(&angles, &changes)?;
-        let asked = Asked::measure(measure);
+        let asked = Asked::measure(&data.design, measure);
         Ok(Kept {
             across,
             from,

@@ -2,7 +2,7 @@
 
 use crate::data::StudyData;
 use maveric_domain::{
-    ConditionId, ParticipantId,
+    ConditionId, Design, ParticipantId,
     design::{Condition, Outcome, Quantity, ScoreName, Sign},
 };
 use maveric_measures::objective;
@@ -31,7 +31,7 @@ pub(crate) struct Asked {
 impl Asked {
     fn of(data: &StudyData, outcome: &Outcome) -> Self {
         let mut asked = match &outcome.quantity {
-            Quantity::Measure(name) => Self::measure(name),
+            Quantity::Measure(name) => Self::measure(&data.design, name),
             Quantity::Score(name) => Self::score(data, name),
         };
         if let Some(label) = &outcome.label {
@@ -41,16 +41,22 @@ impl Asked {
         asked
     }
 
-    /// An objective measure, or another column of the measurements.
-    pub(crate) fn measure(name: &str) -> Self {
+    /// A measure of the study's own, an objective one, or another column of the measurements.
+    pub(crate) fn measure(design: &Design, name: &str) -> Self {
         let known = objective::find(name);
+        let own = design.measure(name);
+        let [title, unit] = match (own, known) {
+            (Some(own), _) => [own.title.as_str(), own.shown_unit()],
+            (None, Some(known)) => [known.title, known.shown.unit],
+            (None, None) => [name, ""],
+        };
         Self {
             id: name.to_owned(),
-            title: known.map_or_else(|| name.to_owned(), |m| m.title.to_owned()),
-            unit: known.map_or("", |m| m.shown.unit).to_owned(),
+            title: title.to_owned(),
+            unit: unit.to_owned(),
             factor: known.map_or(1.0, |m| m.shown.factor),
             same: None,
-            aggression: known.and_then(|m| m.aggression),
+            aggression: own.map_or_else(|| known.and_then(|m| m.aggression), |m| m.aggression),
             quantity: Quantity::Measure(name.to_owned()),
             range: None,
             same_within: None,
@@ -127,13 +133,14 @@ impl Asked {
     }
 }
 
-/// The outcomes of the design; where it names none, all objective measures that somebody has and every score of a condition.
+/// The outcomes of the design; where it names none, all measures that somebody has, the study's own last, and every score of a condition.
 pub(crate) fn outcomes(data: &StudyData) -> Vec<Asked> {
     let declared = data.design.outcomes();
     if !declared.is_empty() {
         return declared.iter().map(|o| Asked::of(data, o)).collect();
     }
     let measured = objective::all().iter().map(|m| m.name);
+    let measured = measured.chain(data.design.measures().iter().map(|m| m.id.as_str()));
     let measured = measured.filter(|name| data.is_measured(name));
     let rated = data.rated_names().iter().filter(|name| {
         let conditions = data.design.conditions();
@@ -145,7 +152,7 @@ pub(crate) fn outcomes(data: &StudyData) -> Vec<Asked> {
         data.participants.iter().any(in_one)
     });
     measured
-        .map(Asked::measure)
+        .map(|name| Asked::measure(&data.design, name))
         .chain(rated.map(|name| Asked::score(data, name)))
         .collect()
 }
@@ -156,6 +163,6 @@ pub(crate) fn outcome(data: &StudyData, id: &str) -> Asked {
     match (declared, id.parse::<ScoreName>()) {
         (Some(outcome), _) => Asked::of(data, outcome),
         (None, Ok(name)) => Asked::score(data, &name),
-        (None, Err(_)) => Asked::measure(id),
+        (None, Err(_)) => Asked::measure(&data.design, id),
     }
 }

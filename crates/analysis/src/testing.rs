@@ -101,6 +101,7 @@ pub(crate) fn position(i: usize, position: f64) -> EmbeddingRow {
         line_position_se: None,
         support_p: None,
         beyond_why: None,
+        posted_unseen: None,
         embedding: Embedding::new(vec![position]).unwrap(),
     }
 }
@@ -176,6 +177,7 @@ pub(crate) fn steered(
         clamped: false,
         angle_rad,
         beyond_training,
+        beyond_why: None,
         sweep: None,
         embedding: Embedding::new(vec![0.0]).unwrap(),
     }

@@ -2,7 +2,7 @@
 
 use crate::{diagnostics::Failure, invocation, stage_files::COMMANDS};
 use maveric_pipeline::{Ledger, Pipeline, Place, Program, Settings, command_line, parse_override};
-use maveric_study::design::DESIGN_FILE;
+use maveric_study::{design::DESIGN_FILE, missing::Missing};
 use std::path::{Path, PathBuf};
 
 /// The pipeline of the folder one stands in: that of its study, else the paper's.
@@ -112,14 +112,20 @@ impl PipelineArgs {
     }
 }
 
-/// What one should know of the study of the folder one stands in; nothing where it is none, or another pipeline was named.
-pub(crate) fn study_notes(file: &Path) -> Result<Vec<String>, Failure> {
+/// What one should know of the study in the current directory, and what is missing of it; nothing where there is none, or another
+/// pipeline was named.
+pub(crate) fn study_here(file: &Path) -> Result<Option<(Vec<String>, Missing)>, Failure> {
     if file != Path::new(DEFAULT_PIPELINE) || !Path::new(DESIGN_FILE).is_file() {
-        return Ok(Vec::new());
+        return Ok(None);
     }
+    let results = Path::new("results");
+    let known = || -> Result<_, maveric_study::StudyError> {
+        let study = maveric_study::DesignFile::find(None)?;
+        let notes = maveric_study::study_notes(&study, results)?;
+        Ok((notes, maveric_study::missing(&study, results, None)?))
+    };
     let doing = "could not tell what is in the study";
-    let study = maveric_study::DesignFile::find(None).map_err(Failure::study(doing))?;
-    maveric_study::study_notes(&study, Path::new("results")).map_err(Failure::study(doing))
+    known().map(Some).map_err(Failure::study(doing))
 }
 
 /// The project's root: above `pipelines/`, else the current folder.

@@ -4,6 +4,7 @@ use crate::{
     condition::ConditionId,
     embedding::Embedding,
     ids::{DriveId, ParticipantId},
+    survey::AdbScore,
 };
 use serde::{Deserialize, Serialize};
 use std::{fmt, str::FromStr};
@@ -26,6 +27,20 @@ pub enum BeyondWhy {
         /// Code name of the habit.
         habit: String,
     },
+}
+
+impl BeyondWhy {
+    /// The score that a drive has where a model read this one of it, in points of the ADB scale, and why the drive is beyond: a reading
+    /// that the scale does not have is no score, and is why; otherwise it is what the model's support says.
+    pub fn of_reading(
+        reading: Option<f64>,
+        by_support: Option<Self>,
+    ) -> (Option<f64>, Option<Self>) {
+        match reading {
+            Some(points) if !AdbScore::has(points) => (None, Some(Self::Scale)),
+            _ => (reading, by_support),
+        }
+    }
 }
 
 impl fmt::Display for BeyondWhy {
@@ -93,6 +108,8 @@ pub struct EmbeddingRow {
     pub support_p: Option<f64>,
     /// Why the drive is beyond what was learned from; none where it is not, or where nobody can say.
     pub beyond_why: Option<BeyondWhy>,
+    /// Whether what was posted lies outside what was posted for those learned from; none where nobody can say.
+    pub posted_unseen: Option<bool>,
     /// The embedding.
     pub embedding: Embedding,
 }
@@ -107,6 +124,23 @@ impl EmbeddingRow {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_reading_that_the_scale_does_not_have_is_no_score_and_why_a_drive_is_beyond() {
+        let pass = || {
+            Some(BeyondWhy::Style {
+                habit: "pass".to_owned(),
+            })
+        };
+        let scale = (None, Some(BeyondWhy::Scale));
+        assert_eq!(BeyondWhy::of_reading(Some(-1.3), None), scale);
+        assert_eq!(BeyondWhy::of_reading(Some(55.1), pass()), scale);
+        assert_eq!(
+            BeyondWhy::of_reading(Some(30.0), pass()),
+            (Some(30.0), pass())
+        );
+        assert_eq!(BeyondWhy::of_reading(None, None), (None, None));
+    }
 
     #[test]
     fn why_a_drive_is_beyond_survives_its_text() {

@@ -28,7 +28,7 @@ pub use embedding::Embedding;
 pub use error::DomainError;
 pub use fitted::{BeyondWhy, EmbeddingRow};
 pub use ids::{DriveId, ParticipantId, VehicleId};
-pub use measurement::{MeasureValues, MeasuredDrive, Measurement, spread};
+pub use measurement::{MeasureValues, MeasuredDrive, Measurement, OwnMeasurement, spread};
 pub use nearest::nearest;
 pub use recording::{EgoTrack, ObjectTrack, Recording};
 pub use scene::{EgoState, Reference, Road, Scene, Situation, VehicleState};

@@ -1,6 +1,10 @@
 //! What was measured of drives.
 
-use crate::{drive::DriveMeta, ids::DriveId};
+use crate::{
+    condition::ConditionId,
+    drive::DriveMeta,
+    ids::{DriveId, ParticipantId},
+};
 use serde::{Deserialize, Serialize};
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -13,6 +17,21 @@ pub struct Measurement {
     pub measure: String,
     /// The value; `None` where the drive has none (a drive that never merges back).
     pub value: Option<f64>,
+}
+
+/// One of the study's own measures of a person in a condition.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct OwnMeasurement {
+    /// Of whom.
+    pub participant: ParticipantId,
+    /// In which condition, or in the baseline.
+    pub condition: ConditionId,
+    /// Id of the measure.
+    pub measure: String,
+    /// Mean over the sessions and trials that have a value, in the unit that the measure declares.
+    pub value: f64,
+    /// How many these are.
+    pub n: usize,
 }
 
 /// The objective measures of one drive by code name; `None` where the drive has none.

@@ -4,6 +4,7 @@ use crate::{
     condition::ConditionId,
     embedding::Embedding,
     error::DomainError,
+    fitted::BeyondWhy,
     ids::{DriveId, ParticipantId},
 };
 use serde::{Deserialize, Serialize};
@@ -27,6 +28,9 @@ pub struct ConditionRow {
     pub angle_rad: Option<f64>,
     /// Whether the embedding lies further out than any training driver's.
     pub beyond_training: bool,
+    /// Why the drive that the person's style was learned of is beyond what the model has met; none where it is not or nobody can say, and
+    /// where the car has another style than the person's.
+    pub beyond_why: Option<BeyondWhy>,
     /// What it is one point of; none for the conditions of a study.
     pub sweep: Option<SweepPoint>,
     /// The embedding.

@@ -393,6 +393,12 @@ impl AdbScore {
         }
     }
 
+    /// Whether the scale has such a score, in points; one that only rounding puts outside counts as its end.
+    pub fn has(points: f64) -> bool {
+        const ROUNDING: f64 = 1e-9 * (AdbScore::MAX - AdbScore::MIN);
+        (Self::MIN - ROUNDING..=Self::MAX + ROUNDING).contains(&points)
+    }
+
     /// The points.
     pub fn points(self) -> f64 {
         self.0
@@ -434,6 +440,10 @@ mod tests {
         assert!(AdbScore::new(10.9).is_err());
         assert!(AdbScore::new(f64::NAN).is_err());
         assert!(AdbScore::new(55.0).is_ok());
+        assert!(AdbScore::has(55.0 + 1e-12) && AdbScore::has(11.0));
+        for none in [55.1, 10.9, f64::NAN, f64::INFINITY] {
+            assert!(!AdbScore::has(none), "{none}");
+        }
     }
 
     const TWO_OF_FOUR: &str = r#"

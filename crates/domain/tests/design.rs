@@ -595,6 +595,7 @@ fn the_schema_for_editors_has_the_keys_of_the_reader() {
         ),
         ("[baseline]\nzzz = 1", "/baseline"),
         ("[[role]]\nzzz = 1", "/role/items"),
+        ("[[measure]]\nzzz = 1", "/measure/items"),
         ("[[outcome]]\nzzz = 1", "/outcome/items"),
         ("[[hypothesis]]\nzzz = 1", "/hypothesis/items"),
         ("[contrasts]\nzzz = 1", "/contrasts"),
@@ -647,5 +648,47 @@ fn labels_are_given_once_factors_have_levels_and_a_car_is_of_one_kind() {
     ] {
         let refused = two(first, second).unwrap_err();
         assert!(refused.contains(expected), "{refused}");
+    }
+}
+
+#[test]
+fn a_measure_of_the_studys_own_has_a_unit_a_name_and_perhaps_a_direction() {
+    let design = with(
+        "[[measure]]\nid = \"tor_s\"\ntitle = \"Take-over time\"\nunit = \"s\"\naggression = \"-\"\n\
+         [[measure]]\nid = \"glances\"\nunit = \"1\"\naggression = \"none\"\n",
+    )
+    .unwrap();
+    let measures = design.measures();
+    assert_eq!(measures.len(), 2);
+    let (time, glances) = (&measures[0], &measures[1]);
+    assert_eq!((&*time.title, time.shown_unit()), ("Take-over time", "s"));
+    assert_eq!(time.aggression, Some(Sign::Minus));
+    assert_eq!((&*glances.title, glances.shown_unit()), ("glances", ""));
+    assert_eq!(glances.aggression, None);
+    assert_eq!(design.measure("tor_s"), Some(time));
+    assert!(design.measure("tor").is_none());
+    let refused = |more: &str| with(&format!("[[measure]]\n{more}")).unwrap_err();
+    for (more, said) in [
+        ("id = \"tor\"", "`measure.tor.unit`: found nothing"),
+        (
+            "id = \"tor\"\nunit = \" \"",
+            "`measure.tor.unit`: found nothing",
+        ),
+        ("id = \"a.b\"\nunit = \"s\"", "`measure.id`: found `a.b`"),
+        (
+            "id = \"trial\"\nunit = \"s\"",
+            "`measure.id`: found `trial`",
+        ),
+        (
+            "id = \"a\"\nunit = \"s\"\n[[measure]]\nid = \"a\"\nunit = \"m\"",
+            "`a` twice",
+        ),
+        (
+            "id = \"a\"\nunit = \"s\"\naggression = \"up\"",
+            "unknown variant `up`",
+        ),
+    ] {
+        let error = refused(more);
+        assert!(error.contains(said), "{error}");
     }
 }

@@ -69,6 +69,7 @@ fn a_conditions_drive_is_called_after_person_and_condition_and_a_sweeps_by_itsel
         clamped: false,
         angle_rad: None,
         beyond_training: false,
+        beyond_why: None,
         sweep: None,
         embedding: Embedding::new(vec![0.0]).unwrap(),
     };

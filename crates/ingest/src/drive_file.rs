@@ -10,10 +10,10 @@ use maveric_domain::{Drive, drive::Rows};
 use polars::prelude::{Column, DataFrame, DataType, PolarsError};
 use std::{collections::BTreeMap, io::Write, path::Path};
 
-/// Version of what is written; version 1 also named one of two studies, and neither 1 nor 2 carried a checksum.
+/// Version of what is written; 2 carried no checksum.
 const VERSION: &str = "3";
 /// Versions that are read.
-const READ: [&str; 3] = ["1", "2", VERSION];
+const READ: [&str; 2] = ["2", VERSION];
 /// What the names of our metadata begin with.
 const PREFIX: &str = "maveric.";
 
@@ -112,8 +112,7 @@ pub fn read_drive_from(path: &Path) -> Result<(Drive, Provenance), IngestError> 
         checked: file.checked,
     };
     let drive = read.drive()?;
-    // Version 1 named one of two studies.
-    let own = |key: &str| ["version", "study"].contains(&key) || KEYS.contains(&key);
+    let own = |key: &str| key == "version" || KEYS.contains(&key);
     let entries = told.into_iter().filter(|(key, _)| !own(key)).collect();
     Ok((drive, Provenance { entries }))
 }
@@ -233,5 +232,24 @@ impl DriveFile<'_> {
 
     fn odd(&self, name: &str, error: &PolarsError) -> IngestError {
         self.bad(format!("has another kind of column `{name}`: {error}"))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_drive_of_a_format_that_is_no_longer_read_is_refused_with_what_to_do() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("old.parquet");
+        let mut frame = DataFrame::new(1, vec![Column::new("time_s".into(), [0.0])]).unwrap();
+        let version = (format!("{PREFIX}version"), "1".to_owned());
+        let bytes = parquet_bytes(&mut frame, vec![version]).unwrap();
+        std::fs::write(&path, bytes).unwrap();
+        let error = read_drive_from(&path).unwrap_err();
+        let expected = "is a drive of format 1, expected 2 or 3";
+        assert!(error.to_string().ends_with(expected), "{error}");
+        assert!(error.suggestion().unwrap().contains("maveric ingest"));
     }
 }

@@ -39,7 +39,7 @@ pub use mapping::{
     Layout, LeadSignal, LengthUnit, Mapping, McapMapping, MessageMapping, Names, Only, Point,
     RecordingMeta, RigSigns, RoadMapping, RoadSignal, SeesMapping, Side, Signals, SpeedSignal,
     SpeedUnit, TableMapping, Tells, TimeUnit, Topics, TracksSignal, TwistFrame, Units,
-    VelocitySignal,
+    VelocitySignal, named_after,
 };
 pub use parquet::{ParquetFile, is_parquet, parquet_bytes, read_parquet};
 pub use provenance::Provenance;

@@ -45,7 +45,7 @@ fn main() -> Result<(), ModelError> {
         println!(
             "{points:+3} points: S reads {:.0}, {:.1} m/s, merges back {:.2} s ahead",
             moved.to_points,
-            own.free_speed_mps().unwrap_or_default(),
+            own.free_speed_mps(None).unwrap_or_default(),
             own.merge_back_s().unwrap_or_default()
         );
     }

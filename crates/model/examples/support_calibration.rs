@@ -1,12 +1,13 @@
-//! How often a drive of a fresh person of the population learned from is called beyond, and how evenly p is spread.
+//! How often a drive of a fresh person is called beyond, and how evenly p is spread.
 //!
-//! `cargo run --release -p maveric-model --example support_calibration -- 40` for people a training; behind it the file of another population.
+//! `cargo run --release -p maveric-model --example support_calibration -- 40 linear LEARNED FRESH`: people a training, heads (or `paper`), the
+//! file of the population learned from, and that of the fresh people; `drivers` for the people of the paper's scenario.
 #![expect(clippy::print_stdout, reason = "an example shows its result")]
 
 use maveric_domain::{
     Drive, DriveId, DriveMeta, DrivenBy, LatentTraits, ParticipantId, stream_seed,
 };
-use maveric_model::{Personalizer, TrainSettings, TrainingDrive, train};
+use maveric_model::{HeadsKind, Personalizer, TrainSettings, TrainingDrive, train};
 use maveric_simulator::{Driver, People, Scenario, rollout};
 use rand::SeedableRng;
 use rand_distr::{Distribution, StandardNormal};
@@ -40,28 +41,43 @@ fn drive(scenario: &Scenario, people: &People, seed: u64, person: usize) -> Resu
 }
 
 fn main() -> Result<(), Failure> {
-    let mut arguments = std::env::args().skip(1);
-    let learned: usize = arguments.next().map_or(Ok(40), |text| text.parse())?;
+    let arguments: Vec<String> = std::env::args().skip(1).collect();
+    let [learned, heads, from, of] = &arguments[..] else {
+        return Err("give: PEOPLE linear|paper LEARNED FRESH".into());
+    };
+    let learned: usize = learned.parse()?;
     let scenario = Scenario::paper();
-    let people = match arguments.next() {
-        Some(path) => toml::from_str(&std::fs::read_to_string(path)?)?,
-        None => People::Drivers(Box::new(scenario.settings().drivers.clone())),
+    let people = |path: &str| -> Result<People, Failure> {
+        Ok(match path {
+            "drivers" => People::Drivers(Box::new(scenario.settings().drivers.clone())),
+            path => toml::from_str(&std::fs::read_to_string(path)?)?,
+        })
+    };
+    let (learned_from, fresh_of) = (people(from)?, people(of)?);
+    let settings = TrainSettings {
+        heads: heads.parse::<HeadsKind>()?,
+        ..TrainSettings::default()
     };
     let trainings = FRESH.div_ceil(learned);
     let results: Vec<Vec<(f64, Option<String>, usize)>> = (0..trainings as u64)
         .into_par_iter()
         .map(|training| {
             let all: Vec<Drive> = (0..2 * learned)
-                .map(|person| drive(&scenario, &people, 1000 + training, person))
+                .map(|person| {
+                    let people = if person < learned {
+                        &learned_from
+                    } else {
+                        &fresh_of
+                    };
+                    drive(&scenario, people, 1000 + training, person)
+                })
                 .collect::<Result<_, Failure>>()?;
             let (from, fresh) = all.split_at(learned);
             let given: Vec<TrainingDrive<'_>> = from
                 .iter()
                 .map(|drive| TrainingDrive { drive, adb: None })
                 .collect();
-            let trained = train(&given, &TrainSettings::default(), 1, &mut |_| {
-                ControlFlow::Continue(())
-            })?;
+            let trained = train(&given, &settings, 1, &mut |_| ControlFlow::Continue(()))?;
             let personalizer = Personalizer::new(&trained.model);
             let mut rows = Vec::new();
             for drive in fresh {
@@ -85,7 +101,7 @@ fn main() -> Result<(), Failure> {
         .map(|(i, p)| (p - i as f64 / n).abs().max((p - (i + 1) as f64 / n).abs()));
     let beyond: Vec<&String> = rows.iter().filter_map(|r| r.1.as_ref()).collect();
     println!(
-        "{n} fresh people, {learned} a training: D = {:.3}, beyond {} {beyond:?}",
+        "{heads} heads learned from {learned} of {from}, {n} fresh people of {of}: D = {:.3}, beyond {} {beyond:?}",
         distance.fold(0.0, f64::max),
         beyond.len()
     );

@@ -12,6 +12,10 @@ use crate::{
 use nalgebra::{DMatrix, DVector};
 use serde::{Deserialize, Serialize};
 
+/// Shares of a fit's error that are tried as what differs from drive to drive.
+const SHARES: usize = 20;
+/// Difference of log-likelihoods that the search for the covariance may leave.
+const AS_LIKELY: f64 = 0.01;
 /// Rounds of expectation and maximisation at most, and the largest change at which they end.
 const ROUNDS: usize = 2000;
 const TOLERANCE: f64 = 1e-7;
@@ -19,6 +23,8 @@ const TOLERANCE: f64 = 1e-7;
 const FIRST: f64 = 0.2;
 /// Least precision of a reading, so that a drive which says nothing of a direction can be written down.
 const LEAST: f64 = 1e-6;
+/// Variance of a difference, in variances of drivers, from which a direction is one of which the drives say nothing.
+const SILENT: f64 = 200.0;
 
 /// The covariance of drives of one person in style space.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -26,8 +32,17 @@ const LEAST: f64 = 1e-6;
 pub struct Days {
     /// Shape `(d, d)`, row by row.
     covariance: Vec<f64>,
+    /// Share of a fit's own error that another drive of the same person has anew. What a style leaves unsaid of somebody's habits is
+    /// an error of their style's fit, but where it stays with the person, a second drive has it too.
+    #[serde(default = "whole")]
+    error_share: f64,
     /// People it was learned from, each by two drives.
     pub people: usize,
+}
+
+/// In a file of before there was a share.
+fn whole() -> f64 {
+    1.0
 }
 
 /// Two drives of one person, each with what it says of its style.
@@ -50,27 +65,18 @@ impl Days {
         if people < d {
             return None;
         }
-        // Of a difference: twice the days'.
-        let mut twice = DMatrix::identity(d, d) * (2.0 * FIRST);
-        for _ in 0..ROUNDS {
-            let mut sum = DMatrix::zeros(d, d);
-            for (difference, error) in &differences {
-                let all = (error + &twice).cholesky()?;
-                let gain = all.solve(&twice).transpose();
-                let mean = &gain * difference;
-                sum += &mean * mean.transpose() + &twice - &gain * &twice;
-            }
-            let next = sum / people as f64;
-            let next = 0.5 * (&next + next.transpose());
-            let change = (&next - &twice).amax();
-            twice = next;
-            if change < TOLERANCE {
-                break;
-            }
-        }
+        let tried = (1..=SHARES).rev().filter_map(|step| {
+            let share = step as f64 / SHARES as f64;
+            let (twice, log_likelihood) = likeliest(&differences, share, d)?;
+            Some((share, twice, log_likelihood))
+        });
+        // Of shares that are about as likely the largest.
+        let (error_share, twice, _) =
+            tried.reduce(|a, b| if b.2 > a.2 + AS_LIKELY { b } else { a })?;
         let covariance = 0.5 * twice;
         Some(Self {
             covariance: covariance.iter().copied().collect(),
+            error_share,
             people,
         })
     }
@@ -94,7 +100,7 @@ impl Days {
     ) -> Option<Posterior> {
         let (reading, error) = reading(drive, true)?;
         let d = reading.len();
-        let known = (error + self.matrix()).try_inverse()?;
+        let known = (self.error_share * error + self.matrix()).try_inverse()?;
         let mut right = &known * reading;
         let mut precision = DMatrix::identity(d, d) + known;
         if let Some((points, style)) = score {
@@ -114,7 +120,7 @@ impl Days {
     /// A fit without a prior, with what the day adds to its covariance; one without a covariance stays without.
     pub(crate) fn added_to(&self, mut drive: Posterior) -> Posterior {
         for (entry, day) in drive.covariance.iter_mut().zip(&self.covariance) {
-            *entry += day;
+            *entry = self.error_share * *entry + day;
         }
         drive
     }
@@ -122,6 +128,7 @@ impl Days {
     /// Checks what was read from a file.
     pub(crate) fn check(&self, d: usize) -> Result<(), ModelError> {
         let is_covariance = self.covariance.len() == d * d
+            && (0.0..=1.0).contains(&self.error_share)
             && self.covariance.iter().all(|x| x.is_finite())
             && self.matrix().symmetric_eigenvalues().min() > -1e-9;
         if is_covariance {
@@ -131,6 +138,50 @@ impl Days {
             problem: "its covariance of a person's drives is of another size or none".to_owned(),
         })
     }
+}
+
+/// The covariance of differences between two drives, beside a share of the errors of both, and its log-likelihood but for a constant.
+fn likeliest(
+    differences: &[(DVector<f64>, DMatrix<f64>)],
+    share: f64,
+    d: usize,
+) -> Option<(DMatrix<f64>, f64)> {
+    // Of a difference: twice the days'.
+    let mut twice = DMatrix::identity(d, d) * (2.0 * FIRST);
+    for _ in 0..ROUNDS {
+        let mut sum = DMatrix::zeros(d, d);
+        for (difference, error) in differences {
+            let all = (share * error + &twice).cholesky()?;
+            let gain = all.solve(&twice).transpose();
+            let mean = &gain * difference;
+            sum += &mean * mean.transpose() + &twice - &gain * &twice;
+        }
+        let next = sum / differences.len() as f64;
+        let next = 0.5 * (&next + next.transpose());
+        let change = (&next - &twice).amax();
+        twice = next;
+        if change < TOLERANCE {
+            break;
+        }
+    }
+    let of_each = differences.iter().map(|(difference, error)| {
+        // Of a direction in which the drives say nothing every share is as likely.
+        let eigen = error.clone().symmetric_eigen();
+        let told = (0..d).filter(|j| eigen.eigenvalues[*j] < SILENT);
+        let told = eigen
+            .eigenvectors
+            .select_columns(told.collect::<Vec<_>>().iter());
+        if told.ncols() == 0 {
+            return Some(0.0);
+        }
+        let all = (told.transpose() * (share * error + &twice) * &told).cholesky()?;
+        let difference = told.transpose() * difference;
+        let away = difference.dot(&all.solve(&difference));
+        let determinant: f64 = all.l().diagonal().iter().map(|x| 2.0 * libm::log(*x)).sum();
+        Some(-0.5 * (away + determinant))
+    });
+    let log_likelihood = of_each.sum::<Option<f64>>()?;
+    Some((twice, log_likelihood))
 }
 
 /// What a drive alone says of its style, without a prior: a reading and its error.
@@ -160,13 +211,18 @@ mod tests {
 
     /// People whose drives differ by this variance, each read with errors of this variance, in one number.
     fn pairs(n: usize, day: f64, error: f64, prior: bool) -> Vec<Pair> {
+        pairs_that_share(n, day, error, prior, 0.0)
+    }
+
+    /// The same, where this share of the errors' variance is the same in both drives of a person.
+    fn pairs_that_share(n: usize, day: f64, error: f64, prior: bool, shared: f64) -> Vec<Pair> {
         let mut rng = Pcg64Mcg::seed_from_u64(3);
         let mut normal = |variance: f64| -> f64 {
             let z: f64 = StandardNormal.sample(&mut rng);
             variance.sqrt() * z
         };
-        let mut drive = |person: f64| {
-            let reading = person + normal(day) + normal(error);
+        let drive = |person: f64, stays: f64, normal: &mut dyn FnMut(f64) -> f64| {
+            let reading = person + normal(day) + stays + normal((1.0 - shared) * error);
             let open = if prior { error / (1.0 + error) } else { error };
             Posterior {
                 mean: vec![if prior {
@@ -180,9 +236,45 @@ mod tests {
         (0..n)
             .map(|i| {
                 let person = 1.0 - 2.0 * ((i as f64 * 0.754_877) % 1.0);
-                [drive(person), drive(person)]
+                let stays = normal(shared * error);
+                [(); 2].map(|()| drive(person, stays, &mut normal))
             })
             .collect()
+    }
+
+    #[test]
+    fn an_error_that_stays_with_the_person_is_none_of_another_drive() {
+        for prior in [true, false] {
+            for shared in [0.0, 0.5] {
+                let days = Days::learn(&pairs_that_share(3000, 0.0, 0.8, prior, shared), prior, 1);
+                let days = days.unwrap();
+                let differs = days.error_share * 0.8 + days.sd()[0].powi(2);
+                assert!(
+                    (differs - (1.0 - shared) * 0.8).abs() < 0.04,
+                    "{prior} {shared} {days:?}"
+                );
+                assert!((days.error_share - (1.0 - shared)).abs() < 0.11, "{days:?}");
+            }
+        }
+        // Where nothing is shared the error is the drive's, whole.
+        let whole = Days::learn(&pairs(3000, 0.3, 0.2, true), true, 1).unwrap();
+        assert!((whole.error_share - 1.0).abs() < 1e-9, "{whole:?}");
+    }
+
+    #[test]
+    fn drives_that_say_nothing_are_no_reason_to_trust_the_others() {
+        let silent = Posterior {
+            mean: vec![0.0],
+            covariance: vec![1.0],
+        };
+        let mut some = pairs(300, 0.0, 0.5, true);
+        let without = Days::learn(&some, true, 1).unwrap();
+        some.extend((0..300).map(|_| [silent.clone(), silent.clone()]));
+        let with = Days::learn(&some, true, 1).unwrap();
+        assert!(
+            (with.error_share - without.error_share).abs() < 1e-9,
+            "{with:?} {without:?}"
+        );
     }
 
     #[test]
@@ -201,6 +293,7 @@ mod tests {
     fn a_person_is_known_less_well_than_the_drive_and_lies_nearer_to_the_mean() {
         let days = Days {
             covariance: vec![0.5],
+            error_share: 1.0,
             people: 30,
         };
         let drive = Posterior {

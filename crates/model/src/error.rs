@@ -204,6 +204,12 @@ pub enum ModelError {
         /// The word.
         found: String,
     },
+    /// A word for how free speeds are read that is not known.
+    #[error("`{found}` is no way to read a free speed, expected `absolute` or `posted`")]
+    UnknownFreeSpeed {
+        /// The word.
+        found: String,
+    },
     /// A value that the domain refuses.
     #[error(transparent)]
     Domain(#[from] DomainError),

@@ -20,6 +20,7 @@ mod own_means;
 pub mod paper;
 pub mod params;
 pub mod personalize;
+mod posted;
 pub mod predict;
 mod quality;
 mod rows;
@@ -56,6 +57,7 @@ pub use personalize::{
     CurvePoint, CurveSettings, LearningCurve, Personalized, Personalizer, learn_days,
     learning_curve, personalize,
 };
+pub use posted::{FreeSpeed, Posted};
 pub use predict::{Prediction, Predictor};
 pub use quality::{Calibration, CalibrationBin, Quality, Residuals};
 pub use selection::Selection;

@@ -8,6 +8,7 @@ use crate::{
     },
     heads_kind::HeadsKind,
     paper::PaperNetworks,
+    posted::Posted,
 };
 use maveric_domain::{DriveId, Embedding};
 use nalgebra::DVector;
@@ -74,6 +75,9 @@ pub(crate) struct ModelParts {
     /// How those learned from differ; not in files of before there was support.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub(crate) population: Option<Population>,
+    /// What was posted where they drove; not in files of before it was kept.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub(crate) posted: Option<Posted>,
     pub(crate) training: Vec<TrainingEmbedding>,
     /// How far one person's drives differ, where people learned from drove twice.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -110,6 +114,7 @@ impl TryFrom<ModelParts> for Model {
         let population = parts.population.as_ref();
         population.map_or(Ok(()), |p| p.check(HEADS.len()))?;
         parts.days.as_ref().map_or(Ok(()), |days| days.check(d))?;
+        parts.posted.as_ref().map_or(Ok(()), Posted::check)?;
         let n = parts.training.len().max(1) as f64;
         let points = parts.training.iter().map(TrainingEmbedding::point);
         let mean = points.fold(DVector::zeros(d), |sum, p| sum + p) / n;
@@ -139,6 +144,11 @@ impl Model {
         self.parts.days.as_ref()
     }
 
+    /// What was posted where those learned from drove; `None` in a file of before it was kept.
+    pub fn posted(&self) -> Option<&Posted> {
+        self.parts.posted.as_ref()
+    }
+
     /// Which heads it has.
     pub fn kind(&self) -> HeadsKind {
         match self.heads() {
@@ -148,10 +158,16 @@ impl Model {
     }
 
     /// The same model, which knows how the habits of the people learned from differ beside what its networks say.
-    pub(crate) fn with_habits(mut self, habits: Vec<FittedHead>, population: Population) -> Self {
+    pub(crate) fn with_habits(
+        mut self,
+        habits: Vec<FittedHead>,
+        population: Population,
+        posted: Option<Posted>,
+    ) -> Self {
         if let Heads::Paper(paper) = &mut self.parts.heads {
             paper.habits = Some(habits);
             self.parts.population = Some(population);
+            self.parts.posted = posted;
         }
         self
     }
@@ -268,6 +284,7 @@ impl Model {
 pub struct Habits {
     /// In the order of [`crate::HEADS`].
     own: Vec<Option<OwnHead>>,
+    posted: Option<Posted>,
 }
 
 impl Habits {
@@ -280,16 +297,23 @@ impl Habits {
         model.check(embedding)?;
         let w = embedding.coordinates();
         let own = linear.heads.iter().map(|fitted| OwnHead::new(fitted, w));
-        Ok(Self { own: own.collect() })
+        Ok(Self {
+            own: own.collect(),
+            posted: model.posted().copied(),
+        })
     }
 
     fn say(&self, which: usize, reads: &[f64]) -> Option<f64> {
         self.own[which].as_ref().map(|h| h.expected(reads))
     }
 
-    /// Speed without anybody ahead, in m/s.
-    pub fn free_speed_mps(&self) -> Option<f64> {
-        self.say(at::FREE_SPEED, &[])
+    /// Speed without anybody ahead where `posted_mps` is posted, in m/s; without a limit at the mean one learned from.
+    pub fn free_speed_mps(&self, posted_mps: Option<f64>) -> Option<f64> {
+        let factor = self
+            .posted
+            .zip(posted_mps)
+            .map_or(1.0, |(learned, mps)| learned.factor(mps));
+        self.say(at::FREE_SPEED, &[]).map(|speed| speed / factor)
     }
 
     /// Time gap kept behind a vehicle at `lead_mps` by somebody who would drive `free_mps`, in s.

@@ -5,6 +5,7 @@ use crate::{
     heads_kind::HeadsKind,
     losses::{LossWeights, MutualInformationLoss},
     network::Architecture,
+    posted::FreeSpeed,
     rows::RowSettings,
     windows::WindowSettings,
 };
@@ -19,6 +20,8 @@ use serde::{Deserialize, Serialize};
 pub struct TrainSettings {
     /// Which heads learn: linear ones, or the paper's networks, which all settings but the size and the share are about.
     pub heads: HeadsKind,
+    /// How linear heads read a free speed.
+    pub free_speed: FreeSpeed,
     /// Numbers in an embedding.
     pub embedding_size: usize,
     /// Units of each hidden layer.
@@ -70,6 +73,7 @@ impl Default for TrainSettings {
         let windows = WindowSettings::default();
         Self {
             heads: HeadsKind::Linear,
+            free_speed: FreeSpeed::Absolute,
             embedding_size: 3,
             hidden_units: 64,
             hidden_layers: 2,

@@ -9,6 +9,7 @@ use crate::{
     model::Model,
     params::TrainSettings,
     personalize::NetworkRows,
+    posted::{FreeSpeed, Posted},
     quality::Quality,
     selection::select,
     trainer::Trainer,
@@ -66,7 +67,9 @@ fn train_networks(
         tell(observe, &epochs[number - 1])?;
     }
     let (habits, population) = habits_of(drives, settings);
-    let model = trainer.model()?.with_habits(habits, population);
+    // The networks read speeds in m/s.
+    let posted = Posted::learn(drives.iter().map(|t| t.drive), FreeSpeed::Absolute);
+    let model = trainer.model()?.with_habits(habits, population, posted);
     let quality = quality(&model, &data)?;
     let trained = model.training().iter();
     let embeddings = trained.map(|t| (t.drive.clone(), t.embedding.clone()));

@@ -139,6 +139,7 @@ impl<'a> Trainer<'a> {
         Model::try_from(ModelParts {
             embedding_size: d,
             population: None,
+            posted: None,
             training,
             days: None,
             heads: Heads::Paper(Box::new(PaperNetworks {

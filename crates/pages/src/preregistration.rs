@@ -46,7 +46,8 @@ pub fn preregistration(design: &Design, sample_size: &[String]) -> Result<String
         test => cells(&design.people().test),
         groups => design.factors().iter().map(|f| f.column.clone()).collect::<Vec<_>>(),
         sample_size => sample_size.to_vec(),
-        outcomes => design.outcomes().iter().map(outcome).collect::<Vec<_>>(),
+        outcomes => design.outcomes().iter().map(|o| outcome(design, o)).collect::<Vec<_>>(),
+        own => design.measures().iter().map(|m| m.title.clone()).collect::<Vec<_>>(),
         compare,
         against,
         pairs => design.contrasts().into_iter().map(pair).collect::<Vec<_>>(),
@@ -123,13 +124,18 @@ pub(crate) fn condition(c: &Condition) -> Value {
     }
 }
 
-fn outcome(o: &Outcome) -> Value {
+fn outcome(design: &Design, o: &Outcome) -> Value {
     let known = objective::find(&o.id());
-    let title = || known.map(|m| m.title.to_owned());
+    let own = design.measure(&o.id());
+    let title = || {
+        let own = own.map(|m| m.title.as_str());
+        own.or_else(|| known.map(|m| m.title)).map(str::to_owned)
+    };
     context! {
         id => o.id(),
         label => o.label.clone().or_else(title),
         description => known.map(|m| m.description),
+        own_unit => own.map(|m| m.unit.as_str()),
         same => o.same_within.map(|within| within.to_string()),
     }
 }
@@ -180,6 +186,23 @@ mod tests {
             assert!(text.contains(said), "{said} in {text}");
         }
         assert!(!text.contains("tested within each group"), "{text}");
+    }
+
+    #[test]
+    fn measures_of_the_studys_own_are_told_with_their_unit_whether_outcomes_are_named_or_not() {
+        let own = "[[measure]]\nid = \"tor_s\"\ntitle = \"Take-over time\"\nunit = \"s\"\n";
+        let text = |more: &str| {
+            let design = Design::from_toml(&format!("{STUDY}{more}")).unwrap();
+            preregistration(&design, &[]).unwrap()
+        };
+        let all = text(own);
+        assert!(all.contains("the study's own (Take-over time;"), "{all}");
+        assert!(!text("").contains("the study's own"));
+        let study = STUDY.replace("mean_velocity_mps", "tor_s");
+        let design = format!("{study}{own}[[outcome]]\nmeasure = \"tor_s\"\n");
+        let named = preregistration(&Design::from_toml(&design).unwrap(), &[]).unwrap();
+        let line = "- Take-over time (`tor_s`): a measure of the study's own, in s;";
+        assert!(named.contains(line), "{named}");
     }
 
     #[test]

@@ -4,10 +4,10 @@ use crate::{
     drive::Drive,
     error::{asked_to_stop, raised, said},
 };
-use maveric_domain::Embedding;
+use maveric_domain::{BeyondWhy, Embedding};
 use maveric_model::{
-    Habits, HeadsKind, Model as Learned, TrainSettings, TrainingDrive, model_file, personalize,
-    style_space::LinearHead, train,
+    Habits, HeadsKind, Model as Learned, Support, TrainSettings, TrainingDrive, model_file,
+    personalize, style_space::LinearHead, train,
 };
 use maveric_study::StyleScale;
 use pyo3::{
@@ -32,6 +32,8 @@ pub struct Style {
     pub(crate) model: Arc<Learned>,
     pub(crate) embedding: Embedding,
     covariance: Option<Vec<f64>>,
+    /// How well the people learned from explain the drive that it was learned of.
+    support: Option<Support>,
     clamped: bool,
     scale: StyleScale,
 }
@@ -128,6 +130,7 @@ impl Model {
         let fit = fit.map_err(raised)?;
         Ok(Style {
             covariance: fit.covariance,
+            support: fit.support,
             ..self.at(fit.embedding)
         })
     }
@@ -214,9 +217,20 @@ impl Model {
             model: self.learned.clone(),
             embedding,
             covariance: None,
+            support: None,
             clamped: false,
             scale: self.scale,
         }
+    }
+}
+
+impl Style {
+    /// The score, in points, and why the style is beyond what the model has learned from.
+    fn read(&self) -> PyResult<(Option<f64>, Option<BeyondWhy>)> {
+        let axis = LinearHead::aggression(&self.model).ok();
+        let reading = axis.map(|axis| axis.read(&self.embedding)).transpose();
+        let by_support = self.support.as_ref().and_then(Support::beyond);
+        Ok(self.scale.score_of(reading.map_err(raised)?, by_support))
     }
 }
 
@@ -236,14 +250,30 @@ impl Style {
         Some(all.chunks(size).map(<[f64]>::to_vec).collect())
     }
 
-    /// What the model reads as the score of aggression, in points; none in a model that saw no scores.
+    /// What the model reads as the score of aggression, in points; none in a model that saw no scores, and where the scale has no
+    /// such score.
     #[getter]
     fn aggression(&self) -> PyResult<Option<f64>> {
-        let axis = LinearHead::aggression(&self.model).ok();
-        let read = axis.map(|axis| axis.read(&self.embedding)).transpose();
-        Ok(read
-            .map_err(raised)?
-            .map(|points| self.scale.outward(points)))
+        Ok(self.read()?.0)
+    }
+
+    /// Probability of a drive at least as surprising by one of the people learned from; none where the model cannot say.
+    #[getter]
+    fn support_p(&self) -> Option<f64> {
+        self.support.as_ref().and_then(|s| s.p)
+    }
+
+    /// Whether the drive is beyond what the model has learned from; none where it cannot say.
+    #[getter]
+    fn beyond(&self) -> PyResult<Option<bool>> {
+        let beyond = self.read()?.1.is_some();
+        Ok((beyond || self.support_p().is_some()).then_some(beyond))
+    }
+
+    /// Why: `scale`, `style:HABIT` or `habits:HABIT`; none where it is not.
+    #[getter]
+    fn beyond_why(&self) -> PyResult<Option<String>> {
+        Ok(self.read()?.1.map(String::from))
     }
 
     /// Whether an end of the scale cut the last turn of the dial short.
@@ -275,7 +305,7 @@ impl Style {
             return Err(said("`lead_speed_mps` must be a finite speed of 0 or more"));
         }
         let habits = Habits::new(&self.model, &self.embedding).map_err(raised)?;
-        let free = habits.free_speed_mps();
+        let free = habits.free_speed_mps(None);
         let found = PyDict::new(py);
         found.set_item("free_speed_mps", free)?;
         found.set_item("move_out_gap_s", habits.move_out_s())?;

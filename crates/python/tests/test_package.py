@@ -128,6 +128,18 @@ def test_the_dial_turns_in_points_of_the_scores_own_scale(trained, tmp_path):
         maveric.Model.train(drives, None, score_range=(6, 1))
 
 
+def test_a_style_outside_the_scale_has_no_score_and_says_that_it_is_beyond(trained):
+    drives, model = trained
+    own = model.personalize(drives[4])
+    assert 11 <= own.aggression <= 55
+    # Eight people are too few to say of each habit whether somebody has met it.
+    assert (own.support_p, own.beyond, own.beyond_why) == (None, None, None)
+    far = [10 * x for x in model.personalize(drives[7]).embedding]
+    for style in (model.style(far), model.style([-x for x in far])):
+        assert (style.aggression, style.beyond, style.beyond_why) == (None, True, "scale")
+        assert "points" not in repr(style)
+
+
 def test_a_model_orders_drivers_and_the_dial_turns_the_car(trained, tmp_path):
     drives, model = trained
     assert model.knows_aggression and len(model.drivers) == 8

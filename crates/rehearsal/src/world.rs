@@ -263,6 +263,7 @@ fn embedding(
         line_position_se: None,
         support_p: None,
         beyond_why: None,
+        posted_unseen: None,
         embedding: Embedding::new(vec![position])?,
     })
 }
@@ -281,6 +282,7 @@ fn condition_row(
         clamped: false,
         angle_rad: (condition.car == Some(Car::Across)).then_some(angle),
         beyond_training: false,
+        beyond_why: None,
         sweep: None,
         embedding: Embedding::new(vec![0.0])?,
     })

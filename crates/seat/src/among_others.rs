@@ -2,7 +2,6 @@
 
 use crate::{error::SeatError, listed::Listed, person::Person, seat::Seat};
 use maveric_domain::design::Sign;
-use maveric_seat_page::Fit;
 use serde::Serialize;
 
 /// Fewer others could be told apart by who knows when they drove.
@@ -11,30 +10,35 @@ const FEWEST_OTHERS: usize = 4;
 /// Scores that the model reads from how people drove, in the scale's points.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub(crate) struct AmongOthers {
-    /// Their own.
-    pub(crate) own: f64,
-    /// The others' who are through, lowest first.
+    /// Their own; none of a drive beyond what the model has learned from.
+    pub(crate) own: Option<f64>,
+    /// The others' who are through, lowest first; nobody's who is beyond.
     pub(crate) others: Vec<f64>,
     /// Whether more points are sportier.
     pub(crate) sportier_up: bool,
 }
 
-fn score(person: &Person) -> Option<f64> {
-    let fit: Fit = serde_json::from_str(person.fit.as_deref()?).ok()?;
-    fit.score.filter(|_| fit.readings > 0)
+/// What is known of somebody's score: none without any, inside none where their drive is beyond what the model has learned from.
+fn score(person: &Person) -> Option<Option<f64>> {
+    let style = person.style()?;
+    if style.beyond.is_some() {
+        return Some(None);
+    }
+    style.score.filter(|_| style.readings > 0).map(Some)
 }
 
 fn through(person: &Person) -> bool {
     person.ended.as_deref() == Some("done")
 }
 
-/// The score of `person` and those of the others who are through, lowest first; none before they are through or beside too few.
-fn beside(person: &Person, everybody: &[Person]) -> Option<(f64, Vec<f64>)> {
+/// The score of `person`, as [`score`] has it, and those of the others who are through, lowest first; none before they are through or
+/// beside too few.
+fn beside(person: &Person, everybody: &[Person]) -> Option<(Option<f64>, Vec<f64>)> {
     let own = score(person).filter(|_| through(person))?;
     let others = everybody
         .iter()
         .filter(|p| through(p) && p.token != person.token);
-    let mut others: Vec<f64> = others.filter_map(score).collect();
+    let mut others: Vec<f64> = others.filter_map(score).flatten().collect();
     others.sort_by(f64::total_cmp);
     (others.len() >= FEWEST_OTHERS).then_some((own, others))
 }
@@ -93,9 +97,35 @@ mod tests {
         all.push(person("left", 50.0, Some("left")));
         let me = person("me", 20.0, Some("done"));
         let found = beside(&me, &all);
-        assert_eq!(found, Some((20.0, vec![18.5, 25.0, 31.0, 40.0])));
+        assert_eq!(found, Some((Some(20.0), vec![18.5, 25.0, 31.0, 40.0])));
         assert_eq!(beside(&person("me", 20.0, None), &all), None);
         // Three others: they could be told apart.
         assert_eq!(beside(&all[0], &all), None);
+    }
+
+    #[test]
+    fn who_drives_beyond_what_the_model_has_learned_from_has_no_place_among_the_others_and_is_nobodys_neighbour()
+     {
+        let mut all: Vec<Person> = [31.0, 18.5, 40.0, 25.0, -5.0]
+            .iter()
+            .enumerate()
+            .map(|(i, score)| person(&i.to_string(), *score, Some("done")))
+            .collect();
+        let others = vec![18.5, 25.0, 31.0, 40.0];
+        let off_the_scale = person("me", 60.0, Some("done"));
+        assert_eq!(beside(&off_the_scale, &all), Some((None, others.clone())));
+        let mut stranger = person("me", 20.0, Some("done"));
+        let fit = stranger.fit.take().unwrap();
+        stranger.fit = Some(fit.replace('}', r#","beyond":"style:pass"}"#));
+        assert_eq!(beside(&stranger, &all), Some((None, others)));
+        // Who shows nothing is not compared at all.
+        let nothing = stranger.fit.take().unwrap();
+        stranger.fit = Some(
+            nothing
+                .replace(r#","beyond":"style:pass""#, "")
+                .replace("\"readings\":3", "\"readings\":0"),
+        );
+        all.push(stranger.clone());
+        assert_eq!(beside(&stranger, &all), None);
     }
 }

@@ -2,7 +2,7 @@
 
 use crate::{error::SeatError, files::Files, seat::SeatSettings, steps::Texts};
 use maveric_domain::Design;
-use maveric_model::HeadsKind;
+use maveric_model::{FreeSpeed, HeadsKind};
 use maveric_simulator::Scenario;
 use maveric_study::{
     Stage as _, Watch,
@@ -151,6 +151,7 @@ fn train_in(work: &Path, jobs: usize, watch: Watch<'_>) -> Result<Vec<u8>, SeatE
         scores: Some(folder.join("scores.csv")),
         out: out.clone(),
         heads: HeadsKind::Linear,
+        free_speed: FreeSpeed::Absolute,
         embedding_size: 3,
         epochs: 40,
         fit_fraction: 1.0,

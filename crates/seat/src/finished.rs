@@ -1,8 +1,15 @@
 //! What becomes of a drive that has ended: it is driven again from its record, so that the log holds what the page went through, and
 //! a drive by hand is learned from here too.
 
-use crate::{drives::Begun, error::SeatError, person::Person, seat::Seat, steps::Step};
-use maveric_seat_page::{Fit, Record, Replayed, fit, replay};
+use crate::{
+    drives::Begun,
+    error::SeatError,
+    person::Person,
+    seat::Seat,
+    steps::{RideStyle, Step},
+};
+use maveric_seat_page::{Record, Replayed, fit, replay};
+use maveric_study::beyond_in_words;
 use std::fmt;
 
 /// Embeddings of the page and of a processor that fuses its sums agree to this.
@@ -73,7 +80,12 @@ impl Seat {
                     let seconds = record.ticks() as f64 / 100.0;
                     format!("the person left after {seconds:.0} s, and what was driven is kept")
                 });
-                let note: Vec<String> = cut.into_iter().chain(pictures.note()).collect();
+                let beyond = mark(person, found);
+                outcome
+                    .told
+                    .extend(beyond.as_ref().map(|text| format!("{name}: {text}")));
+                let note = cut.into_iter().chain(pictures.note()).chain(beyond);
+                let note: Vec<String> = note.collect();
                 let note = (!note.is_empty()).then(|| note.join("; "));
                 let kept = (&record, lines.as_str(), note.as_deref());
                 files.log(&name, (who, condition), kept, &again)?;
@@ -147,18 +159,14 @@ impl Seat {
             Ok(here) => here,
             Err(error) => return outcome.tell(format!("{name}: no style learned: {error}")),
         };
-        let page: Option<Fit> = person
-            .fit
-            .as_deref()
-            .and_then(|f| serde_json::from_str(f).ok());
         if let Some(why) = &here.beyond {
             outcome.tell(format!(
-                "{name}: beyond what the model has learned from: {}; rides go on",
-                maveric_study::beyond_in_words(why)
+                "{name}: beyond what the model has learned from: {}; rides go on, marked",
+                beyond_in_words(why)
             ));
         }
         outcome.style = serde_json::to_string(&here).ok();
-        let Some(page) = page else {
+        let Some(page) = person.style() else {
             return;
         };
         let apart = (page.embedding.iter().zip(&here.embedding))
@@ -170,6 +178,21 @@ impl Seat {
             ));
         }
     }
+}
+
+/// What is said of a ride in a style that was learned of a drive beyond what the model has learned from.
+fn mark(person: &Person, step: &Step) -> Option<String> {
+    let Step::Ride {
+        style: RideStyle::Own,
+        ..
+    } = step
+    else {
+        return None;
+    };
+    let why = beyond_in_words(&person.beyond()?);
+    Some(format!(
+        "the car has a style that says little of this person, whose drive by hand {why}"
+    ))
 }
 
 /// What came of a drive, beside its files.
@@ -239,6 +262,33 @@ impl fmt::Display for Pictures {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_ride_in_the_own_style_is_marked_where_the_drive_is_beyond_and_no_other_is() {
+        let ride = |style| Step::Ride {
+            condition: "mimic".parse().unwrap(),
+            number: 1,
+            seconds: 10.0,
+            seed: "1".to_owned(),
+            style,
+            points: 0.0,
+            stretch: 1.0,
+            turns: None,
+        };
+        let mut person = Person::new("t".to_owned(), "P001".to_owned(), Vec::new());
+        assert_eq!(mark(&person, &ride(RideStyle::Own)), None);
+        let fit = |score: f64| {
+            let text =
+                format!(r#"{{"embedding":[0.0],"covariance":null,"score":{score},"readings":3}}"#);
+            Some(text)
+        };
+        person.fit = fit(30.0);
+        assert_eq!(mark(&person, &ride(RideStyle::Own)), None);
+        person.fit = fit(-3.0);
+        let text = mark(&person, &ride(RideStyle::Own)).unwrap();
+        assert!(text.contains("the scale does not have"), "{text}");
+        assert_eq!(mark(&person, &ride(RideStyle::Mean)), None);
+    }
 
     #[test]
     fn a_drive_of_which_more_than_one_picture_in_a_hundred_came_late_says_so() {

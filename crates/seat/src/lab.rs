@@ -19,6 +19,7 @@ use axum::{
     response::{IntoResponse, Response},
     routing::{get, post},
 };
+use maveric_study::beyond_in_words;
 use std::fmt::Write as _;
 
 /// The pages of the laboratory; all but the door are for whoever gave the password.
@@ -93,7 +94,7 @@ async fn what_may_change(shared: &Shared) -> Answered<String> {
         }
         Err(other) => return Err(other),
     };
-    page += "<table><thead><tr><th>Person<th>Where<th>Order<th>Link<th><tbody>";
+    page += "<table><thead><tr><th>Person<th>Where<th>Order<th>Style<th>Link<th><tbody>";
     page.extend(people.iter().map(row));
     page += "</table><h2>What happened</h2><table><thead><tr><th>Person<th>What, the newest first<tbody>";
     for (who, what) in events {
@@ -132,11 +133,18 @@ fn row(person: &Person) -> String {
         (None, Some(step)) => format!("step {} of {steps}: {}", person.at + 1, what(step)),
         (None, None) => "at the end".to_owned(),
     };
+    let beyond = person.beyond().map(|why| {
+        format!(
+            "beyond what the model has met: {}",
+            plain(&beyond_in_words(&why))
+        )
+    });
     let (link, who) = (format!("/p/{}", person.token), plain(&person.participant));
     format!(
-        "<tr><td><a href=\"/lab/above/{who}\">{who}</a><td>{place}<td>{}<td><a href=\"{link}\">{link}</a>\
+        "<tr><td><a href=\"/lab/above/{who}\">{who}</a><td>{place}<td>{}<td>{}<td><a href=\"{link}\">{link}</a>\
          <td><a href=\"/lab/forget/{who}\">Forget …</a>",
-        order.join(", ")
+        order.join(", "),
+        beyond.unwrap_or_default()
     )
 }
 
@@ -254,4 +262,22 @@ async fn note(State(shared): State<Shared>, body: Bytes) -> Answered<Response> {
         shared.blocking(move |seat| seat.note(&text)).await?;
     }
     Ok(to_lab())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn whose_drive_is_beyond_what_the_model_has_met_is_marked_among_the_people() {
+        let mut person = Person::new("t".to_owned(), "P001".to_owned(), Vec::new());
+        assert!(!row(&person).contains("beyond"));
+        let fit = r#"{"embedding":[0.0],"covariance":null,"score":30.0,"readings":3,"beyond":"style:pass"}"#;
+        person.fit = Some(fit.to_owned());
+        let marked = row(&person);
+        assert!(
+            marked.contains("<td>beyond what the model has met: shows a style"),
+            "{marked}"
+        );
+    }
 }

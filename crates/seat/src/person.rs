@@ -1,6 +1,8 @@
 //! Somebody with a link: their steps, and how far they have come.
 
 use crate::{listed::Listed, steps::Step};
+use maveric_domain::BeyondWhy;
+use maveric_seat_page::Fit;
 
 /// Somebody with a link.
 #[derive(Debug, Clone, PartialEq)]
@@ -40,6 +42,19 @@ impl Person {
             .filter(|(_, by_hand)| !by_hand)
             .map(|(condition, _)| condition.to_string())
             .collect()
+    }
+
+    /// Their style.
+    pub(crate) fn style(&self) -> Option<Fit> {
+        let mut style: Fit = serde_json::from_str(self.fit.as_deref()?).ok()?;
+        // One that was kept before has a score also where the scale has none.
+        (style.score, style.beyond) = BeyondWhy::of_reading(style.score, style.beyond);
+        Some(style)
+    }
+
+    /// Why the drive that their style was learned of is beyond what the model has learned from; none where it is not.
+    pub(crate) fn beyond(&self) -> Option<BeyondWhy> {
+        self.style()?.beyond
     }
 
     pub(crate) fn read(row: &rusqlite::Row<'_>) -> rusqlite::Result<Self> {

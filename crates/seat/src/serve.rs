@@ -208,7 +208,6 @@ fn state_of(seat: &Seat, token: &str) -> Answered<Response> {
     })?;
     let design = &seat.settings.design;
     let rides = steps::coded_rides(&person.steps);
-    let fit = person.fit.as_deref();
     Ok(json(&PageState {
         title: design.title(),
         synthetic: design.synthetic(),
@@ -217,7 +216,7 @@ fn state_of(seat: &Seat, token: &str) -> Answered<Response> {
         at: person.at,
         ended: ended.or(person.ended.as_deref()),
         steps: person.steps.iter().map(|s| s.for_page(&rides)).collect(),
-        fit: fit.and_then(|f| serde_json::from_str(f).ok()),
+        fit: person.style(),
         attempts: begun.last().map_or(0, |b| b.attempt),
         whole: begun.last().is_some_and(|b| b.ended),
         scenario: &seat.scenario_json,

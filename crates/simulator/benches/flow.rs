@@ -49,5 +49,5 @@ fn one_lane(bencher: Bencher<'_, '_>, vehicles: usize) {
 /// Following and lane changes.
 #[divan::bench(name = "flow/three_lanes", args = [10, 100, 1000, 10_000], sample_count = 20)]
 fn three_lanes(bencher: Bencher<'_, '_>, vehicles: usize) {
-    run(bencher, 3, vehicles, Some(Mobil::PUBLISHED));
+    run(bencher, 3, vehicles, Some(Mobil::default()));
 }

@@ -32,7 +32,7 @@ fn table() -> Result<(), Box<dyn Error>> {
         for density in [5, 10, 15, 20, 25, 30, 40, 50, 60, 80] {
             let settings = FlowSettings {
                 lanes,
-                mobil: (lanes > 1).then_some(Mobil::PUBLISHED),
+                mobil: (lanes > 1).then_some(Mobil::default()),
                 length_m: 3000.0,
                 ..FlowSettings::default()
             };
@@ -100,7 +100,7 @@ fn samples(
         length_m,
         shape,
         step_s: 1.0 / RATE as f64,
-        mobil: (lanes > 1).then_some(Mobil::PUBLISHED),
+        mobil: (lanes > 1).then_some(Mobil::default()),
     };
     let (mut placed, mut departures) = (Vec::new(), Vec::new());
     for row in &rows {
@@ -140,7 +140,7 @@ fn speed(lanes: u8, count: usize) -> Result<(), Box<dyn Error>> {
     let settings = FlowSettings {
         lanes,
         length_m: count.div_ceil(usize::from(lanes)) as f64 * 50.0,
-        mobil: (lanes > 1).then_some(Mobil::PUBLISHED),
+        mobil: (lanes > 1).then_some(Mobil::default()),
         ..FlowSettings::default()
     };
     let vehicles = evenly(&settings, count, &TrafficMix::default(), 1)?;

@@ -14,7 +14,7 @@ pub enum SimulatorError {
         /// What was found.
         found: f64,
         /// The range in words.
-        expected: &'static str,
+        expected: String,
     },
     /// A set-point that no controller can follow.
     #[error("the planner gave `{name}` = {found} at {time_s} s, expected {expected}")]

@@ -9,7 +9,7 @@ use crate::{
     outcome::Rollout,
     planner::{PLANNING_RATE_HZ, Planner, View},
     rollout::rollout,
-    scenario::{Scenario, ScenarioSettings, SettingRange, VehiclePlacement, check_setting},
+    scenario::{Scenario, ScenarioSettings, VehiclePlacement, setting::check},
     session::Driver,
     vehicle::{Command, build},
 };
@@ -301,11 +301,10 @@ pub fn lane_change_tracking(
     scenario: &Scenario,
     speeds: &[MetresPerSecond],
 ) -> Result<Vec<LaneChangeTracking>, SimulatorError> {
-    let range = SettingRange::Within(5.0, 60.0, "5 to 60 m/s");
     speeds
         .iter()
         .map(|speed| {
-            check_setting("", "speed_mps", speed.0, range)?;
+            check("speed_mps", speed.0, 5.0..=60.0)?;
             Ok(tracking(scenario, speed.0))
         })
         .collect()

@@ -12,7 +12,7 @@ use crate::{
     outcome::{Rollout, RolloutReport},
     planner::{PLANNING_RATE_HZ, Planner},
     road::CentreLine,
-    scenario::{ControllerSettings, Scenario, ScenarioSettings},
+    scenario::{ControllerSettings, Scenario, ScenarioSettings, setting::check_section},
     traffic::EgoView,
     vehicle::{Command, Vehicle, build, ego_state},
     watch::Watch,
@@ -132,18 +132,18 @@ impl<'a> Session<'a> {
         let mut rule = settings.controllers.clone();
         let seat = match driver {
             Driver::Human(params) => {
-                params.check()?;
+                check_section("driver", params)?;
                 Seat::Human(HumanDriver::new(params, vehicle, road, line, seed))
             }
             Driver::Evidence(params) => {
-                params.check()?;
+                check_section("driver", params)?;
                 shape = PathShape::Eased {
                     lateness: params.lateness,
                 };
                 Seat::Evidence(EvidenceDriver::new(params, vehicle, road, line, seed))
             }
             Driver::Automated(planner, controllers) => {
-                controllers.check()?;
+                check_section("controllers", controllers)?;
                 rule = controllers.clone();
                 Seat::Automated(AutomatedDriver::new(
                     planner,

@@ -5,14 +5,15 @@ use crate::{
     traffic::{Car, EgoView, Role},
 };
 use maveric_domain::{EgoState, Scene, VehicleId, VehicleState};
+use std::sync::LazyLock;
 
 /// Numbers of the safety rule that are worked out in the head: without reaction, (v² - v'²) / 16 m.
-pub(crate) const AT_ONCE: ControllerSettings = ControllerSettings {
+pub(crate) static AT_ONCE: LazyLock<ControllerSettings> = LazyLock::new(|| ControllerSettings {
     reaction_s: 0.0,
     own_braking_mps2: 8.0,
     other_braking_mps2: 8.0,
-    ..ControllerSettings::PAPER
-};
+    ..ControllerSettings::default()
+});
 
 /// Another vehicle `gap_m` ahead of ego's bumper, behind its own where that is negative.
 pub(crate) fn other(id: u32, gap_m: f64, y_m: f64, speed_mps: f64) -> VehicleState {

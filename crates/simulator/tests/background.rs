@@ -153,7 +153,7 @@ fn what_does_not_go_together_is_refused_by_its_key() {
         message.contains("`background.mix.car.time_gap_s`"),
         "{message}"
     );
-    let text = DENSE.replace("politeness =", "politness =");
+    let text = DENSE.replace("keep_right_mps2 =", "keep_write_mps2 =");
     let error = toml::from_str::<Scenario>(&text).unwrap_err();
-    assert!(error.to_string().contains("politness"), "{error}");
+    assert!(error.to_string().contains("keep_write_mps2"), "{error}");
 }

@@ -31,7 +31,7 @@ impl HabitRule {
 
     /// What this driver asks for now.
     pub fn setpoints(&self, view: &View<'_>) -> Setpoints {
-        let own_mps = self.habits.free_speed_mps();
+        let own_mps = self.habits.free_speed_mps(Some(view.road.posted_speed_mps));
         let free_mps = own_mps.unwrap_or(view.road.posted_speed_mps);
         let place = Place::of(view);
         let lead_mps = match place {

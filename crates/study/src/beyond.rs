@@ -2,8 +2,7 @@
 
 use crate::once::told_once;
 use maveric_domain::{BeyondWhy, EmbeddingRow};
-use maveric_model::{HEADS, Model};
-use std::collections::BTreeMap;
+use maveric_model::{FreeSpeed, HEADS, Model};
 
 /// Why a drive is beyond what the model has learned from, in words.
 pub fn beyond_in_words(why: &BeyondWhy) -> String {
@@ -26,31 +25,97 @@ pub fn beyond_in_words(why: &BeyondWhy) -> String {
     }
 }
 
+/// A sentence a reason for all who are beyond by it, with what `follows` from that.
+pub(crate) fn named<'a>(
+    kind: &str,
+    beyond: impl IntoIterator<Item = (String, &'a BeyondWhy)>,
+    follows: &str,
+) -> Vec<String> {
+    let why = |(who, why)| (who, format!("{}{follows}", beyond_in_words(why)));
+    told_once(kind, beyond.into_iter().map(why))
+}
+
+/// The drives that are beyond, and by what.
+pub(crate) fn of_rows(rows: &[EmbeddingRow]) -> impl Iterator<Item = (String, &BeyondWhy)> {
+    rows.iter()
+        .filter_map(|row| Some((row.drive.to_string(), row.beyond_why.as_ref()?)))
+}
+
 /// A sentence for the drives that are beyond what the model has learned from, and one where it cannot say of any.
 pub(crate) fn told(model: &Model, rows: &[EmbeddingRow]) -> Vec<String> {
-    let beyond: BTreeMap<&str, String> = rows
-        .iter()
-        .filter_map(|row| Some((row.drive.as_str(), row.beyond_why.as_ref().filter(|w| **w != BeyondWhy::Scale)?)))
-        .map(|(drive, why)| {
-            let why = format!("{}: the model has met nobody who drives like this, and where it puts this driver says little", beyond_in_words(why));
-            (drive, why)
-        })
-        .collect();
-    let mut said = told_once(
+    let off_the_scale = |why: &BeyondWhy| *why == BeyondWhy::Scale;
+    let mut told = named(
         "drive",
-        beyond
-            .into_iter()
-            .map(|(drive, why)| (drive.to_owned(), why)),
+        of_rows(rows).filter(|(_, why)| !off_the_scale(why)),
+        ": the model has met nobody who drives like this, and where it puts this driver says little",
     );
+    told.extend(unseen_limits(model, rows));
     let known = rows.iter().any(|row| row.support_p.is_some());
-    match model.people() {
-        _ if known => {}
-        Some(people) => said.push(format!(
+    let shows = rows.iter().any(|row| row.readings != Some(0));
+    told.extend((shows && !known).then(|| unknown(model.people())));
+    told
+}
+
+/// Why a model that learned from so many `people` cannot say whether it has met a driver; none of a model that does not say from whom.
+pub(crate) fn unknown(people: Option<usize>) -> String {
+    match people {
+        Some(people) => format!(
             "the model learned from {people} people, too few to say whether it has met drivers like these (expected at least three for each habit that a drive shows)"
-        )),
-        None => said.push(
-            "the model does not say whom it learned from, so nobody knows whether it has met drivers like these: train it anew".to_owned(),
         ),
+        None => "the model does not say whom it learned from, so nobody knows whether it has met drivers like these: train it anew".to_owned(),
     }
-    said
+}
+
+/// A sentence for drives on roads whose limit lies outside those that the model learned from.
+fn unseen_limits(model: &Model, rows: &[EmbeddingRow]) -> Vec<String> {
+    let Some(posted) = model.posted() else {
+        return Vec::new();
+    };
+    let [low, high] = [posted.lowest_mps, posted.highest_mps].map(|v| format!("{:.0}", 3.6 * v));
+    let range = if low == high {
+        low
+    } else {
+        format!("{low} to {high}")
+    };
+    let read = match posted.free_speed {
+        FreeSpeed::Absolute => "its free speed is read in m/s, as if that were posted there too",
+        FreeSpeed::Posted => "its free speed is read by its share of the limit",
+    };
+    let why = format!(
+        "the model learned where {range} km/h is posted, which is not what is posted here: {read}"
+    );
+    let unseen = rows.iter().filter(|row| row.posted_unseen == Some(true));
+    told_once(
+        "drive",
+        unseen.map(|row| (row.drive.to_string(), why.clone())),
+    )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn all_who_are_beyond_by_one_reason_are_one_sentence_in_the_habits_own_words() {
+        let by = |habit: &str| BeyondWhy::Style {
+            habit: habit.to_owned(),
+        };
+        let (gap, scale) = (by("following_gap_s"), BeyondWhy::Scale);
+        let who = |name: &str| name.to_owned();
+        let rows = [(who("A"), &gap), (who("B"), &scale), (who("C"), &gap)];
+        let named = named("drive", rows, ": so");
+        assert_eq!(named.len(), 2);
+        assert!(
+            named[0].starts_with("2 drives (A, C): shows a style") && named[0].ends_with(": so"),
+            "{named:?}"
+        );
+        assert!(!named[0].contains("following_gap_s"), "{named:?}");
+        assert!(named[1].starts_with("drive B: reads as a score"));
+    }
+
+    #[test]
+    fn too_few_people_and_a_model_that_does_not_say_whom_it_learned_from_are_told_apart() {
+        assert!(unknown(Some(5)).contains("5 people, too few to say"));
+        assert!(unknown(None).contains("does not say whom it learned from"));
+    }
 }

@@ -1,19 +1,24 @@
 //! A design held against what there is: scales, measures, people, drives and answers.
 
 use crate::{
+    atomic_write::if_there,
+    beyond,
     design::{DesignFile, People},
     error::StudyError,
     gate::analysed,
     run_folder::{read_scales, score_range},
-    tables::{Table, participants::Enrolled},
+    tables::{
+        embeddings::read_embeddings, own_measures::read_own_measures, participants::Enrolled,
+    },
 };
 use maveric_analysis::Why;
 use maveric_domain::{
-    Moment, Scale,
+    Design, Scale,
     design::{DesignError, Quantity, ScoreName},
 };
 use maveric_measures::objective;
-use std::{collections::BTreeSet, path::Path};
+use path_slash::PathExt as _;
+use std::path::Path;
 
 /// Says whether every scale, measure and person that a design names is there.
 ///
@@ -26,6 +31,7 @@ pub fn check_design(study: &DesignFile) -> Result<(), StudyError> {
         let help = error.suggestion();
         study.wrong(error.to_string(), help)
     })?;
+    read_own_measures(study, None)?;
     let excluded = study.design.exclude();
     let table = study.resolve(&study.design.people().file);
     if excluded.people.is_empty() && excluded.drives.is_empty() && !table.exists() {
@@ -87,19 +93,24 @@ fn nobodys(people: &People) -> impl Iterator<Item = &Enrolled> {
 }
 
 /// What an outcome may be: a measure's column, or a score of a scale.
-struct Known {
-    measures: Vec<&'static str>,
+struct Known<'a> {
+    measures: Vec<&'a str>,
     scores: Vec<String>,
 }
 
-impl Known {
-    fn of(scales: &[Scale]) -> Self {
+impl<'a> Known<'a> {
+    fn of(design: &'a Design, scales: &[Scale]) -> Self {
         let of_scale = |scale: &Scale| {
             let name = |sub: &maveric_domain::Subscale| format!("{}.{}", scale.id, sub.id);
             scale.subscales.iter().map(name).collect::<Vec<_>>()
         };
         Self {
-            measures: objective::all().iter().map(|m| m.name).collect(),
+            measures: objective::all()
+                .iter()
+                .chain(objective::further())
+                .map(|m| m.name)
+                .chain(design.measures().iter().map(|m| m.id.as_str()))
+                .collect(),
             scores: scales.iter().flat_map(of_scale).collect(),
         }
     }
@@ -137,7 +148,7 @@ impl Known {
 }
 
 fn of_scales(study: &DesignFile, scales: &[Scale]) -> Result<(), DesignError> {
-    let (design, known) = (&study.design, Known::of(scales));
+    let (design, known) = (&study.design, Known::of(&study.design, scales));
     if let Some(style) = design.style() {
         known.score("style.score", &style.score)?;
         style_range(study, scales)?;
@@ -210,7 +221,7 @@ fn style_range(study: &DesignFile, scales: &[Scale]) -> Result<(), DesignError> 
     }
 }
 
-/// What one should know of a study before it is run: who is left out by name, which declared condition nobody drove or rated yet.
+/// What one should know of a study before it is run: who is left out, and by which rule.
 /// `results` is where the runs of the study write.
 ///
 /// # Errors
@@ -233,47 +244,77 @@ pub fn study_notes(study: &DesignFile, results: &Path) -> Result<Vec<String>, St
             neither.join(", ")
         ));
     }
-    let driven = words(
-        &[
-            results.join("drives/drives.csv"),
-            results.join("av/drives/drives.csv"),
-        ],
-        "condition",
-    )?;
-    let answers = [
-        results.join("answers.csv"),
-        results.join("ratings.csv"),
-        study.resolve(&design.files().answers),
-    ];
-    let rated = words(&answers, "moment")?;
-    for condition in design.conditions() {
-        let id = condition.id.as_str();
-        if driven.as_ref().is_some_and(|d| !d.contains(id)) {
-            notes.push(format!("condition {id}: nobody drove it"));
-        }
-        let moment = Moment::After(condition.id).to_string();
-        if rated.as_ref().is_some_and(|r| !r.contains(&moment)) {
-            notes.push(format!("condition {id}: nobody rated it"));
-        }
+    notes.extend(met(results)?);
+    let measures = &design.files().measures;
+    if design.measures().is_empty() && study.resolve(measures).is_file() {
+        notes.push(format!(
+            "{} is not read: the design declares no [[measure]]",
+            measures.to_slash_lossy()
+        ));
     }
     Ok(notes)
 }
 
-/// What stands in a column of those tables that are there and have it; none where there is no such table yet.
-fn words<P: AsRef<Path>>(
-    tables: &[P],
-    column: &str,
-) -> Result<Option<BTreeSet<String>>, StudyError> {
-    let mut found: Option<BTreeSet<String>> = None;
-    for path in tables.iter().map(AsRef::as_ref).filter(|p| p.is_file()) {
-        if path.extension().is_none_or(|e| e != "csv") {
-            continue;
-        }
-        let table = Table::read(path)?;
-        if table.has(column) {
-            let words = table.text(column)?.into_iter().flatten();
-            found.get_or_insert_default().extend(words);
-        }
+/// Who of those whose styles were learned is beyond what the model has met, and whether it can say.
+fn met(results: &Path) -> Result<Vec<String>, StudyError> {
+    let rows = if_there(&results.join("embeddings.csv"), read_embeddings)?;
+    let mut notes = beyond::named("drive", beyond::of_rows(&rows), "");
+    if !rows.is_empty() && rows.iter().all(|row| row.beyond().is_none()) {
+        notes.push(
+            "nobody can say whether the model has met drivers like these: it learned from too few people, or does not say from whom (`support_p` of embeddings.csv is empty)"
+                .to_owned(),
+        );
     }
-    Ok(found)
+    Ok(notes)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::tables::embeddings::{EmbeddingRow, write_embeddings};
+    use maveric_domain::{BeyondWhy, DriveId, Embedding, ParticipantId};
+
+    #[test]
+    fn who_is_beyond_what_the_model_has_met_is_named_and_a_model_that_cannot_say_is_too() {
+        let row =
+            |drive: &str, support_p: Option<f64>, beyond_why: Option<BeyondWhy>| EmbeddingRow {
+                drive: DriveId::new(drive).unwrap(),
+                participant: ParticipantId::new("P").unwrap(),
+                condition: "own".parse().unwrap(),
+                adb_used: false,
+                adb: None,
+                adb_hat: None,
+                line_position: None,
+                readings: Some(9),
+                covariance: None,
+                line_position_se: None,
+                support_p,
+                beyond_why,
+                posted_unseen: None,
+                embedding: Embedding::new(vec![0.0]).unwrap(),
+            };
+        let results = tempfile::tempdir().unwrap();
+        assert!(
+            met(results.path()).unwrap().is_empty(),
+            "nothing is there yet"
+        );
+        let notes = |rows: &[EmbeddingRow]| {
+            write_embeddings(&results.path().join("embeddings.csv"), rows).unwrap();
+            met(results.path()).unwrap()
+        };
+        let usual = row("P-own", Some(0.4), None);
+        assert!(notes(std::slice::from_ref(&usual)).is_empty());
+        let habit = "following_gap_s".to_owned();
+        let stranger = row("Q-own", Some(0.001), Some(BeyondWhy::Habits { habit }));
+        let named = notes(&[usual, stranger]);
+        assert!(
+            named.len() == 1 && named[0].starts_with("drive Q-own: shows habits"),
+            "{named:?}"
+        );
+        let unknown = notes(&[row("P-own", None, None)]);
+        assert!(
+            unknown.len() == 1 && unknown[0].contains("nobody can say"),
+            "{unknown:?}"
+        );
+    }
 }

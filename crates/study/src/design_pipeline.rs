@@ -2,6 +2,7 @@
 
 use crate::{
     design::{DESIGN_FILE, DesignFile},
+    stages::ingest::{Ingest, logs_of_study},
     texts,
 };
 use maveric_domain::design::{By, Condition, Software};
@@ -13,10 +14,14 @@ use std::path::Path;
 /// `study.toml`, where it runs.
 ///
 /// There are only the stages that the design asks for: nothing is learned without a car that was learned, nothing simulated that
-/// was recorded, nothing rated by people who exist.
+/// was recorded, nothing rated by people who exist. Where some data are there and others are not (no logs yet, no answers), what needs
+/// the others is left out; before there are any, all stages stand in it.
 pub fn design_pipeline(study: &DesignFile) -> String {
     let design = &study.design;
     let simulates = design.conditions().iter().any(Condition::simulated);
+    let there = Data::of(study);
+    let needs_model = design.needs_a_model() && there.logs;
+    let simulates = simulates && there.logs;
     let paths = paths(study, simulates);
     let given = paths.iter().map(|(name, _)| (*name, Value::from(true)));
     let values = context! {
@@ -29,14 +34,48 @@ pub fn design_pipeline(study: &DesignFile) -> String {
         },
         simulates,
         varies => design.conditions().iter().any(|c| c.vary),
-        needs_model => design.needs_a_model(),
-        learns => design.needs_a_model() && design.model().is_none(),
+        logs => there.logs,
+        answers_there => there.answers || needs_model,
+        measures => there.logs || there.measures,
+        needs_model,
+        learns => needs_model && design.model().is_none(),
         style => design.style().is_some(),
         made_up_ratings => design.synthetic() && simulates && design.baseline().is_some_and(|b| b.by == By::Hand),
         given => Value::from_pairs(given),
         paths,
     };
     texts::fill(texts::PIPELINE, values)
+}
+
+/// Which data of a study are there.
+struct Data {
+    logs: bool,
+    answers: bool,
+    measures: bool,
+}
+
+impl Data {
+    /// Of a study without any everything is awaited: its first stage then says what it looked for.
+    fn of(study: &DesignFile) -> Self {
+        let (design, files) = (&study.design, study.design.files());
+        let is_file = |path: &Path| study.resolve(path).is_file();
+        // A mapping that is none is for the stage to say.
+        let logs = logs_of_study(&Ingest::default(), study).map_or(true, |logs| !logs.is_empty());
+        let there = Self {
+            logs,
+            answers: is_file(&files.answers),
+            measures: !design.measures().is_empty() && is_file(&files.measures),
+        };
+        if there.logs || there.answers || there.measures {
+            there
+        } else {
+            Self {
+                logs: true,
+                answers: true,
+                measures: false,
+            }
+        }
+    }
 }
 
 /// A path as it stands in a pipeline file.

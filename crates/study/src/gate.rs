@@ -19,7 +19,7 @@ use std::{collections::BTreeMap, path::Path};
 pub struct Gate {
     design: Design,
     people: People,
-    /// Whether there is a table of people: then nobody else is let in.
+    /// Whether there is a table of people with rows: then nobody else is let in.
     listed: bool,
     forgotten: ForgottenList,
     left_out: LeftOut,
@@ -61,10 +61,11 @@ impl Gate {
     /// # Errors
     /// As [`DesignFile::people`].
     pub fn of(study: &DesignFile, given: Option<&Path>) -> Result<Self, StudyError> {
+        let people = study.people(given)?;
         Ok(Self {
-            people: study.people(given)?,
+            listed: people.is_filled_in(&study.design),
+            people,
             design: study.design.clone(),
-            listed: true,
             forgotten: study.forgotten()?,
             left_out: LeftOut::named(&study.design),
         })

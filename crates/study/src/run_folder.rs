@@ -11,6 +11,7 @@ use crate::{
         drives::kept_out,
         embeddings::read_embeddings,
         measurements::{one_drive_a_condition, read_measurements},
+        own_measures::read_own_measurements,
         surveys::{read_answers, read_scores},
     },
 };
@@ -31,6 +32,9 @@ use std::{
 
 /// Tables of answers among the results.
 const ANSWERS: [&str; 3] = ["surveys.csv", "answers.csv", "ratings.csv"];
+
+/// Name of the measurements among a run's results.
+pub(crate) const MEASUREMENTS: &str = "measurements.parquet";
 
 /// Name of the model among a run's results.
 pub const MODEL_FILE: &str = "model.maveric";
@@ -53,6 +57,11 @@ pub fn reliabilities_path(out: &Path) -> PathBuf {
 /// The file beside `out` that holds each item's part in its subscale.
 pub fn items_path(out: &Path) -> PathBuf {
     beside(out, "_items.csv")
+}
+
+/// The file beside `out` that holds the means of the study's own measures.
+pub fn own_path(out: &Path) -> PathBuf {
+    beside(out, "_own.csv")
 }
 
 /// The file beside `out` that lists what was left out: who, what, why.
@@ -203,9 +212,11 @@ pub(crate) fn read_study(
     let design = &study.design;
     let steered = design.conditions().iter().any(|c| c.car.is_some());
     let styled = design.style().is_some();
-    let embedded = styled || design.needs_a_model();
-    let measurements = folder.join("measurements.parquet");
-    let measured = read_measurements(&measurements)?;
+    let measurements = folder.join(MEASUREMENTS);
+    let measured = if_there(&measurements, read_measurements)?;
+    // Before there are drives nothing was learned of any.
+    let driven = !measured.is_empty();
+    let embedded = driven && (styled || design.needs_a_model());
     let of_design = measured.iter().filter(|d| design.knows(d.meta.condition));
     one_drive_a_condition(&measurements, of_design)?;
     let tables = Tables {
@@ -219,9 +230,14 @@ pub(crate) fn read_study(
             })
             .collect(),
         measurements: measured,
+        own: if_there(&own_path(&measurements), read_own_measurements)?,
         embeddings: made(&folder.join("embeddings.csv"), embedded, read_embeddings)?,
-        conditions: made(&folder.join("conditions.csv"), steered, read_conditions)?,
-        pre: made(&folder.join("scores.csv"), styled, read_scores)?,
+        conditions: made(
+            &folder.join("conditions.csv"),
+            driven && steered,
+            read_conditions,
+        )?,
+        pre: if_there(&folder.join("scores.csv"), read_scores)?,
         post: if_there(&folder.join("rating_scores.csv"), read_scores)?,
         scales: read_scales(&study.resolve(&design.files().scales))?,
         answers: answers(folder, study)?,
@@ -239,21 +255,19 @@ pub(crate) fn study_files(
     participants: Option<&Path>,
 ) -> Files {
     let design = &study.design;
-    let steered = design.conditions().iter().any(|c| c.car.is_some());
-    let styled = design.style().is_some();
+    let measurements = folder.join(MEASUREMENTS);
     let tables = [
-        ("measurements.parquet", true),
-        ("embeddings.csv", styled || design.needs_a_model()),
-        ("conditions.csv", steered),
-        ("scores.csv", styled),
+        "embeddings.csv",
+        "conditions.csv",
+        "scores.csv",
+        "rating_scores.csv",
+        "drives",
+        "av",
     ];
-    let (made, others): (Vec<_>, Vec<_>) = tables.into_iter().partition(|(_, is_made)| *is_made);
-    let path = |(name, _): (&str, bool)| folder.join(name);
     let mut files = files
         .reads([study.resolve(&design.files().scales)])
-        .reads(made.into_iter().map(path))
-        .reads_if_there(others.into_iter().map(path))
-        .reads_if_there(["rating_scores.csv", "drives", "av"].map(|name| folder.join(name)));
+        .reads_if_there([own_path(&measurements), measurements])
+        .reads_if_there(tables.map(|name| folder.join(name)));
     files = match participants {
         Some(given) => files.reads([given]),
         None => files.reads_if_there([
@@ -289,15 +303,20 @@ fn answers(folder: &Path, study: &DesignFile) -> Result<Vec<Answer>, StudyError>
     if !study.design.exclude().straight_lined {
         return Ok(found);
     }
-    let files = study.design.files();
-    let own = study.resolve(&files.answers);
-    if files.software == Software::Table && own.is_file() {
-        found.extend(read_answers(&own)?);
-    }
-    for name in ANSWERS {
-        found.extend(if_there(&folder.join(name), read_answers)?);
+    for table in answer_tables(folder, study) {
+        found.extend(read_answers(&table)?);
     }
     Ok(found)
+}
+
+/// The tables of answers that are there: the design's own, and those among the results.
+pub(crate) fn answer_tables(folder: &Path, study: &DesignFile) -> Vec<PathBuf> {
+    let files = study.design.files();
+    let own = Some(study.resolve(&files.answers));
+    let own = own.filter(|_| files.software == Software::Table);
+    let results = ANSWERS.map(|name| folder.join(name));
+    let tables = own.into_iter().chain(results);
+    tables.filter(|path| path.is_file()).collect()
 }
 
 /// What the design keeps out, from beside every list of drives among the results.

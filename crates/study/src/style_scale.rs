@@ -147,25 +147,28 @@ impl StyleScale {
         let mut off = Vec::new();
         for row in rows {
             row.adb = row.adb.map(|x| self.outward(x));
-            row.adb_hat = row.adb_hat.map(|x| self.outward(x));
-            if let Some(reading) = row.adb_hat.filter(|x| !self.has(*x)) {
-                row.adb_hat = None;
-                row.beyond_why = Some(BeyondWhy::Scale);
+            let reading = row.adb_hat;
+            (row.adb_hat, row.beyond_why) = self.score_of(reading, row.beyond_why.take());
+            if let (None, Some(reading)) = (row.adb_hat, reading) {
                 off.push(OffTheScale {
                     drive: row.drive.clone(),
                     participant: row.participant.clone(),
                     adb_used: row.adb_used,
-                    reading,
+                    reading: self.outward(reading),
                 });
             }
         }
         off
     }
 
-    /// Whether there is such a score; one that only rounding puts outside counts as its end.
-    pub(crate) fn has(self, score: f64) -> bool {
-        let rounding = 1e-9 * (self.high - self.low);
-        (self.low - rounding..=self.high + rounding).contains(&score)
+    /// [`BeyondWhy::of_reading`] of what a model read in its own points, the score as one of this scale.
+    pub fn score_of(
+        self,
+        reading: Option<f64>,
+        by_support: Option<BeyondWhy>,
+    ) -> (Option<f64>, Option<BeyondWhy>) {
+        let (score, why) = BeyondWhy::of_reading(reading, by_support);
+        (score.map(|points| self.outward(points)), why)
     }
 
     /// A sentence for each drive that reads as no score of the scale.
@@ -264,6 +267,7 @@ mod tests {
             line_position_se: None,
             support_p: None,
             beyond_why: None,
+            posted_unseen: None,
             embedding: maveric_domain::Embedding::new(vec![0.0]).unwrap(),
         };
         let points = [0.9, 1.0, 3.5, 6.0, 6.1].map(Some);

@@ -11,7 +11,7 @@ pub use percept::{Dial, Percept};
 pub use scale::OnTheScale;
 
 use crate::StudyData;
-use maveric_domain::ParticipantId;
+use maveric_domain::{BeyondWhy, ParticipantId, design::BeyondRule};
 use maveric_stats::Belief;
 use scale::on_the_scale;
 use serde::Serialize;
@@ -35,7 +35,10 @@ pub struct Reason {
 pub struct Recommendation {
     /// Who.
     pub participant: ParticipantId,
-    /// By their own ratings of the conditions, where they left the dial and who they are; none if the ratings have no top.
+    /// Why their own drive is beyond what the model has learned from; none where it is not, or where nobody can say.
+    pub beyond: Option<BeyondWhy>,
+    /// By their own ratings of the conditions, where they left the dial and who they are; none if the ratings have no top, and where the
+    /// dial has no place to turn from because the drive is beyond.
     pub preferred: Option<Preferred>,
     /// The same on the scale of the score, with what the drive leaves open of the own style.
     pub on_the_scale: Option<OnTheScale>,
@@ -43,13 +46,27 @@ pub struct Recommendation {
     pub before_riding: Option<Preferred>,
     /// The reasons, the largest first.
     pub reasons: Vec<Reason>,
-    /// The setting whose rating would tell most, in ADB points, and how much, in nats.
-    pub next: (f64, f64),
+    /// The setting whose rating would tell most, in ADB points, and how much, in nats; none where the dial is not turned.
+    pub next: Option<(f64, f64)>,
 }
 
 impl Learned {
-    /// What to recommend to one person.
+    /// What to recommend to one person. For somebody beyond what the model has learned from the dial is not turned, unless the design
+    /// lets it be.
     pub fn recommendation(&self, data: &StudyData, p: &ParticipantId) -> Recommendation {
+        let own = data.embedding(p, true).or_else(|| data.embedding(p, false));
+        let beyond = own.and_then(|row| row.beyond_why.clone());
+        if beyond.is_some() && data.design.beyond() == BeyondRule::LeaveOut {
+            return Recommendation {
+                participant: p.clone(),
+                beyond,
+                preferred: None,
+                on_the_scale: None,
+                before_riding: None,
+                reasons: Vec::new(),
+                next: None,
+            };
+        }
         let traits = self.traits(data, p);
         let before = self.belief(data, p, false);
         let rated = self.belief(data, p, true);
@@ -60,13 +77,14 @@ impl Learned {
         let preferred = self.preferred(&after, &traits);
         Recommendation {
             participant: p.clone(),
+            beyond,
             on_the_scale: preferred
                 .as_ref()
                 .and_then(|preferred| on_the_scale(data, p, preferred)),
             preferred,
             before_riding: self.preferred(&before, &traits),
             reasons: reasons(self, [&before, &rated, &after], &traits),
-            next: self.next(&after, &traits),
+            next: Some(self.next(&after, &traits)),
         }
     }
 

@@ -23,7 +23,7 @@ pub struct OnTheScale {
 /// Half of a 95 % interval, in SDs.
 const HALF_95: f64 = 1.96;
 
-/// `None` without a model that reads a score and knows how sure it is.
+/// `None` without a model that reads a score and knows how sure it is, and where the scale has no score for what is recommended.
 pub(super) fn on_the_scale(
     data: &StudyData,
     p: &ParticipantId,
@@ -34,14 +34,19 @@ pub(super) fn on_the_scale(
         .or_else(|| data.embedding(p, false))?;
     let own = row.adb_hat?;
     let own_sd = row.line_position_se? * points_a_step(&data.embeddings)?;
+    let (lowest, highest) = data
+        .style_range()
+        .unwrap_or((f64::NEG_INFINITY, f64::INFINITY));
+    let at = own + preferred.points;
     let end = |end: f64| {
         let reach = libm::hypot(end - preferred.points, HALF_95 * own_sd);
-        own + preferred.points + reach.copysign(end - preferred.points)
+        // No score lies outside the scale, so no interval need hold one.
+        (at + reach.copysign(end - preferred.points)).clamp(lowest, highest)
     };
-    Some(OnTheScale {
+    (lowest..=highest).contains(&at).then(|| OnTheScale {
         own,
         own_sd,
-        at: own + preferred.points,
+        at,
         low: end(preferred.low),
         high: end(preferred.high),
     })
@@ -79,6 +84,7 @@ mod tests {
             line_position_se: Some(0.3),
             support_p: None,
             beyond_why: None,
+            posted_unseen: None,
             embedding: Embedding::new(vec![position]).unwrap(),
         };
         let found = points_a_step(&[row(0.5), row(-1.0)]).unwrap();

@@ -9,7 +9,7 @@ use crate::{
     testing::{drive, id, person, score, steered},
 };
 use maveric_domain::{
-    ConditionRow, Design, EmbeddingRow, MeasureValues, Moment, design::ScoreName,
+    BeyondWhy, ConditionRow, Design, EmbeddingRow, MeasureValues, Moment, design::ScoreName,
 };
 use maveric_stats::{Belief, Hierarchical};
 use std::collections::BTreeMap;
@@ -374,7 +374,8 @@ fn what_eight_people_like_is_found_again_in_their_ratings_and_in_their_trait() {
         let expected = 10.0 * liked(i);
         near(found.preferred.unwrap().points, expected, 1.5);
         near(found.before_riding.unwrap().points, expected, 2.5);
-        assert!(SETTINGS.contains(&found.next.0) && found.next.1 >= 0.0);
+        let (next, nats) = found.next.unwrap();
+        assert!(SETTINGS.contains(&next) && nats >= 0.0);
         assert!(
             found.on_the_scale.is_none(),
             "no model read anybody's score"
@@ -394,6 +395,19 @@ fn what_eight_people_like_is_found_again_in_their_ratings_and_in_their_trait() {
     assert!(found.preferred.unwrap().points > before.points);
     let turned = |r: &Reason| r.because == "own turns of the dial";
     assert!(found.reasons.iter().any(turned));
+    // From a drive that the model has met nobody with the dial has no place to turn from, unless the design lets it.
+    let mut stranger = data.clone();
+    stranger.embeddings = vec![EmbeddingRow {
+        beyond_why: Some(BeyondWhy::Scale),
+        ..crate::testing::position(PEOPLE - 1, 0.0)
+    }];
+    let none = learned.recommendation(&stranger, last);
+    assert_eq!(none.beyond, Some(BeyondWhy::Scale));
+    assert!(none.preferred.is_none() && none.before_riding.is_none() && none.next.is_none());
+    let driven = format!("{DESIGN}[model]\nbeyond = \"drive\"\n");
+    stranger.design = Design::from_toml(&driven).unwrap();
+    let asked = learned.recommendation(&stranger, last);
+    assert!(asked.beyond.is_some() && asked.preferred.is_some());
     let few = Learned::from(&data, &people[..4], None).unwrap_err();
     assert!(few.to_string().contains("4 people"), "{few}");
 }
@@ -406,6 +420,7 @@ fn on_the_scale_both_uncertainties_add_up_as_squares() {
         line_position_se: Some(0.5),
         support_p: None,
         beyond_why: None,
+        posted_unseen: None,
         ..crate::testing::position(i, position)
     };
     data.embeddings = vec![row(0, 1.0), row(1, -1.0)];
@@ -426,4 +441,33 @@ fn on_the_scale_both_uncertainties_add_up_as_squares() {
     assert_eq!((own, own_sd, at), (39.0, 4.5, 45.0));
     near(low, 45.0 - (36.0 + (1.96 * 4.5_f64).powi(2)).sqrt(), 1e-9);
     near(high, 45.0 + (64.0 + (1.96 * 4.5_f64).powi(2)).sqrt(), 1e-9);
+}
+
+#[test]
+fn a_recommendation_that_the_scale_has_no_score_for_has_none_and_no_interval_leaves_the_scale() {
+    let mut data = eight(below);
+    let row = |i: usize, position: f64| EmbeddingRow {
+        adb_hat: Some(30.0 + 9.0 * position),
+        line_position_se: Some(0.5),
+        ..crate::testing::position(i, position)
+    };
+    data.embeddings = vec![row(0, 1.0), row(1, -1.0)];
+    assert_eq!(data.style_range(), None);
+    let ranged = DESIGN.replace("points = 15", "points = 15\nrange = [11, 55]");
+    data.design = Design::from_toml(&ranged).unwrap();
+    assert_eq!(data.style_range(), Some((11.0, 55.0)));
+    // S reads 39.
+    let preferred = |points: f64| Preferred {
+        points,
+        low: points - 8.0,
+        high: points + 8.0,
+        within_5: 0.5,
+    };
+    let inside = on_the_scale(&data, &person(0), &preferred(15.0)).unwrap();
+    assert_eq!((inside.at, inside.high), (54.0, 55.0));
+    assert!(inside.low < 54.0 - 8.0);
+    assert_eq!(on_the_scale(&data, &person(0), &preferred(17.0)), None);
+    // Whoever reads as no score of the scale has no place on it.
+    data.embeddings[0].adb_hat = None;
+    assert_eq!(on_the_scale(&data, &person(0), &preferred(0.0)), None);
 }

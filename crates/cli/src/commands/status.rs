@@ -1,14 +1,15 @@
 //! `maveric status`.
 
-use super::run::print_statuses;
+use super::{print_json, run::print_statuses};
 use crate::{
     diagnostics::{Failure, tell},
-    place::{DEFAULT_PIPELINE, PipelineArgs, place, study_notes},
+    place::{DEFAULT_PIPELINE, PipelineArgs, place, study_here},
 };
 use maveric_study::outcome::Format;
+use serde_json::json;
 use std::path::PathBuf;
 
-/// Say which stages of a pipeline are stale, and why; run nothing
+/// Say which stages of a pipeline are stale, and what is missing of the study; run nothing
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Example: maveric status pipelines/smoke.toml --format json")]
 pub(crate) struct Status {
@@ -17,6 +18,9 @@ pub(crate) struct Status {
     file: PathBuf,
     #[command(flatten)]
     pipeline: PipelineArgs,
+    /// Write what is missing of the study, a row a person and time, as a table
+    #[arg(long, value_name = "FILE")]
+    missing: Option<PathBuf>,
     /// How to print the result
     #[arg(long, value_enum, default_value_t)]
     format: Format,
@@ -27,9 +31,26 @@ impl Status {
         let pipeline = self.pipeline.read(&self.file)?;
         let statuses = maveric_pipeline::status(&pipeline, &place(&self.file)?)
             .map_err(Failure::pipeline("could not tell the pipeline's status"))?;
-        print_statuses(self.format, &statuses)?;
-        for note in study_notes(&self.file)? {
-            tell!("{note}");
+        let Some((notes, missing)) = study_here(&self.file)? else {
+            return match self.missing {
+                None => print_statuses(self.format, &statuses),
+                Some(_) => Err(Failure::Usage(
+                    "--missing lists what is missing of the study in the current directory: leave the pipeline out, in the folder of a study.toml"
+                        .to_owned(),
+                )),
+            };
+        };
+        if let Some(table) = &self.missing {
+            let doing = "could not write what is missing";
+            missing.write(table).map_err(Failure::study(doing))?;
+        }
+        if self.format == Format::Json {
+            print_json(&json!({ "stages": statuses, "missing": missing }))?;
+        } else {
+            print_statuses(self.format, &statuses)?;
+        }
+        for line in notes.into_iter().chain(missing.lines()) {
+            tell!("{line}");
         }
         Ok(())
     }

@@ -7,6 +7,7 @@ use super::{
     exclude::Exclude,
     files::ModelFile,
     outcome::{Outcome, Quantity, Style},
+    own_measure::own_measures,
     people::{People, Wanted},
     toml_file::{
         CarToml, CellToml, CompareToml, ConditionToml, DesignToml, DialToml, HypothesisToml,
@@ -59,6 +60,7 @@ fn design(raw: DesignToml) -> Checked<Design> {
         by: b.by,
     });
     let roles = roles(raw.role, baseline.as_ref(), style.as_ref())?;
+    let measures = own_measures(raw.measure)?;
     let outcomes = outcomes(raw.outcome)?;
     let compare = compare(raw.contrasts.compare, &conditions)?;
     let pairs = compare.pairs(&conditions);
@@ -85,6 +87,7 @@ fn design(raw: DesignToml) -> Checked<Design> {
         conditions,
         baseline,
         roles,
+        measures,
         outcomes,
         hypotheses,
         compare,

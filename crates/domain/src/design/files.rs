@@ -18,6 +18,8 @@ pub struct Files {
     /// Which column of the answers is which item.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub columns: Option<PathBuf>,
+    /// Values of the study's own measures.
+    pub measures: PathBuf,
     /// Folder of questionnaires.
     pub scales: PathBuf,
     /// The world in which a learned style drives.
@@ -38,6 +40,7 @@ impl Default for Files {
             answers: "surveys/answers.csv".into(),
             software: Software::default(),
             columns: None,
+            measures: "measures.csv".into(),
             scales: "scales".into(),
             scenario: "scenario.toml".into(),
             claims: None,

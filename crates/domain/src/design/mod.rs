@@ -10,6 +10,7 @@ mod error;
 mod exclude;
 mod files;
 mod outcome;
+mod own_measure;
 mod people;
 mod protocol;
 mod toml_file;
@@ -21,6 +22,7 @@ pub use error::DesignError;
 pub use exclude::Exclude;
 pub use files::{BeyondRule, Files, Mappings, ModelFile, RigMapping, Software};
 pub use outcome::{Homophily, Outcome, Quantity, ScoreName, Style};
+pub use own_measure::{ABOUT_A_ROW, OwnMeasure};
 pub use people::{Column, Covariate, People};
 pub use protocol::{Practice, Protocol, ProtocolStep, SeatView, SpeedUnit};
 pub use williams::{williams, williams_rows};
@@ -61,6 +63,7 @@ pub struct Design {
     conditions: Vec<Condition>,
     baseline: Option<Baseline>,
     roles: Vec<Role>,
+    measures: Vec<OwnMeasure>,
     outcomes: Vec<Outcome>,
     hypotheses: Vec<Hypothesis>,
     compare: Compare,
@@ -145,8 +148,29 @@ impl Design {
         role.repeats.map_or(Some(role), first)
     }
 
+    /// The measures that the study brings along, in the order of the file.
+    pub fn measures(&self) -> &[OwnMeasure] {
+        &self.measures
+    }
+
+    /// The study's own measure of this id.
+    pub fn measure(&self, id: &str) -> Option<&OwnMeasure> {
+        self.measures.iter().find(|m| m.id == id)
+    }
+
+    /// Whether an outcome, a hypothesis or what is expected of a condition names this measure.
+    pub fn names(&self, measure: &str) -> bool {
+        let outcome = |o: &Outcome| matches!(&o.quantity, Quantity::Measure(id) if id == measure);
+        self.outcomes.iter().any(outcome)
+            || self.hypotheses.iter().any(|h| h.outcome == measure)
+            || self
+                .conditions
+                .iter()
+                .any(|c| c.expected.contains_key(measure))
+    }
+
     /// What is tested, in the order of the page; empty where the file leaves it to what is there: all objective measures,
-    /// and every scale asked after a condition.
+    /// the study's own, and every scale asked after a condition.
     pub fn outcomes(&self) -> &[Outcome] {
         &self.outcomes
     }

@@ -29,6 +29,8 @@ pub(super) struct DesignToml {
     #[serde(default)]
     pub(super) role: Vec<RoleToml>,
     #[serde(default)]
+    pub(super) measure: Vec<MeasureToml>,
+    #[serde(default)]
     pub(super) outcome: Vec<OutcomeToml>,
     #[serde(default)]
     pub(super) hypothesis: Vec<HypothesisToml>,
@@ -164,6 +166,26 @@ pub(super) struct RoleToml {
     pub(super) by: By,
     pub(super) score: Option<f64>,
     pub(super) repeats: Option<ConditionId>,
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct MeasureToml {
+    pub(super) id: String,
+    pub(super) title: Option<String>,
+    pub(super) unit: Option<String>,
+    pub(super) aggression: Option<AggressionToml>,
+}
+
+/// Which way aggression moves it, as the file says it.
+#[derive(Debug, Deserialize)]
+pub(super) enum AggressionToml {
+    #[serde(rename = "+")]
+    Up,
+    #[serde(rename = "-")]
+    Down,
+    #[serde(rename = "none")]
+    Unknown,
 }
 
 #[derive(Debug, Deserialize)]

@@ -179,28 +179,35 @@ pub(super) fn gradient(
 #[inline(always)]
 fn there_and_back(world: &World, weights: &[f64], embeddings: &[f64], batch: &Batch) -> Gradient {
     let layout = world.layout;
-    let (d, h) = (layout.embedding, layout.hidden);
     let steps = batch.gap_m.len() - 1;
     let mut out = Gradient::zero(layout.len(), embeddings.len());
-    let mut tape = vec![[0.0; LANES]; steps * (2 + 2 * h + OUTPUTS)];
-
-    let w = |lane: usize, k: usize| embeddings[batch.drivers[lane] * d + k];
+    let mut tape = vec![[0.0; LANES]; steps * (2 + 2 * layout.hidden + OUTPUTS)];
+    let w = |lane: usize, k: usize| embeddings[batch.drivers[lane] * layout.embedding + k];
     let network = Styled::of(layout, weights, w);
-    let (first, second, last) = (network.first, network.second, network.last);
+    let errors = there(world, &network, batch, &mut tape, &mut out.loss);
+    let sums = back(world, &network, batch, &mut tape, &errors);
+    sums.put(layout, weights, w, &batch.drivers, &mut out);
+    out
+}
 
+/// Simulates the batch onto the tape; the errors of gap and speed after each step.
+#[inline(always)]
+fn there(
+    world: &World,
+    network: &Styled<'_>,
+    batch: &Batch,
+    tape: &mut [Lanes],
+    loss: &mut f64,
+) -> Vec<(Lanes, Lanes)> {
+    let steps = batch.gap_m.len() - 1;
     let (mut gap, mut speed) = (batch.gap_m[0], batch.speed_mps[0]);
-    // Δgap and Δspeed after each step.
     let mut errors = vec![([0.0; LANES], [0.0; LANES]); steps];
     for at in 0..steps {
-        let step = step_of(&mut tape, layout, at);
+        let step = step_of(tape, world.layout, at);
         *step.gap_m = gap;
         *step.speed_mps = speed;
-        network.forward(
-            &inputs(world, &speed),
-            step.first,
-            step.second,
-            step.outputs,
-        );
+        let inputs = inputs(world, &speed);
+        network.forward(&inputs, step.first, step.second, step.outputs);
         for l in 0..LANES {
             let o = std::array::from_fn(|k| step.outputs[k][l]);
             let (g, v, lead) = (gap[l], speed[l], batch.lead_mps[at][l]);
@@ -216,20 +223,138 @@ fn there_and_back(world: &World, weights: &[f64], embeddings: &[f64], batch: &Ba
             errors[at].1[l] = speed_error;
             let square = world.gap_weight * gap_error * gap_error
                 + world.speed_weight * speed_error * speed_error;
-            out.loss += batch.weights[l] * square / steps as f64;
+            *loss += batch.weights[l] * square / steps as f64;
+        }
+    }
+    errors
+}
+
+/// Gradients of a network's layers, lane by lane.
+struct Sums {
+    first: Vec<Lanes>,
+    first_weights: Vec<Lanes>,
+    second: Vec<Lanes>,
+    second_weights: Vec<Lanes>,
+    last: [Lanes; OUTPUTS],
+    last_weights: Vec<Lanes>,
+}
+
+impl Sums {
+    fn zero(h: usize) -> Self {
+        let zeros = |n: usize| vec![[0.0; LANES]; n];
+        Self {
+            first: zeros(h),
+            first_weights: zeros(h * INPUTS),
+            second: zeros(h),
+            second_weights: zeros(h * h),
+            last: [[0.0; LANES]; OUTPUTS],
+            last_weights: zeros(OUTPUTS * h),
         }
     }
 
-    let mut first_sums = vec![[0.0; LANES]; h];
-    let mut first_weights = vec![[0.0; LANES]; h * INPUTS];
-    let mut second_sums = vec![[0.0; LANES]; h];
-    let mut second_weights = vec![[0.0; LANES]; h * h];
-    let mut last_sums = [[0.0; LANES]; OUTPUTS];
-    let mut last_weights = vec![[0.0; LANES]; OUTPUTS * h];
+    /// Goes back through the layers of one step from the gradients of its outputs, to those of its inputs; `d_first` and
+    /// `d_second` are room for those between.
+    #[inline(always)]
+    fn add_step(
+        &mut self,
+        network: &Styled<'_>,
+        step: &Step<'_>,
+        inputs: &[Lanes; INPUTS],
+        d_outputs: &[Lanes; OUTPUTS],
+        (d_first, d_second): (&mut [Lanes], &mut [Lanes]),
+    ) -> [Lanes; INPUTS] {
+        let h = d_first.len();
+        let (first, second, last) = (network.first, network.second, network.last);
+        d_second.fill([0.0; LANES]);
+        for k in 0..OUTPUTS {
+            let d = &d_outputs[k];
+            add(&mut self.last[k], d);
+            for unit in 0..h {
+                let line = k * h + unit;
+                add_product(&mut self.last_weights[line], d, &step.second[unit]);
+                add_scaled(&mut d_second[unit], last[line], d);
+            }
+        }
+        d_first.fill([0.0; LANES]);
+        for unit in 0..h {
+            let d = &mut d_second[unit];
+            through_softsign(d, &step.second[unit]);
+            add(&mut self.second[unit], d);
+            for from in 0..h {
+                let line = unit * h + from;
+                add_product(&mut self.second_weights[line], d, &step.first[from]);
+                add_scaled(&mut d_first[from], second[line], d);
+            }
+        }
+        let mut d_inputs = [[0.0; LANES]; INPUTS];
+        for unit in 0..h {
+            let d = &mut d_first[unit];
+            through_softsign(d, &step.first[unit]);
+            add(&mut self.first[unit], d);
+            for k in 0..INPUTS {
+                let line = unit * INPUTS + k;
+                add_product(&mut self.first_weights[line], d, &inputs[k]);
+                add_scaled(&mut d_inputs[k], first[line], d);
+            }
+        }
+        d_inputs
+    }
+
+    /// Adds the lanes up: gradients of the weights, and of each driver's embedding.
+    #[inline(always)]
+    fn put(
+        &self,
+        layout: Layout,
+        weights: &[f64],
+        w: impl Fn(usize, usize) -> f64,
+        drivers: &[usize; LANES],
+        out: &mut Gradient,
+    ) {
+        let d = layout.embedding;
+        for (range, sums) in [
+            (layout.first(), &self.first_weights[..]),
+            (layout.first_bias(), &self.first),
+            (layout.second(), &self.second_weights),
+            (layout.second_bias(), &self.second),
+            (layout.last(), &self.last_weights),
+            (layout.last_bias(), &self.last),
+        ] {
+            for (weight, sum) in out.weights[range].iter_mut().zip(sums) {
+                *weight = sum.iter().sum();
+            }
+        }
+        for (range, sums) in [
+            (layout.style(), &self.first[..]),
+            (layout.direct(), &self.last),
+        ] {
+            for (line, sum) in sums.iter().enumerate() {
+                for k in 0..d {
+                    let at = range.start + line * d + k;
+                    for l in 0..LANES {
+                        out.weights[at] += sum[l] * w(l, k);
+                        out.embeddings[drivers[l] * d + k] += sum[l] * weights[at];
+                    }
+                }
+            }
+        }
+    }
+}
+
+/// Goes back over the tape from the last step to the first.
+#[inline(always)]
+fn back(
+    world: &World,
+    network: &Styled<'_>,
+    batch: &Batch,
+    tape: &mut [Lanes],
+    errors: &[(Lanes, Lanes)],
+) -> Sums {
+    let (h, steps) = (world.layout.hidden, errors.len());
+    let mut sums = Sums::zero(h);
     let (mut d_first, mut d_second) = (vec![[0.0; LANES]; h], vec![[0.0; LANES]; h]);
     let (mut d_gap, mut d_speed) = ([0.0; LANES], [0.0; LANES]);
     for at in (0..steps).rev() {
-        let step = step_of(&mut tape, layout, at);
+        let step = step_of(tape, world.layout, at);
         let mut d_outputs = [[0.0; LANES]; OUTPUTS];
         for l in 0..LANES {
             let scale = 2.0 * batch.weights[l] / steps as f64;
@@ -247,77 +372,14 @@ fn there_and_back(world: &World, weights: &[f64], embeddings: &[f64], batch: &Ba
                 d_outputs[k][l] = back.outputs[k];
             }
         }
-        d_second.fill([0.0; LANES]);
-        for k in 0..OUTPUTS {
-            add(&mut last_sums[k], &d_outputs[k]);
-            for unit in 0..h {
-                add_product(
-                    &mut last_weights[k * h + unit],
-                    &d_outputs[k],
-                    &step.second[unit],
-                );
-                add_scaled(&mut d_second[unit], last[k * h + unit], &d_outputs[k]);
-            }
-        }
-        d_first.fill([0.0; LANES]);
-        for unit in 0..h {
-            through_softsign(&mut d_second[unit], &step.second[unit]);
-            add(&mut second_sums[unit], &d_second[unit]);
-            for from in 0..h {
-                add_product(
-                    &mut second_weights[unit * h + from],
-                    &d_second[unit],
-                    &step.first[from],
-                );
-                add_scaled(&mut d_first[from], second[unit * h + from], &d_second[unit]);
-            }
-        }
         let inputs = inputs(world, step.speed_mps);
-        let mut d_inputs = [[0.0; LANES]; INPUTS];
-        for unit in 0..h {
-            through_softsign(&mut d_first[unit], &step.first[unit]);
-            add(&mut first_sums[unit], &d_first[unit]);
-            for k in 0..INPUTS {
-                add_product(
-                    &mut first_weights[unit * INPUTS + k],
-                    &d_first[unit],
-                    &inputs[k],
-                );
-                add_scaled(&mut d_inputs[k], first[unit * INPUTS + k], &d_first[unit]);
-            }
-        }
+        let between = (&mut d_first[..], &mut d_second[..]);
+        let d_inputs = sums.add_step(network, &step, &inputs, &d_outputs, between);
         for l in 0..LANES {
             d_speed[l] += d_inputs[0][l] / world.scaling.speed_sd_mps;
         }
     }
-
-    let total = |lanes: &Lanes| lanes.iter().sum::<f64>();
-    let mut put = |range: std::ops::Range<usize>, sums: &[Lanes]| {
-        for (weight, sum) in out.weights[range].iter_mut().zip(sums) {
-            *weight = total(sum);
-        }
-    };
-    put(layout.first(), &first_weights);
-    put(layout.first_bias(), &first_sums);
-    put(layout.second(), &second_weights);
-    put(layout.second_bias(), &second_sums);
-    put(layout.last(), &last_weights);
-    put(layout.last_bias(), &last_sums);
-    for (range, sums) in [
-        (layout.style(), &first_sums[..]),
-        (layout.direct(), &last_sums[..]),
-    ] {
-        for (line, sum) in sums.iter().enumerate() {
-            for k in 0..d {
-                let at = range.start + line * d + k;
-                for l in 0..LANES {
-                    out.weights[at] += sum[l] * w(l, k);
-                    out.embeddings[batch.drivers[l] * d + k] += sum[l] * weights[at];
-                }
-            }
-        }
-    }
-    out
+    sums
 }
 
 #[inline(always)]

@@ -15,7 +15,7 @@ use crate::{error::IngestError, lane_centres::LaneShape};
 pub use columns::{Columns, RecordingMeta};
 use maveric_domain::{Road, nearest};
 pub use mcap::{McapMapping, MessageMapping, RigSigns, Tells, Topics, TwistFrame};
-pub use names::Names;
+pub use names::{Names, named_after};
 pub use sees::SeesMapping;
 use serde::{Deserialize, Serialize};
 pub(crate) use shipped_rigs::SHIPPED_RIGS;

@@ -111,6 +111,14 @@ pub(crate) fn meta_of(
     })
 }
 
+/// Whose drive a log is by its own name and its folder's; `None` where these do not say it, because a name does not fit the pattern or columns of
+/// the table say it.
+pub fn named_after(path: &Path, names: &Names) -> Option<DriveMeta> {
+    let mut warnings = Vec::new();
+    let meta = meta_of(path, Some(names), &[], &mut warnings).ok()?;
+    (warnings.is_empty() && names.columns.is_empty()).then_some(meta)
+}
+
 /// What stands in the places of the pattern of the folder's name; nothing without a pattern, none where it does not fit.
 fn in_folder<'a>(names: &'a Names, path: &'a Path) -> Option<Vec<(&'a str, &'a str)>> {
     match &names.folder {

@@ -1,15 +1,22 @@
 //! The objective measures: what a drive was like, one number each.
 
+mod cut_in;
 mod exposure;
 mod headway_merge_back;
 mod headway_time;
+mod jerk;
 mod lane_changes;
+mod lane_position_sd;
 mod left_lane_fraction;
+mod low_pass;
 mod mean_velocity;
 mod min_headway_distance;
+mod strongest_braking;
 #[cfg(test)]
 pub(crate) mod testing;
 mod time_gap;
+mod time_gap_following;
+mod time_to_collision;
 
 pub use exposure::{Comparable, Exposure, comparable};
 pub use time_gap::median_time_gap_s;
@@ -123,22 +130,32 @@ static ALL: [Measure; 7] = [
     left_lane_fraction::MEASURE,
 ];
 
-/// Other readings of the paper's definitions, for comparison.
-static ALTERNATIVES: [Measure; 1] = [min_headway_distance::TO_CHANGE];
+/// Measures beyond the method's: measured where a design names them.
+static FURTHER: [Measure; 9] = [
+    time_gap_following::MEASURE,
+    time_to_collision::LEAST,
+    time_to_collision::SHORT,
+    cut_in::GAP,
+    cut_in::TIME_TO_COLLISION,
+    lane_position_sd::MEASURE,
+    strongest_braking::MEASURE,
+    jerk::MEASURE,
+    min_headway_distance::TO_CHANGE,
+];
 
 /// The seven measures of the method (section 8), in its order.
 pub fn all() -> &'static [Measure] {
     &ALL
 }
 
-/// Other readings of a definition, by names of their own; not part of [`all`].
-pub fn alternatives() -> &'static [Measure] {
-    &ALTERNATIVES
+/// Measures beyond the method's, another reading of one of its definitions among them; not part of [`all`].
+pub fn further() -> &'static [Measure] {
+    &FURTHER
 }
 
-/// The measure of this code name, among [`all`] and [`alternatives`].
+/// The measure of this code name, among [`all`] and [`further`].
 pub fn find(name: &str) -> Option<&'static Measure> {
-    ALL.iter().chain(&ALTERNATIVES).find(|m| m.name == name)
+    ALL.iter().chain(&FURTHER).find(|m| m.name == name)
 }
 
 /// The seven measures of one drive, in the order of [`all`].
@@ -173,8 +190,8 @@ mod tests {
 
     #[test]
     fn every_measure_has_a_name_of_its_own_and_is_found_by_it() {
-        let names: BTreeSet<&str> = all().iter().chain(alternatives()).map(|m| m.name).collect();
-        assert_eq!(names.len(), 8);
+        let names: BTreeSet<&str> = all().iter().chain(further()).map(|m| m.name).collect();
+        assert_eq!(names.len(), 7 + 9);
         assert!(names.iter().all(|n| find(n).is_some()));
         assert!(find("mean_speed").is_none());
     }

@@ -277,7 +277,8 @@ impl Judge {
             Knows::Model(model) => match model.kind() {
                 HeadsKind::Linear => {
                     let fit = Personalizer::of_first(model, known_share)?.fit(drive, None)?;
-                    said(&Habits::new(model, &fit.embedding)?, unseen)
+                    let habits = Habits::new(model, &fit.embedding)?;
+                    said(&habits, drive.road().posted_speed_mps, unseen)
                 }
                 HeadsKind::Paper => {
                     let (paper, mean) = (model.paper()?, model.mean_embedding().coordinates());
@@ -310,8 +311,8 @@ fn long_enough(drive: &Drive, settings: &TrainSettings) -> Result<Option<Vec<Row
 
 /// What a driver's habits say of rows: the own gap while following, and the own free speed or, behind somebody nearer than that
 /// gap, theirs.
-fn said(habits: &Habits, rows: &[Row]) -> Vec<Said> {
-    let free_mps = habits.free_speed_mps();
+fn said(habits: &Habits, posted_mps: f64, rows: &[Row]) -> Vec<Said> {
+    let free_mps = habits.free_speed_mps(Some(posted_mps));
     let gap_m = |lead_mps: f64| Some(habits.following_gap_s(free_mps?, lead_mps)? * lead_mps);
     let of = |row: &Row| Said {
         following_distance_m: gap_m(row.lead_speed_mps),

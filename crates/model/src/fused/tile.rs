@@ -200,50 +200,60 @@ impl Tile {
         })
     }
 
+    /// Goes back through M to what it reads: the outputs of the predictors, the aggression and the embedding.
+    fn mutual_information_backward(&mut self, shared: &Shared<'_>, to: &mut Gradients<'_>) {
+        let (layout, columns) = (shared.layout, shared.roster.columns);
+        let through = Through {
+            shared,
+            rows: self.rows,
+            place: &self.place[..self.rows],
+        };
+        let head = &self.mutual_information;
+        through.backward(
+            &layout.mutual_information,
+            (
+                self.reads.columns(0),
+                &head.hidden,
+                head.by_output.columns(0),
+            ),
+            None,
+            Some((self.by_reads.columns_mut(0), ZERO)),
+            &mut self.scratch,
+            to,
+        );
+        let reads = layout.reads;
+        for row in 0..self.rows {
+            let by = self.by_reads.row(row);
+            let out = &mut self.following_distance.by_output;
+            out.row_mut(row)[0] += by[reads.following_distance];
+            self.velocity.by_output.row_mut(row)[0] += by[reads.speed];
+            let p = self.reads.row(row)[reads.probability];
+            let slope = by[reads.probability] * p * (1.0 - p);
+            let logits = self.lane_change.by_output.row_mut(row);
+            logits[0] -= slope;
+            logits[1] += slope;
+            let line = to.lines.row_mut(self.place[row] as usize);
+            line[columns.aggression] += by[reads.aggression];
+            let own = &self.by_target.row(row);
+            for (to, from) in line[columns.embedding..].iter_mut().zip(own.iter()) {
+                *to += from;
+            }
+        }
+    }
+
     /// Adds the gradients of what [`Self::forward`] computed.
     pub(crate) fn backward(&mut self, shared: &Shared<'_>, to: &mut Gradients<'_>) {
-        let layout = shared.layout;
-        let columns = shared.roster.columns;
+        let has_m = shared.weights.mutual_information > 0.0;
+        if has_m {
+            self.mutual_information_backward(shared, to);
+        }
+        let (layout, columns) = (shared.layout, shared.roster.columns);
         let through = Through {
             shared,
             rows: self.rows,
             place: &self.place[..self.rows],
         };
         let scratch = &mut self.scratch;
-        let has_m = shared.weights.mutual_information > 0.0;
-        if has_m {
-            let head = &self.mutual_information;
-            through.backward(
-                &layout.mutual_information,
-                (
-                    self.reads.columns(0),
-                    &head.hidden,
-                    head.by_output.columns(0),
-                ),
-                None,
-                Some((self.by_reads.columns_mut(0), ZERO)),
-                scratch,
-                to,
-            );
-            let reads = layout.reads;
-            for row in 0..self.rows {
-                let by = self.by_reads.row(row);
-                let out = &mut self.following_distance.by_output;
-                out.row_mut(row)[0] += by[reads.following_distance];
-                self.velocity.by_output.row_mut(row)[0] += by[reads.speed];
-                let p = self.reads.row(row)[reads.probability];
-                let slope = by[reads.probability] * p * (1.0 - p);
-                let logits = self.lane_change.by_output.row_mut(row);
-                logits[0] -= slope;
-                logits[1] += slope;
-                let line = to.lines.row_mut(self.place[row] as usize);
-                line[columns.aggression] += by[reads.aggression];
-                let own = &self.by_target.row(row);
-                for (to, from) in line[columns.embedding..].iter_mut().zip(own.iter()) {
-                    *to += from;
-                }
-            }
-        }
         let start = if has_m { Start::Add } else { ZERO };
         let head = &self.following_distance;
         through.backward(

@@ -24,6 +24,16 @@ pub enum Outcome {
     AtLeast(f64),
 }
 
+impl Outcome {
+    /// The same in a unit of which `factor` make one.
+    pub(crate) fn times(self, factor: f64) -> Self {
+        match self {
+            Self::Value(value) => Self::Value(factor * value),
+            Self::AtLeast(value) => Self::AtLeast(factor * value),
+        }
+    }
+}
+
 /// −ln of a likelihood as a function of η: value, slope, curvature (0 or more).
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub(crate) struct Loss {

@@ -30,10 +30,12 @@ fn free(drive: &Drive) -> Vec<Range<usize>> {
     blocks(drive, SETTLE_S, BLOCK_S, |row| on_free_road(drive, row))
 }
 
-/// Whether the driver keeps the right lane at `row` with nobody ahead, and not at the speed that the drive started with.
+/// Whether the driver keeps the right lane at `row` with nobody ahead, and not at the speed that the drive started with. Where nobody
+/// looked ahead, nobody knows.
 pub(super) fn on_free_road(drive: &Drive, row: usize) -> bool {
     let rows = drive.rows();
-    rows.time_s[row] >= rows.time_s[0] + FROM_S
+    drive.sees().ahead
+        && rows.time_s[row] >= rows.time_s[0] + FROM_S
         && !rows.lead_present[row]
         && rows.lane[row] == 0
         && rows.changing[row] == 0

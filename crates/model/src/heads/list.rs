@@ -5,6 +5,7 @@ use super::{
     head::{Event, Head},
     merge_back, move_out, pass, passing_speed,
 };
+use crate::posted::Posted;
 use maveric_domain::Drive;
 
 /// Where each head stands in [`HEADS`].
@@ -30,14 +31,20 @@ pub static HEADS: [Head; 6] = [
     passing_speed::HEAD,
 ];
 
-/// The events of every head in one drive, of which only those before `until_s` count; in the order of [`HEADS`].
-pub fn events_of(drive: &Drive, until_s: f64) -> Vec<Vec<Event>> {
+/// The events of every head in one drive, of which only those before `until_s` count; in the order of [`HEADS`]. A free speed is read
+/// as a model reads it that learned where this was `posted`; in m/s without.
+pub fn events_of(drive: &Drive, until_s: f64, posted: Option<&Posted>) -> Vec<Vec<Event>> {
     let of = |head: &Head| {
         let mut events = (head.events)(drive);
         events.retain(|e| e.time_s < until_s && e.z().all(f64::is_finite));
         events
     };
-    HEADS.iter().map(of).collect()
+    let mut events: Vec<Vec<Event>> = HEADS.iter().map(of).collect();
+    let factor = posted.map_or(1.0, |p| p.factor(drive.road().posted_speed_mps));
+    for event in &mut events[at::FREE_SPEED] {
+        event.outcome = event.outcome.times(factor);
+    }
+    events
 }
 
 #[cfg(test)]
@@ -54,7 +61,7 @@ mod tests {
             time_gap_s: 2.0,
             passes: true,
         };
-        let events = events_of(&drive_apart("P01", &habits, 600.0), f64::INFINITY);
+        let events = events_of(&drive_apart("P01", &habits, 600.0), f64::INFINITY, None);
         let middle = |head: usize| {
             let values = events[head].iter().map(|e| match e.outcome {
                 Outcome::Value(v) | Outcome::AtLeast(v) => v,
@@ -94,7 +101,7 @@ mod tests {
         let drive = drive_apart("P01", &habits, 600.0);
         let shown = |sees: &str| -> Vec<bool> {
             let drive = drive.clone().seen_by(sees.parse().unwrap());
-            let events = events_of(&drive, f64::INFINITY);
+            let events = events_of(&drive, f64::INFINITY, None);
             events.iter().map(|e| !e.is_empty()).collect()
         };
         assert_eq!(shown("ahead beside behind lanes"), [true; 6]);
@@ -104,8 +111,12 @@ mod tests {
         assert_eq!(shown("ahead beside lanes"), camera);
         let pair = [true, true, false, false, false, false];
         assert_eq!(shown("ahead"), pair);
-        let whole = events_of(&drive, f64::INFINITY);
-        let seen = events_of(&drive.clone().seen_by(Sees::ALL), f64::INFINITY);
+        // Whoever does not look ahead does not know that the road is free.
+        for blind in ["nothing", "lanes", "behind", "beside behind lanes"] {
+            assert_eq!(shown(blind), [false; 6], "{blind}");
+        }
+        let whole = events_of(&drive, f64::INFINITY, None);
+        let seen = events_of(&drive.clone().seen_by(Sees::ALL), f64::INFINITY, None);
         assert_eq!(whole, seen);
     }
 
@@ -116,13 +127,13 @@ mod tests {
             time_gap_s: 1.5,
             passes: false,
         };
-        let events = events_of(&drive_apart("P01", &habits, 300.0), f64::INFINITY);
+        let events = events_of(&drive_apart("P01", &habits, 300.0), f64::INFINITY, None);
         assert!(events[at::MOVE_OUT].is_empty() && events[at::MERGE_BACK].is_empty());
         let stayed = events[at::PASS]
             .iter()
             .all(|e| e.outcome == Outcome::Value(0.0));
         assert!(stayed);
-        let first = events_of(&drive_apart("P01", &habits, 300.0), 60.0);
+        let first = events_of(&drive_apart("P01", &habits, 300.0), 60.0, None);
         assert!(first.iter().flatten().all(|e| e.time_s < 60.0));
     }
 }

@@ -89,7 +89,9 @@ fn reading(which: usize, head: &FittedHead, events: &[Event]) -> Option<Reading>
         let (value, slope, curvature) = at(deviation);
         let gradient = slope + prior * deviation;
         let step = -gradient / (curvature + prior);
-        if step.abs() < 1e-10 * (1.0 + deviation.abs()) {
+        // Newton's next error is the square of this one; nearer, rounding alone decides whether a step helps.
+        if step.abs() < 1e-8 * (1.0 + deviation.abs()) {
+            deviation += step;
             break;
         }
         let total = |value: f64, x: f64| value + 0.5 * prior * x * x;

@@ -14,6 +14,7 @@ use crate::{
     error::{ModelError, ModelWarning},
     model::{Heads, LinearHeads, Model, ModelParts, TrainingEmbedding},
     params::TrainSettings,
+    posted::Posted,
     training_report::{Trained, TrainingReport},
 };
 use maveric_domain::{AdbScore, Drive, Embedding, ParticipantId};
@@ -32,7 +33,7 @@ pub(crate) fn habits_of(
     settings: &TrainSettings,
 ) -> (Vec<FittedHead>, Population) {
     let shown = |t: &TrainingDrive<'_>| {
-        let events = events_of(t.drive, length_s(t.drive, settings.fit_fraction));
+        let events = events_of(t.drive, length_s(t.drive, settings.fit_fraction), None);
         let owner = t.drive.meta().participant.as_str();
         let shows = events.iter().any(|e| !e.is_empty());
         shows.then(|| (owner.to_owned(), events))
@@ -51,12 +52,13 @@ pub(crate) fn train_heads(
     seed: u64,
 ) -> Result<Trained, ModelError> {
     let d = settings.embedding_size;
+    let posted = Posted::learn(given.iter().map(|t| t.drive), settings.free_speed);
     let mut warnings = Vec::new();
     let mut used: Vec<&TrainingDrive<'_>> = Vec::new();
     let mut events: Vec<DriveEvents> = Vec::new();
     for drive in given {
         let until_s = length_s(drive.drive, settings.fit_fraction);
-        let shown = events_of(drive.drive, until_s);
+        let shown = events_of(drive.drive, until_s, posted.as_ref());
         if shown.iter().all(Vec::is_empty) {
             warnings.push(ModelWarning::NoHabits {
                 drive: drive.drive.meta().drive.clone(),
@@ -111,6 +113,7 @@ pub(crate) fn train_heads(
     let model = Model::try_from(ModelParts {
         embedding_size: d,
         population: Some(population),
+        posted,
         training,
         days: None,
         heads: Heads::Linear(LinearHeads {

@@ -37,6 +37,8 @@ pub struct Personalized {
     /// How well the people learned from explain the drive, before any style; `None` where it shows no habit, and for a model of
     /// before there was support.
     pub support: Option<Support>,
+    /// Whether what is posted lies outside what was posted for those learned from: a free speed is then compared across limits.
+    pub posted_unseen: bool,
     /// Whether an ADB score was read too. With it, position on the aggression line and ADB agree in part by construction.
     pub used_adb: bool,
 }
@@ -133,7 +135,7 @@ impl<'a> Personalizer<'a> {
         let support = match &shown {
             Shown::Events(events) => self.model.support(events),
             Shown::Rows(_) => {
-                let events = events_of(drive, length_s(drive, self.share));
+                let events = self.events(drive, self.share);
                 self.model.support(&events)
             }
         };
@@ -144,6 +146,8 @@ impl<'a> Personalizer<'a> {
             covariance: (!posterior.covariance.is_empty()).then_some(posterior.covariance),
             readings,
             support,
+            posted_unseen: (self.model.posted())
+                .is_some_and(|p| p.unseen(drive.road().posted_speed_mps)),
             used_adb: adb.is_some(),
             embedding,
         })
@@ -181,10 +185,14 @@ impl<'a> Personalizer<'a> {
         })
     }
 
+    fn events(&self, drive: &Drive, fraction: f64) -> Vec<Vec<Event>> {
+        events_of(drive, length_s(drive, fraction), self.model.posted())
+    }
+
     /// What the first share of a drive shows.
     pub(crate) fn shown(&self, drive: &Drive, fraction: f64) -> Result<Shown, ModelError> {
         Ok(match self.model.heads() {
-            Heads::Linear(_) => Shown::Events(events_of(drive, length_s(drive, fraction))),
+            Heads::Linear(_) => Shown::Events(self.events(drive, fraction)),
             Heads::Paper(paper) => Shown::Rows(rows_of(drive, &paper.row_settings(), fraction)?),
         })
     }

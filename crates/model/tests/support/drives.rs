@@ -49,15 +49,26 @@ pub(crate) fn drive(name: &str, habits: &Habits, seconds: f64) -> Drive {
 
 /// As [`drive`], with free road between one car and the next.
 pub(crate) fn drive_apart(name: &str, habits: &Habits, seconds: f64) -> Drive {
-    driven(RATE_HZ, name, habits, seconds, 30.0)
+    drive_apart_on(Road::PAPER, name, habits, seconds)
+}
+
+/// As [`drive_apart`], on this road.
+pub(crate) fn drive_apart_on(road: Road, name: &str, habits: &Habits, seconds: f64) -> Drive {
+    driven((road, RATE_HZ), name, habits, seconds, 30.0)
 }
 
 /// As [`drive`], with that many rows a second.
 pub(crate) fn drive_at(rate_hz: f64, name: &str, habits: &Habits, seconds: f64) -> Drive {
-    driven(rate_hz, name, habits, seconds, 0.0)
+    driven((Road::PAPER, rate_hz), name, habits, seconds, 0.0)
 }
 
-fn driven(rate_hz: f64, name: &str, habits: &Habits, seconds: f64, apart_s: f64) -> Drive {
+fn driven(
+    (road, rate_hz): (Road, f64),
+    name: &str,
+    habits: &Habits,
+    seconds: f64,
+    apart_s: f64,
+) -> Drive {
     let dt = 1.0 / rate_hz;
     let rows = (seconds * rate_hz) as usize;
     let (mut x, mut y, mut v) = (0.0_f64, 0.0_f64, habits.speed_mps);
@@ -144,7 +155,7 @@ fn driven(rate_hz: f64, name: &str, habits: &Habits, seconds: f64, apart_s: f64)
         }
     }
     let segment = vec![0; rows];
-    let recording = Recording::new(Road::PAPER, rate_hz, time_s, segment, ego, others).unwrap();
+    let recording = Recording::new(road, rate_hz, time_s, segment, ego, others).unwrap();
     let meta = DriveMeta {
         drive: DriveId::new(format!("{name}-own")).unwrap(),
         participant: ParticipantId::new(name).unwrap(),

@@ -143,15 +143,19 @@ impl StudyPage<'_> {
         self.methods.with(&values).text("questionnaire")
     }
 
-    /// The definition of every objective measure that is an outcome.
+    /// The definition of every measure that is an outcome.
     fn measures(&self) -> Result<Vec<String>, ReportError> {
-        let panels = self.analysis.panels.iter().filter(|p| p.group.is_none());
-        let known = panels.filter_map(|p| Some((p, objective::find(&p.outcome)?)));
-        let said = known.map(|(panel, measure)| {
-            let values =
-                context! { title => panel.title.as_str(), description => measure.description };
-            self.methods.with(&values).text("measure")
-        });
-        said.collect()
+        let mut said = Vec::new();
+        for panel in self.analysis.panels.iter().filter(|p| p.group.is_none()) {
+            if let Some(own) = self.design.measure(&panel.outcome) {
+                let values = context! { title => own.title.as_str(), unit => own.shown_unit() };
+                said.push(self.methods.with(&values).text("own_measure")?);
+            } else if let Some(measure) = objective::find(&panel.outcome) {
+                let values =
+                    context! { title => panel.title.as_str(), description => measure.description };
+                said.push(self.methods.with(&values).text("measure")?);
+            }
+        }
+        Ok(said)
     }
 }

@@ -2,6 +2,8 @@
 
 #![allow(dead_code, reason = "each example uses what it needs of it")]
 
+pub(crate) mod errors;
+
 use maveric_domain::{
     AdbScore, Design, DomainError, Drive, DriveId, DriveMeta, DrivenBy, Moment, Scale, stream_seed,
 };

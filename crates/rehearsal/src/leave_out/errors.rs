@@ -1,13 +1,13 @@
 //! Do standard errors hold? Two drives of one person in one role, each coordinate of the style in units of what both leave open.
 
-use super::{Drove, Styles, driven, people};
+use super::{By, Drove, Missing, Styles, Uncounted, order::twice, people};
 use crate::validation::Known;
 use maveric_domain::ConditionId;
 use nalgebra::{DMatrix, DVector};
 use serde::Serialize;
 
 /// How many coordinates lie within so many standard errors; of so few people there is no verdict.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize)]
 pub struct ErrorShare {
     /// Pairs of drives.
     pub pairs: usize,
@@ -17,6 +17,8 @@ pub struct ErrorShare {
     pub within_1: usize,
     /// Within two; 95.4 % are expected.
     pub within_2: usize,
+    /// Whoever cannot be counted.
+    pub uncounted: Vec<Uncounted>,
 }
 
 /// Counts over everybody's first two drives in each of the roles; `folds` in the order of [`people`], styles fitted without a score.
@@ -30,13 +32,35 @@ pub fn errors_that_hold(
     let mut share = ErrorShare::default();
     for (who, styles) in people(drives).iter().zip(folds) {
         for role in roles {
-            let [first, second, ..] = driven(drives, who, *role)[..] else {
-                continue;
+            let mut miss = |why| {
+                share.uncounted.push(Uncounted {
+                    participant: who.clone(),
+                    why,
+                });
             };
-            let Some((first, second)) = styles[first].as_ref().zip(styles[second].as_ref()) else {
-                continue;
+            let (first, second) = match twice(drives, who, *role) {
+                Ok(both) => both,
+                Err(why) => {
+                    miss(why);
+                    continue;
+                }
             };
-            let ratios = ratios(first, second, prior);
+            let ratios = match (&styles[first], &styles[second]) {
+                (Some(first), Some(second)) => ratios(first, second, prior),
+                _ => Vec::new(),
+            };
+            if ratios.is_empty() {
+                // The first drive that shows nothing; the second where both leave a style, of which it says nothing.
+                let blank = if styles[first].is_none() {
+                    first
+                } else {
+                    second
+                };
+                miss(Missing::Reading {
+                    drive: drives[blank].drive.clone(),
+                    by: By::Line,
+                });
+            }
             share.pairs += usize::from(!ratios.is_empty());
             share.coordinates += ratios.len();
             let within = |k: f64| ratios.iter().filter(|r| r.abs() <= k).count();
@@ -110,7 +134,14 @@ mod tests {
         let found = errors_that_hold(&drives, &vec![styles; 6], &[role], false);
         assert_eq!((found.pairs, found.coordinates), (6, 6));
         assert_eq!((found.within_1, found.within_2), (3, 5));
-        let none = errors_that_hold(&six(), &vec![vec![None; 12]; 6], &[role], true);
-        assert_eq!(none, ErrorShare::default());
+        assert!(found.uncounted.is_empty());
+        // Whoever drove once, and whose drive shows nothing, is named.
+        let once = errors_that_hold(&six(), &vec![vec![None; 12]; 6], &[role], true);
+        assert_eq!((once.pairs, once.coordinates), (0, 0));
+        let why: Vec<&Missing> = once.uncounted.iter().map(|u| &u.why).collect();
+        assert_eq!(why, [&Missing::Second { role }; 6]);
+        let blank = errors_that_hold(&drives, &vec![vec![None; 12]; 6], &[role], true);
+        assert_eq!((blank.pairs, blank.uncounted.len()), (0, 6));
+        assert!(blank.uncounted[0].why.to_string().contains("no habit"));
     }
 }

@@ -83,6 +83,13 @@ pub enum Missing {
         /// By what it would be read.
         by: By,
     },
+    /// One of their two drives has no value of these measures; in the others they are counted.
+    Measures {
+        /// What the measures are called.
+        measures: Vec<String>,
+    },
+    /// Nothing that changes was measured in both of their drives and in both of the car's.
+    Change,
 }
 
 impl fmt::Display for Missing {
@@ -97,6 +104,16 @@ impl fmt::Display for Missing {
                     By::TimeGap => "no vehicle ahead, so no time gap",
                 };
                 write!(f, "drive {drive} shows {what}")
+            }
+            Self::Measures { measures } => {
+                let measures = measures.join(", ").to_lowercase();
+                write!(
+                    f,
+                    "no {measures} in one of the two drives, counted in the rest"
+                )
+            }
+            Self::Change => {
+                f.write_str("no change that was measured in their drives and in the car's")
             }
         }
     }
@@ -115,6 +132,18 @@ fn driven(drives: &[Drove], who: &ParticipantId, role: ConditionId) -> Vec<usize
     let theirs = |(_, d): &(usize, &Drove)| d.participant == *who && d.role == role;
     let all = drives.iter().enumerate();
     all.filter(theirs).map(|(place, _)| place).collect()
+}
+
+/// Standard errors to either side of an interval that a true difference lies in about 95 times of 100.
+const REACH: f64 = 2.0;
+
+/// Whether a wrong order is not what the standard error lets expect: the interval of its difference does not hold 0. Where no standard
+/// error is known nobody can say so.
+fn wrong_and_sure(wrong: bool, difference: Option<f64>, se: Option<f64>) -> bool {
+    wrong
+        && difference
+            .zip(se)
+            .is_some_and(|(d, se)| d.abs() > REACH * se)
 }
 
 /// Mean and SD between people of a value over everybody but `who`, the SD within roles and pooled over them; none where no role has
@@ -210,7 +239,12 @@ mod tests {
                 by: By::TimeGap,
             }
             .to_string(),
+            Missing::Measures {
+                measures: vec!["Mean speed".to_owned(), "Smallest gap".to_owned()],
+            }
+            .to_string(),
         ];
+        assert!(said[3].starts_with("no mean speed, smallest gap in one of the two drives"));
         assert_eq!(said[0], "no drive in the role `sporty`");
         assert_eq!(said[1], "one drive in the role `sporty`, expected two");
         assert!(said[2].contains("P1-calm") && said[2].contains("vehicle ahead"));

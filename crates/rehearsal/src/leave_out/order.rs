@@ -99,6 +99,13 @@ pub struct PersonOrder {
     pub time_gap_s: Option<f64>,
 }
 
+impl PersonOrder {
+    /// Whether the order is wrong on the line, and its standard error does not cover that.
+    pub fn wrong_and_sure(&self) -> bool {
+        super::wrong_and_sure(self.right == Some(false), self.line, self.line_se)
+    }
+}
+
 /// What became of an order that was asked for.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Order {

@@ -1,6 +1,6 @@
 //! How alike are two drives of one person in one role? Within-person spread and ICC(2,1), measure by measure.
 
-use super::{Drove, Line, Uncounted, between_people, order::twice, people};
+use super::{By, Drove, Line, Missing, Uncounted, between_people, order::twice, people};
 use crate::error::RehearsalError;
 use maveric_domain::ConditionId;
 use maveric_stats::{Icc, icc, sd_interval};
@@ -42,7 +42,7 @@ pub struct Retest {
 
 /// Compares everybody's first two drives in a role: by `measured`, and by the position on the line and the score, each read by the model
 /// that has not met the driver. Positions are put into the spread between the people learned from, so that those of several models mean
-/// the same. Gives also whoever drove only once.
+/// the same. Gives also whoever drove only once, or lacks something in one of the two drives.
 ///
 /// # Errors
 /// [`RehearsalError::Stats`] for a value that is not finite.
@@ -69,6 +69,34 @@ pub fn retest(
         let (centre, sd) = between_people(drives, &line.position, &everybody[who])?;
         Some((line.position[drive]? - centre) / sd)
     };
+    for &(who, first, second) in &pairs {
+        let mut miss = |why| {
+            uncounted.push(Uncounted {
+                participant: everybody[who].clone(),
+                why,
+            });
+        };
+        let lacks = |of: &&Repeated<'_>| of.values[first].is_none() || of.values[second].is_none();
+        let measures: Vec<String> = measured
+            .iter()
+            .filter(lacks)
+            .map(|of| of.title.to_owned())
+            .collect();
+        if !measures.is_empty() {
+            miss(Missing::Measures { measures });
+        }
+        let line = lines.get(who).and_then(Option::as_ref);
+        let off_the_line = line.and_then(|line| {
+            let mut both = [first, second].into_iter();
+            both.find(|&drive| line.position[drive].is_none())
+        });
+        if let Some(drive) = off_the_line {
+            miss(Missing::Reading {
+                drive: drives[drive].drive.clone(),
+                by: By::Line,
+            });
+        }
+    }
     let score = |who: usize, drive: usize| lines.get(who)?.as_ref()?.score[drive];
     let mut found = Vec::new();
     for of in measured {
@@ -144,7 +172,14 @@ mod tests {
         let lines = vec![Some(line); 6];
         let (found, uncounted) = retest(&drives, role, &measured, &lines).unwrap();
         let speed = &found[0];
-        assert_eq!((speed.n, uncounted.len()), (5, 1));
+        let why = |who: &str| {
+            let theirs = uncounted.iter().filter(|u| u.participant.as_str() == who);
+            theirs.map(|u| u.why.clone()).collect::<Vec<_>>()
+        };
+        assert_eq!((speed.n, uncounted.len()), (5, 6));
+        assert_eq!(why("P9"), [Missing::Second { role }]);
+        let measures = vec!["gap".to_owned()];
+        assert_eq!(why("P0"), [Missing::Measures { measures }]);
         let sd = speed.within_sd.unwrap();
         assert!((sd - 0.4 / 2.0_f64.sqrt()).abs() < 1e-12);
         let (low, high) = speed.within_interval.unwrap();

@@ -1,5 +1,6 @@
 //! What a model that was learned elsewhere says of people, and whether it says that it has met nobody like them.
 
+use super::Uncounted;
 use crate::error::RehearsalError;
 use maveric_domain::ParticipantId;
 use maveric_stats::{Proportion, proportion_exact};
@@ -12,6 +13,8 @@ pub struct ShippedPerson {
     pub participant: ParticipantId,
     /// On its line, the drive in the higher role less the ordinary one; none where one of them shows nothing.
     pub line: Option<f64>,
+    /// Its standard error, the drives taken as independent; none where one of them leaves none.
+    pub line_se: Option<f64>,
     /// Whether the ordinary drive is beyond what the model has met; none where it cannot say.
     pub ordinary_beyond: Option<bool>,
     /// Whether the other one is.
@@ -26,6 +29,12 @@ impl ShippedPerson {
             (Some(false), Some(false)) => Some(false),
             _ => None,
         }
+    }
+
+    /// Whether the order is wrong, neither drive is known to be beyond, and the standard error does not cover it.
+    fn wrong_and_sure(&self) -> bool {
+        let wrong = self.line.is_some_and(|line| line <= 0.0) && self.beyond() != Some(true);
+        super::wrong_and_sure(wrong, self.line, self.line_se)
     }
 }
 
@@ -50,15 +59,26 @@ pub struct Shipped {
     pub ordinary_beyond: usize,
     /// Their share, with Clopper and Pearson's interval; none without such drives.
     pub share: Option<Proportion>,
+    /// Whose order is wrong though nothing was said of it: neither drive is known to be beyond, and the interval of two standard errors
+    /// does not hold 0.
+    pub wrong_and_sure: Vec<ParticipantId>,
+    /// People whom the model learned from; none where it does not say.
+    pub people_learned_from: Option<usize>,
     /// Person by person.
     pub people: Vec<ShippedPerson>,
+    /// Whoever cannot be counted.
+    pub uncounted: Vec<Uncounted>,
 }
 
-/// Counts people by whether they are read right and whether they are beyond.
+/// Counts people by whether they are read right and whether they are beyond, by a model that learned from so many people.
 ///
 /// # Errors
 /// [`RehearsalError::Stats`] where an interval has no ends.
-pub fn shipped(people: Vec<ShippedPerson>) -> Result<Shipped, RehearsalError> {
+pub fn shipped(
+    people: Vec<ShippedPerson>,
+    people_learned_from: Option<usize>,
+    uncounted: Vec<Uncounted>,
+) -> Result<Shipped, RehearsalError> {
     let count = |right: bool, beyond: Option<bool>| {
         let of = |p: &&ShippedPerson| {
             p.line.is_some_and(|line| (line > 0.0) == right) && p.beyond() == beyond
@@ -80,7 +100,14 @@ pub fn shipped(people: Vec<ShippedPerson>) -> Result<Shipped, RehearsalError> {
         ordinary: said.len(),
         ordinary_beyond,
         share,
+        wrong_and_sure: people
+            .iter()
+            .filter(|p| p.wrong_and_sure())
+            .map(|p| p.participant.clone())
+            .collect(),
+        people_learned_from,
         people,
+        uncounted,
     })
 }
 
@@ -94,19 +121,20 @@ mod tests {
             |line: Option<f64>, ordinary: Option<bool>, higher: Option<bool>| ShippedPerson {
                 participant: ParticipantId::new("P").unwrap(),
                 line,
+                line_se: None,
                 ordinary_beyond: ordinary,
                 higher_beyond: higher,
             };
         let (yes, no) = (Some(true), Some(false));
-        let found = shipped(vec![
+        let people = vec![
             person(Some(0.5), no, no),
             person(Some(0.5), no, yes),
             person(Some(-0.5), yes, None),
             person(Some(0.0), no, no),
             person(Some(0.2), no, None),
             person(None, yes, yes),
-        ])
-        .unwrap();
+        ];
+        let found = shipped(people, Some(30), Vec::new()).unwrap();
         assert_eq!(
             (
                 found.n,
@@ -118,7 +146,32 @@ mod tests {
         );
         assert_eq!((found.wrong_within, found.wrong_beyond), (1, 1));
         assert_eq!((found.ordinary, found.ordinary_beyond), (6, 2));
-        let none = shipped(Vec::new()).unwrap();
+        assert!(
+            found.wrong_and_sure.is_empty(),
+            "no standard error is known"
+        );
+        let none = shipped(Vec::new(), None, Vec::new()).unwrap();
         assert_eq!((none.n, none.share), (0, None));
+    }
+
+    #[test]
+    fn a_wrong_order_is_named_where_neither_support_nor_its_standard_error_covers_it() {
+        let person = |name: &str, line: f64, line_se: f64, beyond: Option<bool>| ShippedPerson {
+            participant: ParticipantId::new(name).unwrap(),
+            line: Some(line),
+            line_se: Some(line_se),
+            ordinary_beyond: beyond,
+            higher_beyond: beyond,
+        };
+        let people = vec![
+            person("right", 0.9, 0.1, Some(false)),
+            person("covered", -0.9, 0.5, Some(false)),
+            person("sure", -0.9, 0.4, Some(false)),
+            person("told", -0.9, 0.1, Some(true)),
+            person("unknown", -0.9, 0.1, None),
+        ];
+        let found = shipped(people, None, Vec::new()).unwrap();
+        let named: Vec<&str> = found.wrong_and_sure.iter().map(|p| p.as_str()).collect();
+        assert_eq!(named, ["sure", "unknown"]);
     }
 }

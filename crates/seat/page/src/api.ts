@@ -9,14 +9,16 @@ export type Step =
   | { kind: "ride"; condition: string; number: number; seconds: number; seed: string; style: "own" | "mean"; points: number; stretch: number; turns: number | null }
   | { kind: "thanks"; text: string; code: string | null };
 
-export interface Fit { embedding: number[]; covariance: number[] | null; score: number | null; readings: number }
+/// `beyond`: why the drive is beyond what the model has learned from, such as `scale` or `style:pass`; left out where it is not.
+export interface Fit { embedding: number[]; covariance: number[] | null; score: number | null; readings: number; beyond?: string }
 
 /// Where the eyes are (m above the road), how much they see upwards and downwards (degrees), on one screen or three, the outer ones
 /// turned by so much.
 export interface ViewSettings { eye_m: number; field_deg: number; screens: number; side_deg: number }
 
-/// One's own style beside those of the others (lowest first), in points that the model reads.
-export interface Styles { own: number; others: number[]; sportier_up: boolean }
+/// One's own style beside those of the others (lowest first), in points that the model reads; `own` is null of a drive beyond what it
+/// has learned from.
+export interface Styles { own: number | null; others: number[]; sportier_up: boolean }
 
 /// Until when (`2026-12-31`; null: always) somebody can take back what they gave, whether it is so today, and what no deletion calls back.
 export interface Withdrawal { until: string | null; open: boolean; lasting: string }

@@ -19,7 +19,7 @@ const element = (id: string): HTMLElement => document.getElementById(id) as HTML
 export interface Wanted {
   state: api.State; step: number; attempt: number;
   /// Who drives: a person by these means, or a model.
-  ride: { model: PageModel; own: Float64Array; points: number; stretch: number; turns: number | null } | null;
+  ride: { model: PageModel; own: Float64Array; beyond: string | null; points: number; stretch: number; turns: number | null } | null;
   seconds: number; seed: string;
   /// What is said above the speed, at first.
   hint: string;
@@ -92,6 +92,7 @@ export async function run(wanted: Wanted, learn: PageModel | null): Promise<stri
   const hidden = (): void => drive.note(document.hidden ? "hidden" : "shown");
   document.addEventListener("visibilitychange", hidden);
   if (!ride) drive.note(`device: ${controls.device(means)}`);
+  if (ride?.beyond) drive.note(`beyond: ${ride.beyond}`);
   const plugged = (event: GamepadEvent): void => drive.note(`${event.type === "gamepadconnected" ? "plugged in" : "unplugged"}: ${controls.named(event.gamepad)}`);
   addEventListener("gamepadconnected", plugged);
   addEventListener("gamepaddisconnected", plugged);

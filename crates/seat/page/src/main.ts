@@ -53,7 +53,8 @@ async function drives(state: api.State, step: api.Step & { kind: "practice" | "d
     const fitted = state.fit && Float64Array.from(state.fit.embedding);
     const own = step.style === "mean" ? learned.mean() : fitted;
     if (!own) throw new Error("no style was learned of the drive by hand");
-    wanted.ride = { model: learned, own, points: step.points, stretch: step.stretch, turns: step.turns };
+    const beyond = (step.style === "own" && state.fit?.beyond) || null;
+    wanted.ride = { model: learned, own, beyond, points: step.points, stretch: step.stretch, turns: step.turns };
   }
   const fit = await run(wanted, step.kind === "drive" ? learned : null);
   if (fit) await keeper.keepFit(fit);

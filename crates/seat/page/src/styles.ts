@@ -20,6 +20,10 @@ function draw<K extends keyof SVGElementTagNameMap>(tag: K, attributes: Record<s
 
 /// A line from calmer to sportier with a ring for each of the others and a mark for oneself; the same in words above it.
 export function styles({ own, others, sportier_up }: Styles): HTMLElement[] {
+  const title = make("h2", ["Your style and the others’"]);
+  if (own === null) {
+    return [title, make("p", ["The model of this study has not met anybody who drives like you, so it cannot place your driving among that of the others."])];
+  }
   const towards = (points: number): number => (sportier_up ? points : -points);
   const all = [...others, own].map(towards);
   const [low, high] = [Math.min(...all), Math.max(...all)];
@@ -43,5 +47,5 @@ export function styles({ own, others, sportier_up }: Styles): HTMLElement[] {
   if (at(own) < EDGE + 70) picture.querySelectorAll("text")[1]?.remove();
   if (at(own) > WIDTH - EDGE - 80) [...picture.querySelectorAll("text")].at(-1)?.remove();
   const figure = make("figure", [picture]);
-  return [make("h2", ["Your style and the others’"]), make("p", [words]), figure];
+  return [title, make("p", [words]), figure];
 }

@@ -251,7 +251,7 @@ mod tests {
         let rule = ControllerSettings {
             reaction_s: 0.5,
             reaction_acceleration_mps2: 2.0,
-            ..AT_ONCE
+            ..AT_ONCE.clone()
         };
         let safe_m = 0.5 * 20.5 + (441.0 - 400.0) / 16.0;
         for (share, driven_up_to, expected) in [

@@ -83,8 +83,9 @@ fn below_threshold(
 mod tests {
     use super::*;
     use crate::testing::AT_ONCE;
+    use std::sync::LazyLock;
 
-    const ASKED: ControllerSettings = ControllerSettings::PAPER;
+    static ASKED: LazyLock<ControllerSettings> = LazyLock::new(ControllerSettings::default);
 
     fn paper() -> ControllerSettings {
         ASKED.literal()
@@ -108,7 +109,7 @@ mod tests {
         };
         let kept = kept_distance_m(&ASKED, 0.0, 30.0, lead);
         assert!((kept - safety::safe_distance_m(&ASKED, 30.0, 28.0) - 2.0).abs() < 1e-12);
-        for settings in [ASKED, paper()] {
+        for settings in [ASKED.clone(), paper()] {
             assert!(following_acceleration(&settings, 0.0, 30.0, lead, 2.0) < 0.0);
         }
     }
@@ -119,7 +120,7 @@ mod tests {
             gap_m: 14.9,
             speed_mps: 10.0,
         };
-        for settings in [ASKED, paper()] {
+        for settings in [ASKED.clone(), paper()] {
             let near = ControllerSettings {
                 following_threshold_m: 30.0,
                 ..settings

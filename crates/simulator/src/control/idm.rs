@@ -38,7 +38,7 @@ mod tests {
     fn wanted(gap_m: f64, ego_mps: f64, cruise_mps2: f64) -> f64 {
         let settings = ControllerSettings {
             following_rule: FollowingRule::Idm,
-            ..AT_ONCE
+            ..AT_ONCE.clone()
         };
         let lead = Lead {
             gap_m,

@@ -91,8 +91,9 @@ mod tests {
     use super::*;
     use crate::testing::{AT_ONCE, other, scene};
     use maveric_domain::{VehicleId, VehicleState};
+    use std::sync::LazyLock;
 
-    const SETTINGS: ControllerSettings = ControllerSettings::PAPER;
+    static SETTINGS: LazyLock<ControllerSettings> = LazyLock::new(ControllerSettings::default);
 
     fn lead(gap_m: f64, speed_mps: f64) -> Neighbour {
         let vehicle = VehicleState {

@@ -50,8 +50,9 @@ impl DrivingUp {
 mod tests {
     use super::*;
     use maveric_domain::VehicleState;
+    use std::sync::LazyLock;
 
-    const SETTINGS: ControllerSettings = ControllerSettings::PAPER;
+    static SETTINGS: LazyLock<ControllerSettings> = LazyLock::new(ControllerSettings::default);
 
     fn lead(id: u32, gap_m: f64, speed_mps: f64) -> Neighbour {
         let vehicle = VehicleState {

@@ -63,7 +63,7 @@ mod tests {
 
     #[test]
     fn at_thirty_metres_per_second_it_is_the_eighteen_metres_of_calibration() {
-        let settings = ControllerSettings::PAPER;
+        let settings = ControllerSettings::default();
         let bare = safe_distance_m(&settings, 30.0, 30.0);
         // Reacting 0.3 · 30.15, stopping 30.3² / 14, less the other's 30² / 16.
         assert!((bare - (9.045 + 918.09 / 14.0 - 56.25)).abs() < 1e-9);
@@ -73,14 +73,14 @@ mod tests {
 
     #[test]
     fn a_vehicle_that_draws_away_needs_the_margin_only() {
-        let settings = ControllerSettings::PAPER;
+        let settings = ControllerSettings::default();
         let d = safe_distance(&settings, MetresPerSecond(20.0), MetresPerSecond(35.0));
         assert!((d.0 - settings.margin_m).abs() < 1e-12);
     }
 
     #[test]
     fn sideways_both_react_and_both_brake() {
-        let settings = ControllerSettings::PAPER;
+        let settings = ControllerSettings::default();
         let (one, other) = (MetresPerSecond(1.0), MetresPerSecond(0.5));
         let found = lateral_safe_distance(&settings, one, other).0;
         // Within 0.3 s they are 0.06 m/s faster; then each brakes by 0.8 m/s².

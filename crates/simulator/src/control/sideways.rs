@@ -65,7 +65,7 @@ mod tests {
 
     #[test]
     fn a_vehicle_that_moves_over_claims_the_lane_before_it_is_in_it() {
-        let settings = ControllerSettings::PAPER;
+        let settings = ControllerSettings::default();
         let mut sideways = Sideways::default();
         let mut claimed_at = None;
         for row in 0..80 {

@@ -61,7 +61,7 @@ mod tests {
 
     #[test]
     fn it_reaches_the_speed_without_much_overshoot() {
-        let settings = ControllerSettings::PAPER;
+        let settings = ControllerSettings::default();
         for (from, to) in [(20.0, 30.0), (30.0, 20.0), (25.0, 26.0)] {
             let mut car = build(&Scenario::paper().settings().vehicle, 0.0, from);
             let mut controller = VelocityController::default();
@@ -91,7 +91,7 @@ mod tests {
 
     #[test]
     fn a_long_wait_behind_a_lead_does_not_wind_up() {
-        let settings = ControllerSettings::PAPER;
+        let settings = ControllerSettings::default();
         let mut controller = VelocityController::default();
         for _ in 0..2000 {
             controller.command(&settings, 30.0, 28.5, false, 0.05);
@@ -102,7 +102,7 @@ mod tests {
 
     #[test]
     fn the_integral_grows_while_it_leads_fades_while_not_and_has_an_end() {
-        let settings = ControllerSettings::PAPER;
+        let settings = ControllerSettings::default();
         let mut controller = VelocityController::default();
         let mut next = |wanted: f64, leads| controller.command(&settings, wanted, 20.0, leads, 0.1);
         let near = |found: f64, expected: f64| assert!((found - expected).abs() < 1e-12, "{found}");
@@ -119,7 +119,7 @@ mod tests {
 
     #[test]
     fn an_acceleration_changes_by_the_bound_at_most() {
-        let settings = ControllerSettings::PAPER;
+        let settings = ControllerSettings::default();
         for (last, wanted, expected) in [
             (0.0, 1.0, 0.2),
             (0.0, -1.0, -0.2),

@@ -1,6 +1,6 @@
 //! What a population comes to: each parameter's distribution, and how much people differ from themselves.
 
-use super::{params::DriverParams, population::Population};
+use super::population::{DriverParams, Population};
 use crate::normal::standard_normal;
 use maveric_domain::{LatentTraits, stream_seed};
 use rand::SeedableRng;
@@ -151,7 +151,7 @@ mod tests {
 
     #[test]
     fn a_population_has_the_spread_of_its_laws() {
-        let table = population_table(&Population::PAPER, 4000, 1);
+        let table = population_table(&Population::default(), 4000, 1);
         let speed = of(&table, "desired_speed");
         assert!((speed.mean / 0.44704 - 66.5).abs() < 0.4, "{speed:?}");
         assert!((speed.sd / 0.44704 - 6.3).abs() < 0.4, "{speed:?}");
@@ -165,7 +165,7 @@ mod tests {
 
     #[test]
     fn people_differ_from_themselves_by_the_days_share() {
-        let table = population_table(&Population::PAPER, 4000, 2);
+        let table = population_table(&Population::default(), 4000, 2);
         // Exponential laws: a day moves the parameter by 5 %.
         let gap = of(&table, "following_time_gap");
         assert!((gap.day_sd / gap.mean - 0.05).abs() < 0.006, "{gap:?}");
@@ -180,10 +180,10 @@ mod tests {
 
     #[test]
     fn the_same_seed_gives_the_same_table_and_one_person_none() {
-        let table = population_table(&Population::PAPER, 50, 3);
-        assert_eq!(table, population_table(&Population::PAPER, 50, 3));
-        assert_ne!(table, population_table(&Population::PAPER, 50, 4));
-        assert!(population_table(&Population::PAPER, 1, 3).is_empty());
+        let table = population_table(&Population::default(), 50, 3);
+        assert_eq!(table, population_table(&Population::default(), 50, 3));
+        assert_ne!(table, population_table(&Population::default(), 50, 4));
+        assert!(population_table(&Population::default(), 1, 3).is_empty());
     }
 
     #[test]
@@ -202,7 +202,7 @@ mod tests {
                 entry["quantity"].as_str().unwrap()
             })
             .collect();
-        for distribution in population_table(&Population::PAPER, 2, 1) {
+        for distribution in population_table(&Population::default(), 2, 1) {
             assert!(listed.contains(&distribution.quantity), "{distribution:?}");
         }
     }

@@ -4,9 +4,9 @@ use super::{
     caution,
     idm::{Following, SeenLead},
     noise::OrnsteinUhlenbeck,
-    params::DriverParams,
     passing::{Passing, is_clear},
     perception::Perception,
+    population::DriverParams,
 };
 use crate::{
     control::{

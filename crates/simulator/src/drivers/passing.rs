@@ -1,6 +1,6 @@
 //! When a person passes and when they merge back: MOBIL-like, with personal thresholds.
 
-use super::params::DriverParams;
+use super::population::DriverParams;
 use crate::{
     neighbours::{Neighbour, ahead, behind},
     normal::standard_normal,

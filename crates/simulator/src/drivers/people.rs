@@ -1,7 +1,7 @@
 //! Which kind of people there are.
 
 use super::{DriverParams, EvidenceParams, EvidencePopulation, Population};
-use crate::error::SimulatorError;
+use crate::{error::SimulatorError, scenario::setting::check_section};
 use maveric_domain::LatentTraits;
 use serde::{Deserialize, Serialize};
 
@@ -27,11 +27,11 @@ impl TryFrom<Unchecked> for People {
     fn try_from(raw: Unchecked) -> Result<Self, SimulatorError> {
         match raw {
             Unchecked::Drivers(population) => {
-                population.check()?;
+                check_section("drivers", &*population)?;
                 Ok(Self::Drivers(population))
             }
             Unchecked::Evidence(population) => {
-                population.check()?;
+                check_section("evidence", &*population)?;
                 Ok(Self::Evidence(population))
             }
         }

@@ -1,31 +1,28 @@
 //! One driver of the background: the Intelligent Driver Model's parameters.
 
-use crate::{
-    error::SimulatorError,
-    scenario::{SettingRange, check_setting},
-};
+use crate::scenario::setting::settings;
 use maveric_laws::Idm;
-use serde::{Deserialize, Serialize};
 
-/// A vehicle of the background traffic and how it follows, by the Intelligent Driver Model.
-///
-/// # Source
-/// Treiber, Hennecke and Helbing 2000, Table I, for [`IdmDriver::CAR`].
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct IdmDriver {
-    /// v0, the speed wanted on free road, in m/s.
-    pub desired_speed_mps: f64,
-    /// T, the time gap kept, in s.
-    pub time_gap_s: f64,
-    /// s0, the gap at standstill, in m.
-    pub standstill_m: f64,
-    /// a, the acceleration from standstill, in m/s².
-    pub acceleration_mps2: f64,
-    /// b, the comfortable braking, in m/s², positive.
-    pub braking_mps2: f64,
-    /// Bumper to bumper, in m.
-    pub length_m: f64,
+settings! {
+    /// A vehicle of the background traffic and how it follows, by the Intelligent Driver Model.
+    ///
+    /// # Source
+    /// Treiber, Hennecke and Helbing 2000, Table I, for [`IdmDriver::CAR`].
+    #[derive(Copy)]
+    pub struct IdmDriver {
+        /// v0, the speed wanted on free road.
+        desired_speed_mps: f64, 1.0..=70.0;
+        /// T, the time gap kept.
+        time_gap_s: f64, 0.3..=10.0;
+        /// s0, the gap at standstill.
+        standstill_m: f64, 0.5..=20.0;
+        /// a, the acceleration from standstill.
+        acceleration_mps2: f64, 0.1..=5.0;
+        /// b, the comfortable braking, positive.
+        braking_mps2: f64, 0.3..=6.0;
+        /// Bumper to bumper.
+        length_m: f64, 1.0..=30.0;
+    }
 }
 
 impl IdmDriver {
@@ -45,45 +42,6 @@ impl IdmDriver {
         length_m: 12.0,
         ..Self::CAR
     };
-
-    /// Whether every number is in its range; `section` names them in the error.
-    pub(crate) fn check(&self, section: &str) -> Result<(), SimulatorError> {
-        let ranges = [
-            (
-                "desired_speed_mps",
-                self.desired_speed_mps,
-                SettingRange::Within(1.0, 70.0, "1 to 70 m/s"),
-            ),
-            (
-                "time_gap_s",
-                self.time_gap_s,
-                SettingRange::Within(0.3, 10.0, "0.3 to 10 s"),
-            ),
-            (
-                "standstill_m",
-                self.standstill_m,
-                SettingRange::Within(0.5, 20.0, "0.5 to 20 m"),
-            ),
-            (
-                "acceleration_mps2",
-                self.acceleration_mps2,
-                SettingRange::Within(0.1, 5.0, "0.1 to 5 m/s²"),
-            ),
-            (
-                "braking_mps2",
-                self.braking_mps2,
-                SettingRange::Within(0.3, 6.0, "0.3 to 6 m/s²"),
-            ),
-            (
-                "length_m",
-                self.length_m,
-                SettingRange::Within(1.0, 30.0, "1 to 30 m"),
-            ),
-        ];
-        ranges
-            .into_iter()
-            .try_for_each(|(key, found, range)| check_setting(section, key, found, range))
-    }
 
     /// This driver's law.
     pub(super) fn law(&self) -> Idm {

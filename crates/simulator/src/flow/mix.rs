@@ -7,40 +7,28 @@ use super::{
 use crate::{
     error::SimulatorError,
     normal::standard_normal,
-    scenario::{SettingRange, check_setting},
+    scenario::setting::{Range, check, check_section, settings},
 };
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
-use serde::{Deserialize, Serialize};
 
-/// The drivers of the background.
-///
-/// The spreads are chosen; the means are those of [`IdmDriver::CAR`] and [`IdmDriver::TRUCK`] unless a scenario says
-/// otherwise.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct TrafficMix {
-    /// Share of trucks.
-    pub truck_share: f64,
-    /// The average car.
-    pub car: IdmDriver,
-    /// The average truck.
-    pub truck: IdmDriver,
-    /// SD of the desired speed, as a share of the mean; cut at two SD.
-    pub desired_speed_spread: f64,
-    /// SD of the time gap, as a share of the mean; cut at two SD.
-    pub time_gap_spread: f64,
-}
-
-impl Default for TrafficMix {
-    fn default() -> Self {
-        Self {
-            truck_share: 0.1,
-            car: IdmDriver::CAR,
-            truck: IdmDriver::TRUCK,
-            desired_speed_spread: 0.1,
-            time_gap_spread: 0.15,
-        }
+settings! {
+    /// The drivers of the background.
+    ///
+    /// The spreads are chosen; the means are those of [`IdmDriver::CAR`] and [`IdmDriver::TRUCK`] unless a scenario says
+    /// otherwise.
+    #[derive(Copy)]
+    pub struct TrafficMix {
+        /// Share of trucks.
+        truck_share: f64 = 0.1, 0.0..=1.0;
+        /// The average car: all keys or none.
+        car: IdmDriver = IdmDriver::CAR;
+        /// The average truck: all keys or none.
+        truck: IdmDriver = IdmDriver::TRUCK;
+        /// SD of the desired speed, as a share of the mean; cut at two SD.
+        desired_speed_spread: f64 = 0.1, 0.0..=0.3;
+        /// SD of the time gap, as a share of the mean; cut at two SD.
+        time_gap_spread: f64 = 0.15, 0.0..=0.3;
     }
 }
 
@@ -54,17 +42,6 @@ impl TrafficMix {
             desired_speed_spread: 0.0,
             time_gap_spread: 0.0,
         }
-    }
-
-    pub(crate) fn check(&self, section: &str) -> Result<(), SimulatorError> {
-        let share = SettingRange::Within(0.0, 1.0, "0 to 1");
-        check_setting(section, "truck_share", self.truck_share, share)?;
-        let spread = SettingRange::Within(0.0, 0.3, "0 to 0.3");
-        let speeds = self.desired_speed_spread;
-        check_setting(section, "desired_speed_spread", speeds, spread)?;
-        check_setting(section, "time_gap_spread", self.time_gap_spread, spread)?;
-        self.car.check(&format!("{section}.car"))?;
-        self.truck.check(&format!("{section}.truck"))
     }
 
     pub(crate) fn draw(&self, rng: &mut Pcg64Mcg) -> IdmDriver {
@@ -99,7 +76,7 @@ pub fn evenly(
     seed: u64,
 ) -> Result<Vec<Placed>, SimulatorError> {
     settings.check()?;
-    mix.check("mix")?;
+    check_section("mix", mix)?;
     let mut rng = Pcg64Mcg::seed_from_u64(seed);
     let drivers: Vec<IdmDriver> = (0..count).map(|_| mix.draw(&mut rng)).collect();
     let lanes = usize::from(settings.lanes);
@@ -109,9 +86,9 @@ pub fn evenly(
         let n = own().count();
         let taken: f64 = own().map(|d| d.length_m).sum();
         let gap_m = (settings.length_m - taken) / n.max(1) as f64;
-        let room = SettingRange::Within(1.0, f64::MAX, "at least 1 m between vehicles");
+        let room = Range::Because(1.0, f64::MAX, "at least 1 m between vehicles");
         if n > 0 {
-            check_setting(&format!("lane[{lane}]"), "gap_m", gap_m, room)?;
+            check(&format!("lane[{lane}].gap_m"), gap_m, room)?;
         }
         let slowest = own().map(|d| d.equilibrium_speed_mps(gap_m));
         let speed_mps = slowest.fold(f64::INFINITY, f64::min);
@@ -147,11 +124,10 @@ pub fn departures(
     seed: u64,
 ) -> Result<Vec<Departure>, SimulatorError> {
     settings.check()?;
-    mix.check("mix")?;
-    let rate = SettingRange::Within(1.0, 2350.0, "1 to 2350 vehicles per hour and lane");
-    check_setting("inflow", "per_hour_and_lane", per_hour_and_lane, rate)?;
-    let time = SettingRange::Within(0.0, 1e6, "0 to 1000000 s");
-    check_setting("inflow", "duration_s", duration_s, time)?;
+    check_section("mix", mix)?;
+    let rate = Range::Because(1.0, 2350.0, "1 to 2350 vehicles per hour and lane");
+    check("inflow.per_hour_and_lane", per_hour_and_lane, rate)?;
+    check("inflow.duration_s", duration_s, 0.0..=1e6)?;
     let mut rng = Pcg64Mcg::seed_from_u64(seed);
     let rest_s = 3600.0 / per_hour_and_lane - LEAST_HEADWAY_S;
     let mut all = Vec::new();

@@ -1,92 +1,35 @@
 //! When a driver of the background changes lane: MOBIL.
 
 use super::lane::{Ends, Lane, Role};
-use crate::{
-    error::SimulatorError,
-    scenario::{SettingRange, check_setting},
-};
+use crate::scenario::setting::settings;
 use maveric_laws::Sides;
-use serde::{Deserialize, Serialize};
 
-/// How the background changes lane.
-///
-/// # Source
-/// Kesting, Treiber and Helbing 2007: politeness 0 to 0.5, threshold 0.1 m/s², safe braking 4 m/s². Their model is
-/// instantaneous and asks at every moment; the last three settings are ours.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Mobil {
-    /// p, the weight of what the two followers gain or lose.
-    pub politeness: f64,
-    /// Gain below which nobody bothers, in m/s².
-    pub threshold_mps2: f64,
-    /// Braking that a change may force on the new follower, in m/s², positive.
-    pub safe_braking_mps2: f64,
-    /// Advantage of the lane to the right, in m/s²; 0: every lane is as good.
-    pub keep_right_mps2: f64,
-    /// Each vehicle considers each side once in this time, in s.
-    pub considers_every_s: f64,
-    /// Time for which a changing vehicle takes up both lanes, in s; 0: it jumps.
-    pub duration_s: f64,
-    /// Time after a change before the next is considered, in s.
-    pub pause_s: f64,
+settings! {
+    /// How the background changes lane.
+    ///
+    /// # Source
+    /// Kesting, Treiber and Helbing 2007: politeness 0 to 0.5, threshold 0.1 m/s², safe braking 4 m/s²; by default the published
+    /// ones, politeness in the middle. Their model is instantaneous and asks at every moment; the last three settings are ours.
+    #[derive(Copy)]
+    pub struct Mobil {
+        /// p, the weight of what the two followers gain or lose.
+        politeness: f64 = 0.25, 0.0..=1.0;
+        /// Gain below which nobody bothers.
+        threshold_mps2: f64 = 0.1, 0.0..=2.0;
+        /// Braking that a change may force on the new follower, positive.
+        safe_braking_mps2: f64 = 4.0, 0.5..=6.0;
+        /// Advantage of the lane to the right; 0: every lane is as good.
+        keep_right_mps2: f64 = 0.0, 0.0..=1.0;
+        /// Each vehicle considers each side once in this time.
+        considers_every_s: f64 = 1.0, 0.01..=10.0;
+        /// Time for which a changing vehicle takes up both lanes; 0: it jumps.
+        duration_s: f64 = 4.0, 0.0..=15.0;
+        /// Time after a change before the next is considered.
+        pause_s: f64 = 4.0, 0.0..=60.0;
+    }
 }
 
 impl Mobil {
-    /// The published parameters, politeness in the middle of its range; a change takes 4 s.
-    pub const PUBLISHED: Self = Self {
-        politeness: 0.25,
-        threshold_mps2: 0.1,
-        safe_braking_mps2: 4.0,
-        keep_right_mps2: 0.0,
-        considers_every_s: 1.0,
-        duration_s: 4.0,
-        pause_s: 4.0,
-    };
-
-    pub(crate) fn check(&self, section: &str) -> Result<(), SimulatorError> {
-        let ranges = [
-            (
-                "politeness",
-                self.politeness,
-                SettingRange::Within(0.0, 1.0, "0 to 1"),
-            ),
-            (
-                "threshold_mps2",
-                self.threshold_mps2,
-                SettingRange::Within(0.0, 2.0, "0 to 2 m/s²"),
-            ),
-            (
-                "safe_braking_mps2",
-                self.safe_braking_mps2,
-                SettingRange::Within(0.5, 6.0, "0.5 to 6 m/s²"),
-            ),
-            (
-                "keep_right_mps2",
-                self.keep_right_mps2,
-                SettingRange::Within(0.0, 1.0, "0 to 1 m/s²"),
-            ),
-            (
-                "considers_every_s",
-                self.considers_every_s,
-                SettingRange::Within(0.01, 10.0, "0.01 to 10 s"),
-            ),
-            (
-                "duration_s",
-                self.duration_s,
-                SettingRange::Within(0.0, 15.0, "0 to 15 s"),
-            ),
-            (
-                "pause_s",
-                self.pause_s,
-                SettingRange::Within(0.0, 60.0, "0 to 60 s"),
-            ),
-        ];
-        ranges
-            .into_iter()
-            .try_for_each(|(key, found, range)| check_setting(section, key, found, range))
-    }
-
     /// Whether entry `i` of `own` would do well, and no harm, between `behind` and `ahead` in `target`.
     ///
     /// Accelerations of both lanes are those of this moment. `sign` is 1 for a change to the left, -1 to the right.

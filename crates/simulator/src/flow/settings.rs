@@ -3,7 +3,7 @@
 use super::{driver::IdmDriver, mobil::Mobil};
 use crate::{
     error::SimulatorError,
-    scenario::{SettingRange, check_setting},
+    scenario::setting::{Range, check, check_section},
 };
 
 /// Whether a road closes on itself.
@@ -38,7 +38,7 @@ impl Default for FlowSettings {
             length_m: 1000.0,
             shape: Shape::Ring,
             step_s: 0.1,
-            mobil: Some(Mobil::PUBLISHED),
+            mobil: Some(Mobil::default()),
         }
     }
 }
@@ -75,32 +75,15 @@ const LEAST_GAP_M: f64 = 0.5;
 
 impl FlowSettings {
     pub(super) fn check(&self) -> Result<(), SimulatorError> {
-        let ranges = [
-            (
-                "lanes",
-                f64::from(self.lanes),
-                SettingRange::Within(1.0, 8.0, "1 to 8"),
-            ),
-            (
-                "length_m",
-                self.length_m,
-                SettingRange::Within(100.0, 1e6, "100 to 1000000 m"),
-            ),
-            (
-                "step_s",
-                self.step_s,
-                SettingRange::Within(0.01, 0.5, "0.01 to 0.5 s"),
-            ),
-        ];
-        for (key, found, range) in ranges {
-            check_setting("flow", key, found, range)?;
-        }
-        self.mobil.map_or(Ok(()), |m| m.check("flow.mobil"))
+        check("flow.lanes", f64::from(self.lanes), 1.0..=8.0)?;
+        check("flow.length_m", self.length_m, 100.0..=1e6)?;
+        check("flow.step_s", self.step_s, 0.01..=0.5)?;
+        check_section("flow.mobil", &self.mobil)
     }
 
     fn check_lane(&self, section: &str, lane: u8) -> Result<(), SimulatorError> {
-        let range = SettingRange::Within(0.0, f64::from(self.lanes) - 1.0, "a lane of the road");
-        check_setting(section, "lane", f64::from(lane), range)
+        let range = Range::Because(0.0, f64::from(self.lanes) - 1.0, "a lane of the road");
+        check(&format!("{section}.lane"), f64::from(lane), range)
     }
 
     pub(super) fn check_departures(&self, departures: &[Departure]) -> Result<(), SimulatorError> {
@@ -108,13 +91,13 @@ impl FlowSettings {
         for (i, departure) in departures.iter().enumerate() {
             let section = format!("departures[{i}]");
             if self.shape == Shape::Ring {
-                let none = SettingRange::Within(-1.0, -1.0, "no departure: a ring has no start");
-                check_setting(&section, "lane", f64::from(departure.lane), none)?;
+                let none = Range::Because(-1.0, -1.0, "no departure: a ring has no start");
+                check(&format!("{section}.lane"), f64::from(departure.lane), none)?;
             }
-            departure.driver.check(&section)?;
+            check_section(&section, &departure.driver)?;
             self.check_lane(&section, departure.lane)?;
-            let later = SettingRange::Within(last, 1e9, "no earlier than the departure before");
-            check_setting(&section, "time_s", departure.time_s, later)?;
+            let later = Range::Because(last, 1e9, "no earlier than the departure before");
+            check(&format!("{section}.time_s"), departure.time_s, later)?;
             last = departure.time_s;
         }
         Ok(())
@@ -124,12 +107,15 @@ impl FlowSettings {
     pub(super) fn check_placed(&self, vehicles: &[Placed]) -> Result<Vec<usize>, SimulatorError> {
         for (i, placed) in vehicles.iter().enumerate() {
             let section = format!("vehicles[{i}]");
-            placed.driver.check(&section)?;
+            check_section(&section, &placed.driver)?;
             self.check_lane(&section, placed.lane)?;
-            let on_road = SettingRange::Within(0.0, self.length_m.next_down(), "on the road");
-            check_setting(&section, "front_m", placed.front_m, on_road)?;
-            let speed = SettingRange::Within(0.0, 70.0, "0 to 70 m/s");
-            check_setting(&section, "speed_mps", placed.speed_mps, speed)?;
+            let on_road = Range::Because(0.0, self.length_m.next_down(), "on the road");
+            check(&format!("{section}.front_m"), placed.front_m, on_road)?;
+            check(
+                &format!("{section}.speed_mps"),
+                placed.speed_mps,
+                0.0..=70.0,
+            )?;
         }
         let mut order: Vec<usize> = (0..vehicles.len()).collect();
         order.sort_by(|&i, &j| {
@@ -150,8 +136,8 @@ impl FlowSettings {
             let ahead = &vehicles[lead];
             let gap_m = ahead.front_m + round_m - ahead.driver.length_m - vehicles[i].front_m;
             let apart =
-                SettingRange::Within(LEAST_GAP_M, f64::MAX, "at least 0.5 m to the vehicle ahead");
-            check_setting(&format!("vehicles[{i}]"), "gap_m", gap_m, apart)?;
+                Range::Because(LEAST_GAP_M, f64::MAX, "at least 0.5 m to the vehicle ahead");
+            check(&format!("vehicles[{i}].gap_m"), gap_m, apart)?;
         }
         Ok(order)
     }

@@ -44,7 +44,7 @@ fn a_homogeneous_ring_keeps_the_equilibrium_of_the_formula() {
 fn nobody_collides_and_nobody_is_lost_over_an_hour_on_rings() {
     for (lanes, per_km) in [(1, 20), (2, 25), (3, 12), (3, 40), (4, 60)] {
         let count = usize::from(lanes) * 2 * per_km;
-        let mut flow = ring(lanes, 2000.0, count, Some(Mobil::PUBLISHED), 3);
+        let mut flow = ring(lanes, 2000.0, count, Some(Mobil::default()), 3);
         for step in 0..36_000 {
             flow.step();
             let gap = smallest_gap_m(&flow);
@@ -65,7 +65,7 @@ fn nobody_collides_and_nobody_is_lost_over_an_hour_on_rings() {
 
 #[test]
 fn lanes_stay_in_order_and_every_vehicle_is_there_once() {
-    let mut flow = ring(3, 1500.0, 90, Some(Mobil::PUBLISHED), 5);
+    let mut flow = ring(3, 1500.0, 90, Some(Mobil::default()), 5);
     for _ in 0..3000 {
         flow.step();
         for lane in &flow.lanes {
@@ -82,7 +82,7 @@ fn lanes_stay_in_order_and_every_vehicle_is_there_once() {
 #[test]
 fn the_same_start_gives_the_same_bytes_and_another_seed_another() {
     let run = |seed| {
-        let mut flow = ring(3, 1000.0, 60, Some(Mobil::PUBLISHED), seed);
+        let mut flow = ring(3, 1000.0, 60, Some(Mobil::default()), seed);
         (0..2000).for_each(|_| flow.step());
         state(&flow)
     };
@@ -92,7 +92,7 @@ fn the_same_start_gives_the_same_bytes_and_another_seed_another() {
 
 #[test]
 fn a_step_allocates_nothing() {
-    let mut flow = ring(3, 1000.0, 40, Some(Mobil::PUBLISHED), 1);
+    let mut flow = ring(3, 1000.0, 40, Some(Mobil::default()), 1);
     let places = |flow: &Flow| {
         let lanes = flow.lanes.iter().chain(&flow.staged).chain([&flow.spare]);
         let mut at: Vec<_> = lanes.map(|l| (l.x.as_ptr(), l.x.capacity())).collect();
@@ -127,12 +127,12 @@ fn faster_drivers_pass_a_truck_where_there_is_a_second_lane() {
         flow.mean_speed_mps()
     };
     assert!(one_truck(None) < 23.0);
-    assert!(one_truck(Some(Mobil::PUBLISHED)) > 29.0);
+    assert!(one_truck(Some(Mobil::default())) > 29.0);
 }
 
 #[test]
 fn a_change_goes_smoothly_from_lane_to_lane_in_its_time() {
-    let mut flow = ring(2, 1500.0, 24, Some(Mobil::PUBLISHED), 4);
+    let mut flow = ring(2, 1500.0, 24, Some(Mobil::default()), 4);
     let mut paths = vec![Vec::new(); 24];
     for _ in 0..2000 {
         flow.step();
@@ -170,7 +170,7 @@ fn a_bias_to_the_right_fills_the_right_lane() {
     let share_right = |keep_right_mps2| {
         let mobil = Mobil {
             keep_right_mps2,
-            ..Mobil::PUBLISHED
+            ..Mobil::default()
         };
         let mut flow = ring(2, 3000.0, 24, Some(mobil), 2);
         let mut right = 0;
@@ -210,7 +210,7 @@ fn what_enters_an_open_road_leaves_it() {
 
 #[test]
 fn a_standing_guest_stops_its_lane_and_those_beside_it_pass() {
-    let mut flow = ring(2, 2000.0, 20, Some(Mobil::PUBLISHED), 4);
+    let mut flow = ring(2, 2000.0, 20, Some(Mobil::default()), 4);
     for _ in 0..3000 {
         flow.place_guest(0, [Some(0), None], 500.0, 0.0, 5.0);
         flow.step();
@@ -223,7 +223,7 @@ fn a_standing_guest_stops_its_lane_and_those_beside_it_pass() {
 
 #[test]
 fn a_guest_that_changes_lane_is_in_both_and_then_in_one() {
-    let mut flow = ring(3, 1000.0, 30, Some(Mobil::PUBLISHED), 4);
+    let mut flow = ring(3, 1000.0, 30, Some(Mobil::default()), 4);
     for (step, lanes) in [
         [Some(0), None],
         [Some(0), Some(1)],
@@ -306,7 +306,7 @@ proptest! {
             keep_right_mps2: keep_right,
             duration_s,
             considers_every_s: every_s,
-            ..Mobil::PUBLISHED
+            ..Mobil::default()
         };
         let settings = FlowSettings { lanes, mobil: Some(mobil), ..FlowSettings::default() };
         let mix = TrafficMix { truck_share: trucks, ..TrafficMix::default() };

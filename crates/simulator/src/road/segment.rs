@@ -2,7 +2,7 @@
 
 use crate::{
     error::SimulatorError,
-    scenario::{SettingRange as Range, check_setting as check},
+    scenario::setting::{Range, Value, check},
 };
 use serde::{Deserialize, Serialize};
 
@@ -55,7 +55,7 @@ pub enum Segment {
 
 /// The tightest bend, in m: where lanes on its inside still have room to turn.
 const TIGHTEST_M: f64 = 50.0;
-const RADIUS: Range = Range::Within(TIGHTEST_M, 1e6, "50 to 1000000 m, or the same negative");
+const RADIUS: Range = Range::Because(TIGHTEST_M, 1e6, "50 to 1000000 m, or the same negative");
 
 impl Segment {
     /// Length, in m.
@@ -89,18 +89,19 @@ impl Segment {
             _ => self.ends_per_m(),
         }
     }
+}
 
-    pub(crate) fn check(&self, index: usize) -> Result<(), SimulatorError> {
-        let section = format!("road.segments[{index}]");
-        let length = Range::Within(1.0, 1e5, "1 to 100000 m");
-        check(&section, "length_m", self.length_m(), length)?;
-        match *self {
-            Self::Arc { radius_m, .. } => check(&section, "radius_m", radius_m.abs(), RADIUS),
+impl Value for Segment {
+    fn check(&self, name: &str, _range: Range) -> Result<(), SimulatorError> {
+        check(&format!("{name}.length_m"), self.length_m(), 1.0..=1e5)?;
+        let (key, radius_m) = match *self {
+            Self::Arc { radius_m, .. } => ("radius_m", radius_m),
             Self::Clothoid {
                 to_radius_m: Some(radius_m),
                 ..
-            } => check(&section, "to_radius_m", radius_m.abs(), RADIUS),
-            _ => Ok(()),
-        }
+            } => ("to_radius_m", radius_m),
+            _ => return Ok(()),
+        };
+        check(&format!("{name}.{key}"), radius_m.abs(), RADIUS)
     }
 }

@@ -491,7 +491,7 @@ fn controller_settings_out_of_range_are_refused() {
     let mut planner = always(30.0, 30.0);
     let settings = ControllerSettings {
         gap_gain_per_s2: -1.0,
-        ..ControllerSettings::PAPER
+        ..ControllerSettings::default()
     };
     let driver = Driver::Automated(&mut planner, &settings);
     let error = rollout(&Scenario::paper(), driver, 1).unwrap_err();
@@ -548,7 +548,7 @@ proptest! {
             change_shortest_s: changing.0,
             change_longest_s: changing.0 + changing.1 * (15.0 - changing.0),
             change_time_factor: changing.2,
-            ..ControllerSettings::PAPER
+            ..ControllerSettings::default()
         };
         let scenario = with(|s| {
             s.duration_s = 240.0;

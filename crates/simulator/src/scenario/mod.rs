@@ -1,72 +1,53 @@
 //! Every number of the world a user may change, checked once.
 
 mod background;
-mod check;
 mod controllers;
+#[cfg(test)]
+mod page;
 mod placement;
 mod road;
+pub(crate) mod setting;
 mod traffic;
 mod vehicle;
 
 use crate::{drivers::Population, error::SimulatorError, road::CentreLine};
 pub use background::{BackgroundSettings, WaveSettings};
-use check::{Range, check};
 pub use controllers::{ChangeRule, ControllerSettings, FollowingRule};
 use maveric_domain::{MetresPerSecond, Road};
 pub use placement::{ScriptStep, VehiclePlacement};
 pub use road::{RoadSettings, StartSettings};
 use serde::{Deserialize, Serialize};
+use setting::{check_section, settings};
 pub use traffic::{BlockedSettings, LeadSettings, OffLaneSettings};
 pub use vehicle::{DynamicsSettings, Integrator, VehicleModel, VehicleSettings};
 
-/// A scenario as its file has it; [`Scenario`] is the checked form.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct ScenarioSettings {
-    /// Length of the drive, in s.
-    pub duration_s: f64,
-    /// The road.
-    pub road: RoadSettings,
-    /// Ego's car.
-    pub vehicle: VehicleSettings,
-    /// How ego starts.
-    pub start: StartSettings,
-    /// The six lead vehicles.
-    pub leads: LeadSettings,
-    /// Encounters in which the passing lane is taken; those of the paper's scenario without.
-    #[serde(default = "usual_blocked")]
-    pub blocked: BlockedSettings,
-    /// Other vehicles of the passing lane; those of the paper's scenario without.
-    #[serde(default = "usual_off_lane")]
-    pub off_lane: OffLaneSettings,
-    /// The automated car's controllers; those of the paper's scenario without.
-    #[serde(default = "usual_controllers")]
-    pub controllers: ControllerSettings,
-    /// The population of synthetic drivers; that of the paper's scenario without.
-    #[serde(default = "usual_drivers")]
-    pub drivers: Population,
-    /// Further vehicles, there from the start, each keeping its speed and lane.
-    #[serde(default)]
-    pub vehicles: Vec<VehiclePlacement>,
-    /// Background traffic in place of leads and off-lane vehicles.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub background: Option<BackgroundSettings>,
-}
-
-fn usual_blocked() -> BlockedSettings {
-    BlockedSettings::PAPER
-}
-
-fn usual_off_lane() -> OffLaneSettings {
-    OffLaneSettings::PAPER
-}
-
-fn usual_controllers() -> ControllerSettings {
-    ControllerSettings::PAPER
-}
-
-fn usual_drivers() -> Population {
-    Population::PAPER
+settings! {
+    /// A scenario as its file has it; [`Scenario`] is the checked form.
+    pub struct ScenarioSettings {
+        /// Length of the drive.
+        duration_s: f64 = 600.0, 1.0..=86_400.0;
+        /// The road.
+        road: RoadSettings = RoadSettings::default();
+        /// Ego's car.
+        vehicle: VehicleSettings = VehicleSettings::default();
+        /// How ego starts.
+        start: StartSettings = StartSettings::default();
+        /// The six lead vehicles.
+        leads: LeadSettings = LeadSettings::default();
+        /// Encounters in which the passing lane is taken.
+        blocked: BlockedSettings = BlockedSettings::default();
+        /// Other vehicles of the passing lane.
+        off_lane: OffLaneSettings = OffLaneSettings::default();
+        /// The automated car's controllers.
+        controllers: ControllerSettings = ControllerSettings::default();
+        /// The population of synthetic drivers.
+        drivers: Population = Population::default();
+        /// Further vehicles, there from the start, each keeping its speed and lane but for its script.
+        vehicles: Vec<VehiclePlacement> = Vec::new();
+        /// Background traffic in place of leads and off-lane vehicles.
+        #[serde(skip_serializing_if = "Option::is_none")]
+        background: Option<BackgroundSettings> = None;
+    }
 }
 
 /// A checked scenario: the world, the car, its controllers and who may drive it.
@@ -88,20 +69,10 @@ pub struct Scenario {
 impl Scenario {
     /// The world of the paper with the numbers of calibration: `study_data/scenarios/paper.toml` in code.
     pub fn paper() -> Self {
+        let mut settings = ScenarioSettings::default();
+        settings.vehicle.integrator = Integrator::InTurn;
         Self {
-            settings: ScenarioSettings {
-                duration_s: 600.0,
-                road: RoadSettings::PAPER,
-                vehicle: VehicleSettings::PAPER,
-                start: StartSettings::PAPER,
-                leads: LeadSettings::paper(),
-                blocked: BlockedSettings::PAPER,
-                off_lane: OffLaneSettings::PAPER,
-                controllers: ControllerSettings::PAPER,
-                drivers: Population::PAPER,
-                vehicles: Vec::new(),
-                background: None,
-            },
+            settings,
             centre_line: CentreLine::default(),
         }
     }
@@ -142,28 +113,13 @@ impl Scenario {
 impl TryFrom<ScenarioSettings> for Scenario {
     type Error = SimulatorError;
     fn try_from(settings: ScenarioSettings) -> Result<Self, SimulatorError> {
-        check(
-            "",
-            "duration_s",
-            settings.duration_s,
-            Range::Within(1.0, 86_400.0, "1 to 86400 s"),
-        )?;
-        settings.road.check()?;
-        settings.vehicle.check()?;
-        settings.start.check(&settings.road)?;
-        settings.leads.check()?;
-        settings.blocked.check()?;
-        settings.off_lane.check()?;
-        settings.controllers.check()?;
-        settings.drivers.check()?;
-        placement::check_all(
-            &settings.vehicles,
-            &settings.road,
-            &settings.start,
-            settings.vehicle.length_m,
-        )?;
+        check_section("", &settings)?;
+        settings.vehicle.check_all()?;
+        let start = settings.start.lane;
+        settings.road.check_lane("start.lane", start)?;
+        placement::check_placed(&settings)?;
         if let Some(background) = &settings.background {
-            background.check(&settings)?;
+            background.check_beside(&settings)?;
         }
         let centre_line = CentreLine::new(&settings.road.segments);
         Ok(Self {
@@ -178,8 +134,6 @@ impl From<Scenario> for ScenarioSettings {
         scenario.settings
     }
 }
-
-pub(crate) use check::{Range as SettingRange, check as check_setting};
 
 #[cfg(test)]
 mod tests {

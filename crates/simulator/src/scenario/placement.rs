@@ -1,49 +1,52 @@
 //! Vehicles that are there from the start, and what they do.
 
-use super::{Range, RoadSettings, StartSettings, check};
+use super::{
+    ScenarioSettings,
+    setting::{LANE, Range, check, settings},
+};
 use crate::error::SimulatorError;
-use serde::{Deserialize, Serialize};
 
 /// Most vehicles that a scenario may place; more of them are a `[background]`.
 const MOST_PLACED: f64 = 1000.0;
 
-/// A vehicle that is there from the start; it keeps its speed and lane but for what its script says.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct VehiclePlacement {
-    /// Centre of the vehicle ahead of ego's centre, in m; negative behind.
-    pub ahead_m: f64,
-    /// Lane, 0 the right one.
-    pub lane: u8,
-    /// Speed, in m/s.
-    pub speed_mps: f64,
-    /// What it does, one step after the other.
-    #[serde(default, skip_serializing_if = "Vec::is_empty")]
-    pub script: Vec<ScriptStep>,
+settings! {
+    /// A vehicle that is there from the start; it keeps its speed and lane but for what its script says.
+    pub struct VehiclePlacement {
+        /// Centre of the vehicle ahead of ego's centre; negative behind.
+        ahead_m: f64, Range::Finite;
+        /// Lane, 0 the right one.
+        lane: u8, LANE;
+        /// Speed.
+        speed_mps: f64, 0.0..=60.0;
+        /// What it does, one step after the other.
+        #[serde(default, skip_serializing_if = "Vec::is_empty")]
+        script: Vec<ScriptStep>;
+    }
 }
 
-/// One thing a vehicle does, once its moment has come and the step before has begun.
-#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct ScriptStep {
-    /// The moment, in s since the start of the drive. Either this or `at_gap_m`.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub at_s: Option<f64>,
-    /// The moment at which its bumper-to-bumper distance from ego passes through this, from either side, in m; negative behind.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub at_gap_m: Option<f64>,
-    /// Speed to take, in m/s.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub speed_mps: Option<f64>,
-    /// Acceleration or braking to take it with, in m/s², positive; 2 without.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub acceleration_mps2: Option<f64>,
-    /// Lane to change to.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub lane: Option<u8>,
-    /// Time that takes, in s; goes with `lane`.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub duration_s: Option<f64>,
+settings! {
+    /// One thing a vehicle does, once its moment has come and the step before has begun.
+    #[derive(Copy, Default)]
+    pub struct ScriptStep {
+        /// The moment, since the start of the drive. Either this or `at_gap_m`.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        at_s: Option<f64>, Range::NotNegative;
+        /// The moment at which its bumper-to-bumper distance from ego passes through this, from either side; negative behind.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        at_gap_m: Option<f64>, Range::Finite;
+        /// Speed to take.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        speed_mps: Option<f64>, 0.0..=60.0;
+        /// Acceleration or braking to take it with, positive; 2 m/s² without.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        acceleration_mps2: Option<f64>, 0.1..=12.0;
+        /// Lane to change to.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        lane: Option<u8>, LANE;
+        /// Time that takes; goes with `lane`.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        duration_s: Option<f64>, 0.5..=20.0;
+    }
 }
 
 impl VehiclePlacement {
@@ -56,81 +59,55 @@ impl VehiclePlacement {
             script: Vec::new(),
         }
     }
+}
 
-    fn check(&self, index: usize, road: &RoadSettings) -> Result<(), SimulatorError> {
-        let section = format!("vehicles[{index}]");
-        let last = f64::from(road.lanes) - 1.0;
-        let lane = Range::Within(0.0, last, "a lane of the road");
-        let speed = Range::Within(0.0, 60.0, "0 to 60 m/s");
-        check(&section, "ahead_m", self.ahead_m, Range::Finite)?;
-        check(&section, "lane", f64::from(self.lane), lane)?;
-        check(&section, "speed_mps", self.speed_mps, speed)?;
-        for (number, step) in self.script.iter().enumerate() {
-            let section = format!("{section}.script[{number}]");
-            let given = |value: Option<f64>| f64::from(u8::from(value.is_some()));
-            let one = Range::Within(1.0, 1.0, "one of at_s and at_gap_m");
-            let moments = given(step.at_s) + given(step.at_gap_m);
-            check(&section, "at_s", moments, one)?;
-            let lane_given = step.lane.map(f64::from);
-            let acts = given(step.speed_mps) + given(lane_given);
-            let some = Range::Within(1.0, 2.0, "a speed_mps or a lane");
-            check(&section, "speed_mps", acts, some)?;
-            let both = Range::Within(
-                given(lane_given),
-                given(lane_given),
-                "given with a lane, and only then",
-            );
-            check(&section, "duration_s", given(step.duration_s), both)?;
-            let numbers = [
-                ("at_s", step.at_s, Range::NotNegative),
-                ("at_gap_m", step.at_gap_m, Range::Finite),
-                ("speed_mps", step.speed_mps, speed),
-                (
-                    "acceleration_mps2",
-                    step.acceleration_mps2,
-                    Range::Within(0.1, 12.0, "0.1 to 12 m/s²"),
-                ),
-                ("lane", lane_given, lane),
-                (
-                    "duration_s",
-                    step.duration_s,
-                    Range::Within(0.5, 20.0, "0.5 to 20 s"),
-                ),
-            ];
-            for (key, value, range) in numbers {
-                value.map_or(Ok(()), |found| check(&section, key, found, range))?;
-            }
-        }
-        Ok(())
+impl ScriptStep {
+    /// Refuses a step at `name` without one moment, without anything to do, or with half a change of lane.
+    fn check_whole(&self, name: &str) -> Result<(), SimulatorError> {
+        let count = |given: &[bool]| given.iter().filter(|given| **given).count() as f64;
+        let moments = count(&[self.at_s.is_some(), self.at_gap_m.is_some()]);
+        let one = Range::Because(1.0, 1.0, "one of at_s and at_gap_m");
+        check(&format!("{name}.at_s"), moments, one)?;
+        let acts = count(&[self.speed_mps.is_some(), self.lane.is_some()]);
+        let some = Range::Because(1.0, 2.0, "a speed_mps or a lane");
+        check(&format!("{name}.speed_mps"), acts, some)?;
+        let lanes = count(&[self.lane.is_some()]);
+        let both = Range::Because(lanes, lanes, "given with a lane, and only then");
+        let durations = count(&[self.duration_s.is_some()]);
+        check(&format!("{name}.duration_s"), durations, both)
     }
 }
 
-/// Checks every vehicle, and that none overlaps ego or another.
-pub(super) fn check_all(
-    vehicles: &[VehiclePlacement],
-    road: &RoadSettings,
-    start: &StartSettings,
-    length_m: f64,
-) -> Result<(), SimulatorError> {
-    let most = Range::Within(
-        0.0,
-        MOST_PLACED,
-        "at most 1000: every one is moved at every step",
-    );
-    check("", "vehicles", vehicles.len() as f64, most)?;
+/// Refuses vehicles and steps that the road has no room for.
+pub(super) fn check_placed(scenario: &ScenarioSettings) -> Result<(), SimulatorError> {
+    let vehicles = &scenario.vehicles;
+    let words = "at most 1000: every one is moved at every step";
+    let most = Range::Because(0.0, MOST_PLACED, words);
+    check("vehicles", vehicles.len() as f64, most)?;
     for (index, vehicle) in vehicles.iter().enumerate() {
-        vehicle.check(index, road)?;
+        let name = format!("vehicles[{index}]");
+        scenario
+            .road
+            .check_lane(&format!("{name}.lane"), vehicle.lane)?;
+        for (number, step) in vehicle.script.iter().enumerate() {
+            let name = format!("{name}.script[{number}]");
+            step.check_whole(&name)?;
+            let lane = step.lane.unwrap_or(0);
+            scenario.road.check_lane(&format!("{name}.lane"), lane)?;
+        }
         let before = vehicles[..index].iter().map(|v| (v.lane, v.ahead_m));
         let nearest_m = before
-            .chain([(start.lane, 0.0)])
+            .chain([(scenario.start.lane, 0.0)])
             .filter(|&(lane, _)| lane == vehicle.lane)
             .map(|(_, ahead_m)| (vehicle.ahead_m - ahead_m).abs())
             .fold(f64::INFINITY, f64::min);
-        if nearest_m < length_m + 1.0 {
+        if nearest_m < scenario.vehicle.length_m + 1.0 {
+            let expected =
+                "a car's length and a metre from ego and from the vehicles before it in its lane";
             return Err(SimulatorError::Setting {
-                name: format!("vehicles[{index}].ahead_m"),
+                name: format!("{name}.ahead_m"),
                 found: vehicle.ahead_m,
-                expected: "a car's length and a metre from ego and from the vehicles before it in its lane",
+                expected: expected.to_owned(),
             });
         }
     }

@@ -110,8 +110,9 @@ pub(crate) fn wanted_mps(
 mod tests {
     use super::*;
     use crate::testing::{car, seen_ego};
+    use std::sync::LazyLock;
 
-    const S: BlockedSettings = BlockedSettings::PAPER;
+    static S: LazyLock<BlockedSettings> = LazyLock::new(BlockedSettings::default);
 
     #[test]
     fn a_blocker_makes_for_its_place_beside_ego_and_leaves_faster() {

@@ -84,7 +84,7 @@ mod tests {
     use crate::testing::{car, seen_ego};
 
     fn come(ego: &EgoView, cars: &[Car]) -> Vec<(u32, Arrival)> {
-        let mut traffic = OffLaneTraffic::new(&OffLaneSettings::PAPER, 3);
+        let mut traffic = OffLaneTraffic::new(&OffLaneSettings::default(), 3);
         let at = |second: u32| Some((second, traffic.next(cars, ego, f64::from(second))?));
         (0..6000).filter_map(at).collect()
     }

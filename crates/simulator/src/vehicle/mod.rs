@@ -8,7 +8,10 @@ mod kinematic;
 use crate::{
     error::SimulatorError,
     road::CentreLine,
-    scenario::{SettingRange, VehicleModel, VehicleSettings, check_setting},
+    scenario::{
+        VehicleModel, VehicleSettings,
+        setting::{Range, check},
+    },
 };
 use maveric_domain::EgoState;
 
@@ -99,9 +102,9 @@ impl VehicleSettings {
     /// # Ok::<(), maveric_simulator::SimulatorError>(())
     /// ```
     pub fn build(&self, y_m: f64, speed_mps: f64) -> Result<Box<dyn Vehicle>, SimulatorError> {
-        self.check()?;
-        check_setting("", "y_m", y_m, SettingRange::Finite)?;
-        check_setting("", "speed_mps", speed_mps, SettingRange::NotNegative)?;
+        self.check_all()?;
+        check("y_m", y_m, Range::Finite)?;
+        check("speed_mps", speed_mps, Range::NotNegative)?;
         Ok(build(self, y_m, speed_mps))
     }
 }

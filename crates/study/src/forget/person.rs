@@ -120,6 +120,7 @@ fn inputs(study: &DesignFile) -> BTreeSet<PathBuf> {
     let read = [
         &study.design.people().file,
         &files.answers,
+        &files.measures,
         &files.logs,
         &files.scales,
     ];

@@ -1,24 +1,31 @@
 //! `ablate`: what each part of the model is worth on drivers that it has not seen.
 
-use super::report::{hashed, write_page};
+use super::{
+    report::{hashed, write_page},
+    validate::LeaveOut,
+};
 use crate::{
     atomic_write::write_json,
     design::DesignFile,
     error::StudyError,
     judged::Judged,
     mean::mean,
+    once::told_once,
     outcome::{Outcome, Watch, threads},
+    recordings::{self, Recorded},
     run_folder::adb_of,
     stage::{Files, Stage},
+    style_scale::StyleScale,
     tables::{drives::read_drives, surveys::read_scores},
 };
 use maveric_analysis::{Finding, Part, Question};
-use maveric_domain::DrivenBy;
+use maveric_domain::{AdbScore, Drive, DrivenBy};
 use maveric_model::{
     Ablated, AblationSettings, HeldOut, ModelError, TrainSettings, TrainingDrive, VariantResult,
     ablate as compare, variants,
 };
 use maveric_pages::{ABLATION, PageTexts, cards::ablation};
+use maveric_rehearsal::leave_out::people;
 use maveric_report::{
     Context, Report,
     figures::ablation::{Ablation, AblationVariant, ablation as figure_of},
@@ -63,6 +70,13 @@ pub struct Ablate {
     /// Parts into which the drivers are split
     #[arg(long, default_value_t = 5)]
     pub folds: usize,
+    /// Who is left out in turn, the rest being learned from: one person after the other of a study's own recordings, each drive with the
+    /// score of its role
+    #[arg(long, value_name = "people", conflicts_with = "folds")]
+    pub leave_out: Option<LeaveOut>,
+    /// Design of the study whose roles were driven (TOML); study.toml of the folder one stands in when not given
+    #[arg(long, value_name = "FILE", requires = "leave_out")]
+    pub design: Option<PathBuf>,
     /// Passes over the rows of each training
     #[arg(long, default_value_t = 40)]
     pub epochs: usize,
@@ -92,12 +106,11 @@ struct Words<'a> {
     preface: &'a str,
     drives: usize,
     folds: usize,
-    folds_judged: usize,
+    /// Whether each fold is one person.
+    people: bool,
     passes: usize,
     /// Share of a drive by which an unseen driver is known.
     known: f64,
-    /// Drives that are too short to be judged.
-    short: usize,
 }
 
 impl Stage for Ablate {
@@ -105,12 +118,16 @@ impl Stage for Ablate {
     const FAILURE: &'static str = "could not ablate";
     type Result = Ablated;
 
-    fn files(&self, _root: &Path) -> Result<Files, StudyError> {
-        Ok(Files::default()
-            .reads([&self.drives])
-            .reads(&self.scores)
-            .reads_design(None)
-            .writes_into(&self.out, &["ablation.json"]))
+    fn files(&self, root: &Path) -> Result<Files, StudyError> {
+        let files = Files::default().reads([&self.drives]).reads(&self.scores);
+        let design = self.design.as_deref();
+        let files = match self.leave_out {
+            Some(LeaveOut::People) => files
+                .reads_people(root, design, None)
+                .reads_style(DesignFile::below(root, design).as_ref()),
+            None => files.reads_design(None),
+        };
+        Ok(files.writes_into(&self.out, &["ablation.json"]))
     }
 
     fn repeated_by(&mut self, command: &str) {
@@ -124,17 +141,15 @@ impl Stage for Ablate {
     /// Method section 3, "Embedding size"; the paper says that more than three numbers bring nothing.
     fn work(&self, watch: Watch<'_>) -> Result<Outcome<Ablated>, StudyError> {
         let out = self.out.join("ablation.json");
-        let drives = read_drives(&self.drives)?;
-        let scores = self.scores.as_deref().map(read_scores).transpose()?;
-        let scores = scores.unwrap_or_default();
-        let baseline = DesignFile::find(None)?.design.baseline_id();
-        let mut given = Vec::new();
-        for drive in &drives {
-            given.push(TrainingDrive {
-                drive,
-                adb: adb_of(drive, &scores, baseline)?,
-            });
-        }
+        let mut warnings = Vec::new();
+        let (scored, folds) = match self.leave_out {
+            Some(LeaveOut::People) => self.in_roles(&mut warnings)?,
+            None => (self.scored()?, self.folds),
+        };
+        let given: Vec<TrainingDrive<'_>> = scored
+            .iter()
+            .map(|(drive, adb)| TrainingDrive { drive, adb: *adb })
+            .collect();
         // Unseen drivers judge; nobody is kept back of those learned from.
         let base = TrainSettings {
             epochs: self.epochs,
@@ -142,7 +157,7 @@ impl Stage for Ablate {
             ..TrainSettings::default()
         };
         let settings = AblationSettings {
-            folds: self.folds,
+            folds,
             ..AblationSettings::default()
         };
         let all = variants(&base, &self.sizes, &self.windows_s);
@@ -156,20 +171,17 @@ impl Stage for Ablate {
             Err(ModelError::Cancelled { .. }) => return Err(StudyError::Interrupted),
             other => other?,
         };
-        let synthetic = drives
+        let synthetic = scored
             .iter()
-            .any(|d| d.meta().driven_by == DrivenBy::Synthetic);
+            .any(|(d, _)| d.meta().driven_by == DrivenBy::Synthetic);
         let context = Context::of(synthetic, self.seed);
-        let short = found.variants[0].of_each.iter();
-        let short = short.filter(|h| h.is_none()).count();
         let words = Words {
             preface: &context.preface(),
             drives: found.drives.len(),
-            folds: self.folds,
-            folds_judged: found.settings.folds,
+            folds: found.settings.folds,
+            people: self.leave_out.is_some(),
             passes: self.epochs,
             known: found.settings.known_fraction,
-            short,
         };
         let texts = PageTexts::new(ABLATION, &words)?;
         let finding = parts(&found, &texts)?;
@@ -184,23 +196,64 @@ impl Stage for Ablate {
             &self.out,
             &page(&found, finding.as_ref(), self, (&texts, table), &context)?,
         )?;
+        let short = found.drives.iter().zip(&found.variants[0].of_each);
+        let short = short.filter(|(_, judged)| judged.is_none());
+        let why = texts.text("short")?;
+        warnings.extend(told_once(
+            "drive",
+            short.map(|(drive, _)| (drive.to_string(), why.clone())),
+        ));
         let mut summary: Vec<String> = text.lines().map(str::to_owned).collect();
         summary.push(format!(
             "{} variants on {} drives, {} folds: {}",
             found.variants.len(),
             found.drives.len(),
-            self.folds,
+            folds,
             page.to_slash_lossy()
         ));
-        let mut warnings = Vec::new();
-        if short > 0 {
-            warnings.push(texts.text("short")?);
-        }
         Ok(Outcome {
             value: found,
             summary,
             warnings,
         })
+    }
+}
+
+/// A drive with the score that teaches, where it has one.
+type Scored = (Drive, Option<AdbScore>);
+
+impl Ablate {
+    /// The drives of a folder, each with what its driver answered.
+    fn scored(&self) -> Result<Vec<Scored>, StudyError> {
+        let scores = self.scores.as_deref().map(read_scores).transpose()?;
+        let scores = scores.unwrap_or_default();
+        let baseline = DesignFile::find(None)?.design.baseline_id();
+        let scored = |drive: Drive| {
+            let score = adb_of(&drive, &scores, baseline)?;
+            Ok((drive, score))
+        };
+        read_drives(&self.drives)?.into_iter().map(scored).collect()
+    }
+
+    /// The drives in roles of a design, each with the score of its role, and how many people drove them.
+    fn in_roles(&self, warnings: &mut Vec<String>) -> Result<(Vec<Scored>, usize), StudyError> {
+        let study = DesignFile::find(self.design.as_deref())?;
+        let scale = StyleScale::of(&study)?;
+        let files = (&*self.drives, self.scores.as_deref());
+        let all = recordings::read(&study, files, scale, warnings)?;
+        let people = people(&all.drove()).len();
+        recordings::enough(people).map_err(|why| StudyError::BadFile {
+            path: self.drives.clone(),
+            problem: why,
+            help: Some("record more people in the roles of the design".to_owned()),
+        })?;
+        let scored = |recorded: Recorded| {
+            let points = recorded.drove.points;
+            let score = points.map(|points| scale.score(points)).transpose()?;
+            Ok((recorded.drive, score))
+        };
+        let scored: Result<_, StudyError> = all.rows.into_iter().map(scored).collect();
+        Ok((scored?, people))
     }
 }
 
@@ -309,4 +362,83 @@ fn parts(found: &Ablated, texts: &PageTexts) -> Result<Option<Finding>, StudyErr
         }
     }
     Ok(Some(Finding::every(Question::Parts, parts)))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::recordings::testing::{drives, study};
+    use std::sync::atomic::AtomicBool;
+
+    fn options(folder: &Path) -> Ablate {
+        Ablate {
+            drives: folder.join("drives"),
+            scores: None,
+            out: folder.join("out"),
+            sizes: Vec::new(),
+            windows_s: Vec::new(),
+            folds: 5,
+            leave_out: Some(LeaveOut::People),
+            design: Some(folder.join("study.toml")),
+            epochs: 1,
+            seed: 1,
+            jobs: 2,
+            command: None,
+        }
+    }
+
+    fn run(options: &Ablate) -> Result<Outcome<Ablated>, StudyError> {
+        let progress = |_: usize, _: usize, _: &str| {};
+        options.run(Watch::new(&progress, &AtomicBool::new(false)))
+    }
+
+    #[test]
+    fn each_person_of_a_study_is_left_out_in_turn_and_taught_with_the_scores_of_the_roles() {
+        // The fourth drives in no role, the third has a drive that is too short to be judged.
+        let mut kept: Vec<Drive> = drives()[..9].to_vec();
+        kept[8] = kept[8].slice(0, 20).unwrap();
+        let folder = study(&kept);
+        let design = folder.path().join("study.toml");
+        let text = std::fs::read_to_string(&design).unwrap();
+        let excluded = "[exclude.drives]\nP0-sporty = \"the rig failed\"\n";
+        std::fs::write(&design, format!("{text}{excluded}")).unwrap();
+        let options = options(folder.path());
+        let outcome = run(&options).unwrap();
+        let found = outcome.value;
+        assert_eq!((found.settings.folds, found.drives.len()), (3, 8));
+        let warned = outcome.warnings.join("\n");
+        assert!(
+            warned.contains("P0-sporty: left out, the rig failed"),
+            "{warned}"
+        );
+        assert!(
+            warned.contains("drive P2-calm-again: too short"),
+            "{warned}"
+        );
+        let by = |name: &str| found.variants.iter().find(|v| v.name == name).unwrap();
+        let whole = &found.variants[0];
+        assert!(whole.of_each.iter().filter(|h| h.is_some()).count() == 7);
+        // Without S nothing is learned of a score, so the scores of the roles did teach.
+        assert_ne!(by("without S (no L4)").of_each, whole.of_each);
+        let read = |name: &str| std::fs::read_to_string(options.out.join(name)).unwrap();
+        let page = read("index.html");
+        assert!(page.contains("Each of 3 people left out in turn"));
+        assert!(!page.contains("NaN") && !read("ablation.json").contains("NaN"));
+    }
+
+    #[test]
+    fn too_few_people_and_a_design_whose_roles_nobody_drove_are_refused_by_name() {
+        let folder = study(&drives()[..6]);
+        let error = run(&options(folder.path())).unwrap_err();
+        assert!(error.to_string().contains("2 people drove"), "{error}");
+        assert!(error.suggestion().unwrap().contains("more people"));
+        let design = folder.path().join("study.toml");
+        let text = "[study]\ntitle = \"x\"\n[style]\nscore = \"adb.total\"\nrange = [11, 55]\n[[role]]\nid = \"asleep\"\nscore = 15\n";
+        std::fs::write(&design, text).unwrap();
+        let error = run(&options(folder.path())).unwrap_err();
+        assert!(
+            error.to_string().contains("holds no drive in a role"),
+            "{error}"
+        );
+    }
 }

@@ -1,7 +1,8 @@
-//! `codebook`: what each questionnaire asks and how it is scored, for people and for programs.
+//! `codebook`: what each questionnaire asks and how it is scored, and what a study measures of its own, for people and for programs.
 
 use crate::{
     atomic_write::atomic_write_bytes,
+    design::DesignFile,
     error::StudyError,
     outcome::{Outcome, Watch},
     outputs::spare_inputs,
@@ -9,18 +10,22 @@ use crate::{
     stage::{Files, Stage},
     tables::write_rows,
 };
+use maveric_domain::design::{OwnMeasure, Sign};
 use path_slash::PathExt as _;
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
 
-/// Describe the questionnaires: items, ranges, reversals, subscales, norms
+/// Describe the questionnaires (items, ranges, reversals, subscales, norms) and the study's own measures
 #[derive(Debug, Clone, clap::Args)]
 #[command(after_help = "Example: maveric codebook --scales study_data/scales --out codebook")]
 pub struct Describe {
     /// Folder of questionnaire definitions
     #[arg(long, default_value = "study_data/scales")]
     pub scales: PathBuf,
-    /// Folder to write into: codebook.md, codebook.csv
+    /// Design of the study (TOML), for its own measures; study.toml of the current directory when not given
+    #[arg(long, value_name = "FILE")]
+    pub design: Option<PathBuf>,
+    /// Folder to write into: codebook.md, codebook.csv and, of a study with measures of its own, codebook_measures.csv
     #[arg(long)]
     pub out: PathBuf,
 }
@@ -32,6 +37,8 @@ pub struct Codebook {
     pub scales: usize,
     /// Their items.
     pub items: usize,
+    /// Measures of the study's own.
+    pub measures: usize,
 }
 
 /// An item of a subscale: a row of `codebook.csv`.
@@ -47,6 +54,31 @@ struct ItemRow {
     wording: String,
 }
 
+/// A measure of the study's own: a row of `codebook_measures.csv`.
+#[derive(Serialize, Deserialize)]
+struct MeasureRow {
+    id: String,
+    title: String,
+    unit: String,
+    aggression: String,
+}
+
+impl From<&OwnMeasure> for MeasureRow {
+    fn from(measure: &OwnMeasure) -> Self {
+        Self {
+            id: measure.id.clone(),
+            title: measure.title.clone(),
+            unit: measure.unit.clone(),
+            aggression: match measure.aggression {
+                Some(Sign::Plus) => "up",
+                Some(Sign::Minus) => "down",
+                None => "not known",
+            }
+            .to_owned(),
+        }
+    }
+}
+
 impl Stage for Describe {
     const NAME: &'static str = "codebook";
     const FAILURE: &'static str = "could not write the codebook";
@@ -55,17 +87,29 @@ impl Stage for Describe {
     fn files(&self, _root: &Path) -> Result<Files, StudyError> {
         Ok(Files::default()
             .reads([&self.scales])
-            .writes_into(&self.out, &["codebook.csv", "codebook.md"]))
+            .reads_design(self.design.as_deref())
+            .writes_into(
+                &self.out,
+                &["codebook.csv", "codebook.md", "codebook_measures.csv"],
+            ))
     }
 
     /// Writes the codebook of every scale of a folder: Markdown for people; a CSV row an item of each subscale.
     fn work(&self, watch: Watch<'_>) -> Result<Outcome<Codebook>, StudyError> {
         let csv = self.out.join("codebook.csv");
         let markdown = self.out.join("codebook.md");
-        spare_inputs([&*self.scales], [&*csv, &markdown])?;
+        let of_measures = self.out.join("codebook_measures.csv");
+        spare_inputs([&*self.scales], [&*csv, &markdown, &of_measures])?;
+        let study = DesignFile::here(self.design.as_deref())?;
+        let design = study.as_ref().map(|study| &study.design);
+        let own: Vec<MeasureRow> = design
+            .iter()
+            .flat_map(|design| design.measures())
+            .map(MeasureRow::from)
+            .collect();
         let scales = read_scales(&self.scales)?;
         watch.check()?;
-        let page = maveric_pages::codebook(&scales)?;
+        let page = maveric_pages::codebook(&scales, design)?;
         let mut rows = Vec::new();
         for scale in &scales {
             for subscale in &scale.subscales {
@@ -88,10 +132,14 @@ impl Stage for Describe {
             }
         }
         write_rows(&csv, &rows)?;
+        if !own.is_empty() {
+            write_rows(&of_measures, &own)?;
+        }
         atomic_write_bytes(&markdown, page.as_bytes())?;
         let value = Codebook {
             scales: scales.len(),
             items: scales.iter().map(|s| s.items as usize).sum(),
+            measures: own.len(),
         };
         let summary = vec![format!(
             "{} scales, {} items: {}, {}",

@@ -33,7 +33,7 @@ pub struct Frozen {
     /// cover the design alone.
     #[serde(default)]
     pub seal: String,
-    /// Answer files that were there already; none ought to be.
+    /// Files of answers and of the study's own measures that were there already; none ought to be.
     pub answers: usize,
     /// Logs that were there already; none ought to be.
     pub logs: usize,
@@ -112,13 +112,16 @@ pub fn freeze(design: Option<&Path>, date: &str) -> Result<Outcome<Frozen>, Stud
     }
     let text = read_text(path)?;
     let files = study.design.files();
+    let own = Some(&files.measures).filter(|_| !study.design.measures().is_empty());
+    let tables = [&files.answers].into_iter().chain(own);
+    let tables = tables.filter(|path| study.resolve(path).is_file());
     let cannot = |e| StudyError::file(&lock, format!("cannot be written: {e}"));
     let mut frozen = Frozen {
         date: date.to_owned(),
         version: env!("CARGO_PKG_VERSION").to_owned(),
         hash: blake3::hash(text.as_bytes()).to_hex().to_string(),
         seal: String::new(),
-        answers: usize::from(study.resolve(&files.answers).is_file()),
+        answers: tables.count(),
         logs: count(&study.resolve(&files.logs)),
         design: text,
         files: deciding_files(&study)?,
@@ -130,7 +133,7 @@ pub fn freeze(design: Option<&Path>, date: &str) -> Result<Outcome<Frozen>, Stud
     let mut warnings = Vec::new();
     if frozen.answers + frozen.logs > 0 {
         warnings.push(format!(
-            "{} logs and {} files of answers are there already: the page will say so",
+            "{} logs and {} files of answers or measures are there already: the page will say so",
             frozen.logs, frozen.answers
         ));
     }

@@ -6,10 +6,12 @@ use crate::{
     gate::{Gate, counted},
     once::{count, told_once},
     outcome::{Outcome, Watch},
+    run_folder::own_path,
     stage::{Files, Stage},
     tables::{
         drives::read_drives,
         measurements::{MeasuredDrive, write_measurements},
+        own_measures::{OwnMeasures, read_own_measures, write_own_measurements},
     },
 };
 use maveric_domain::{ConditionId, DriveId, ParticipantId};
@@ -21,14 +23,14 @@ use std::{
     path::{Path, PathBuf},
 };
 
-/// Measure drives: the seven objective measures, a row a drive
+/// Measure drives: the objective measures, a row a drive; and average the study's own measures
 #[derive(Debug, Clone, clap::Args)]
 #[command(
     after_help = "Example: maveric measure --drives drives/study2 --drives av/drives --out measurements.parquet"
 )]
 pub struct Measure {
-    /// Folder of drives; may be given more than once
-    #[arg(long, required = true)]
+    /// Folder of drives; may be given more than once, and left out where the study has measures of its own
+    #[arg(long)]
     pub drives: Vec<PathBuf>,
     /// Design of the study (TOML); study.toml of the folder one stands in when not given. Without either nothing is left out
     #[arg(long, value_name = "FILE")]
@@ -36,7 +38,7 @@ pub struct Measure {
     /// Who takes part; the design's table when not given
     #[arg(long)]
     pub participants: Option<PathBuf>,
-    /// Table to write (CSV or Parquet by its name)
+    /// Table to write (CSV or Parquet by its name); NAME_own.csv goes beside it where the study has measures of its own
     #[arg(long)]
     pub out: PathBuf,
 }
@@ -50,6 +52,8 @@ pub struct Measured {
     pub measures: Vec<&'static str>,
     /// How many drives have no value, a measure each, in that order.
     pub missing: Vec<usize>,
+    /// Values of the study's own measures: means, a person and condition each.
+    pub own: usize,
 }
 
 impl Stage for Measure {
@@ -58,21 +62,30 @@ impl Stage for Measure {
     type Result = Measured;
 
     fn files(&self, root: &Path) -> Result<Files, StudyError> {
-        Ok(Files::default()
+        let design = self.design.as_deref();
+        let files = Files::default()
             .reads(&self.drives)
-            .reads_people(root, self.design.as_deref(), self.participants.as_deref())
-            .writes([&self.out]))
+            .reads_people(root, design, self.participants.as_deref())
+            .writes([&self.out]);
+        let study = DesignFile::below(root, design);
+        Ok(match study.filter(|s| !s.design.measures().is_empty()) {
+            Some(study) => files
+                .reads_if_there([study.resolve(&study.design.files().measures)])
+                .writes([own_path(&self.out)]),
+            None => files,
+        })
     }
 
     /// Measures every drive of the folders.
     fn work(&self, watch: Watch<'_>) -> Result<Outcome<Measured>, StudyError> {
-        let measures = maveric_measures::objective::all();
-        let names: Vec<&'static str> = measures.iter().map(|m| m.name).collect();
         let study = DesignFile::here(self.design.as_deref())?;
+        let measures = measures_of(study.as_ref());
+        let names: Vec<&'static str> = measures.iter().map(|m| m.name).collect();
         let gate = study
             .as_ref()
             .map(|study| Gate::of(study, self.participants.as_deref()))
             .transpose()?;
+        let own = self.average_own(study.as_ref())?;
         let (mut rows, mut left_out, mut exposures) = (Vec::new(), Vec::new(), Vec::new());
         let mut from: BTreeMap<DriveId, &PathBuf> = BTreeMap::new();
         for (done, folder) in self.drives.iter().enumerate() {
@@ -120,7 +133,7 @@ impl Stage for Measure {
             })
         };
         let parts = comparable_parts(&rows, &exposures, compared);
-        let cut = count_in_parts(&self.drives, &parts, &mut rows, watch)?;
+        let cut = count_in_parts(&self.drives, &measures, &parts, &mut rows, watch)?;
         write_measurements(&self.out, &names, &rows)?;
         let missing: Vec<usize> = names
             .iter()
@@ -143,6 +156,7 @@ impl Stage for Measure {
         let out = left_out.iter();
         let out = out.map(|(drive, why)| (drive.to_string(), why.to_string()));
         warnings.extend(told_once("drive", out));
+        warnings.extend(own.warnings);
         let mut summary = vec![format!(
             "{} drives measured: {}",
             rows.len(),
@@ -152,16 +166,74 @@ impl Stage for Measure {
             ["drive", "drives"],
             left_out.iter().map(|(_, why)| why),
         ));
+        summary.extend(own.summary);
         Ok(Outcome {
             value: Measured {
                 drives: rows.len(),
                 measures: names,
                 missing,
+                own: own.value,
             },
             summary,
             warnings,
         })
     }
+}
+
+impl Measure {
+    /// Averages the study's own measures over sessions and trials and writes the means; how many these are.
+    fn average_own(&self, study: Option<&DesignFile>) -> Result<Outcome<usize>, StudyError> {
+        let declared = study.filter(|s| !s.design.measures().is_empty());
+        let Some(study) = declared else {
+            if self.drives.is_empty() {
+                return Err(StudyError::NotPossible {
+                    problem: "nothing to measure: no folder of drives, and the study declares no [[measure]] of its own"
+                        .to_owned(),
+                    help: Some("name a folder of drives with --drives".to_owned()),
+                });
+            }
+            return Ok(Outcome {
+                value: 0,
+                summary: Vec::new(),
+                warnings: Vec::new(),
+            });
+        };
+        let table = study.resolve(&study.design.files().measures);
+        let table = table.to_slash_lossy();
+        let mut warnings = Vec::new();
+        let own = read_own_measures(study, self.participants.as_deref())?.unwrap_or_else(|| {
+            warnings.push(format!(
+                "{table} is not there: nobody has a value of the study's own measures"
+            ));
+            OwnMeasures::default()
+        });
+        if !own.undeclared.is_empty() {
+            warnings.push(format!(
+                "{table}: columns that no [[measure]] declares are not read: {}",
+                own.undeclared.join(", ")
+            ));
+        }
+        let out = own_path(&self.out);
+        write_own_measurements(&out, &own.measurements)?;
+        let averaged = own.measurements.iter().filter(|m| m.n > 1).count();
+        let summary = vec![format!(
+            "{} of the study's own measures ({averaged} of them means of several sessions or trials): {}",
+            count(own.measurements.len(), "value", "values"),
+            out.to_slash_lossy()
+        )];
+        Ok(Outcome {
+            value: own.measurements.len(),
+            summary,
+            warnings,
+        })
+    }
+}
+
+/// The measures of the method, and those beyond it that the design names.
+fn measures_of(study: Option<&DesignFile>) -> Vec<&'static objective::Measure> {
+    let named = |m: &&objective::Measure| study.is_some_and(|s| s.design.names(m.name));
+    let further = objective::further().iter().filter(named);
+    objective::all().iter().chain(further).collect()
 }
 
 /// A drive that is not compared whole: its row, its folder, and the part of it that is.
@@ -192,11 +264,12 @@ fn comparable_parts(
 /// Takes counts and extremes from the comparable part of each of these drives; says in a sentence each what was cut and what has no value.
 fn count_in_parts(
     folders: &[PathBuf],
+    measures: &[&objective::Measure],
     parts: &[Part],
     rows: &mut [MeasuredDrive],
     watch: Watch<'_>,
 ) -> Result<Vec<String>, StudyError> {
-    let grows: Vec<_> = objective::all().iter().filter(|m| m.grows).collect();
+    let grows: Vec<_> = measures.iter().filter(|m| m.grows).collect();
     let of: BTreeMap<DriveId, (usize, Comparable)> = parts
         .iter()
         .map(|(at, _, part)| (rows[*at].meta.drive.clone(), (*at, *part)))
@@ -340,7 +413,8 @@ mod tests {
         let (_, said) = page.split_once("## `measurements.parquet`").unwrap();
         let said = said.split("\n## ").next().unwrap();
         let rows = said.lines().filter(|line| line.starts_with("| `"));
-        let own = objective::all().iter().map(|m| {
+        let measures = objective::all().iter().chain(objective::further());
+        let own = measures.map(|m| {
             let what = m.description.trim_end_matches('.');
             format!("| `{}` | {what} ({}) |", m.name, m.unit)
         });

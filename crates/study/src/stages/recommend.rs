@@ -2,8 +2,10 @@
 
 use crate::{
     atomic_write::write_json,
+    beyond::{self, beyond_in_words},
     design::DesignFile,
     error::StudyError,
+    once::told_once,
     outcome::{Outcome, Watch},
     outputs::spare_inputs,
     run_folder::{read_study, study_files},
@@ -95,23 +97,37 @@ impl Stage for Recommend {
         if data.is_synthetic() {
             summary.push("synthetic participants".to_owned());
         }
-        let warnings = value
-            .recommendations
-            .iter()
-            .filter(|r| r.preferred.is_none())
-            .map(|r| {
-                format!(
-                    "{}: the ratings have no highest point, so nothing is recommended",
-                    r.participant
-                )
-            })
-            .collect();
         Ok(Outcome {
+            warnings: warnings(&value.recommendations),
             value,
             summary,
-            warnings,
         })
     }
+}
+
+/// Whoever gets no recommendation, or one from a style that the model has met nobody with.
+fn warnings(recommendations: &[Recommendation]) -> Vec<String> {
+    let of = |r: &&Recommendation, preferred: bool| r.preferred.is_some() == preferred;
+    let strangers = |preferred: bool| {
+        let these = recommendations.iter().filter(move |r| of(r, preferred));
+        these.filter_map(|r| Some((r.participant.to_string(), r.beyond.as_ref()?)))
+    };
+    let no_top = recommendations
+        .iter()
+        .filter(|r| of(r, false) && r.beyond.is_none())
+        .map(|r| {
+            let why = "the ratings have no highest point, so nothing is recommended";
+            (r.participant.to_string(), why.to_owned())
+        });
+    let mut warnings = told_once("participant", no_top);
+    warnings.extend(beyond::named(
+        "participant",
+        strangers(false),
+        ", so nothing is recommended",
+    ));
+    let turned = "; the dial is turned all the same, as the design asks";
+    warnings.extend(beyond::named("participant", strangers(true), turned));
+    warnings
 }
 
 fn unknown(name: &str, data: &StudyData) -> StudyError {
@@ -136,7 +152,10 @@ fn lines(r: &Recommendation, at_length: bool) -> Vec<String> {
             p.points, p.low, p.high, p.within_5
         )
     };
-    let none = || "no recommendation: the ratings have no highest point".to_owned();
+    let none = || match &r.beyond {
+        Some(why) => format!("no recommendation: {}", beyond_in_words(why)),
+        None => "no recommendation: the ratings have no highest point".to_owned(),
+    };
     let mut lines = vec![format!(
         "{}: {}",
         r.participant,
@@ -162,10 +181,9 @@ fn lines(r: &Recommendation, at_length: bool) -> Vec<String> {
                 reason.points, reason.because
             ));
         }
-        lines.push(format!(
-            "  show next: {:+.0} points (would tell {:.2} nats of the preferred shift)",
-            r.next.0, r.next.1
-        ));
+        lines.extend(r.next.map(|(points, nats)| {
+            format!("  show next: {points:+.0} points (would tell {nats:.2} nats of the preferred shift)")
+        }));
     }
     lines
 }

@@ -80,6 +80,12 @@ pub(super) fn sample_size(
         ("studies", first.studies.to_string()),
     ]);
     lines.insert(0, texts.with(&values).text("rehearsed")?);
+    let own = design.measures().iter();
+    let own: Vec<&str> = own.map(|m| m.title.as_str()).collect();
+    if !own.is_empty() {
+        let texts = texts.with(&BTreeMap::from([("own", own)]));
+        lines.push(texts.text("own_measures")?);
+    }
     Ok(lines)
 }
 
@@ -100,7 +106,8 @@ fn wanted(
     let title = |outcome: &str| {
         let declared = design.outcomes().iter().find(|o| o.id() == outcome);
         let label = declared.and_then(|o| o.label.clone());
-        let measure = || objective::find(outcome).map(|m| m.title.to_owned());
+        let own = || design.measure(outcome).map(|m| m.title.clone());
+        let measure = || own().or_else(|| objective::find(outcome).map(|m| m.title.to_owned()));
         label.or_else(measure).unwrap_or_else(|| outcome.to_owned())
     };
     let mut outcomes: Vec<String> = design.outcomes().iter().map(Outcome::id).collect();

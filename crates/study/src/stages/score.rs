@@ -277,7 +277,12 @@ impl Stage for ScoreAnswers {
             .participants
             .as_deref()
             .map(|path| Table::read(path)?.ids("participant"))
-            .transpose()?;
+            .transpose()?
+            .filter(|ids: &Vec<ParticipantId>| {
+                // As the gate has it: a table that is not filled in yet lists nobody, and lets everybody in.
+                let told_apart = |s: &DesignFile| !s.design.people().columns().is_empty();
+                !ids.is_empty() || study.as_ref().is_none_or(told_apart)
+            });
         let scored = maveric_measures::score(&scales, &answers, participants.as_deref())?;
         let mut warnings = scored.warnings;
         let known = |w: &ScoreWarning| {

@@ -2,6 +2,7 @@
 
 use crate::{
     atomic_write::write_recording,
+    beyond,
     design::DesignFile,
     error::StudyError,
     forget::refuse_learned_from_gone,
@@ -18,8 +19,8 @@ use crate::{
     watching::{WatchedDrive, braking, read_watched, write_watch_page},
 };
 use maveric_domain::{
-    Drive, DriveId, DriveMeta, DrivenBy, Embedding, ParticipantId, Recording, Variability,
-    design::Condition, stream_seed,
+    BeyondWhy, Drive, DriveId, DriveMeta, DrivenBy, Embedding, ParticipantId, Recording,
+    Variability, design::Condition, stream_seed,
 };
 use maveric_ingest::{Beside, IngestSettings};
 use maveric_model::Model;
@@ -28,7 +29,10 @@ use maveric_simulator::{Driver, Rollout, RolloutReport, Scenario, SimulatorError
 use maveric_steering::{ModelPlanner, Varying};
 use path_slash::PathExt as _;
 use serde::Serialize;
-use std::path::{Path, PathBuf};
+use std::{
+    collections::{BTreeMap, BTreeSet},
+    path::{Path, PathBuf},
+};
 
 /// Drive each participant's conditions in the simulator
 #[derive(Debug, Clone, clap::Args)]
@@ -125,7 +129,7 @@ fn known<'a>(
     wanted: &str,
     participants: impl Iterator<Item = &'a ParticipantId>,
 ) -> Result<(), StudyError> {
-    let there: std::collections::BTreeSet<&str> = participants.map(ParticipantId::as_str).collect();
+    let there: BTreeSet<&str> = participants.map(ParticipantId::as_str).collect();
     if there.contains(wanted) {
         return Ok(());
     }
@@ -156,6 +160,8 @@ pub struct Simulated {
     pub rule_violations: usize,
     /// Interventions of the safety layer over all drives.
     pub interventions: usize,
+    /// People whose style the car drives though their own drive is beyond what the model has learned from.
+    pub beyond: Vec<ParticipantId>,
 }
 
 impl Stage for Simulate {
@@ -194,7 +200,7 @@ impl Stage for Simulate {
                 return Err(StudyError::file(&self.conditions, problem));
             }
         }
-        let mut names = std::collections::BTreeSet::new();
+        let mut names = BTreeSet::new();
         for row in &conditions {
             let drive = row.drive()?;
             if !names.insert(drive.clone()) {
@@ -257,7 +263,9 @@ impl Stage for Simulate {
         }
         let total =
             |of: fn(&RolloutReport) -> u32| driven.iter().map(|d| of(&d.3) as usize).sum::<usize>();
+        let strangers = strangers(&conditions);
         let value = Simulated {
+            beyond: strangers.keys().map(|who| (*who).clone()).collect(),
             drives: driven.len(),
             collisions: total(|r| r.collisions),
             rule_violations: total(|r| r.rule_violations),
@@ -265,6 +273,11 @@ impl Stage for Simulate {
         };
         let collisions = (value.collisions > 0)
             .then(|| format!("{} collisions: see rollouts.csv", value.collisions));
+        let beyond = beyond::named(
+            "participant",
+            strangers.iter().map(|(who, why)| (who.to_string(), *why)),
+            "; the car drives all the same, in a style that says little of this person",
+        );
         let early = (ended_early > 0).then(|| {
             format!(
                 "{} left out: see drives/exclusions.csv",
@@ -291,9 +304,17 @@ impl Stage for Simulate {
         Ok(Outcome {
             value,
             summary,
-            warnings: collisions.into_iter().chain(early).collect(),
+            warnings: collisions.into_iter().chain(early).chain(beyond).collect(),
         })
     }
+}
+
+/// Whoever's style is driven though their own drive is beyond what the model has learned from.
+fn strangers(conditions: &[ConditionRow]) -> BTreeMap<&ParticipantId, &BeyondWhy> {
+    conditions
+        .iter()
+        .filter_map(|row| Some((&row.participant, row.beyond_why.as_ref()?)))
+        .collect()
 }
 
 impl Simulate {
@@ -485,6 +506,7 @@ mod tests {
             clamped: false,
             angle_rad: None,
             beyond_training: false,
+            beyond_why: None,
             sweep: None,
             embedding: Embedding::new(vec![0.0]).unwrap(),
         }

@@ -15,11 +15,11 @@ use crate::{
     },
 };
 use maveric_domain::{AdbScore, Drive, Score};
-pub use maveric_model::HeadsKind;
 use maveric_model::{
     Days, EpochReport, HeadReport, Heads, Model, ModelError, NetworkReport, Selection, StyleHead,
     TrainSettings, TrainingDrive, learn_days, model_file, style_space::LinearHead, train as learn,
 };
+pub use maveric_model::{FreeSpeed, HeadsKind};
 use maveric_participants::Part;
 use path_slash::PathExt as _;
 use serde::{Deserialize, Serialize};
@@ -58,6 +58,9 @@ pub struct Train {
     /// are about)
     #[arg(long, default_value = "linear", value_name = "linear|paper")]
     pub heads: HeadsKind,
+    /// How linear heads read a free speed: in m/s, or beside what is posted (absolute or posted)
+    #[arg(long, default_value = "absolute", value_name = "absolute|posted")]
+    pub free_speed: FreeSpeed,
     /// Size of the embedding
     #[arg(long, default_value_t = 3)]
     pub embedding_size: usize,
@@ -149,6 +152,7 @@ impl Stage for Train {
         let (scores, scale) = style_scores(scores, design)?;
         let settings = TrainSettings {
             heads: self.heads,
+            free_speed: self.free_speed,
             embedding_size: self.embedding_size,
             epochs: self.epochs,
             fit_fraction: self.fit_fraction,
@@ -235,6 +239,7 @@ impl Stage for Train {
                 line_position_se: None,
                 support_p: None,
                 beyond_why: None,
+                posted_unseen: None,
                 embedding,
             });
         }

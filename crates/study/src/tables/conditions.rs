@@ -5,7 +5,7 @@ use super::{
     embeddings::{read_coordinates, with_coordinates},
 };
 use crate::error::StudyError;
-use maveric_domain::{ConditionId, Embedding, ParticipantId};
+use maveric_domain::{BeyondWhy, ConditionId, Embedding, ParticipantId};
 use serde::Deserialize;
 use std::path::Path;
 
@@ -24,13 +24,21 @@ struct Steered {
     beyond_training: bool,
 }
 
+/// Whether the model has met the drive that a style was learned of; a table of before has no such column.
+#[derive(Deserialize)]
+struct Met {
+    beyond_why: Option<BeyondWhy>,
+}
+
 /// Writes conditions, one row each; those of a sweep with its points.
 ///
 /// # Errors
 /// [`StudyError::Io`], [`StudyError::BadTable`].
 pub fn write_conditions(path: &Path, rows: &[ConditionRow]) -> Result<(), StudyError> {
     let embeddings: Vec<&Embedding> = rows.iter().map(|r| &r.embedding).collect();
-    let mut table = with_coordinates(TableBuilder::some_of::<Steered, _>(rows)?, &embeddings);
+    let table = TableBuilder::some_of::<Steered, _>(rows)?;
+    let table = table.beside(TableBuilder::some_of::<Met, _>(rows)?);
+    let mut table = with_coordinates(table, &embeddings);
     if rows.iter().any(|r| r.sweep.is_some()) {
         table = table.beside(TableBuilder::of(
             rows.iter().filter_map(|r| r.sweep.as_ref()),
@@ -52,10 +60,17 @@ pub fn read_conditions(path: &Path) -> Result<Vec<ConditionRow>, StudyError> {
         table.each_once(&["participant", "condition"])?;
         vec![None; table.rows()]
     };
-    let rows = table.records::<Steered>()?.into_iter();
+    let met = if table.has("beyond_why") {
+        table.records()?
+    } else {
+        (0..table.rows())
+            .map(|_| Met { beyond_why: None })
+            .collect()
+    };
+    let rows = table.records::<Steered>()?.into_iter().zip(met);
     Ok(rows
         .zip(read_coordinates(&table)?.into_iter().zip(sweep))
-        .map(|(row, (embedding, sweep))| ConditionRow {
+        .map(|((row, met), (embedding, sweep))| ConditionRow {
             participant: row.participant,
             condition: row.condition,
             adb_hat: row.adb_hat,
@@ -64,6 +79,7 @@ pub fn read_conditions(path: &Path) -> Result<Vec<ConditionRow>, StudyError> {
             clamped: row.clamped,
             angle_rad: row.angle_rad,
             beyond_training: row.beyond_training,
+            beyond_why: met.beyond_why,
             sweep,
             embedding,
         })
@@ -86,6 +102,9 @@ mod tests {
             clamped: false,
             angle_rad: None,
             beyond_training: false,
+            beyond_why: sweep.is_none().then(|| BeyondWhy::Habits {
+                habit: "pass".to_owned(),
+            }),
             sweep,
             embedding: Embedding::new(vec![0.5, -1.0]).unwrap(),
         };
@@ -105,6 +124,10 @@ mod tests {
             write_conditions(&path, &rows).unwrap();
             assert_eq!(read_conditions(&path).unwrap(), rows);
         }
+        // A table of before has no column for it.
+        let before = "participant,condition,adb_hat,moved_points,moved_points_sd,clamped,angle_rad,beyond_training,w1\nP01,own,30,0,,false,,false,0.5\n";
+        std::fs::write(&path, before).unwrap();
+        assert_eq!(read_conditions(&path).unwrap()[0].beyond_why, None);
         assert_eq!(row(None).drive().unwrap().as_str(), "P01-sporty");
     }
 }

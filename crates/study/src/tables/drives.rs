@@ -76,6 +76,14 @@ pub(crate) fn write_samples(path: &Path, drive: &Drive) -> Result<(), StudyError
         .write(path)
 }
 
+/// The drives that a list has.
+///
+/// # Errors
+/// As [`Table`] does, naming row and column.
+pub(crate) fn list_of(list: &Path) -> Result<Vec<DriveMeta>, StudyError> {
+    Table::read(list)?.records()
+}
+
 /// Reads one drive back.
 ///
 /// # Errors
@@ -244,34 +252,33 @@ pub fn write_drive_list(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use maveric_domain::{DrivenBy, LatentTraits, Seconds};
+    use maveric_simulator::{Driver, DriverParams, Scenario, rollout};
 
-    /// As the first version of the format wrote it: of one of two studies.
-    fn of_format_1() -> PathBuf {
-        Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tests/data/drive_of_format_1.parquet")
-    }
-
-    #[test]
-    fn a_drive_of_the_first_format_is_read_and_written_in_the_second() {
-        let old = read_drive(&of_format_1()).unwrap();
-        let meta = old.meta();
-        let words = (meta.participant.as_str(), meta.condition.as_str());
-        assert_eq!((words, old.len()), (("P01", "own"), 121));
-        let folder = tempfile::tempdir().unwrap();
-        let new = read_drive(&write_drive(folder.path(), &old).unwrap()).unwrap();
-        assert_eq!((new.meta(), new.rows()), (meta, old.rows()));
+    fn a_drive() -> Drive {
+        let scenario = Scenario::paper().with_duration(Seconds(6.0)).unwrap();
+        let person = DriverParams::draw(&LatentTraits::default(), 1, 1);
+        let driven = rollout(&scenario, Driver::Human(&person), 1).unwrap();
+        let meta = DriveMeta {
+            drive: DriveId::new("P01-own").unwrap(),
+            participant: ParticipantId::new("P01").unwrap(),
+            condition: "own".parse().unwrap(),
+            driven_by: DrivenBy::Synthetic,
+        };
+        Drive::from_recording(meta, &driven.recording).unwrap()
     }
 
     #[test]
     fn a_drive_that_the_list_does_not_have_is_named_and_left_alone() {
         let folder = tempfile::tempdir().unwrap();
-        let drive = read_drive(&of_format_1()).unwrap();
-        write_drive(folder.path(), &drive).unwrap();
+        let drive = a_drive();
+        let written = write_drive(folder.path(), &drive).unwrap();
         // Without a list a folder is as somebody put it together.
         assert_eq!(read_drives(folder.path()).unwrap().len(), 1);
         write_drive_list(folder.path(), &[(drive.meta().clone(), 121, 6.0)]).unwrap();
         assert_eq!(read_drives(folder.path()).unwrap().len(), 1);
         let foreign = folder.path().join("P09-own.parquet");
-        std::fs::copy(of_format_1(), &foreign).unwrap();
+        std::fs::copy(written, &foreign).unwrap();
         let said = read_drives(folder.path()).unwrap_err().to_string();
         assert!(
             said.contains("P09-own.parquet") && said.contains("does not list"),

@@ -27,6 +27,8 @@ struct Met {
     support_p: Option<f64>,
     beyond: Option<bool>,
     beyond_why: Option<BeyondWhy>,
+    #[serde(default)]
+    posted_unseen: Option<bool>,
 }
 
 /// Names of the covariances of `d` numbers that a table holds, and where they stand: those on and above the diagonal.
@@ -67,6 +69,7 @@ pub fn write_embeddings(path: &Path, rows: &[EmbeddingRow]) -> Result<(), StudyE
         support_p: r.support_p,
         beyond: r.beyond(),
         beyond_why: r.beyond_why.clone(),
+        posted_unseen: r.posted_unseen,
     };
     let met: Vec<Met> = rows.iter().map(met).collect();
     let builder = TableBuilder::some_of::<Fit, _>(rows)?.beside(TableBuilder::of(&met)?);
@@ -124,6 +127,7 @@ pub fn read_embeddings(path: &Path) -> Result<Vec<EmbeddingRow>, StudyError> {
                 covariance,
                 line_position_se,
                 support_p: met.as_ref().and_then(|m| m.support_p),
+                posted_unseen: met.as_ref().and_then(|m| m.posted_unseen),
                 beyond_why: met.and_then(|m| m.beyond_why),
                 embedding,
             },
@@ -175,6 +179,7 @@ mod tests {
             beyond_why: covariance.as_ref().map(|_| BeyondWhy::Style {
                 habit: "pass".to_owned(),
             }),
+            posted_unseen: covariance.as_ref().map(|_| true),
             covariance,
             embedding: Embedding::new(vec![0.5, -1.0]).unwrap(),
         };

@@ -7,6 +7,7 @@ pub mod dial;
 pub mod drives;
 pub mod embeddings;
 pub mod measurements;
+pub mod own_measures;
 pub mod participants;
 mod rows;
 pub mod surveys;

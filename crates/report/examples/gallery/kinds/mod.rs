@@ -10,6 +10,7 @@ pub(crate) mod architecture;
 pub(crate) mod calibration;
 pub(crate) mod car_following;
 pub(crate) mod comparison;
+pub(crate) mod completeness;
 pub(crate) mod curves;
 pub(crate) mod dial_sweep;
 pub(crate) mod difference_panels;
@@ -61,8 +62,9 @@ pub(crate) const PARTICIPANTS: usize = 24;
 pub(crate) type Draw = fn(&Context) -> Result<Figure, ReportError>;
 
 /// Every kind: the name of its function, and one that draws it from made-up numbers.
-pub(crate) const KINDS: [(&str, Draw); 30] = [
+pub(crate) const KINDS: [(&str, Draw); 31] = [
     ("flow", flow::draw),
+    ("completeness", completeness::draw),
     ("domain", domain::draw),
     ("architecture", architecture::draw),
     ("simulator_view", simulator_view::draw),

@@ -1,6 +1,6 @@
 //! Such a person at the wheel.
 
-use super::{merging::Merging, params::EvidenceParams, sideways::Sideways, urge::Urge};
+use super::{merging::Merging, population::EvidenceParams, sideways::Sideways, urge::Urge};
 use crate::{
     control::{
         action::{Action, Manoeuvre},

@@ -1,6 +1,6 @@
 //! When such a person merges back: at a distance in metres that has been there for a moment.
 
-use super::params::EvidenceParams;
+use super::population::EvidenceParams;
 use crate::{
     drivers::passing::{has_room_ahead, least_room_behind_m},
     neighbours::behind,

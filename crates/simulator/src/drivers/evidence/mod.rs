@@ -11,11 +11,9 @@
 
 mod driver;
 mod merging;
-mod params;
 mod population;
 mod sideways;
 mod urge;
 
 pub(crate) use driver::EvidenceDriver;
-pub use params::EvidenceParams;
-pub use population::{BentLaw, EvidencePopulation};
+pub use population::{BentLaw, EvidenceParams, EvidencePopulation};

@@ -1,11 +1,10 @@
-//! How five latents become the parameters of such a person.
+//! Who acts on evidence, and how five latents become the parameters of such a person.
 
-use super::params::EvidenceParams;
-use crate::drivers::bounds::{self, Bounds};
 use crate::{
+    drivers::{bounds, habit::people},
     error::SimulatorError,
     normal::standard_normal,
-    scenario::{SettingRange, check_setting},
+    scenario::setting::{Range, Value, check},
 };
 use maveric_domain::{LatentTraits, MetresPerSecond, stream_seed};
 use rand::SeedableRng;
@@ -50,56 +49,84 @@ pub struct BentLaw {
     pub day: f64,
 }
 
-/// A population of people who act on evidence.
-///
-/// Every key but the last three is the law of a field of [`EvidenceParams`].
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct EvidencePopulation {
-    /// In mph.
-    pub desired_speed_mph: BentLaw,
-    /// Without unit.
-    pub threshold: BentLaw,
-    /// In s.
-    pub memory_s: BentLaw,
-    /// In s.
-    pub waiting_s: BentLaw,
-    /// In m.
-    pub merge_back_gap_m: BentLaw,
-    /// In s.
-    pub merge_back_hold_s: BentLaw,
-    /// A share.
-    pub hurry: BentLaw,
-    /// In s.
-    pub following_time_gap_s: BentLaw,
-    /// In m.
-    pub standstill_m: BentLaw,
-    /// A share of the gap.
-    pub gap_wander_sd: BentLaw,
-    /// In m/s.
-    pub speed_wander_sd_mps: BentLaw,
-    /// In m/s².
-    pub acceleration_mps2: BentLaw,
-    /// In m/s.
-    pub passing_speed_added_mps: BentLaw,
-    /// In m/s.
-    pub passing_speed_over_lead_mps: BentLaw,
-    /// In s.
-    pub lane_change_s: BentLaw,
-    /// Without unit.
-    pub lateness: BentLaw,
-    /// In m.
-    pub lane_offset_m: BentLaw,
-    /// In m.
-    pub weave_sd_m: BentLaw,
-    /// In m.
-    pub peek_m: BentLaw,
-    /// Comfortable braking of everybody, in m/s².
-    pub braking_mps2: f64,
-    /// Reaction delay of everybody, in s.
-    pub delay_s: f64,
-    /// SD of everybody's relative error of perceived gaps.
-    pub gap_error_sd: f64,
+impl Value for BentLaw {
+    fn check(&self, name: &str, range: Range) -> Result<(), SimulatorError> {
+        check(&format!("{name}.lowest"), self.lowest, range)?;
+        check(&format!("{name}.highest"), self.highest, range)?;
+        let above = Range::Because(self.lowest, f64::MAX, "`lowest` or above");
+        check(&format!("{name}.highest"), self.highest, above)?;
+        for (key, pair) in [
+            ("aggressiveness", self.aggressiveness),
+            ("spacing", self.spacing),
+            ("pace", self.pace),
+            ("patience", self.patience),
+            ("looseness", self.looseness),
+            ("centre", [self.centre; 2]),
+            ("own", [self.own; 2]),
+        ] {
+            for number in pair {
+                check(&format!("{name}.{key}"), number, Range::Finite)?;
+            }
+        }
+        check(&format!("{name}.day"), self.day, Range::NotNegative)
+    }
+}
+
+people! {
+    /// How one person who acts on evidence drives on one day: drawn from an [`EvidencePopulation`], or written by hand and checked
+    /// before the drive.
+    pub struct EvidenceParams;
+
+    /// A population of people who act on evidence.
+    pub struct EvidencePopulation of BentLaw;
+
+    desired_speed;
+    habits {
+        /// Evidence at which a pass begins.
+        threshold, 0.1..=1000.0, bent("threshold");
+        /// Time in which evidence is forgotten.
+        memory_s, 1.0..=100.0, bent("memory");
+        /// Time behind a lead in which the threshold falls to 1/e.
+        waiting_s, 1.0..=10_000.0, bent("waiting");
+        /// Gap to the vehicle passed at which merging back begins, whatever the speed.
+        merge_back_gap_m, 8.0..=200.0, bent("merge_back_gap");
+        /// Time for which that gap has to have been there.
+        merge_back_hold_s, 0.0..=20.0, bent("merge_back_hold");
+        /// Share by which that gap shrinks with somebody close behind in the passing lane.
+        hurry, 0.0..=0.9, bent("hurry");
+        /// Part of the following gap that grows with speed.
+        following_time_gap_s, bounds::FOLLOWING_TIME_GAP_S, bent("following_time_gap");
+        /// Part of it that does not.
+        standstill_m, bounds::STANDSTILL_M, bent("standstill");
+        /// SD of the wander of that gap, relative.
+        gap_wander_sd, 0.0..=0.4, bent("gap_wander");
+        /// SD of the wander of the desired speed.
+        speed_wander_sd_mps, 0.0..=2.0, bent("speed_wander");
+        /// Acceleration from standstill.
+        acceleration_mps2, bounds::ACCELERATION_MPS2, bent("acceleration");
+        /// Speed added while passing.
+        passing_speed_added_mps, bounds::PASSING_SPEED_ADDED_MPS, bent("passing_speed_added");
+        /// Least speed over the vehicle passed.
+        passing_speed_over_lead_mps, bounds::PASSING_SPEED_OVER_LEAD_MPS, bent("passing_speed_over_lead");
+        /// Duration of a lane change.
+        lane_change_s, bounds::LANE_CHANGE_S, bent("lane_change");
+        /// Exponent on the share of a lane change that is over: above 1 the line is crossed late.
+        lateness, 0.6..=1.5, bent("lateness");
+        /// Where in the lane this person drives, to the left of its centre.
+        lane_offset_m, -0.4..=0.4, bent("lane_offset");
+        /// SD of the weave around that.
+        weave_sd_m, 0.0..=0.2, bent("weave");
+        /// How far this person leans out before passing.
+        peek_m, 0.0..=0.7, bent("peek");
+    }
+    everybody {
+        /// Comfortable braking.
+        braking_mps2: f64, bounds::BRAKING_MPS2;
+        /// Reaction delay.
+        delay_s: f64, bounds::DELAY_S;
+        /// SD of the relative error of perceived gaps.
+        gap_error_sd: f64, bounds::GAP_ERROR_SD;
+    }
 }
 
 struct Draw {
@@ -116,7 +143,11 @@ fn normal(seed: u64, kind: &str, name: &str) -> f64 {
 }
 
 impl Draw {
-    fn of(&self, name: &str, law: &BentLaw) -> f64 {
+    fn desired_speed_mps(&self, law: &BentLaw) -> f64 {
+        MetresPerSecond::from_mph(self.bent("desired_speed", law)).0
+    }
+
+    fn bent(&self, name: &str, law: &BentLaw) -> f64 {
         let loadings = [
             law.aggressiveness,
             law.spacing,
@@ -150,7 +181,7 @@ impl EvidencePopulation {
             normal(person_seed, "latent", "patience"),
             normal(person_seed, "latent", "looseness"),
         ];
-        let draw = Draw {
+        self.person(&Draw {
             latents: latents.map(|z| {
                 if z.is_nan() {
                     0.0
@@ -160,106 +191,14 @@ impl EvidencePopulation {
             }),
             person_seed,
             day_seed,
-        };
-        let mph = draw.of("desired_speed", &self.desired_speed_mph);
-        EvidenceParams {
-            desired_speed_mps: MetresPerSecond::from_mph(mph).0,
-            threshold: draw.of("threshold", &self.threshold),
-            memory_s: draw.of("memory", &self.memory_s),
-            waiting_s: draw.of("waiting", &self.waiting_s),
-            merge_back_gap_m: draw.of("merge_back_gap", &self.merge_back_gap_m),
-            merge_back_hold_s: draw.of("merge_back_hold", &self.merge_back_hold_s),
-            hurry: draw.of("hurry", &self.hurry),
-            following_time_gap_s: draw.of("following_time_gap", &self.following_time_gap_s),
-            standstill_m: draw.of("standstill", &self.standstill_m),
-            gap_wander_sd: draw.of("gap_wander", &self.gap_wander_sd),
-            speed_wander_sd_mps: draw.of("speed_wander", &self.speed_wander_sd_mps),
-            acceleration_mps2: draw.of("acceleration", &self.acceleration_mps2),
-            passing_speed_added_mps: draw.of("passing_speed_added", &self.passing_speed_added_mps),
-            passing_speed_over_lead_mps: draw
-                .of("passing_speed_over_lead", &self.passing_speed_over_lead_mps),
-            lane_change_s: draw.of("lane_change", &self.lane_change_s),
-            lateness: draw.of("lateness", &self.lateness),
-            lane_offset_m: draw.of("lane_offset", &self.lane_offset_m),
-            weave_sd_m: draw.of("weave", &self.weave_sd_m),
-            peek_m: draw.of("peek", &self.peek_m),
-            braking_mps2: self.braking_mps2,
-            delay_s: self.delay_s,
-            gap_error_sd: self.gap_error_sd,
-        }
-    }
-
-    /// The laws with their keys and the range that a law may span.
-    fn laws(&self) -> [(Bounds, &BentLaw); 19] {
-        [
-            (bounds::DESIRED_SPEED_MPH, &self.desired_speed_mph),
-            (bounds::THRESHOLD, &self.threshold),
-            (bounds::MEMORY_S, &self.memory_s),
-            (bounds::WAITING_S, &self.waiting_s),
-            (bounds::MERGE_BACK_GAP_M, &self.merge_back_gap_m),
-            (bounds::MERGE_BACK_HOLD_S, &self.merge_back_hold_s),
-            (bounds::HURRY, &self.hurry),
-            (bounds::FOLLOWING_TIME_GAP_S, &self.following_time_gap_s),
-            (bounds::STANDSTILL_M, &self.standstill_m),
-            (bounds::GAP_WANDER_SD, &self.gap_wander_sd),
-            (bounds::SPEED_WANDER_SD_MPS, &self.speed_wander_sd_mps),
-            (bounds::ACCELERATION_MPS2, &self.acceleration_mps2),
-            (
-                bounds::PASSING_SPEED_ADDED_MPS,
-                &self.passing_speed_added_mps,
-            ),
-            (
-                bounds::PASSING_SPEED_OVER_LEAD_MPS,
-                &self.passing_speed_over_lead_mps,
-            ),
-            (bounds::LANE_CHANGE_S, &self.lane_change_s),
-            (bounds::LATENESS, &self.lateness),
-            (bounds::LANE_OFFSET_M, &self.lane_offset_m),
-            (bounds::WEAVE_SD_M, &self.weave_sd_m),
-            (bounds::PEEK_M, &self.peek_m),
-        ]
-    }
-
-    pub(crate) fn check(&self) -> Result<(), SimulatorError> {
-        for (bounds, law) in self.laws() {
-            let section = format!("evidence.{}", bounds.0);
-            check_setting(&section, "lowest", law.lowest, bounds.range(None))?;
-            check_setting(
-                &section,
-                "highest",
-                law.highest,
-                bounds.range(Some(law.lowest)),
-            )?;
-            for (key, pair) in [
-                ("aggressiveness", law.aggressiveness),
-                ("spacing", law.spacing),
-                ("pace", law.pace),
-                ("patience", law.patience),
-                ("looseness", law.looseness),
-                ("centre", [law.centre; 2]),
-                ("own", [law.own; 2]),
-            ] {
-                for found in pair {
-                    check_setting(&section, key, found, SettingRange::Finite)?;
-                }
-            }
-            check_setting(&section, "day", law.day, SettingRange::NotNegative)?;
-        }
-        for (bounds, found) in [
-            (bounds::BRAKING_MPS2, self.braking_mps2),
-            (bounds::DELAY_S, self.delay_s),
-            (bounds::GAP_ERROR_SD, self.gap_error_sd),
-        ] {
-            check_setting("evidence", bounds.0, found, bounds.range(None))?;
-        }
-        Ok(())
+        })
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::drivers::People;
+    use crate::{drivers::People, scenario::setting::check_section};
 
     fn population() -> Box<EvidencePopulation> {
         let text = maveric_data::POPULATION_MISSPECIFIED;
@@ -310,7 +249,9 @@ mod tests {
         assert!((law.lowest..=law.highest).contains(&driver.following_time_gap_s));
         let mut wrong = population();
         wrong.weave_sd_m.highest = 3.0;
-        let error = wrong.check().unwrap_err().to_string();
+        let error = check_section("evidence", wrong.as_ref())
+            .unwrap_err()
+            .to_string();
         assert!(error.contains("evidence.weave_sd_m.highest"), "{error}");
     }
 }

@@ -1,6 +1,6 @@
 //! Where in the lane such a person drives.
 
-use super::params::EvidenceParams;
+use super::population::EvidenceParams;
 use crate::{drivers::noise::OrnsteinUhlenbeck, planner::PLANNING_STEP_S};
 use rand_pcg::Pcg64Mcg;
 

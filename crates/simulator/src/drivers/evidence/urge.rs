@@ -1,6 +1,6 @@
 //! When such a person moves out: evidence that leaks, against a threshold that falls.
 
-use super::params::EvidenceParams;
+use super::population::EvidenceParams;
 use crate::{drivers::idm::SeenLead, normal::standard_normal, planner::PLANNING_STEP_S};
 use maveric_domain::VehicleId;
 use rand_pcg::Pcg64Mcg;

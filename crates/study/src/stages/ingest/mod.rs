@@ -2,7 +2,7 @@
 
 pub(crate) mod logs;
 
-pub(crate) use logs::logs_of;
+pub(crate) use logs::{logs_of, of_study as logs_of_study};
 
 use crate::{
     aside::Aside,

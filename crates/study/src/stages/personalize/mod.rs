@@ -331,6 +331,7 @@ fn fit(personalizer: &Personalizer<'_>, task: &Task<'_>) -> Result<EmbeddingRow,
         line_position_se: axis.and_then(|a| found.sd_along(a.gradient())),
         support_p: found.support.as_ref().and_then(|s| s.p),
         beyond_why: found.support.as_ref().and_then(Support::beyond),
+        posted_unseen: (personalizer.model().posted()).map(|_| found.posted_unseen),
         covariance: found.covariance,
         embedding: found.embedding,
     })

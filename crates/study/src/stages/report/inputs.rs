@@ -76,6 +76,9 @@ pub(super) fn drawn_from(options: &DrawReport, root: &Path) -> Result<Files, Stu
     let others = [
         "following.json",
         "answers_exclusions.csv",
+        "answers.csv",
+        "surveys.csv",
+        "ratings.csv",
         "participants.csv",
         "drives",
         "av",
@@ -85,6 +88,8 @@ pub(super) fn drawn_from(options: &DrawReport, root: &Path) -> Result<Files, Stu
     let values = options.parameters.iter().map(|(_, value)| value.into());
     let study = DesignFile::below_or_paper(root, options.design.as_deref())?;
     let files = study.design.files();
+    let own = study.design.measures().first();
+    let own = own.map(|_| study.resolve(&files.measures));
     let claims = files.claims.as_ref().filter(|_| options.claims.is_none());
     Ok(Files::default()
         .reads_design(options.design.as_deref())
@@ -94,7 +99,13 @@ pub(super) fn drawn_from(options: &DrawReport, root: &Path) -> Result<Files, Stu
         .reads_if_there(in_folder(folder, &READ))
         .reads_if_there(in_folder(folder, &others))
         .reads_if_there([folder.join(MODEL_FILE), study.resolve(&files.scales)])
-        .reads_if_there(study.path.as_ref().map(|_| study.resolve(&files.logs)))
+        .reads_if_there(own)
+        .reads_if_there(
+            study
+                .path
+                .iter()
+                .flat_map(|_| [&files.logs, &files.answers].map(|p| study.resolve(p))),
+        )
         .reads_if_there(values.filter(is_file)))
 }
 

@@ -251,6 +251,7 @@ mod tests {
             line_position_se: None,
             support_p: None,
             beyond_why: None,
+            posted_unseen: None,
             embedding: Embedding::new(vec![0.0]).unwrap(),
         }
     }

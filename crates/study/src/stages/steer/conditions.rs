@@ -1,10 +1,9 @@
 //! Where each condition of the design lies for each person.
 
-use super::{Steer, Steered, is_beyond};
+use super::{Steer, Steered, is_beyond, strangers::Strangers};
 use crate::{
     design::DesignFile,
     error::StudyError,
-    once::told_once,
     outcome::{Outcome, Watch},
     style_scale::StyleScale,
     tables::{
@@ -13,8 +12,8 @@ use crate::{
     },
 };
 use maveric_domain::{
-    Embedding, ParticipantId,
-    design::{BeyondRule, Car, Condition},
+    BeyondWhy, Embedding, ParticipantId,
+    design::{Car, Condition},
     stream_seed,
 };
 use maveric_model::{
@@ -91,19 +90,15 @@ pub(super) fn conditions(
         }
     }
     let mut rows = Vec::new();
-    let mut strangers: Vec<ParticipantId> = Vec::new();
-    let leaves_out = !options.beyond && design.beyond() == BeyondRule::LeaveOut;
+    let mut strangers = Strangers::of(options, design);
+    let turned = driven.iter().any(|condition| condition.side().is_some());
     for person in own {
         watch.check()?;
-        let hat = steering.hat(&person.embedding)?;
-        let hat = hat.map(|hat| scale.outward(hat));
-        let off_scale = hat.is_some_and(|hat| !scale.has(hat));
-        let beyond = off_scale || person.beyond() == Some(true);
-        if beyond && driven.iter().any(|condition| condition.side().is_some()) {
-            strangers.push(person.participant.clone());
-        }
+        let own_hat = steering.hat(&person.embedding)?;
+        let (_, why) = BeyondWhy::of_reading(own_hat, person.beyond_why.clone());
+        let may_turn = strangers.may_turn(&person.participant, why.as_ref(), turned);
         for condition in &driven {
-            if beyond && leaves_out && condition.side().is_some() {
+            if !may_turn && condition.side().is_some() {
                 continue;
             }
             let id = format!("{}-{}", person.participant, condition.id);
@@ -130,10 +125,7 @@ pub(super) fn conditions(
             rows.push(ConditionRow {
                 participant: person.participant.clone(),
                 condition: condition.id,
-                adb_hat: steering
-                    .hat(&embedding)?
-                    .map(|hat| scale.outward(hat))
-                    .filter(|hat| scale.has(*hat)),
+                adb_hat: scale.score_of(steering.hat(&embedding)?, None).0,
                 moved_points: moved_points.map(|points| points / scale.stretch()),
                 moved_points_sd: axis
                     .and_then(|axis| axis.step_sd(&step))
@@ -141,21 +133,16 @@ pub(super) fn conditions(
                 clamped: steering.clamped > clamped_before,
                 angle_rad,
                 beyond_training: is_beyond(model, &embedding)?,
+                beyond_why: match condition.car {
+                    Some(Car::Dial(_) | Car::Across) => why.clone(),
+                    _ => None,
+                },
                 sweep: None,
                 embedding,
             });
         }
     }
-    if !strangers.is_empty() {
-        let why = if leaves_out {
-            "drives beyond what the model has learned from, so the dial has no place to turn from: left out of the conditions that turn it \
-             (--beyond drives them)"
-        } else {
-            "drives beyond what the model has learned from: the dial is turned all the same, as asked"
-        };
-        let told = strangers.iter().map(|p| (p.to_string(), why.to_owned()));
-        warnings.extend(told_once("participant", told));
-    }
+    warnings.extend(strangers.warnings());
     if steering.clamped > 0 {
         let (clamped, shifts) = (steering.clamped, steering.shifts);
         warnings.push(format!(
@@ -176,8 +163,8 @@ pub(super) fn conditions(
         value: Steered {
             participants: own.len(),
             clamped: steering.clamped,
-            beyond: strangers,
-            beyond_left_out: leaves_out,
+            beyond: strangers.people,
+            beyond_left_out: strangers.left_out,
             attributes: Vec::new(),
             conditions: rows,
         },

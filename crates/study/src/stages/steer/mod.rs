@@ -2,6 +2,7 @@
 
 mod attribute_scores;
 mod conditions;
+mod strangers;
 mod sweep;
 
 pub use attribute_scores::AttributeSummary;
@@ -135,7 +136,7 @@ impl Stage for Steer {
             ));
         }
         let outcome = match &axis {
-            Some(axis) if sweeps => sweep::sweep(self, &study.design, (&model, axis), &own, watch)?,
+            Some(axis) if sweeps => sweep::sweep(self, &study, (&model, axis), &own, watch)?,
             _ => conditions::conditions(self, &study, &model, axis.as_ref(), &own, watch)?,
         };
         write_conditions(&self.out, &outcome.value.conditions)?;

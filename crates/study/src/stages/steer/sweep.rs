@@ -4,17 +4,20 @@ use super::{
     Steer, Steered,
     attribute_scores::{AttributeSummary, Heads},
     is_beyond,
+    strangers::Strangers,
 };
 use crate::{
+    design::DesignFile,
     error::StudyError,
     outcome::{Outcome, Watch},
+    style_scale::StyleScale,
     tables::{
         conditions::{ConditionRow, SweepPoint},
         embeddings::EmbeddingRow,
     },
 };
 use maveric_domain::{
-    ConditionId, Design, DomainError, DriveId, Embedding,
+    BeyondWhy, ConditionId, Design, DomainError, DriveId, Embedding,
     design::{Car, Sign},
 };
 use maveric_model::{
@@ -30,11 +33,13 @@ const UNMOVED: f64 = 1e-6;
 
 pub(super) fn sweep(
     options: &Steer,
-    design: &Design,
+    study: &DesignFile,
     (model, axis): (&Model, &LinearHead),
     own: &[&EmbeddingRow],
     watch: Watch<'_>,
 ) -> Result<Outcome<Steered>, StudyError> {
+    let design = &study.design;
+    let scale = StyleScale::of(study)?;
     let points = if options.sweep.is_empty() {
         let step = options.points.unwrap_or(STEP_POINTS);
         vec![-step, 0.0, step]
@@ -67,8 +72,8 @@ pub(super) fn sweep(
             let m = metric.move_along(&all, from, by)?;
             Ok((m.embedding, m.effective_points, m.clamped))
         } else {
-            let s = axis.shift(from, by)?;
-            Ok((s.embedding, s.effective_points, s.clamped))
+            let s = axis.shift(from, by * scale.stretch())?;
+            Ok((s.embedding, s.effective_points / scale.stretch(), s.clamped))
         }
     };
     let name = options
@@ -76,15 +81,20 @@ pub(super) fn sweep(
         .as_ref()
         .map_or("aggression", String::as_str);
     let mut conditions = Vec::new();
+    let mut strangers = Strangers::of(options, design);
+    let turns = |points: &f64| points.abs() >= UNMOVED;
+    let turned = points.iter().any(turns);
     let mut clamped = 0;
     for row in own {
         watch.check()?;
         let own_hat = axis.read(&row.embedding)?;
-        for &requested_points in &points {
+        let (_, why) = BeyondWhy::of_reading(Some(own_hat), row.beyond_why.clone());
+        let may_turn = strangers.may_turn(&row.participant, why.as_ref(), turned);
+        for &requested_points in points.iter().filter(|p| may_turn || !turns(p)) {
             let (embedding, attribute_points, cut) = moved(&row.embedding, requested_points)?;
             clamped += usize::from(cut);
             let adb_hat = axis.read(&embedding)?;
-            let moved_points = adb_hat - own_hat;
+            let moved_points = (adb_hat - own_hat) / scale.stretch();
             let ends = embedding.coordinates().iter();
             let step: Vec<f64> = ends
                 .zip(row.embedding.coordinates())
@@ -93,12 +103,13 @@ pub(super) fn sweep(
             conditions.push(ConditionRow {
                 participant: row.participant.clone(),
                 condition: condition(design, requested_points, moved_points)?,
-                adb_hat: Some(adb_hat),
+                adb_hat: scale.score_of(Some(adb_hat), None).0,
                 moved_points: Some(moved_points),
-                moved_points_sd: axis.step_sd(&step),
+                moved_points_sd: axis.step_sd(&step).map(|sd| sd / scale.stretch()),
                 clamped: cut,
                 angle_rad: None,
                 beyond_training: is_beyond(model, &embedding)?,
+                beyond_why: why.clone(),
                 sweep: Some(SweepPoint {
                     drive: drive_name(row.participant.as_str(), name, requested_points)?,
                     attribute: name.to_owned(),
@@ -112,6 +123,7 @@ pub(super) fn sweep(
     let attributes: Vec<AttributeSummary> =
         heads.as_ref().map_or(Vec::new(), |h| h.summaries.clone());
     let mut warnings = heads.map_or(Vec::new(), |h| h.warnings);
+    warnings.extend(strangers.warnings());
     let n = conditions.len();
     if clamped > 0 {
         warnings.push(format!(
@@ -135,8 +147,8 @@ pub(super) fn sweep(
         value: Steered {
             participants: own.len(),
             clamped,
-            beyond: Vec::new(),
-            beyond_left_out: false,
+            beyond: strangers.people,
+            beyond_left_out: strangers.left_out,
             attributes,
             conditions,
         },

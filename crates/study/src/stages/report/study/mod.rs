@@ -4,6 +4,7 @@ mod car;
 mod embedding;
 mod learned;
 mod nameless;
+mod not_there;
 mod run;
 mod setting;
 mod setup;
@@ -21,6 +22,7 @@ use crate::{
     design::DesignFile,
     error::StudyError,
     mean::mean,
+    missing::missing,
     once::{names, together},
     outcome::Watch,
     run_folder::{durations, lists, read_scenario},
@@ -140,6 +142,9 @@ pub(super) fn page(
         &people.groups(),
         &reliabilities,
     )?);
+    let missing = missing(&study, folder, options.participants.as_deref())?;
+    sections.extend(not_there::section_missing(&run, &missing)?);
+    not_there::list(&options.out, &missing)?;
     let nameless = Nameless::of(&study, folder, participants)?;
     let exclusions = nameless.counted(left_out(&run).chain(listed_exclusions(folder)?));
     let exclusions = each_reason_once(exclusions);

@@ -4,7 +4,7 @@ use crate::{
     atomic_write::{if_there, read_json},
     design::DesignFile,
     error::StudyError,
-    run_folder::{MODEL_FILE, read_model, read_scales, score_range, training_path},
+    run_folder::{MEASUREMENTS, MODEL_FILE, read_model, read_scales, score_range, training_path},
     stages::train::TrainingSummary,
     tables::{
         conditions::{ConditionRow, read_conditions},
@@ -79,7 +79,7 @@ impl Run {
             model: if_there(&model, |path| read_model(path).map(Some))?,
             model_file: model,
             conditions,
-            measured: read_measurements(&folder.join("measurements.parquet"))?,
+            measured: if_there(&folder.join(MEASUREMENTS), read_measurements)?,
             context: context.with_conditions(ConditionLook::of(design)),
             design: design.clone(),
             analysis,

@@ -3,12 +3,12 @@
 use super::{
     Bench,
     folds::{Fold, Learning, first_in},
-    recordings::Recorded,
     role_of,
 };
 use crate::{
     error::StudyError,
     outcome::{Watch, for_each_on},
+    recordings::Recorded,
     run_folder::read_scenario,
     stages::simulate::drive_style,
 };
@@ -166,7 +166,13 @@ pub(super) fn pointing(
         });
     }
     let directions = table.directions.unwrap_or_default();
-    Ok((direction(&pointed, directions, options.seed)?, uncounted))
+    let found = direction(&pointed, directions, options.seed)?;
+    let apart = found.people.iter().filter(|p| p.cosine.is_none());
+    uncounted.extend(apart.map(|p| Uncounted {
+        participant: p.participant.clone(),
+        why: Missing::Change,
+    }));
+    Ok((found, uncounted))
 }
 
 /// Where a person's two drives stand, and the style of the ordinary one.

@@ -1,14 +1,17 @@
 //! What a model that was learned elsewhere says of these people.
 
-use super::{Bench, folds::first_in, recordings::Recorded, role_of};
+use super::{Bench, folds::first_in, role_of};
 use crate::{
     error::StudyError,
     outcome::{Watch, for_each_on},
+    recordings::Recorded,
     run_folder::read_model,
 };
-use maveric_domain::AdbScore;
-use maveric_model::{ModelError, Personalized, personalize, style_space::LinearHead};
-use maveric_rehearsal::leave_out::{Drove, Shipped, ShippedPerson, people, shipped};
+use maveric_domain::BeyondWhy;
+use maveric_model::{ModelError, Personalized, Support, personalize, style_space::LinearHead};
+use maveric_rehearsal::leave_out::{
+    By, Drove, Missing, Shipped, ShippedPerson, Uncounted, people, shipped,
+};
 
 /// Reads everybody's drive in the higher role and in the ordinary one by the model that was given; none where none was.
 pub(super) fn said_of(
@@ -37,8 +40,21 @@ pub(super) fn said_of(
         role_of(bench.table.lower.first().copied())?,
         role_of(bench.table.higher)?,
     );
-    let mut found = Vec::new();
+    let (mut found, mut uncounted) = (Vec::new(), Vec::new());
     for who in people(drove) {
+        for role in [ordinary, higher] {
+            let why = match first_in(drove, &who, role) {
+                None => Some(Missing::Drive { role }),
+                Some(place) => fitted[place].is_none().then(|| Missing::Reading {
+                    drive: drove[place].drive.clone(),
+                    by: By::Line,
+                }),
+            };
+            uncounted.extend(why.map(|why| Uncounted {
+                participant: who.clone(),
+                why,
+            }));
+        }
         let known = |role| -> Option<&Personalized> {
             let place = first_in(drove, &who, role)?;
             fitted[place].as_ref()
@@ -48,26 +64,24 @@ pub(super) fn said_of(
             position.transpose()
         };
         let (of_ordinary, of_higher) = (position(ordinary)?, position(higher)?);
+        let se = |role| known(role).and_then(|k| k.sd_along(axis.gradient()));
+        let ses = se(ordinary).zip(se(higher));
         found.push(ShippedPerson {
             line: of_higher.zip(of_ordinary).map(|(h, o)| h - o),
+            line_se: ses.map(|(o, h)| libm::hypot(o, h)),
             ordinary_beyond: known(ordinary).and_then(beyond),
             higher_beyond: known(higher).and_then(beyond),
             participant: who,
         });
     }
-    Ok(Some(shipped(found)?))
+    Ok(Some(shipped(found, model.people(), uncounted)?))
 }
 
 /// Whether a drive is beyond what the model has met, before any style is fitted or because it reads as a score that the scale does not
 /// have; none where the model cannot say.
 fn beyond(known: &Personalized) -> Option<bool> {
-    let scale = AdbScore::MIN..=AdbScore::MAX;
-    if known
-        .aggression_hat
-        .is_some_and(|points| !scale.contains(&points))
-    {
-        return Some(true);
-    }
-    let support = known.support.as_ref()?;
-    support.p.map(|_| support.beyond().is_some())
+    let support = known.support.as_ref();
+    let (_, why) = BeyondWhy::of_reading(known.aggression_hat, support.and_then(Support::beyond));
+    let says = support.is_some_and(|s| s.p.is_some());
+    (says || why.is_some()).then(|| why.is_some())
 }

@@ -1,13 +1,14 @@
 //! Who opened which recordings, and under which rules.
 
 use super::{
-    recordings::Recordings,
-    rules::{Part, Rules},
+    commit::{Stands, UNKNOWN},
+    rules::{Part, Rules, Table},
 };
 use crate::{
     error::StudyError,
+    recordings::Recordings,
     stages::validate::Validate,
-    tables::{Table, write_rows},
+    tables::{Table as File, write_rows},
 };
 use serde::{Deserialize, Serialize};
 use std::{
@@ -22,6 +23,8 @@ pub struct Look {
     pub date: String,
     /// Version of the program, with its commit where it was built from one.
     pub program: String,
+    /// The commit in which the file of rules stands so; `unknown` where that cannot be told.
+    pub commit: String,
     /// BLAKE3 of the file of rules.
     pub rules: String,
     /// Which part was opened.
@@ -32,6 +35,42 @@ pub struct Look {
     pub roles: String,
 }
 
+/// A look as it was noted before commits were.
+#[derive(Deserialize)]
+struct LookOfBefore {
+    date: String,
+    program: String,
+    rules: String,
+    part: Part,
+    people: String,
+    roles: String,
+}
+
+impl Look {
+    /// Whether it opened one of the recordings that a table reads.
+    fn opened(&self, table: &Table, all: &Recordings) -> bool {
+        let names = |list: &str, name: &str| list.split(' ').any(|word| word == name);
+        let part = self.part == Part::Test || table.part == Part::Development;
+        part && table.reads(all).iter().any(|row| {
+            let meta = row.drive.meta();
+            names(&self.people, meta.participant.as_str())
+                && names(&self.roles, meta.condition.as_str())
+        })
+    }
+}
+
+/// The first look at the recordings of a table, where it was under other rules than those of now: what stands in the table was changed
+/// after it.
+pub(super) fn changed_since(
+    looks: &[Look],
+    hash: Option<&str>,
+    table: &Table,
+    all: &Recordings,
+) -> Option<Look> {
+    let first = looks.iter().find(|look| look.opened(table, all))?;
+    (Some(first.rules.as_str()) != hash).then(|| first.clone())
+}
+
 /// Where looks are noted: beside the rules, so that no run takes them away.
 fn looks_path(rules: &Path) -> PathBuf {
     let stem = rules.file_stem().unwrap_or_default().to_string_lossy();
@@ -39,27 +78,55 @@ fn looks_path(rules: &Path) -> PathBuf {
     rules.with_file_name(format!("{stem}_looks.csv"))
 }
 
+fn read_looks(path: &Path) -> Result<Vec<Look>, StudyError> {
+    if !path.is_file() {
+        return Ok(Vec::new());
+    }
+    let table = File::read(path)?;
+    if table.has("commit") {
+        return table.records();
+    }
+    let before = table.records::<LookOfBefore>()?.into_iter();
+    let look = |look: LookOfBefore| Look {
+        date: look.date,
+        program: look.program,
+        commit: UNKNOWN.to_owned(),
+        rules: look.rules,
+        part: look.part,
+        people: look.people,
+        roles: look.roles,
+    };
+    Ok(before.map(look).collect())
+}
+
 /// Notes this look, unless the same recordings were opened under the same rules before; gives all looks, the first one first.
 ///
 /// # Errors
-/// [`StudyError`] for a list that cannot be read or written.
+/// [`StudyError`] for a list that cannot be read or written, and for rules that stand in no commit where the test part is to be opened.
 pub(super) fn look(
     rules_file: &Path,
     hash: &str,
     rules: &Rules,
     options: &Validate,
     all: &Recordings,
+    warnings: &mut Vec<String>,
 ) -> Result<Vec<Look>, StudyError> {
+    let mut stands = Stands::of(rules_file, "git");
+    if options.part == Part::Test {
+        stands = stands.checked(rules_file)?;
+        if stands == Stands::NoGit {
+            warnings.push(
+                "there is no git on this machine, so nobody can tell from the list of looks that the rules were committed before the test part was opened"
+                    .to_owned(),
+            );
+        }
+    }
     let path = looks_path(rules_file);
-    let mut looks: Vec<Look> = if path.is_file() {
-        Table::read(&path)?.records()?
-    } else {
-        Vec::new()
-    };
+    let mut looks = read_looks(&path)?;
     let opened = |part: Part| part == Part::Development || options.part == Part::Test;
     let (mut people, mut roles) = (BTreeSet::new(), BTreeSet::new());
     for table in rules.tables.iter().filter(|t| opened(t.part)) {
-        for row in all.of(table) {
+        for row in table.reads(all) {
             let meta = row.drive.meta();
             people.insert(meta.participant.to_string());
             roles.insert(meta.condition.to_string());
@@ -69,6 +136,7 @@ pub(super) fn look(
     let look = Look {
         date: options.date.clone().unwrap_or_default(),
         program: options.program.clone().unwrap_or_default(),
+        commit: stands.text(),
         rules: hash.to_owned(),
         part: options.part,
         people: words(people),

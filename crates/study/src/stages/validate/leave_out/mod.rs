@@ -1,16 +1,18 @@
 //! `validate --leave-out people`: a study's own recordings, learned in turn from everybody but one.
 
+mod answer;
+mod commit;
 mod direction;
 mod elsewhere;
 mod folds;
 mod looks;
 mod page;
-mod recordings;
 mod rules;
 mod tables;
 #[cfg(test)]
 mod tests;
 
+pub use answer::Answer;
 pub use rules::{Asks, Part, Rules, Table};
 
 use super::Validate;
@@ -19,28 +21,22 @@ use crate::{
     design::DesignFile,
     error::StudyError,
     outcome::{Outcome, Watch},
+    recordings::{self, Recorded, Recordings},
     stages::report::write_page,
     style_scale::StyleScale,
 };
+use answer::findings_of;
 use folds::{Fold, Learning, styles};
 use looks::Look;
 use maveric_analysis::Finding;
 use maveric_domain::DrivenBy;
 use maveric_measures::objective;
 use maveric_model::{HeadsKind, TrainSettings};
-use maveric_rehearsal::{
-    findings,
-    leave_out::{
-        Asked, Direction, Drove, ErrorShare, Order, Repeated, Retest, Shipped, Uncounted, Whose,
-        errors_that_hold, order, people, retest, whose,
-    },
+use maveric_rehearsal::leave_out::{
+    Asked, Drove, Order, Repeated, errors_that_hold, order, people, retest, whose,
 };
 use path_slash::PathExt as _;
-use recordings::{Recorded, Recordings};
 use serde::Serialize;
-
-/// Fewest people that can be left out in turn: two are learned from.
-const FEWEST_PEOPLE: usize = 3;
 
 /// What was found of people who were left out in turn.
 #[derive(Debug, Clone, Serialize)]
@@ -87,77 +83,8 @@ pub struct Answered {
     pub answer: Option<Answer>,
     /// Why there is none.
     pub unanswered: Option<String>,
-}
-
-/// What a table says.
-#[derive(Debug, Clone, Serialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Answer {
-    /// An order.
-    Order(Order),
-    /// Whose drive it is.
-    Identity(Vec<Whose>),
-    /// How alike two drives are.
-    Retest {
-        /// Measure by measure.
-        measures: Vec<Retest>,
-        /// Whoever drove only once.
-        uncounted: Vec<Uncounted>,
-    },
-    /// Which share of standard errors holds.
-    Errors(ErrorShare),
-    /// Where the dial points.
-    Direction {
-        /// Beside what.
-        found: Direction,
-        /// Whoever lacks a drive.
-        uncounted: Vec<Uncounted>,
-    },
-    /// What a model says that was learned elsewhere.
-    Shipped(Shipped),
-}
-
-impl Answer {
-    /// Whoever it cannot count.
-    fn uncounted(&self) -> Vec<&Uncounted> {
-        match self {
-            Self::Order(order) => order.uncounted.iter().collect(),
-            Self::Identity(rows) => rows.iter().flat_map(|row| &row.uncounted).collect(),
-            Self::Retest { uncounted, .. } | Self::Direction { uncounted, .. } => {
-                uncounted.iter().collect()
-            }
-            Self::Errors(_) | Self::Shipped(_) => Vec::new(),
-        }
-    }
-}
-
-/// What became of the questions of these answers; of a question that no table asks there is none.
-fn findings_of(answers: &[&Answer]) -> Vec<Finding> {
-    let orders: Vec<&Order> = answers
-        .iter()
-        .filter_map(|answer| match answer {
-            Answer::Order(order) => Some(order),
-            _ => None,
-        })
-        .collect();
-    let whose = answers.iter().filter_map(|answer| match answer {
-        Answer::Identity(rows) => Some(rows),
-        _ => None,
-    });
-    let directions: Vec<&Direction> = answers
-        .iter()
-        .filter_map(|answer| match answer {
-            Answer::Direction { found, .. } => Some(found),
-            _ => None,
-        })
-        .collect();
-    let all = [
-        findings::ordered(&orders),
-        findings::beyond_speed(&orders),
-        findings::recognised_unmet(whose.flatten()),
-        findings::pointed(&directions),
-    ];
-    all.into_iter().filter(|f| !f.parts.is_empty()).collect()
+    /// The first look at its recordings, where the rules were others then: the table was changed after it.
+    pub changed_since: Option<Look>,
 }
 
 /// Leaves people out in turn; writes `validation.json`, `validation.md` and a page with the tables.
@@ -165,7 +92,12 @@ pub(super) fn work(options: &Validate, watch: Watch<'_>) -> Result<Outcome<InTur
     let study = DesignFile::find(options.design.as_deref())?;
     let scale = StyleScale::of(&study)?;
     let mut warnings = Vec::new();
-    let all = recordings::read(&study, &options.run, scale, &mut warnings)?;
+    let scores = options.run.join("scores.csv");
+    let files = (
+        &*options.run.join("drives"),
+        scores.is_file().then_some(&*scores),
+    );
+    let all = recordings::read(&study, files, scale, &mut warnings)?;
     let (rules, rules_hash) = if let Some(path) = &options.rules {
         let (rules, hash) = Rules::read(path)?;
         (rules, Some(hash))
@@ -174,7 +106,7 @@ pub(super) fn work(options: &Validate, watch: Watch<'_>) -> Result<Outcome<InTur
         (Rules::of_roles(title, &all.drove(), &all.labels())?, None)
     };
     let looks = match options.rules.as_ref().zip(rules_hash.as_ref()) {
-        Some((path, hash)) => looks::look(path, hash, &rules, options, &all)?,
+        Some((path, hash)) => looks::look(path, hash, &rules, options, &all, &mut warnings)?,
         None => Vec::new(),
     };
     let settings = TrainSettings {
@@ -192,19 +124,15 @@ pub(super) fn work(options: &Validate, watch: Watch<'_>) -> Result<Outcome<InTur
             settings: &settings,
             scale,
         };
-        let answered = bench.answered(watch)?;
+        let mut answered = bench.answered(watch)?;
+        answered.changed_since = looks::changed_since(&looks, rules_hash.as_deref(), table, &all);
         warnings.extend(
             answered
                 .unanswered
                 .iter()
                 .map(|why| format!("{}: {why}", table.id)),
         );
-        for uncounted in answered.answer.iter().flat_map(Answer::uncounted) {
-            warnings.push(format!(
-                "{}: {} is not counted: {}",
-                table.id, uncounted.participant, uncounted.why
-            ));
-        }
+        warnings.extend(answered.answer.iter().flat_map(|a| a.warnings(&table.id)));
         tables.push(answered);
     }
     warnings.dedup();
@@ -277,6 +205,7 @@ impl Bench<'_> {
             id: self.table.id.clone(),
             answer,
             unanswered,
+            changed_since: None,
         })
     }
 
@@ -286,7 +215,7 @@ impl Bench<'_> {
         if table.part == Part::Test && self.options.part != Part::Test {
             return Ok(Err("the test part is not opened".to_owned()));
         }
-        let rows = self.all.of(table);
+        let rows = table.reads(self.all);
         let mut drove: Vec<Drove> = rows.iter().map(|r| r.drove.clone()).collect();
         for (row, drove) in rows.iter().zip(&mut drove) {
             let label = row.drive.meta().condition;
@@ -300,11 +229,8 @@ impl Bench<'_> {
             }
         }
         let everybody = people(&drove);
-        if everybody.len() < FEWEST_PEOPLE {
-            return Ok(Err(format!(
-                "{} people drove in its roles, expected at least {FEWEST_PEOPLE}",
-                everybody.len()
-            )));
+        if let Err(why) = recordings::enough(everybody.len()) {
+            return Ok(Err(why));
         }
         for role in [table.higher, table.among, table.sought, table.role]
             .into_iter()

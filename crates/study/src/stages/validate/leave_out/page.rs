@@ -98,6 +98,7 @@ fn looked(looks: &[Look], title: String) -> Table {
     Table::of("in-turn-looks", title, looks)
         .text("Date", |l| l.date.as_str())
         .text("Program", |l| l.program.as_str())
+        .text("Commit", |l| l.commit.as_str())
         .text("Rules", |l| l.rules.chars().take(12).collect::<String>())
         .text("Part", |l| match l.part {
             super::Part::Development => "development",

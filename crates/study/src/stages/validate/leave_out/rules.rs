@@ -1,6 +1,10 @@
 //! What is computed, table by table: from a file of rules, or from the roles of a design.
 
-use crate::{atomic_write::read_text, error::StudyError};
+use crate::{
+    atomic_write::read_text,
+    error::StudyError,
+    recordings::{Recorded, Recordings},
+};
 use maveric_domain::{ConditionId, ParticipantId};
 use maveric_rehearsal::leave_out::Drove;
 use serde::{Deserialize, Serialize};
@@ -120,6 +124,16 @@ impl Table {
     /// Every role whose drives it reads.
     pub fn roles(&self) -> impl Iterator<Item = ConditionId> {
         self.learn.iter().chain(&self.read).copied()
+    }
+
+    /// The recordings that it reads.
+    pub(super) fn reads<'a>(&self, all: &'a Recordings) -> Vec<&'a Recorded> {
+        let is_of = |r: &&Recorded| {
+            let meta = r.drive.meta();
+            let of_people = self.people.is_empty() || self.people.contains(&meta.participant);
+            of_people && self.roles().any(|role| role == meta.condition)
+        };
+        all.rows.iter().filter(is_of).collect()
     }
 }
 

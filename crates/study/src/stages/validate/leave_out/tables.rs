@@ -5,8 +5,8 @@ use crate::error::StudyError;
 use maveric_domain::{ConditionId, Design};
 use maveric_pages::cards::in_turn::text;
 use maveric_rehearsal::leave_out::{
-    AXES, By, Change, Direction, ErrorShare, Mean, Order, PersonDirection, PersonOrder, Retest,
-    Shipped, ShippedPerson, Whose,
+    AXES, By, Change, Direction, ErrorShare, Mean, Order, PersonDirection, Retest, Shipped,
+    ShippedPerson, Whose,
 };
 use maveric_report::tables::{Cell, Table};
 use minijinja::{Value, context};
@@ -23,7 +23,7 @@ pub(super) fn tables(
             seen: rule.seen,
             design,
         };
-        let tables = match &answered.answer {
+        let mut tables = match &answered.answer {
             None => Vec::new(),
             Some(Answer::Order(order)) => words.order(order)?,
             Some(Answer::Identity(rows)) => words.identity(rows)?,
@@ -32,6 +32,12 @@ pub(super) fn tables(
             Some(Answer::Direction { found, .. }) => words.direction(found, rule)?,
             Some(Answer::Shipped(shipped)) => words.shipped(shipped, rule)?,
         };
+        if let Some(first) = &answered.changed_since {
+            for table in &mut tables {
+                let values = context! { date => first.date.clone(), title => table.title.clone() };
+                table.title = text("page", "changed", &values)?;
+            }
+        }
         Ok((answered.id.clone(), tables))
     };
     found
@@ -82,21 +88,8 @@ impl Words<'_> {
     }
 
     fn order(&self, order: &Order) -> Result<Vec<Table>, StudyError> {
-        // Wrong on the line, by more than two standard errors.
-        let sure = |p: &&PersonOrder| {
-            let wrong = p.right == Some(false);
-            let covered = p
-                .line
-                .zip(p.line_se)
-                .is_none_or(|(d, se)| d.abs() <= 2.0 * se);
-            wrong && !covered
-        };
-        let wrong_and_sure: Vec<String> = order
-            .people
-            .iter()
-            .filter(sure)
-            .map(|p| p.participant.to_string())
-            .collect();
+        let sure = order.people.iter().filter(|p| p.wrong_and_sure());
+        let wrong_and_sure: Vec<String> = sure.map(|p| p.participant.to_string()).collect();
         let values = context! {
             higher => self.design.label(order.asked.higher),
             lower => self.listed(&order.asked.lower),
@@ -301,10 +294,12 @@ impl Words<'_> {
         let values = context! {
             n => shipped.n,
             unknown => shipped.unknown,
+            people_learned_from => shipped.people_learned_from,
             ordinary => shipped.ordinary,
             ordinary_beyond => shipped.ordinary_beyond,
             low => shipped.share.map(|s| 100.0 * s.low),
             high => shipped.share.map(|s| 100.0 * s.high),
+            wrong_and_sure => shipped.wrong_and_sure.iter().map(ToString::to_string).collect::<Vec<_>>(),
             ..self.of_pair(rule)
         };
         let mut rows = Vec::new();
@@ -331,9 +326,10 @@ impl Words<'_> {
         )
         .text("Person", |p: &&ShippedPerson| p.participant.as_str())
         .right("Line", |p| Cell::number(p.line, 2))
+        .right("SE", |p| Cell::number(p.line_se, 2))
         .right("Ordinary drive beyond", |p| word(p.ordinary_beyond))
         .right("Other drive beyond", |p| word(p.higher_beyond))
-        .done();
+        .noted(text("shipped", "people_note", &values)?);
         Ok(vec![table, people])
     }
 }

@@ -1,65 +1,11 @@
 use super::*;
 use crate::{
+    recordings::testing::{alone, drives, study},
     stages::validate::{Checked, LeaveOut},
-    tables::drives::write_drive,
 };
-use maveric_domain::{Drive, DriveId, DriveMeta, LatentTraits, ParticipantId, Seconds};
-use maveric_simulator::{Driver, DriverParams, Scenario, rollout};
-use std::{path::Path, sync::OnceLock, sync::atomic::AtomicBool};
-
-const DESIGN: &str = r#"
-[study]
-title = "Calm and sporty"
-[style]
-score = "adb.total"
-range = [11, 55]
-[[role]]
-id = "calm"
-score = 20
-[[role]]
-id = "sporty"
-score = 45
-[[role]]
-id = "calm-again"
-repeats = "calm"
-[[role]]
-id = "asleep"
-score = 15
-"#;
-
-fn drive(who: usize, role: &str, aggressiveness: f64, seed: u64) -> Drive {
-    let scenario = Scenario::paper().with_duration(Seconds(150.0)).unwrap();
-    let traits = LatentTraits {
-        aggressiveness,
-        spacing: 0.3 * (who as f64 - 2.0),
-        ..LatentTraits::default()
-    };
-    let person = DriverParams::draw(&traits, who as u64, seed);
-    let driven = rollout(&scenario, Driver::Human(&person), seed).unwrap();
-    let meta = DriveMeta {
-        drive: DriveId::new(format!("P{who}-{role}")).unwrap(),
-        participant: ParticipantId::new(format!("P{who}")).unwrap(),
-        condition: role.parse().unwrap(),
-        driven_by: DrivenBy::Synthetic,
-    };
-    Drive::from_recording(meta, &driven.recording).unwrap()
-}
-
-/// Six people, calm, sporty and calm again, made once for all tests.
-fn drives() -> &'static [Drive] {
-    static DRIVES: OnceLock<Vec<Drive>> = OnceLock::new();
-    DRIVES.get_or_init(|| {
-        let of = |who: usize| {
-            let seed = 10 * who as u64;
-            [
-                drive(who, "calm", -1.5, seed),
-                drive(who, "sporty", 1.5, seed + 1),
-                drive(who, "calm-again", -1.5, seed + 2),
-            ]
-        };
-        (0..6).flat_map(of).collect()
-    })
-}
+use maveric_domain::Drive;
+use maveric_rehearsal::leave_out::By;
+use std::{path::Path, sync::atomic::AtomicBool};
 
 fn options(folder: &Path) -> Validate {
     Validate {
@@ -84,15 +30,6 @@ fn options(folder: &Path) -> Validate {
     }
 }
 
-fn study<'a>(drives: impl IntoIterator<Item = &'a Drive>) -> tempfile::TempDir {
-    let folder = tempfile::tempdir().unwrap();
-    std::fs::write(folder.path().join("study.toml"), DESIGN).unwrap();
-    for drive in drives {
-        write_drive(&folder.path().join("drives"), drive).unwrap();
-    }
-    folder
-}
-
 fn run(options: &Validate) -> Result<Outcome<InTurn>, StudyError> {
     let cancel = AtomicBool::new(false);
     let progress = |_: usize, _: usize, _: &str| {};
@@ -101,6 +38,30 @@ fn run(options: &Validate) -> Result<Outcome<InTurn>, StudyError> {
         Checked::InTurn(found) => found,
         Checked::DroveTwice(_) => panic!("nobody was asked to drive twice"),
     }))
+}
+
+/// The file of a model that was learned from all six, with what of it was changed.
+fn elsewhere(folder: &Path, change: impl Fn(&mut serde_json::Value)) -> std::path::PathBuf {
+    let given: Vec<maveric_model::TrainingDrive<'_>> = drives()
+        .iter()
+        .map(|drive| maveric_model::TrainingDrive {
+            drive,
+            adb: maveric_domain::AdbScore::new(if drive.meta().condition.as_str() == "sporty" {
+                45.0
+            } else {
+                20.0
+            })
+            .ok(),
+        })
+        .collect();
+    let mut observe = |_: &maveric_model::EpochReport| std::ops::ControlFlow::Continue(());
+    let trained = maveric_model::train(&given, &TrainSettings::default(), 1, &mut observe).unwrap();
+    let mut parts = serde_json::to_value(&trained.model).unwrap();
+    change(&mut parts);
+    let model: maveric_model::Model = serde_json::from_value(parts).unwrap();
+    let path = folder.join("elsewhere.maveric");
+    std::fs::write(&path, maveric_model::model_file::to_bytes(&model).unwrap()).unwrap();
+    path
 }
 
 #[test]
@@ -116,7 +77,7 @@ fn six_people_told_to_drive_differently_are_placed_recognised_and_repeated_whate
     let Some(Answer::Order(order)) = &found.tables[0].answer else {
         panic!("{:?}", found.tables[0]);
     };
-    let line = order.by(maveric_rehearsal::leave_out::By::Line).unwrap();
+    let line = order.by(By::Line).unwrap();
     assert_eq!(line.n, 6);
     assert!(line.right >= 5, "{order:?}");
     assert!(
@@ -169,7 +130,7 @@ fn whoever_drove_once_and_a_drive_that_shows_nothing_are_named_and_left_out_of_w
     let Some(Answer::Order(order)) = &outcome.value.tables[0].answer else {
         panic!();
     };
-    assert!(order.by(maveric_rehearsal::leave_out::By::Line).unwrap().n <= 5);
+    assert!(order.by(By::Line).unwrap().n <= 5);
     let said = outcome.warnings.join("\n");
     assert!(
         said.contains("P5 is not counted: no drive in the role `sporty`"),
@@ -220,8 +181,8 @@ fn rules_open_the_test_part_only_when_asked_and_each_look_is_noted_once() {
         table("unseen", "test", "sporty"),
         table("nobody", "test", "asleep")
     );
-    std::fs::write(&rules, text).unwrap();
-    options.rules = Some(rules);
+    std::fs::write(&rules, &text).unwrap();
+    options.rules = Some(rules.clone());
     options.permutations = None;
     let first = run(&options).unwrap().value;
     let unanswered = |found: &InTurn| -> Vec<String> {
@@ -233,38 +194,92 @@ fn rules_open_the_test_part_only_when_asked_and_each_look_is_noted_once() {
         first.findings.is_empty(),
         "no verdict rests on what was seen"
     );
+    assert!(first.tables.iter().all(|t| t.changed_since.is_none()));
     run(&options).unwrap();
     options.part = Part::Test;
+    let looks_file = folder.path().join("lab_looks.csv");
+    let looks = || std::fs::read_to_string(&looks_file).unwrap();
+    let git = commit::Stands::of(&rules, "git") != commit::Stands::NoGit;
+    if git {
+        // Rules that stand in no commit open nothing, and no look is noted.
+        let error = run(&options).unwrap_err();
+        assert!(error.to_string().contains("lab_rules.toml"), "{error}");
+        assert!(error.suggestion().unwrap().contains("git commit"));
+        assert_eq!(looks().lines().count(), 2);
+        assert!(commit::tests::commit(folder.path()));
+    }
     let opened = run(&options).unwrap().value;
     assert_eq!(unanswered(&opened), ["nobody drove in the role `asleep`"]);
     assert_eq!(opened.findings.len(), 2);
-    let looks = std::fs::read_to_string(folder.path().join("lab_looks.csv")).unwrap();
-    assert_eq!(looks.lines().count(), 3, "{looks}");
-    assert!(looks.contains("2026-01-02") && looks.contains("P0 P1 P2 P3 P4 P5"));
+    assert_eq!(looks().lines().count(), 3, "{}", looks());
+    assert!(looks().contains("2026-01-02") && looks().contains("P0 P1 P2 P3 P4 P5"));
     assert_eq!(opened.looks.len(), 2);
+    assert_eq!(opened.looks[0].commit, "unknown");
+    assert_eq!(opened.looks[1].commit == "unknown", !git);
+
+    // Other rules after the first look: every table that was opened before says so, with the day.
+    std::fs::write(
+        &rules,
+        text.replace("permutations = 10", "permutations = 11"),
+    )
+    .unwrap();
+    if git {
+        let error = run(&options).unwrap_err().to_string();
+        assert!(error.contains("it was changed since commit"), "{error}");
+        assert!(commit::tests::commit(folder.path()));
+    }
+    options.date = Some("2026-01-03".to_owned());
+    let again = run(&options).unwrap().value;
+    let days = |found: &InTurn| -> Vec<Option<String>> {
+        let day = |t: &Answered| t.changed_since.as_ref().map(|look| look.date.clone());
+        found.tables.iter().map(day).collect()
+    };
+    let first_day = || Some("2026-01-02".to_owned());
+    assert_eq!(days(&opened), [None, None, None]);
+    assert_eq!(days(&again), [first_day(), first_day(), first_day()]);
+    let page = std::fs::read_to_string(options.out.join("validation.md")).unwrap();
+    assert_eq!(
+        page.matches("Changed after the first look (2026-01-02): Order")
+            .count(),
+        2,
+        "{page}"
+    );
+}
+
+#[test]
+fn a_list_of_looks_from_before_commits_were_noted_goes_on() {
+    let folder = study(drives());
+    let mut options = options(folder.path());
+    let rules = folder.path().join("lab_rules.toml");
+    let text = "title = \"Lab\"\n[[table]]\nid = \"errors\"\nasks = \"errors\"\nrole = \"calm\"\nlearn = [\"calm\", \"sporty\", \"calm-again\"]\n";
+    std::fs::write(&rules, text).unwrap();
+    options.rules = Some(rules);
+    let before = "date,program,rules,part,people,roles\n2025-12-31,0.1.0,abc,development,P9,calm\n";
+    let path = folder.path().join("lab_looks.csv");
+    std::fs::write(&path, before).unwrap();
+    let found = run(&options).unwrap().value;
+    let known: Vec<(&str, &str)> = found
+        .looks
+        .iter()
+        .map(|l| (l.date.as_str(), l.commit.as_str()))
+        .collect();
+    assert_eq!(known[0], ("2025-12-31", "unknown"));
+    assert_eq!(known.len(), 2);
+    // P9 is nobody whose drives are read here, so nothing was changed after a look at them.
+    assert_eq!(found.tables[0].changed_since, None);
+    let read = std::fs::read_to_string(path).unwrap();
+    assert!(
+        read.starts_with(
+            "date,program,commit,rules,part,people,roles\n2025-12-31,0.1.0,unknown,abc"
+        )
+    );
 }
 
 #[test]
 fn the_dial_is_driven_beside_directions_and_a_model_from_elsewhere_is_asked_what_it_says() {
     let folder = study(drives());
     let mut options = options(folder.path());
-    let given: Vec<maveric_model::TrainingDrive<'_>> = drives()
-        .iter()
-        .map(|drive| maveric_model::TrainingDrive {
-            drive,
-            adb: maveric_domain::AdbScore::new(if drive.meta().condition.as_str() == "sporty" {
-                45.0
-            } else {
-                20.0
-            })
-            .ok(),
-        })
-        .collect();
-    let mut observe = |_: &maveric_model::EpochReport| std::ops::ControlFlow::Continue(());
-    let trained = maveric_model::train(&given, &TrainSettings::default(), 1, &mut observe).unwrap();
-    let model = folder.path().join("elsewhere.maveric");
-    let bytes = maveric_model::model_file::to_bytes(&trained.model).unwrap();
-    std::fs::write(&model, bytes).unwrap();
+    let model = elsewhere(folder.path(), |_| {});
     let rules = folder.path().join("rules.toml");
     let roles = "learn = [\"calm\", \"sporty\"]\nhigher = \"sporty\"\nlower = [\"calm\"]\n";
     let text = format!(
@@ -301,4 +316,124 @@ fn the_dial_is_driven_beside_directions_and_a_model_from_elsewhere_is_asked_what
     );
     let page = std::fs::read_to_string(options.out.join("index.html")).unwrap();
     assert!(page.contains("Does the dial point where people themselves go"));
+}
+
+/// A file of rules with all six tables.
+fn all_six(folder: &Path) -> std::path::PathBuf {
+    let roles = "learn = [\"calm\", \"sporty\", \"calm-again\"]\n";
+    let pair = "higher = \"sporty\"\nlower = [\"calm\"]\n";
+    let of = |asks: &str, keys: &str| {
+        format!("[[table]]\nid = \"{asks}\"\nasks = \"{asks}\"\n{roles}{keys}")
+    };
+    let tables = [
+        of("order", pair),
+        of("identity", "among = \"calm\"\nsought = \"calm\"\n"),
+        of("retest", "role = \"calm\"\n"),
+        of("errors", "role = \"calm\"\n"),
+        of(
+            "direction",
+            &format!("{pair}judged = [\"P0\", \"P1\"]\npoints = 15\ndirections = 20\n"),
+        ),
+        of("shipped", pair),
+    ];
+    let path = folder.join("rules.toml");
+    let text = format!("title = \"Lab\"\npermutations = 5\n{}", tables.concat());
+    std::fs::write(&path, text).unwrap();
+    path
+}
+
+#[test]
+fn a_drive_without_lanes_and_one_without_anybody_ahead_are_named_in_every_table_that_lacks_them() {
+    let mut kept: Vec<Drive> = drives().to_vec();
+    for drive in &mut kept {
+        match drive.meta().drive.as_str() {
+            "P0-calm" => *drive = drive.clone().without_lateral(),
+            // The same person on the same day, with nobody else on the road.
+            "P1-sporty" => *drive = alone(drive, 1, 1.5, 11),
+            "P2-calm" => *drive = alone(drive, 2, -1.5, 20),
+            _ => {}
+        }
+    }
+    let folder = study(&kept);
+    let mut options = options(folder.path());
+    options.rules = Some(all_six(folder.path()));
+    options.permutations = None;
+    options.models = vec![elsewhere(folder.path(), |_| {})];
+    let outcome = run(&options).unwrap();
+    let found = outcome.value;
+    let unanswered: Vec<&str> = found
+        .tables
+        .iter()
+        .filter(|t| t.answer.is_none())
+        .map(|t| t.id.as_str())
+        .collect();
+    assert!(unanswered.is_empty(), "{unanswered:?}");
+    let named = outcome.warnings.join("\n");
+    for wanted in [
+        "order: P1 is not counted: drive P1-sporty shows no vehicle ahead, so no time gap",
+        "order: P2 is not counted: drive P2-calm shows no vehicle ahead, so no time gap",
+        "identity: P2 is not counted: drive P2-calm shows no vehicle ahead, so no time gap",
+        "shipped: support is not known: the model learned from 6 people, too few to say",
+    ] {
+        assert!(named.contains(wanted), "{wanted}\n{named}");
+    }
+    let lacks = |who: &str, measure: &str| {
+        let of = |line: &&str| line.starts_with("retest: ") && line.contains(who);
+        named.lines().filter(of).any(|line| line.contains(measure))
+    };
+    assert!(lacks("P2", "median time gap"), "{named}");
+    assert!(lacks("P0", "counted in the rest"), "{named}");
+    let Some(Answer::Order(order)) = &found.tables[0].answer else {
+        panic!();
+    };
+    let n = |by| order.by(by).unwrap().n;
+    assert_eq!((n(By::Speed), n(By::TimeGap)), (6, 4));
+    for name in ["validation.json", "validation.md", "index.html"] {
+        let text = std::fs::read_to_string(options.out.join(name)).unwrap();
+        assert!(!text.contains("NaN"), "{name}");
+    }
+}
+
+#[test]
+fn a_model_without_reference_and_one_of_too_few_people_say_that_support_is_not_known_and_why() {
+    let folder = study(drives());
+    let mut options = options(folder.path());
+    options.rules = Some(all_six(folder.path()));
+    options.permutations = None;
+    let said = |options: &Validate| {
+        let outcome = run(options).unwrap();
+        let shipped = outcome
+            .value
+            .tables
+            .into_iter()
+            .find_map(|t| match t.answer {
+                Some(Answer::Shipped(shipped)) => Some(shipped),
+                _ => None,
+            });
+        let markdown = std::fs::read_to_string(options.out.join("validation.md")).unwrap();
+        (shipped.unwrap(), outcome.warnings.join("\n"), markdown)
+    };
+    let few = (Some(6), "6 people, too few to say");
+    let none = (None, "does not say whom it learned from");
+    for (change, (people, why)) in [
+        ((|_| {}) as fn(&mut serde_json::Value), few),
+        (
+            |parts| drop(parts.as_object_mut().unwrap().remove("population")),
+            none,
+        ),
+    ] {
+        options.models = vec![elsewhere(folder.path(), change)];
+        let (shipped, warnings, markdown) = said(&options);
+        assert_eq!((shipped.people_learned_from, shipped.n), (people, 6));
+        assert!(shipped.unknown > 0, "{shipped:?}");
+        // Without any reference nobody is known to be within; whoever reads as no score of the scale is beyond all the same.
+        let within = shipped.wrong_within + shipped.right_within;
+        assert!(people.is_some() || within == 0, "{shipped:?}");
+        assert!(shipped.people.iter().all(|p| p.line_se.is_some()));
+        assert!(warnings.contains("shipped: support is not known") && warnings.contains(why));
+        assert!(
+            markdown.contains("support is not known") && markdown.contains(why),
+            "{markdown}"
+        );
+    }
 }

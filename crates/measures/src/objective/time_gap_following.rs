@@ -1,0 +1,53 @@
+//! Mean time gap while following.
+
+use super::{Measure, STANDSTILL_MPS, Shown, mean};
+use maveric_domain::{Drive, design::Sign};
+
+/// The time gap that a person keeps behind a vehicle.
+///
+/// # Source
+/// SAE J2944 (?), which divides the bumper-to-bumper distance by ego's speed. What following is: method section 2. It is a gap where the
+/// paper's headway times, taken as ego moves out to pass, are called headways.
+pub(super) const MEASURE: Measure = Measure {
+    name: "time_gap_following_s",
+    title: "Time gap while following",
+    unit: "s",
+    shown: Shown::in_unit("s"),
+    aggression: Some(Sign::Minus),
+    description: "Mean over the rows at which ego follows of the gap to the lead vehicle over ego speed.",
+    of_passing: false,
+    grows: false,
+    why_missing: "ego follows nobody",
+    value,
+};
+
+fn value(drive: &Drive) -> Option<f64> {
+    let rows = drive.rows();
+    let follows = |row: &usize| rows.following[*row] && rows.ego_speed_mps[*row] > STANDSTILL_MPS;
+    let gaps = (0..drive.len()).filter(follows);
+    let gaps: Vec<f64> = gaps
+        .map(|row| rows.lead_dx_m[row] / rows.ego_speed_mps[row])
+        .collect();
+    mean(&gaps)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::testing::*;
+    use super::*;
+
+    #[test]
+    fn only_rows_of_following_count_and_standing_has_no_time_gap() {
+        // Half of the time 40 m at 20 m/s, then 20 m, which is not following.
+        let drive = by_rows(10.0, 100, |rows| {
+            rows.lead_dx_m[50..].fill(20.0);
+            rows.following[50..].fill(false);
+        });
+        assert_eq!(MEASURE.of(&drive), Some(2.0));
+        let nearer = by_rows(10.0, 100, |rows| rows.lead_dx_m[50..].fill(20.0));
+        assert_eq!(MEASURE.of(&nearer), Some(1.5));
+        let standing = by_rows(10.0, 100, |rows| rows.ego_speed_mps.fill(0.0));
+        assert_eq!(MEASURE.of(&standing), None);
+        assert_eq!(MEASURE.of(&Scripted::new(40.0).drive()), None);
+    }
+}

@@ -1,0 +1,406 @@
+//! What there is of a study, by person and time, and what is awaited.
+
+use crate::{
+    design::{DesignFile, People},
+    error::StudyError,
+    run_folder::{answer_tables, lists},
+    stages::ingest::{Ingest, logs_of_study},
+    tables::{
+        Table,
+        drives::{ExclusionRow, list_of},
+        own_measures::{OwnMeasures, read_own_measures},
+        participants::Enrolled,
+        surveys::read_answers,
+    },
+};
+use maveric_domain::{
+    ConditionId, Moment, ParticipantId,
+    design::{Condition, Quantity, Software},
+};
+use maveric_ingest::named_after;
+use path_slash::PathExt as _;
+use std::{
+    collections::{BTreeMap, BTreeSet},
+    path::Path,
+};
+
+/// A person in a condition.
+type Cell = (ParticipantId, ConditionId);
+
+/// Whether something is there of a person at a time.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(super) enum Awaited {
+    /// The study does not ask for it.
+    No,
+    There,
+    /// Why it is not there.
+    Missing(String),
+}
+
+impl Awaited {
+    pub(super) fn reason(self) -> Option<String> {
+        match self {
+            Self::Missing(why) => Some(why),
+            Self::No | Self::There => None,
+        }
+    }
+
+    fn there_if(there: bool, why: impl FnOnce() -> String) -> Self {
+        if there {
+            Self::There
+        } else {
+            Self::Missing(why())
+        }
+    }
+}
+
+/// Somebody of whom something is awaited.
+pub(super) struct Person {
+    pub(super) id: ParticipantId,
+    tested: bool,
+}
+
+/// What the files of a study and of its results hold.
+pub(super) struct Sources<'a> {
+    study: &'a DesignFile,
+    people: Vec<Person>,
+    logs: Logs,
+    drives: Drives,
+    answers: Answers,
+    /// The scales that are asked of those who are tested (or of the others) at a time of a kind.
+    asked: BTreeMap<(bool, Time), BTreeSet<String>>,
+    own: Option<OwnMeasures>,
+}
+
+/// Kinds of times at which the same is asked.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+enum Time {
+    Before,
+    Baseline,
+    Condition,
+}
+
+impl<'a> Sources<'a> {
+    pub(super) fn read(
+        study: &'a DesignFile,
+        results: &Path,
+        participants: Option<&Path>,
+    ) -> Result<Self, StudyError> {
+        let mut sources = Self {
+            study,
+            people: Vec::new(),
+            logs: Logs::read(study)?,
+            drives: Drives::read(results)?,
+            answers: Answers::read(study, results)?,
+            asked: BTreeMap::new(),
+            own: read_own_measures(study, participants)?,
+        };
+        let table = study.resolve(&study.design.people().file);
+        let beside = results.join("participants.csv");
+        let is_listed = participants.is_some() || beside.is_file() || table.is_file();
+        let people = if is_listed {
+            study.people_of(results, participants)?
+        } else {
+            People::default()
+        };
+        sources.people = if people.is_filled_in(&study.design) {
+            let awaited = |p: &&Enrolled| p.excluded.is_none() && (p.tested || p.learned_from);
+            let person = |p: &Enrolled| Person {
+                id: p.id.clone(),
+                tested: p.tested,
+            };
+            people.enrolled.iter().filter(awaited).map(person).collect()
+        } else {
+            sources.everybody()
+        };
+        sources.ask();
+        Ok(sources)
+    }
+
+    fn time(&self, moment: Moment) -> Option<Time> {
+        let design = &self.study.design;
+        match moment {
+            Moment::Pre => Some(Time::Before),
+            Moment::After(c) if design.condition(c).is_some() => Some(Time::Condition),
+            Moment::After(c) if design.baseline_id() == Some(c) => Some(Time::Baseline),
+            Moment::After(_) => None,
+        }
+    }
+
+    /// A scale is asked where somebody like this answered it, and where the design cannot do without.
+    fn ask(&mut self) {
+        let design = &self.study.design;
+        let mut asked: BTreeMap<(bool, Time), BTreeSet<String>> = BTreeMap::new();
+        for person in &self.people {
+            let first = (person.id.clone(), Moment::Pre);
+            let theirs = self.answers.given.range(first..);
+            let theirs = theirs.take_while(|((who, _), _)| *who == person.id);
+            for ((_, moment), scales) in theirs {
+                if let Some(time) = self.time(*moment) {
+                    let known = asked.entry((person.tested, time)).or_default();
+                    known.extend(scales.iter().cloned());
+                }
+            }
+        }
+        let style = design.style().filter(|_| design.needs_a_model());
+        let style: Vec<String> = style.map(|s| s.score.scale.clone()).into_iter().collect();
+        let rated = design.outcomes().iter().filter_map(|o| match &o.quantity {
+            Quantity::Score(name) => Some(name.scale.clone()),
+            Quantity::Measure(_) => None,
+        });
+        let protocol = design.protocol();
+        // Before there are answers, what the seat asks says it.
+        let unasked = self.answers.none.is_some();
+        let before = protocol.before.iter().filter(|_| unasked).cloned();
+        let after = protocol.after.iter().filter(|_| unasked).cloned();
+        let before: Vec<String> = style.into_iter().chain(before).collect();
+        for (key, scales) in [
+            ((true, Time::Before), before.clone()),
+            ((false, Time::Before), before),
+            ((true, Time::Condition), rated.chain(after).collect()),
+        ] {
+            asked.entry(key).or_default().extend(scales);
+        }
+        self.asked = asked;
+    }
+
+    pub(super) fn people(&self) -> &[Person] {
+        &self.people
+    }
+
+    /// Everybody of whom anything is there, where no table says who takes part.
+    fn everybody(&self) -> Vec<Person> {
+        let logs = self.logs.named.keys().map(|(who, _)| who);
+        let drives = self.drives.made.iter().map(|(who, _)| who);
+        let answers = self.answers.given.keys().map(|(who, _)| who);
+        let own = self.own.iter().flat_map(|own| &own.rows);
+        let own = own.map(|(who, _)| who);
+        let ids: BTreeSet<&ParticipantId> = logs.chain(drives).chain(answers).chain(own).collect();
+        let excluded = self.study.design.exclude();
+        ids.into_iter()
+            .filter(|id| excluded.person(id).is_none())
+            .map(|id| Person {
+                id: id.clone(),
+                tested: true,
+            })
+            .collect()
+    }
+
+    /// Log, drive, answers and own measures of a person at a time.
+    pub(super) fn cells(&self, person: &Person, moment: Moment) -> [Awaited; 4] {
+        let Moment::After(condition) = moment else {
+            return [
+                Awaited::No,
+                Awaited::No,
+                self.answers(person, moment),
+                Awaited::No,
+            ];
+        };
+        let design = &self.study.design;
+        if !person.tested && design.baseline_id() != Some(condition) {
+            return [const { Awaited::No }; 4];
+        }
+        let cell = (person.id.clone(), condition);
+        let [log, drive] = self.driven(&cell);
+        [
+            log,
+            drive,
+            self.answers(person, moment),
+            self.measured(person, &cell),
+        ]
+    }
+
+    fn driven(&self, cell: &Cell) -> [Awaited; 2] {
+        let condition = self.study.design.condition(cell.1);
+        let simulated = condition.is_some_and(Condition::simulated);
+        if self.drives.made.contains(cell) {
+            // Whatever was driven had a log.
+            let log = if simulated {
+                Awaited::No
+            } else {
+                Awaited::There
+            };
+            return [log, Awaited::There];
+        }
+        let kept_out = self.drives.kept_out.get(cell);
+        if simulated {
+            let why = kept_out.cloned();
+            let why = why.unwrap_or_else(|| "not simulated yet".to_owned());
+            return [Awaited::No, Awaited::Missing(why)];
+        }
+        let file = self.logs.named.get(cell);
+        let log = Awaited::there_if(file.is_some() || kept_out.is_some(), || {
+            self.logs.why_none()
+        });
+        let failed = file.and_then(|name| self.drives.failed.get(name));
+        let why = match (kept_out.or(failed), file) {
+            (Some(why), _) => why.clone(),
+            (None, Some(name)) => format!("{name} is not ingested yet"),
+            (None, None) => "no log".to_owned(),
+        };
+        [log, Awaited::Missing(why)]
+    }
+
+    fn answers(&self, person: &Person, moment: Moment) -> Awaited {
+        let time = self.time(moment);
+        let asked = time.and_then(|time| self.asked.get(&(person.tested, time)));
+        let Some(asked) = asked.filter(|asked| !asked.is_empty()) else {
+            return Awaited::No;
+        };
+        if let Some(why) = &self.answers.none {
+            return Awaited::Missing(why.clone());
+        }
+        let given = self.answers.given.get(&(person.id.clone(), moment));
+        let lacking = |scale: &&String| given.is_none_or(|given| !given.contains(*scale));
+        let lacking: Vec<&str> = asked.iter().filter(lacking).map(String::as_str).collect();
+        Awaited::there_if(lacking.is_empty(), || {
+            if lacking.len() == asked.len() {
+                "no answers".to_owned()
+            } else {
+                format!("not answered: {}", lacking.join(", "))
+            }
+        })
+    }
+
+    fn measured(&self, person: &Person, cell: &Cell) -> Awaited {
+        let (design, files) = (&self.study.design, self.study.design.files());
+        if design.measures().is_empty() || !person.tested {
+            return Awaited::No;
+        }
+        let is_condition = design.condition(cell.1).is_some();
+        let Some(own) = &self.own else {
+            let why = format!("{} is not there", files.measures.to_slash_lossy());
+            return if is_condition {
+                Awaited::Missing(why)
+            } else {
+                Awaited::No
+            };
+        };
+        if !is_condition && !own.rows.iter().any(|(_, condition)| *condition == cell.1) {
+            return Awaited::No;
+        }
+        if !own.rows.contains(cell) {
+            return Awaited::Missing("no row".to_owned());
+        }
+        let has = |id: &str| {
+            let mut rows = own.measurements.iter();
+            rows.any(|m| m.participant == cell.0 && m.condition == cell.1 && m.measure == id)
+        };
+        let lacking = design.measures().iter().filter(|m| !has(&m.id));
+        let lacking: Vec<&str> = lacking.map(|m| m.id.as_str()).collect();
+        Awaited::there_if(lacking.is_empty(), || {
+            format!("no value: {}", lacking.join(", "))
+        })
+    }
+}
+
+/// The logs of the design's folders.
+#[derive(Default)]
+struct Logs {
+    /// File names of those whose names say whose they are.
+    named: BTreeMap<Cell, String>,
+    /// How many do not.
+    unnamed: usize,
+}
+
+impl Logs {
+    fn read(study: &DesignFile) -> Result<Self, StudyError> {
+        let mut logs = Self::default();
+        for log in logs_of_study(&Ingest::default(), study)? {
+            let names = log.settings.mapping.as_ref().and_then(|m| m.names.as_ref());
+            let name = log.path.file_name().unwrap_or_default();
+            match names.and_then(|names| named_after(&log.path, names)) {
+                Some(meta) => {
+                    let cell = (meta.participant, meta.condition);
+                    let name = name.to_string_lossy().into_owned();
+                    logs.named.insert(cell, name);
+                }
+                None => logs.unnamed += 1,
+            }
+        }
+        Ok(logs)
+    }
+
+    fn why_none(&self) -> String {
+        match self.unnamed {
+            0 => "no log".to_owned(),
+            n => format!("no log by its name; {n} do not say there whose they are"),
+        }
+    }
+}
+
+/// The drives among the results.
+#[derive(Default)]
+struct Drives {
+    made: BTreeSet<Cell>,
+    /// Those that a rule left out, with the reason.
+    kept_out: BTreeMap<Cell, String>,
+    /// Logs that could not be ingested, by their names.
+    failed: BTreeMap<String, String>,
+}
+
+impl Drives {
+    fn read(results: &Path) -> Result<Self, StudyError> {
+        let mut drives = Self::default();
+        for list in lists(results) {
+            let listed = list_of(&list)?.into_iter();
+            drives
+                .made
+                .extend(listed.map(|m| (m.participant, m.condition)));
+            let path = list.with_file_name("exclusions.csv");
+            if !path.is_file() {
+                continue;
+            }
+            let table = Table::read(&path)?;
+            // Other stages list their exclusions in fewer columns.
+            if !table.has("rule") {
+                continue;
+            }
+            for row in table.records::<ExclusionRow>()? {
+                if !row.participant.is_empty() {
+                    let cell = (ParticipantId::new(row.participant)?, row.condition.parse()?);
+                    drives.kept_out.insert(cell, row.what);
+                } else if row.drive.is_empty() {
+                    drives.failed.insert(row.log, row.what);
+                }
+            }
+        }
+        Ok(drives)
+    }
+}
+
+/// The answers.
+#[derive(Default)]
+struct Answers {
+    /// Scales of which somebody answered anything.
+    given: BTreeMap<(ParticipantId, Moment), BTreeSet<String>>,
+    /// Why nothing is known of any answer.
+    none: Option<String>,
+}
+
+impl Answers {
+    fn read(study: &DesignFile, results: &Path) -> Result<Self, StudyError> {
+        let mut answers = Self::default();
+        let tables = answer_tables(results, study);
+        for path in &tables {
+            for answer in read_answers(path)? {
+                if answer.answer.is_some() {
+                    let sheet = (answer.participant, answer.moment);
+                    answers.given.entry(sheet).or_default().insert(answer.scale);
+                }
+            }
+        }
+        if tables.is_empty() {
+            let files = study.design.files();
+            let is_export = files.software != Software::Table;
+            let waits = is_export && study.resolve(&files.answers).is_file();
+            let why = if waits {
+                "not imported yet"
+            } else {
+                "not there"
+            };
+            answers.none = Some(format!("{} is {why}", files.answers.to_slash_lossy()));
+        }
+        Ok(answers)
+    }
+}

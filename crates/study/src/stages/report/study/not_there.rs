@@ -1,0 +1,87 @@
+//! What is missing of the study: counts, the first of the people, and where all of them are listed.
+
+use super::Run;
+use crate::{
+    error::StudyError,
+    missing::{KINDS, Missing, MissingRow},
+    tables::drives::remove_former,
+};
+use maveric_domain::Moment;
+use maveric_report::{
+    figures::completeness::{Completeness, CompletenessPanel, completeness},
+    html::Section,
+    tables::Table,
+};
+use std::path::Path;
+
+/// The table of everything that is missing, beside the page.
+const FILE: &str = "missing.csv";
+
+/// Rows that the page has.
+const MOST_ROWS: usize = 200;
+
+/// What the page calls each kind, in their order.
+const TITLES: [&str; 4] = ["Logs", "Drives", "Answers", "Own measures"];
+
+/// The section; none where nothing is missing.
+pub(super) fn section_missing(run: &Run, missing: &Missing) -> Result<Option<Section>, StudyError> {
+    let Some(summary) = missing.summary() else {
+        return Ok(None);
+    };
+    let rows = missing.counts.iter();
+    let awaited = |at: &usize| missing.counts.iter().any(|time| time.kinds[*at].1 > 0);
+    let panel = |at: usize| CompletenessPanel {
+        title: TITLES[at].to_owned(),
+        counts: missing.counts.iter().map(|time| time.kinds[at]).collect(),
+    };
+    let figure = completeness(
+        &Completeness {
+            rows: rows.map(|time| when(run, time.moment)).collect(),
+            panels: (0..KINDS.len()).filter(awaited).map(panel).collect(),
+        },
+        &run.context,
+    )?;
+    let shown = &missing.rows[..missing.rows.len().min(MOST_ROWS)];
+    let all = missing.rows.len();
+    let which = if all > MOST_ROWS {
+        format!("The first {MOST_ROWS} of {all} rows")
+    } else {
+        format!("All {all} rows")
+    };
+    let reason =
+        |at: usize| move |row: &&MissingRow| row.reasons()[at].unwrap_or_default().to_owned();
+    let table = Table::of("missing", "What is missing", shown)
+        .text("Person", |row| row.participant.to_string())
+        .text("When", |row| when(run, row.moment))
+        .text("Log", reason(0))
+        .text("Drive", reason(1))
+        .text("Answers", reason(2))
+        .text("Own measures", reason(3))
+        .noted(format!("{which}; `{FILE}` beside this page has all of them. An empty cell: it is there, or not awaited."));
+    Ok(Some(Section {
+        title: "What is not there".to_owned(),
+        intro: vec![format!(
+            "The page is made of what there is. Still {summary}. An outcome is tested in those people who have a value of it in every \
+             condition."
+        )],
+        figures: vec![figure],
+        tables: vec![table],
+    }))
+}
+
+/// Writes all rows beside the page; where nothing is missing, nothing of an earlier call stays.
+pub(super) fn list(page: &Path, missing: &Missing) -> Result<(), StudyError> {
+    let table = page.join(FILE);
+    if missing.rows.is_empty() {
+        return remove_former(&table);
+    }
+    missing.write(&table)
+}
+
+/// What the page calls a time.
+fn when(run: &Run, moment: Moment) -> String {
+    match moment {
+        Moment::Pre => "Before the drives".to_owned(),
+        Moment::After(condition) => run.design.label(condition),
+    }
+}
