@@ -74,7 +74,7 @@ fn allowed(name: &str) -> Vec<&'static str> {
 }
 
 /// Heavy dependencies and the crates that may name them.
-const HOMES: [(&str, &[&str]); 15] = [
+const HOMES: [(&str, &[&str]); 16] = [
     ("pyo3", &["python"]),
     ("calamine", &["study"]),
     ("encoding_rs", &["study"]),
@@ -82,6 +82,7 @@ const HOMES: [(&str, &[&str]); 15] = [
     ("polars-io", &["ingest", "study"]),
     ("mcap", &["bag"]),
     ("plotters", &["report"]),
+    ("docx-rs", &["pages"]),
     ("resvg", &["report"]),
     ("pulp", &["model", "following"]),
     ("clap", &["study", "cli"]),

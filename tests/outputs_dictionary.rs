@@ -12,6 +12,7 @@ use maveric_study::tables::{
     Table,
     dictionary::{FileEntry, entries, entry_at},
 };
+use serde_json::Value;
 use std::{
     collections::BTreeSet,
     path::{Path, PathBuf},
@@ -207,14 +208,218 @@ fn a_manuscript_has_numbers_by_name_methods_results_and_references() {
     let csv = std::fs::read_to_string(manuscript.join("numbers.csv")).unwrap();
     assert!(found.iter().all(|name| csv.contains(&format!("\n{name},"))));
     for part in ["results.md", "methods.md", "references.bib"] {
-        assert!(
-            !std::fs::read_to_string(manuscript.join(part))
-                .unwrap()
-                .trim()
-                .is_empty(),
-            "{part}"
-        );
+        let text = std::fs::read_to_string(manuscript.join(part)).unwrap();
+        assert!(!text.trim().is_empty(), "{part}");
+        assert!(!text.contains("&lt;") && !text.contains("&amp;"), "{part}");
     }
+    let bib = std::fs::read_to_string(manuscript.join("references.bib")).unwrap();
+    assert!(
+        bib.contains("author = {Jian, J.-Y. and Bisantz, A. M. and Drury, C. G.}"),
+        "{bib}"
+    );
+    // A document of Word is a zip archive.
+    assert!(
+        std::fs::read(manuscript.join("manuscript.docx"))
+            .unwrap()
+            .starts_with(b"PK")
+    );
+}
+
+/// Every number of a value.
+fn numbers_in(value: &Value, found: &mut Vec<f64>) {
+    match value {
+        Value::Number(number) => found.extend(number.as_f64()),
+        Value::Array(all) => {
+            found.push(all.len() as f64);
+            all.iter().for_each(|value| numbers_in(value, found));
+        }
+        Value::Object(all) => all.values().for_each(|value| numbers_in(value, found)),
+        _ => {}
+    }
+}
+
+/// As sentences have it.
+const MINUS: char = '\u{2212}';
+
+/// A number as sentences have it: a true minus, and without the zero before the point where 1 bounds it.
+fn written(value: f64) -> Vec<String> {
+    let mut all = Vec::new();
+    for (value, decimals) in [
+        (value, 0),
+        (value, 1),
+        (value, 2),
+        (value, 3),
+        (100.0 * value, 0),
+        (100.0 * value, 1),
+    ] {
+        let text = format!("{value:.decimals$}").replace('-', "\u{2212}");
+        all.push(text.replacen(
+            "0.",
+            ".",
+            usize::from(text.trim_start_matches(MINUS).starts_with("0.")),
+        ));
+        all.push(text.trim_start_matches(MINUS).to_owned());
+        all.push(text);
+    }
+    all
+}
+
+/// The numbers of a text, without those that are part of a word.
+fn tokens(text: &str) -> Vec<String> {
+    let part = |c: char| c.is_ascii_digit() || c == '.' || c == MINUS;
+    let words = text.split(|c: char| !(part(c) || c.is_alphabetic() || c == '_'));
+    let numbers = words.map(|word| word.trim_end_matches('.'));
+    let is_number =
+        |word: &&str| word.chars().all(part) && word.contains(|c: char| c.is_ascii_digit());
+    numbers.filter(is_number).map(str::to_owned).collect()
+}
+
+#[test]
+fn every_number_of_a_manuscript_is_one_of_the_analysis() {
+    let text = |path: &str| std::fs::read_to_string(run().path(path)).unwrap();
+    let analysis: Value =
+        serde_json::from_str(&text("study_data/generated/smoke/analysis.json")).unwrap();
+    let mut all = Vec::new();
+    numbers_in(&analysis, &mut all);
+    // Sentences: as they are written. The levels of intervals stand in no result.
+    let known: BTreeSet<String> = all.iter().flat_map(|value| written(*value)).collect();
+    let levels = ["90", "95", ".001", "1"];
+    let results = text("reports/smoke/manuscript/results.md");
+    let found = tokens(&results);
+    assert!(found.len() > 200, "{} numbers", found.len());
+    let unknown: Vec<&String> = found
+        .iter()
+        .filter(|token| !known.contains(*token) && !levels.contains(&token.as_str()))
+        .collect();
+    assert!(unknown.is_empty(), "{unknown:?} in {results}");
+    assert!(!known.contains("7777.77"));
+    // Cells: to the last digit.
+    let exactly: BTreeSet<u64> = all
+        .iter()
+        .flat_map(|v| [v.to_bits(), (100.0 * v).to_bits()])
+        .collect();
+    let csv = Table::read(&run().path("reports/smoke/manuscript/numbers.csv")).unwrap();
+    let (table, row, column) = (
+        csv.text("table").unwrap(),
+        csv.text("row").unwrap(),
+        csv.text("column").unwrap(),
+    );
+    let value = csv.numbers("value").unwrap();
+    let mut tables = BTreeSet::new();
+    for i in 0..csv.rows() {
+        let (Some(table), Some(value)) = (&table[i], value[i]) else {
+            continue;
+        };
+        if matches!(
+            table.as_str(),
+            "descriptives"
+                | "omnibus"
+                | "contrasts"
+                | "bias"
+                | "nearer"
+                | "accuracy"
+                | "mixed"
+                | "embedding-line"
+        ) {
+            tables.insert(table.clone());
+            let place = format!("{table}, {:?}, {:?}: {value}", row[i], column[i]);
+            let of_the_paper = column[i].as_deref() == Some("paper");
+            assert!(
+                of_the_paper || exactly.contains(&value.to_bits()),
+                "{place}"
+            );
+        }
+        if table == "descriptives" {
+            let is = |d: &&Value| {
+                let id = format!(
+                    "{}.{}",
+                    d["outcome"].as_str().unwrap(),
+                    d["condition"].as_str().unwrap()
+                );
+                Some(id.as_str()) == row[i].as_deref()
+            };
+            let described = analysis["descriptives"]
+                .as_array()
+                .unwrap()
+                .iter()
+                .find(is)
+                .unwrap();
+            assert_eq!(
+                described[column[i].as_deref().unwrap()].as_f64(),
+                Some(value)
+            );
+        }
+    }
+    assert!(tables.len() > 5, "{tables:?}");
+}
+
+#[test]
+fn every_test_stands_in_the_results_and_in_a_table_with_a_number_a_cell() {
+    let text = |path: &str| std::fs::read_to_string(run().path(path)).unwrap();
+    let analysis: Value =
+        serde_json::from_str(&text("study_data/generated/smoke/analysis.json")).unwrap();
+    let results = text("reports/smoke/manuscript/results.md");
+    let panels = analysis["panels"].as_array().unwrap();
+    let omnibus = Table::read(&run().path("reports/smoke/tables/omnibus.csv")).unwrap();
+    let heads = [
+        "outcome",
+        "group",
+        "effect",
+        "test",
+        "n",
+        "statistic",
+        "df1",
+        "df2",
+        "epsilon",
+        "p",
+        "size",
+        "effect_size",
+        "low",
+        "high",
+    ];
+    assert_eq!(omnibus.columns(), heads);
+    assert_eq!(omnibus.rows(), panels.len());
+    let contrasts = Table::read(&run().path("reports/smoke/tables/contrasts.csv")).unwrap();
+    let (first, second) = (
+        contrasts.text("first").unwrap(),
+        contrasts.text("second").unwrap(),
+    );
+    let (outcome, statistic) = (
+        contrasts.text("outcome").unwrap(),
+        contrasts.numbers("statistic").unwrap(),
+    );
+    let mut at = 0;
+    for (i, panel) in panels.iter().enumerate() {
+        let title = panel["title"].as_str().unwrap();
+        assert!(results.contains(title), "{title}");
+        let found = &panel["comparison"]["omnibus"];
+        assert_eq!(
+            omnibus.numbers("statistic").unwrap()[i],
+            found["statistic"].as_f64(),
+            "{title}"
+        );
+        assert_eq!(
+            omnibus.numbers("p").unwrap()[i],
+            found["p"].as_f64(),
+            "{title}"
+        );
+        for pair in panel["contrasts"].as_array().unwrap() {
+            let id = [&outcome[at], &first[at], &second[at]].map(|id| id.clone().unwrap());
+            let of_pair = [&panel["outcome"], &pair["first"], &pair["second"]]
+                .map(|id| id.as_str().unwrap().to_owned());
+            assert_eq!(id, of_pair);
+            assert_eq!(statistic[at], pair["statistic"].as_f64(), "{id:?}");
+            if let Some(difference) = pair["mean_difference"].as_f64() {
+                let difference = &written(difference)[8];
+                assert!(
+                    results.contains(&format!("mean difference {difference}, ")),
+                    "{difference} of {id:?}"
+                );
+            }
+            at += 1;
+        }
+    }
+    assert_eq!(at, contrasts.rows());
 }
 
 #[test]

@@ -105,21 +105,21 @@ fn steps_of_the_dial_are_told(study: &TempStudy) {
     let (condition, moved, clamped) = (at("condition"), at("moved_points"), at("clamped"));
     let rows: Vec<Vec<&str>> = lines.map(|l| l.split(',').collect()).collect();
     let table = read("reports/smoke/tables/dial-steps.csv");
-    for (id, label) in [("aggressive", "Aggressive"), ("cautious", "Cautious")] {
+    for id in ["aggressive", "cautious"] {
         let own: Vec<&Vec<&str>> = rows.iter().filter(|r| r[condition] == id).collect();
         let steps: Vec<f64> = own.iter().map(|r| r[moved].parse().unwrap()).collect();
         let cut = own.iter().filter(|r| r[clamped] == "true").count();
         let told: Vec<&str> = table
             .lines()
-            .find(|l| l.starts_with(label))
-            .unwrap_or_else(|| panic!("{label} in {table}"))
+            .find(|l| l.starts_with(id))
+            .unwrap_or_else(|| panic!("{id} in {table}"))
             .split(',')
             .collect();
-        assert_eq!(told[2], steps.len().to_string(), "n of {label}: {table}");
-        assert_eq!(told[3], cut.to_string(), "cut short of {label}: {table}");
+        assert_eq!(told[2], steps.len().to_string(), "n of {id}: {table}");
+        assert_eq!(told[3], cut.to_string(), "cut short of {id}: {table}");
         let lowest = steps.iter().copied().fold(f64::INFINITY, f64::min);
         let low: f64 = told[6].replace('\u{2212}', "-").parse().unwrap();
-        assert!((low - lowest).abs() < 0.06, "{label}: {low} for {lowest}");
+        assert!((low - lowest).abs() < 0.06, "{id}: {low} for {lowest}");
     }
 }
 

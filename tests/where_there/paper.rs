@@ -31,7 +31,7 @@ fn compile(latex: &str) {
     let tables =
         ["descriptives", "contrasts", "bias"].map(|t| format!("\\input{{../tables/{t}.tex}}"));
     let paper = format!(
-        "\\documentclass{{article}}\n\\usepackage[T1]{{fontenc}}\n\\usepackage{{booktabs,textcomp,graphicx}}\n\\input{{numbers}}\n\\begin{{document}}\n\
+        "\\documentclass{{article}}\n\\usepackage[T1]{{fontenc}}\n\\usepackage{{booktabs,tabularx,textcomp,graphicx}}\n\\input{{numbers}}\n\\begin{{document}}\n\
          \\input{{methods}}\n\\input{{results}}\n{}\n\\includegraphics{{../figures/difference-panels.pdf}}\n{}\n\
          \\bibliographystyle{{plain}}\\bibliography{{references}}\n\\end{{document}}\n",
         tables.join("\n"),

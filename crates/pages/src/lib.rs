@@ -2,10 +2,22 @@
 
 mod card;
 pub mod cards;
+mod codebook;
+mod glossary;
+mod manuscript;
 mod orders;
+mod page_texts;
 mod preregistration;
+pub mod study;
+mod table_text;
 mod texts;
 pub mod words;
 
+pub use codebook::codebook;
+pub use glossary::glossary;
 pub use orders::orders;
+pub use page_texts::{
+    ABLATION, DECLARED, DIAL, FOLLOWING, METHODS, PageTexts, REHEARSAL, RESULTS, STUDY, TextFile,
+    VALIDATION,
+};
 pub use preregistration::preregistration;

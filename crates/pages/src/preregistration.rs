@@ -100,7 +100,8 @@ fn exclude(design: &Design) -> Value {
     }
 }
 
-fn condition(c: &Condition) -> Value {
+/// A condition as texts call it, with what drove in it.
+pub(crate) fn condition(c: &Condition) -> Value {
     let (car, points, path) = match &c.car {
         None => ("recorded", None, None),
         Some(Car::Dial(0.0)) => ("own", None, None),
@@ -118,6 +119,7 @@ fn condition(c: &Condition) -> Value {
         points,
         path,
         varies => c.vary,
+        recorded => c.recorded,
         levels => levels.collect::<Vec<_>>(),
     }
 }

@@ -1,7 +1,8 @@
 //! The templates of `texts/`: tables of texts, filled with values.
 
+use maveric_analysis::{Correlation, Verdict};
 use maveric_report::{ReportError, apa, markup};
-use minijinja::{Environment, UndefinedBehavior, Value, syntax::SyntaxConfig};
+use minijinja::{Environment, UndefinedBehavior, Value, syntax::SyntaxConfig, value::Serde};
 use std::collections::BTreeMap;
 
 use crate::words;
@@ -12,7 +13,7 @@ pub(crate) struct Texts {
     cards: BTreeMap<String, BTreeMap<String, String>>,
 }
 
-fn failed(reason: String) -> ReportError {
+pub(crate) fn failed(reason: String) -> ReportError {
     ReportError::Template { reason }
 }
 
@@ -57,7 +58,7 @@ pub(crate) fn document(file: &str, text: &str, values: Value) -> Result<String, 
 }
 
 /// An environment with the filters that texts use.
-fn environment() -> Environment<'static> {
+pub(crate) fn environment() -> Environment<'static> {
     let mut environment = Environment::new();
     environment.set_undefined_behavior(UndefinedBehavior::Strict);
     let written = |value: Option<f64>, write: fn(f64, usize) -> String, decimals: Option<usize>| {
@@ -79,7 +80,27 @@ fn environment() -> Environment<'static> {
         let ends = ends.and_then(|ends| Some((*ends.first()?, *ends.get(1)?)));
         words::interval(ends, decimals)
     });
-    environment.add_filter("p", |p: f64| apa::p(p).markup().to_owned());
+    environment.add_filter("p", |p: Option<f64>| {
+        p.map(|p| apa::p(p).markup().to_owned())
+    });
+    environment.add_filter("or_dash", |value: Option<f64>, decimals: usize| {
+        value.map_or_else(|| "–".to_owned(), |value| apa::number(value, decimals))
+    });
+    environment.add_filter("shortest", |number: f64| number.to_string());
+    environment.add_filter("verdict", |verdict: Serde<Verdict>| verdict.words());
+    environment.add_filter("cell", cell);
+    environment.add_filter("ends", ends);
+    environment.add_filter("with_unit", |title: &str, unit: &str| {
+        words::with_unit(title, unit)
+    });
+    environment.add_filter("literal", |text: &str| markup::literal(text));
+    environment.add_filter("statement", |correlation: Serde<Option<Correlation>>| {
+        let statement = correlation.0.as_ref().and_then(Correlation::statement);
+        statement.map(|statement| statement.markup().to_owned())
+    });
+    environment.add_filter("correlation", |correlation: Serde<Correlation>| {
+        words::correlation(&correlation)
+    });
     environment.add_filter("p_holm", |p: f64| apa::p_holm(p).markup().to_owned());
     environment.add_filter("listed", |all: Vec<String>| words::listed(&all));
     environment.add_filter("plain", |text: String| markup::plain(&text));
@@ -87,9 +108,52 @@ fn environment() -> Environment<'static> {
     environment
 }
 
+/// A text as a cell of Markdown shows it: no mark-up of its own, and one line.
+fn cell(text: &str) -> String {
+    let mut out = String::new();
+    for c in text.chars() {
+        match c {
+            '<' => out.push_str("&lt;"),
+            '>' => out.push_str("&gt;"),
+            '&' => out.push_str("&amp;"),
+            '|' => out.push_str("\\|"),
+            '\n' | '\r' | '\t' => out.push(' '),
+            c if c.is_control() => {}
+            c => out.push(c),
+        }
+    }
+    out
+}
+
+/// `0.12 to 0.34` of a pair, or of what has `low` and `high`; `bounded` numbers lose the zero before the point. None where an end is none.
+fn ends(
+    of: &Value,
+    decimals: usize,
+    bounded: Option<bool>,
+) -> Result<Option<String>, minijinja::Error> {
+    let end = |key: &str, at: usize| match of.get_attr(key)? {
+        end if end.is_undefined() => of.get_item(&Value::from(at)),
+        end => Ok(end),
+    };
+    if of.is_none() {
+        return Ok(None);
+    }
+    let (low, high) = (end("low", 0)?, end("high", 1)?);
+    if low.is_none() || high.is_none() {
+        return Ok(None);
+    }
+    let write = if bounded.unwrap_or(false) {
+        apa::bounded
+    } else {
+        apa::number
+    };
+    let [low, high] = [f64::try_from(low)?, f64::try_from(high)?].map(|end| write(end, decimals));
+    Ok(Some(format!("{low} to {high}")))
+}
+
 /// Whatever can be written, as a value of a text.
 pub(crate) fn value<T: serde::Serialize + ?Sized>(of: &T) -> Value {
-    Value::from(minijinja::value::Serde(of))
+    Value::from(Serde(of))
 }
 
 #[cfg(test)]

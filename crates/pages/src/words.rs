@@ -1,7 +1,12 @@
 //! Phrases that pages share: lists, shares, intervals, and tests as APA writes them.
 
 use maveric_analysis::{Contrast, Correlation, Panel};
-use maveric_report::{apa, markup};
+use maveric_domain::{ConditionId, Design};
+use maveric_report::{
+    apa,
+    claims::{Claim, Quantity},
+    markup,
+};
 use maveric_stats::{Adjustment, PosthocTest, apa::Statements};
 
 /// A sentence with its first letter large.
@@ -90,7 +95,7 @@ pub fn omnibus(panel: &Panel, short: bool) -> String {
             1 => said.markup().to_owned(),
             _ => format!(
                 "{}: {}",
-                markup::literal(&name.replace(':', " × ")),
+                markup::literal(&effect_words(&name)),
                 said.markup()
             ),
         })
@@ -101,6 +106,11 @@ pub fn omnibus(panel: &Panel, short: bool) -> String {
         ([.., last], true) => last.clone(),
         (all, false) => all.join("; "),
     }
+}
+
+/// An effect of several factors as a page calls it: `city × condition`.
+pub(crate) fn effect_words(name: &str) -> String {
+    name.replace(':', " × ")
 }
 
 /// A paired test in words; *p* is that of Holm over its family, under its plain name.
@@ -130,6 +140,50 @@ pub fn paired(panel: &Panel, pair: &Contrast) -> Option<String> {
         .markup()
         .to_owned(),
     })
+}
+
+/// What a design calls a condition, the baseline or a role, with marks.
+pub fn label(design: &Design, id: ConditionId) -> String {
+    markup::literal(&design.label(id))
+}
+
+/// A small number as a word.
+pub(crate) fn in_words(n: usize) -> String {
+    const WORDS: [&str; 10] = [
+        "no", "one", "two", "three", "four", "five", "six", "seven", "eight", "nine",
+    ];
+    WORDS
+        .get(n)
+        .map_or_else(|| n.to_string(), |w| (*w).to_owned())
+}
+
+/// The ledger's word for a measure.
+pub fn short(measure: &str) -> &str {
+    match measure {
+        "mean_velocity_mps" => "mean_velocity",
+        "mean_headway_time_s" => "mean_headway_time",
+        "headway_merge_back_m" => "distance_headway_merge_back",
+        "headway_merge_back_s" => "time_headway_merge_back",
+        "min_headway_distance_m" => "min_headway_distance",
+        other => other,
+    }
+}
+
+/// The correlation that a claim printed, with marks.
+pub(crate) fn correlation_of_claim(claim: &Claim) -> Option<String> {
+    let write = match claim.quantity {
+        Quantity::Rho => apa::rho,
+        _ => apa::r,
+    };
+    let printed = claim.printed_p.as_ref()?;
+    // "< .001" is printed again as such, not as ".001".
+    let p = if printed.bound == Some('<') {
+        printed.value * 0.999
+    } else {
+        printed.value
+    };
+    let said = write(claim.printed.value, claim.df? as usize, p);
+    Some(said.markup().to_owned())
 }
 
 /// Whose panel it is, where people are divided.

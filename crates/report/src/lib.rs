@@ -5,12 +5,11 @@ pub mod claims;
 pub mod error;
 pub mod figures;
 pub mod html;
-mod manuscript;
 pub mod markup;
 pub mod tables;
 
 pub use card::{Card, CardNumber, Tone};
 pub use error::ReportError;
 pub use figures::{Context, Figure};
-pub use html::{Manuscript, Report, render};
+pub use html::{Report, render};
 pub use maveric_stats::apa;

@@ -5,9 +5,7 @@
 
 use std::fmt::Write as _;
 
-pub use maveric_stats::markup::{literal, plain};
-
-pub(crate) use maveric_stats::markup::{Level, Run, runs};
+pub use maveric_stats::markup::{Level, Run, literal, plain, runs};
 
 /// Escapes text for HTML and XML and drops the control characters that neither allows.
 pub fn escape(text: &str) -> String {

@@ -193,6 +193,7 @@ fn a_name_that_leads_out_of_the_folder_is_refused() {
         columns: vec![Column::left("a")],
         rows: vec![vec![Cell::text("b")]],
         notes: Vec::new(),
+        data: None,
     });
     assert!(matches!(render(&report), Err(ReportError::BadName { .. })));
 }

@@ -147,6 +147,7 @@ fn ten_thousand_people_make_a_page_of_bounded_size() {
             .map(|i| vec![Cell::text(format!("P{i}")), Cell::count(i)])
             .collect(),
         notes: Vec::new(),
+        data: None,
     });
     let files = render(&report).unwrap();
     let page = std::str::from_utf8(&files[0].bytes).unwrap();

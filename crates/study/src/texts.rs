@@ -1,4 +1,4 @@
-//! Texts that are templates: the pipeline of a design, the `study.toml` of a new study, the codebook.
+//! Texts that are templates: the pipeline of a design, the `study.toml` of a new study.
 
 use minijinja::{Environment, UndefinedBehavior, Value, syntax::SyntaxConfig};
 
@@ -6,8 +6,6 @@ use minijinja::{Environment, UndefinedBehavior, Value, syntax::SyntaxConfig};
 pub(crate) const PIPELINE: &str = include_str!("texts/pipeline.toml");
 /// The commented design of a new study.
 pub(crate) const STUDY: &str = include_str!("texts/study.toml");
-/// What questionnaires ask, and how they are scored.
-pub(crate) const CODEBOOK: &str = include_str!("texts/codebook.md");
 
 /// One of these templates with its values; a line that is a statement of the template alone leaves nothing behind.
 pub(crate) fn fill(template: &str, values: Value) -> String {

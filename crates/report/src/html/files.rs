@@ -1,23 +1,13 @@
 //! A report as a list of files.
 
 use super::page::{page, table_page};
-use super::report::Report;
+use super::report::{RenderedFile, Report};
 use crate::claims::ledger_table;
 use crate::error::ReportError;
 use crate::figures::Figure;
-use crate::manuscript::files as manuscript_files;
 use crate::tables::{Table, exclusions};
 #[cfg(feature = "parallel")]
 use rayon::iter::{IntoParallelIterator, ParallelIterator};
-
-/// A file to be written.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct RenderedFile {
-    /// Path relative to the report's folder, with `/` between its parts.
-    pub path: String,
-    /// Its content.
-    pub bytes: Vec<u8>,
-}
 
 /// Renders `index.html`, `figures/*.{svg,png}` and PDF (each with its feature) and `tables/*.{csv,md,tex,html}`.
 ///
@@ -56,14 +46,7 @@ pub fn render(report: &Report) -> Result<Vec<RenderedFile>, ReportError> {
     for table in tables.chain([&left_out]).chain(ledger.as_ref()) {
         files.extend(table_files(table, report)?);
     }
-    let manuscript = report.manuscript.as_ref();
-    let texts = manuscript
-        .into_iter()
-        .flat_map(|m| manuscript_files(report, m));
-    files.extend(texts.map(|(path, text)| RenderedFile {
-        path,
-        bytes: text.into_bytes(),
-    }));
+    files.extend(report.beside.iter().cloned());
     Ok(files)
 }
 

@@ -12,11 +12,11 @@ mod space;
 mod style;
 mod template;
 
-pub use files::{RenderedFile, render};
+pub use files::render;
 pub use live::{Live, LiveContent};
 pub use player::{
     CentreLine, ChangeSpan, InterventionSpan, PlayerDrive, PlayerFragment, PlayerMeta, Track,
     WatchPlayer, player, watch_page,
 };
-pub use report::{Input, Manuscript, Methods, ParameterFile, Provenance, Report, Section};
+pub use report::{Input, Methods, ParameterFile, Provenance, RenderedFile, Report, Section};
 pub use space::{SpaceDrive, SpacePerson, StyleSpace};

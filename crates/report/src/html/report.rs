@@ -39,8 +39,8 @@ pub struct Report {
     pub glossary: Vec<(String, String)>,
     /// What the report was made from.
     pub provenance: Provenance,
-    /// What a paper is written from, beside the page; none where nobody would write one.
-    pub manuscript: Option<Manuscript>,
+    /// Files that stand beside the page as they are.
+    pub beside: Vec<RenderedFile>,
 }
 
 /// A part of the body.
@@ -98,13 +98,13 @@ pub struct Input {
     pub hash: String,
 }
 
-/// The part of a manuscript that does not follow from a page's cards and tables.
-#[derive(Debug, Clone, PartialEq, Eq, Default)]
-pub struct Manuscript {
-    /// Headings of the methods with their paragraphs, with marks.
-    pub methods: Vec<(String, Vec<String>)>,
-    /// What the methods cite: key of the entry and reference in full. Plain text.
-    pub references: Vec<(String, String)>,
+/// A file to be written.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct RenderedFile {
+    /// Path relative to the report's folder, with `/` between its parts.
+    pub path: String,
+    /// Its content.
+    pub bytes: Vec<u8>,
 }
 
 impl Report {
@@ -128,7 +128,7 @@ impl Report {
                 ..Provenance::default()
             },
             glossary: Vec::new(),
-            manuscript: None,
+            beside: Vec::new(),
         }
     }
 

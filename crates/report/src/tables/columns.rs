@@ -35,6 +35,7 @@ impl Table {
                 columns: Vec::new(),
                 rows: vec![Vec::new(); rows.len()],
                 notes: Vec::new(),
+                data: None,
             },
             rows,
         }

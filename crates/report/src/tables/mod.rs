@@ -9,5 +9,5 @@ mod write;
 pub use columns::TableOf;
 pub use exclusions::{Exclusion, exclusions};
 pub use participants::{ParticipantGroup, participants};
-pub use table::{Align, Cell, Column, Table};
-pub(crate) use write::{latex, markdown};
+pub use table::{Align, Cell, Column, Data, Table};
+pub use write::{latex, markdown};

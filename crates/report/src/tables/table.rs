@@ -18,6 +18,19 @@ pub struct Table {
     pub rows: Vec<Vec<Cell>>,
     /// What stands below: n, tests, abbreviations. With marks.
     pub notes: Vec<String>,
+    /// The same for machines; none where the columns that are shown are it.
+    pub data: Option<Data>,
+}
+
+/// A table for machines: a number a cell, columns and rows under names that do not change with labels.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Data {
+    /// Heads of the columns: small letters, digits and `_`.
+    pub heads: Vec<String>,
+    /// What each row is of, from ids.
+    pub ids: Vec<String>,
+    /// The rows, each with a cell a head.
+    pub rows: Vec<Vec<Cell>>,
 }
 
 /// The head of a column.
@@ -102,7 +115,7 @@ impl Cell {
     }
 
     /// As shown, with marks.
-    pub(crate) fn marked(&self) -> String {
+    pub fn marked(&self) -> String {
         match self {
             Self::Text(text) => markup::literal(text),
             Self::Marked(text) => text.clone(),
@@ -134,7 +147,7 @@ impl Column {
 
 impl Table {
     /// The rows as shown, with marks.
-    pub(crate) fn shown(&self) -> Vec<Vec<String>> {
+    pub fn shown(&self) -> Vec<Vec<String>> {
         let rows = self.rows.iter();
         rows.map(|row| row.iter().map(Cell::marked).collect())
             .collect()
@@ -145,13 +158,19 @@ impl Table {
     /// # Errors
     /// [`ReportError::TableShape`] or [`ReportError::TableNumber`], naming the row.
     pub fn check(&self) -> Result<(), ReportError> {
-        for (row, cells) in self.rows.iter().enumerate() {
-            if cells.len() != self.columns.len() {
+        self.check_rows(&self.rows, self.columns.len())?;
+        let data = self.data.as_ref();
+        data.map_or(Ok(()), |data| self.check_rows(&data.rows, data.heads.len()))
+    }
+
+    fn check_rows(&self, rows: &[Vec<Cell>], expected: usize) -> Result<(), ReportError> {
+        for (row, cells) in rows.iter().enumerate() {
+            if cells.len() != expected {
                 return Err(ReportError::TableShape {
                     table: self.name.clone(),
                     row,
                     found: cells.len(),
-                    expected: self.columns.len(),
+                    expected,
                 });
             }
             for (column, cell) in cells.iter().enumerate() {

@@ -1,20 +1,20 @@
 //! A table as CSV, Markdown, LaTeX and HTML.
 
-use super::table::{Align, Cell, Table};
+use super::table::{Align, Cell, Column, Table};
 use crate::markup::{self, Level};
 use std::fmt::Write as _;
 
 impl Table {
-    /// Comma-separated values (RFC 4180), numbers in full precision, missing cells empty.
+    /// Comma-separated values (RFC 4180), numbers in full precision, missing cells empty; of the table for machines where there is one.
     pub fn to_csv(&self) -> String {
-        let mut out = String::new();
-        let header = self
-            .columns
-            .iter()
-            .map(|column| csv_field(&markup::plain(&column.header)));
-        out.push_str(&header.collect::<Vec<_>>().join(","));
-        out.push_str("\r\n");
-        for row in &self.rows {
+        let shown = || self.columns.iter().map(|c| markup::plain(&c.header));
+        let (heads, rows) = match &self.data {
+            Some(data) => (data.heads.clone(), &data.rows),
+            None => (shown().collect(), &self.rows),
+        };
+        let heads: Vec<String> = heads.iter().map(|head| csv_field(head)).collect();
+        let mut out = heads.join(",") + "\r\n";
+        for row in rows {
             let fields = row.iter().map(|cell| match cell {
                 Cell::Number { value, .. } | Cell::Bounded { value, .. } => format!("{value}"),
                 Cell::P(p) => format!("{p}"),
@@ -95,22 +95,29 @@ impl Table {
         out
     }
 
-    /// A LaTeX `table` with `booktabs` rules. Needs `\usepackage{booktabs}`.
+    /// A LaTeX `table` with `booktabs` rules, as wide as the text. Needs `\usepackage{booktabs,tabularx}`.
     pub fn to_latex(&self) -> String {
+        // Words share what the numbers leave of the page's width.
+        let words = ">{\\raggedright\\arraybackslash}X";
+        let words_or_numbers = |(at, column): (usize, &Column)| match column.align {
+            Align::Left => words,
+            Align::Right if at == 0 => words,
+            Align::Right => "r",
+        };
         let columns: String = self
             .columns
             .iter()
-            .map(|column| {
-                if column.align == Align::Right {
-                    'r'
-                } else {
-                    'l'
-                }
-            })
+            .enumerate()
+            .map(words_or_numbers)
             .collect();
+        let small = if self.columns.len() > 6 {
+            "\\footnotesize\n\\setlength{\\tabcolsep}{3pt}\n"
+        } else {
+            ""
+        };
         let line = |cells: Vec<String>| format!("{} \\\\\n", cells.join(" & "));
         let mut out = format!(
-            "\\begin{{table}}\n\\centering\n\\caption{{{}}}\n\\label{{tab:{}}}\n\\begin{{tabular}}{{{columns}}}\n\\toprule\n",
+            "\\begin{{table}}\n\\centering\n\\caption{{{}}}\n\\label{{tab:{}}}\n{small}\\begin{{tabularx}}{{\\linewidth}}{{{columns}}}\n\\toprule\n",
             latex(&self.title),
             self.name
         );
@@ -124,7 +131,7 @@ impl Table {
         for row in self.shown() {
             out += &line(row.iter().map(|cell| latex(cell)).collect());
         }
-        out += "\\bottomrule\n\\end{tabular}\n";
+        out += "\\bottomrule\n\\end{tabularx}\n";
         for note in &self.notes {
             let _ = writeln!(out, "\\par\\smallskip\\footnotesize {}", latex(note));
         }
@@ -185,17 +192,18 @@ fn csv_field(text: &str) -> String {
     }
 }
 
-pub(crate) fn markdown(marked: &str) -> String {
+/// A text with marks as GitHub's Markdown.
+pub fn markdown(marked: &str) -> String {
     let mut out = String::new();
     for run in markup::runs(marked) {
         let mut text = String::new();
-        for sign in run.text.chars() {
+        let mut signs = run.text.chars().peekable();
+        while let Some(sign) = signs.next() {
             match sign {
                 '\n' | '\r' => text.push(' '),
-                '&' => text.push_str("&amp;"),
-                '<' => text.push_str("&lt;"),
-                '>' => text.push_str("&gt;"),
-                '|' | '*' | '_' | '`' | '[' | ']' | '\\' | '~' => {
+                // Before a space `<` is text; before a letter it would open an element.
+                '<' if signs.peek().is_none_or(|next| next.is_whitespace()) => text.push(sign),
+                '<' | '>' | '&' | '|' | '*' | '_' | '`' | '[' | ']' | '\\' | '~' => {
                     text.push('\\');
                     text.push(sign);
                 }
@@ -215,7 +223,8 @@ pub(crate) fn markdown(marked: &str) -> String {
     out
 }
 
-pub(crate) fn latex(marked: &str) -> String {
+/// A text with marks as LaTeX.
+pub fn latex(marked: &str) -> String {
     let mut out = String::new();
     for run in markup::runs(marked) {
         let mut text: String = run.text.chars().map(latex_sign).collect();
@@ -267,7 +276,7 @@ fn latex_sign(sign: char) -> String {
 
 #[cfg(test)]
 mod tests {
-    use super::super::table::Column;
+    use super::super::table::Data;
     use super::*;
     use crate::error::ReportError;
 
@@ -283,6 +292,7 @@ mod tests {
                 vec![Cell::text("=1+1"), Cell::Missing],
             ],
             notes: vec!["Note.".into()],
+            data: None,
         }
     }
 
@@ -307,6 +317,29 @@ mod tests {
             Some("\"<b>\"\"A & B\"\"</b>, 50 % _x_ $y$ | *z* \\ {#}\",-0.456789")
         );
         assert_eq!(lines.next(), Some("=1+1,"));
+    }
+
+    #[test]
+    fn csv_is_the_table_for_machines_where_there_is_one() {
+        let mut table = table();
+        table.data = Some(Data {
+            heads: vec!["who".into(), "r".into(), "p".into()],
+            ids: vec!["eve".into()],
+            rows: vec![vec![
+                Cell::text("eve"),
+                Cell::bounded(Some(0.5), 2),
+                Cell::P(0.0004),
+            ]],
+        });
+        assert_eq!(table.to_csv(), "who,r,p\r\neve,0.5,0.0004\r\n");
+        assert!(table.to_markdown().contains("| Who |"));
+        table.data.as_mut().unwrap().rows[0].pop();
+        assert!(table.check().is_err());
+    }
+
+    #[test]
+    fn a_p_below_a_bound_stays_as_it_is_written() {
+        assert_eq!(markdown("*p* < .001 & <b>"), "*p* < .001 \\& \\<b\\>");
     }
 
     #[test]
@@ -338,9 +371,9 @@ mod tests {
         let markdown = table().to_markdown();
         let row = markdown
             .lines()
-            .find(|line| line.contains("A &amp; B"))
+            .find(|line| line.contains("A \\& B"))
             .unwrap();
-        assert!(row.contains("&lt;b&gt;") && row.contains("\\|") && row.contains("\\*z\\*"));
+        assert!(row.contains("\\<b\\>") && row.contains("\\|") && row.contains("\\*z\\*"));
         let bars = row.replace("\\|", "").matches('|').count();
         assert_eq!(bars, 3);
     }

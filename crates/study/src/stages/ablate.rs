@@ -1,7 +1,7 @@
 //! `ablate`: what each part of the model is worth on drivers that it has not seen.
 
 use super::{
-    report::{hashed, page_of, write_page},
+    report::{hashed, write_page},
     validate::LeaveOut,
 };
 use crate::{
@@ -24,17 +24,18 @@ use maveric_model::{
     Ablated, AblationSettings, HeldOut, ModelError, TrainSettings, TrainingDrive, VariantResult,
     ablate as compare, variants,
 };
-use maveric_pages::cards::ablation;
+use maveric_pages::{ABLATION, PageTexts, cards::ablation};
 use maveric_rehearsal::leave_out::people;
 use maveric_report::{
     Context, Report,
     figures::ablation::{Ablation, AblationVariant, ablation as figure_of},
-    html::{Provenance, Section},
+    html::Provenance,
     markup,
-    tables::{Cell, Table},
+    tables::Table,
 };
 use maveric_stats::proportion;
 use path_slash::PathExt as _;
+use serde::Serialize;
 use std::{
     ops::ControlFlow,
     path::{Path, PathBuf},
@@ -92,14 +93,25 @@ pub struct Ablate {
 
 type Of = fn(&HeldOut) -> Option<f64>;
 
-/// What is compared: title with marks, unit, value.
+/// What is compared: key of its title, unit, value.
 const LOSSES: [(&str, &str, Of); 3] = [
-    ("*L*_{1} following distance", "m", |h| {
-        h.following_distance_m
-    }),
-    ("*L*_{2} lane change", "nats", |h| h.lane_change),
-    ("*L*_{3} speed", "m/s", |h| h.speed_mps),
+    ("following_distance", "m", |h| h.following_distance_m),
+    ("lane_change", "nats", |h| h.lane_change),
+    ("speed", "m/s", |h| h.speed_mps),
 ];
+
+/// What the texts of the page may ask for.
+#[derive(Serialize)]
+struct Words<'a> {
+    preface: &'a str,
+    drives: usize,
+    folds: usize,
+    /// Whether each fold is one person.
+    people: bool,
+    passes: usize,
+    /// Share of a drive by which an unseen driver is known.
+    known: f64,
+}
 
 impl Stage for Ablate {
     const NAME: &'static str = "ablate";
@@ -163,24 +175,33 @@ impl Stage for Ablate {
             .iter()
             .any(|(d, _)| d.meta().driven_by == DrivenBy::Synthetic);
         let context = Context::of(synthetic, self.seed);
-        let finding = parts(&found);
+        let words = Words {
+            preface: &context.preface(),
+            drives: found.drives.len(),
+            folds: found.settings.folds,
+            people: self.leave_out.is_some(),
+            passes: self.epochs,
+            known: found.settings.known_fraction,
+        };
+        let texts = PageTexts::new(ABLATION, &words)?;
+        let finding = parts(&found, &texts)?;
         let judged = Judged {
             result: &found,
             findings: finding.as_slice(),
         };
         write_json(&out, &judged)?;
-        let table = table(&found, self.leave_out);
+        let table = texts.table("ablation", rows(&found))?;
         let text = table.to_markdown();
         let page = write_page(
             &self.out,
-            &page(&found, finding.as_ref(), self, table, &context)?,
+            &page(&found, finding.as_ref(), self, (&texts, table), &context)?,
         )?;
         let short = found.drives.iter().zip(&found.variants[0].of_each);
         let short = short.filter(|(_, judged)| judged.is_none());
-        let why = "too short to be known and judged, so it teaches and is left out of the table";
+        let why = texts.text("short")?;
         warnings.extend(told_once(
             "drive",
-            short.map(|(drive, _)| (drive.to_string(), why.to_owned())),
+            short.map(|(drive, _)| (drive.to_string(), why.clone())),
         ));
         let mut summary: Vec<String> = text.lines().map(str::to_owned).collect();
         summary.push(format!(
@@ -245,64 +266,47 @@ fn values(variant: &VariantResult, of: Of) -> Vec<Option<f64>> {
         .collect()
 }
 
-/// How drivers were held out, and who taught then.
-fn held_out(found: &Ablated, leave_out: Option<LeaveOut>) -> String {
-    match leave_out {
-        Some(LeaveOut::People) => format!(
-            "Each of {} people left out in turn; what learns does so from the drives of all others",
-            found.settings.folds
-        ),
-        None => format!(
-            "Drivers in {} folds; networks learn from the other folds",
-            found.settings.folds
-        ),
-    }
+/// A variant with each loss: its mean, and on how many of the drives of both it is lower than the reference.
+#[derive(Serialize)]
+struct Row<'a> {
+    name: &'a str,
+    losses: [LossRow; 3],
 }
 
-fn table(found: &Ablated, leave_out: Option<LeaveOut>) -> Table {
+#[derive(Serialize)]
+struct LossRow {
+    mean: Option<f64>,
+    better: Option<usize>,
+    both: Option<usize>,
+}
+
+fn rows(found: &Ablated) -> impl Iterator<Item = Row<'_>> {
     let reference = &found.variants[0];
-    let title = "What each part is worth on unseen drivers";
-    let mut table = Table::of("ablation", title, &found.variants).text("Variant", |v| &v.name);
-    for (title, unit, of) in LOSSES {
-        // Lower than the reference on so many of the drives of both.
-        let beside = |variant: &VariantResult, count: fn(&[f64]) -> usize| {
-            let pairs = values(variant, of).into_iter().zip(values(reference, of));
-            let both: Vec<f64> = pairs.filter_map(|(v, r)| Some(v? - r?)).collect();
-            let compared = variant.name != reference.name && !both.is_empty();
-            if compared {
-                Cell::count(count(&both))
-            } else {
-                Cell::Missing
-            }
-        };
-        table = table
-            .right(format!("{title} ({unit})"), |variant| {
-                let known: Vec<f64> = values(variant, of).into_iter().flatten().collect();
-                Cell::number(mean(&known), 3)
-            })
-            .right("better on", |v| {
-                beside(v, |all| all.iter().filter(|d| **d < 0.0).count())
-            })
-            .right("of", |v| beside(v, <[f64]>::len));
-    }
-    table.noted(format!(
-        "{}, an unseen driver is known by the first {:.0}% of the drive and judged on the \
-         rest. Root-mean-square errors and cross-entropy with both classes weighted to one half, mean over {} drives; better on: drives with \
-         a lower value than {}. A dash: nothing of the kind is predicted.",
-        held_out(found, leave_out),
-        100.0 * found.settings.known_fraction,
-        found.drives.len(),
-        reference.name
-    ))
+    let row = |variant: &VariantResult, of: Of| {
+        let known: Vec<f64> = values(variant, of).into_iter().flatten().collect();
+        let pairs = values(variant, of).into_iter().zip(values(reference, of));
+        let both: Vec<f64> = pairs.filter_map(|(v, r)| Some(v? - r?)).collect();
+        let compared = variant.name != reference.name && !both.is_empty();
+        LossRow {
+            mean: mean(&known),
+            better: compared.then(|| both.iter().filter(|d| **d < 0.0).count()),
+            both: compared.then_some(both.len()),
+        }
+    };
+    found.variants.iter().map(move |variant| Row {
+        name: &variant.name,
+        losses: LOSSES.map(|(_, _, of)| row(variant, of)),
+    })
 }
 
 fn page(
     found: &Ablated,
     finding: Option<&Finding>,
     options: &Ablate,
-    table: Table,
+    (texts, table): (&PageTexts, Table),
     context: &Context,
 ) -> Result<Report, StudyError> {
+    let titles = LOSSES.map(|(key, unit, _)| Ok(format!("{} ({unit})", texts.text(key)?)));
     // The own time gap predicts one thing of three; it stands in the table.
     let shown = found.variants.iter().filter(|v| {
         LOSSES
@@ -310,9 +314,7 @@ fn page(
             .all(|(_, _, of)| values(v, *of).iter().any(Option::is_some))
     });
     let figure = Ablation {
-        losses: LOSSES
-            .map(|(title, unit, _)| format!("{title} ({unit})"))
-            .to_vec(),
+        losses: titles.into_iter().collect::<Result<_, StudyError>>()?,
         variants: shown
             .map(|v| AblationVariant {
                 name: v.name.clone(),
@@ -321,38 +323,14 @@ fn page(
             .collect(),
         folds: found.settings.folds,
     };
-    let subtitle = format!(
-        "{}{} drives, drivers held out",
-        context.preface(),
-        found.drives.len()
-    );
-    let method = format!(
-        "Every variant learns {} times, each time without one {}, with {} passes; an unseen driver’s embedding is fitted to \
-         the first {:.0}% of the drive.",
-        found.settings.folds,
-        options
-            .leave_out
-            .map_or("part of the drivers", |LeaveOut::People| "person"),
-        options.epochs,
-        100.0 * found.settings.known_fraction
-    );
-    let new = page_of(
-        ("What each part of the model is worth", subtitle),
-        context,
-        method,
-        (options.seed, options.command.as_deref().unwrap_or_default()),
-    );
+    let new = texts.page(context, (options.seed, options.command.as_deref()))?;
+    let figures = vec![figure_of(&figure, context)?];
     Ok(Report {
         cards: finding
             .map(|finding| ablation::parts(finding, &found.variants[0].name))
             .into_iter()
             .collect::<Result<_, _>>()?,
-        sections: vec![Section {
-            title: "Ablation and baselines".to_owned(),
-            intro: Vec::new(),
-            figures: vec![figure_of(&figure, context)?],
-            tables: vec![table],
-        }],
+        sections: vec![texts.section("ablation", figures, vec![table])?],
         provenance: Provenance {
             inputs: hashed(options.scores.iter().cloned())?,
             ..new.provenance
@@ -363,8 +341,10 @@ fn page(
 
 /// Is the whole model better than it is without each of its parts? For every variant and loss it has to be on more than half of the unseen
 /// drives; ties count for neither.
-fn parts(found: &Ablated) -> Option<Finding> {
-    let (reference, others) = found.variants.split_first()?;
+fn parts(found: &Ablated, texts: &PageTexts) -> Result<Option<Finding>, StudyError> {
+    let Some((reference, others)) = found.variants.split_first() else {
+        return Ok(None);
+    };
     let mut parts = Vec::new();
     for variant in others {
         for (title, _, of) in LOSSES {
@@ -374,13 +354,14 @@ fn parts(found: &Ablated) -> Option<Finding> {
             let worse = differences.iter().filter(|d| **d > 0.0).count();
             let share = proportion(worse, differences.len(), 0.95).ok();
             if let Some(share) = share {
-                let of = format!("{}: {}", variant.name, markup::plain(title));
+                let title = texts.text(title)?;
+                let of = format!("{}: {}", variant.name, markup::plain(&title));
                 let ends = (0.5, f64::INFINITY);
                 parts.push(Part::share(of, differences.len(), Some(&share), ends));
             }
         }
     }
-    Some(Finding::every(Question::Parts, parts))
+    Ok(Some(Finding::every(Question::Parts, parts)))
 }
 
 #[cfg(test)]

@@ -9,14 +9,8 @@ use crate::{
     run_folder::read_scales,
     stage::{Files, Stage},
     tables::{TableName, write_rows},
-    texts,
 };
-use maveric_domain::{
-    Scale,
-    design::{OwnMeasure, Sign},
-    survey::Scoring,
-};
-use minijinja::{Value, context};
+use maveric_domain::design::{OwnMeasure, Sign};
 use path_slash::PathExt as _;
 use serde::Serialize;
 use std::path::{Path, PathBuf};
@@ -115,16 +109,7 @@ impl Stage for Describe {
             .collect();
         let scales = read_scales(&self.scales)?;
         watch.check()?;
-        let described: Vec<Value> = scales.iter().map(described).collect();
-        let measures = own.iter().map(|m| {
-            context! { id => &m.id, title => shown(&m.title), unit => shown(&m.unit), aggression => &m.aggression }
-        });
-        let values = context! {
-            scales => described,
-            measures => measures.collect::<Vec<Value>>(),
-            measured_in => design.map(|d| d.files().measures.to_slash_lossy()),
-        };
-        let page = texts::fill(texts::CODEBOOK, values);
+        let page = maveric_pages::codebook(&scales, design)?;
         let mut rows = Vec::new();
         for scale in &scales {
             for subscale in &scale.subscales {
@@ -168,80 +153,5 @@ impl Stage for Describe {
             summary,
             warnings: Vec::new(),
         })
-    }
-}
-
-/// A text as Markdown shows it: no mark-up of its own, and one line.
-fn shown(text: &str) -> String {
-    let mut out = String::new();
-    for c in text.chars() {
-        match c {
-            '<' => out.push_str("&lt;"),
-            '>' => out.push_str("&gt;"),
-            '&' => out.push_str("&amp;"),
-            '|' => out.push_str("\\|"),
-            '\n' | '\r' | '\t' => out.push(' '),
-            c if c.is_control() => {}
-            c => out.push(c),
-        }
-    }
-    out
-}
-
-/// What the codebook says of a scale.
-fn described(scale: &Scale) -> Value {
-    let subscales = scale.subscales.iter().map(|subscale| {
-        let items = subscale.items.iter().copied();
-        let reversed: Vec<u32> = items.filter(|i| scale.is_reversed(subscale, *i)).collect();
-        let (low, high) = scale.score_range(subscale);
-        let norms = subscale.norms.as_ref().map_or_else(
-            || " | | | ".to_owned(),
-            |n| {
-                let alpha = n.alpha_source.as_ref();
-                let alpha = alpha.map_or_else(String::new, |s| format!("; alpha: {}", shown(s)));
-                let source = shown(&n.source);
-                format!("{} | {} | {} | {source}{alpha}", n.mean, n.sd, n.alpha)
-            },
-        );
-        context! {
-            id => subscale.id.clone(), title => shown(&subscale.title), items => subscale.items.clone(), reversed,
-            low => low.to_string(), high => high.to_string(), norms,
-        }
-    });
-    let correlations = scale.correlations.iter().map(|c| {
-        let [one, other] = &c.of;
-        format!("{one} with {other} {} ({})", c.r, shown(&c.source))
-    });
-    let wording = scale.wording.iter().map(|text| shown(text));
-    context! {
-        id => scale.id.clone(),
-        title => shown(&scale.title),
-        reference => shown(&scale.reference),
-        items => scale.items,
-        min => scale.min,
-        max => scale.max,
-        first => scale.column_of(1),
-        last => scale.column_of(scale.items),
-        scoring => match scale.scoring {
-            Scoring::Sum => "sum",
-            Scoring::Mean => "mean",
-        },
-        answered => format!("{:.0}", 100.0 * scale.min_answered),
-        subscales => subscales.collect::<Vec<Value>>(),
-        correlations => correlations.collect::<Vec<String>>(),
-        wording => wording.collect::<Vec<String>>(),
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_wording_is_text_and_neither_mark_up_nor_a_cell_of_its_own() {
-        assert_eq!(
-            shown("a | <script>b</script>\n& c\u{1b}[2J"),
-            "a \\| &lt;script&gt;b&lt;/script&gt; &amp; c[2J"
-        );
     }
 }

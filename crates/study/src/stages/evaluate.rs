@@ -106,7 +106,7 @@ impl Stage for Evaluate {
             learned.len(),
             self.out.to_slash_lossy()
         )];
-        summary.extend(text::lines(&found));
+        summary.extend(text::lines(&found)?);
         Ok(Outcome {
             value: found,
             summary,

@@ -8,6 +8,7 @@ use crate::{
     outcome::Outcome,
     stages,
 };
+use maveric_pages::{DECLARED, PageTexts};
 use path_slash::PathExt as _;
 use serde::{Deserialize, Serialize};
 use std::{
@@ -193,97 +194,81 @@ pub(crate) fn declared(study: &DesignFile) -> Result<Vec<String>, StudyError> {
         move |e: toml::de::Error| StudyError::file(&path, e.to_string())
     };
     let frozen: Frozen = toml::from_str(&read_text(&lock)?).map_err(bad(&lock))?;
+    let texts = PageTexts::new(DECLARED, &frozen)?.with(&BTreeMap::from([("lock", LOCK_FILE)]));
     if let Some(why) = frozen.forgery() {
-        return Ok(vec![format!(
-            "*{LOCK_FILE} vouches for nothing*: {why}, so it was changed after `maveric design freeze` wrote it."
-        )]);
+        return Ok(vec![
+            texts.with(&BTreeMap::from([("why", why)])).text("forged")?,
+        ]);
     }
     let before: toml::Table = toml::from_str(&frozen.design).map_err(bad(&lock))?;
     let now: toml::Table = toml::from_str(&read_text(path)?).map_err(bad(path))?;
     let mut changes = Changes {
-        date: &frozen.date,
+        texts: &texts,
         reasons: study.design.amendments(),
         sentences: Vec::new(),
     };
-    changes.add(&leaves(before), &leaves(now), |key| format!("`{key}`"));
+    changes.add("key", &leaves(before), &leaves(now))?;
     let sealed = !frozen.seal.is_empty();
     if sealed {
-        let short = |hashes: BTreeMap<String, String>| -> BTreeMap<String, String> {
-            let short = |hash: String| format!("a file with hash {}", &hash[..hash.len().min(12)]);
-            hashes
-                .into_iter()
-                .map(|(k, hash)| (k, short(hash)))
-                .collect()
-        };
-        let now = short(deciding_files(study)?);
-        changes.add(&short(frozen.files.clone()), &now, |key| {
-            format!("The file `{key}`")
-        });
-        changes.add(&frozen.stages, &stages::versions(), |key| {
-            format!("The program's numbers of `maveric {key}`")
-        });
+        changes.add("file", &frozen.files, &deciding_files(study)?)?;
+        changes.add("command", &frozen.stages, &stages::versions())?;
     }
     let mut sentences = changes.sentences;
     if sentences.is_empty() {
-        sentences.push(format!("*Analysed as declared on {}.*", frozen.date));
+        sentences.push(texts.text("as_declared")?);
     }
-    sentences.push(if sealed {
-        format!(
-            "*Of what this vouches*: that the design, {} other files and the program's numbers are those of {LOCK_FILE}, whose seal is {}. A file of \
-             one's own is no time stamp: only where the seal was registered with others does the date hold.",
-            frozen.files.len(),
-            frozen.seal
-        )
-    } else {
-        format!(
-            "*Of what this vouches*: {LOCK_FILE} is of an earlier program and covers study.toml alone, not questionnaires, mappings, scenario or pipeline."
-        )
-    });
+    sentences.push(texts.text(if sealed { "sealed" } else { "earlier" })?);
     if frozen.answers + frozen.logs > 0 {
-        sentences.push(format!(
-            "*When it was declared*, {} logs and {} files of answers were there already.",
-            frozen.logs, frozen.answers
-        ));
+        sentences.push(texts.text("already")?);
     }
     Ok(sentences)
 }
 
 /// What differs from the declaration, a sentence each.
 struct Changes<'a> {
-    date: &'a str,
+    texts: &'a PageTexts,
     reasons: &'a BTreeMap<String, String>,
     sentences: Vec<String>,
 }
 
+/// A difference, as its sentence names it.
+#[derive(Serialize)]
+struct Change<'a> {
+    what: &'a str,
+    key: &'a str,
+    was: Option<&'a String>,
+    is: Option<&'a String>,
+    why: Option<&'a String>,
+}
+
 impl Changes<'_> {
+    /// The differences of keys, files or commands.
     fn add(
         &mut self,
+        what: &str,
         before: &BTreeMap<String, String>,
         now: &BTreeMap<String, String>,
-        name: impl Fn(&str) -> String,
-    ) {
+    ) -> Result<(), StudyError> {
         let keys: BTreeSet<&String> = before.keys().chain(now.keys()).collect();
         for key in keys {
             if key.starts_with("amendments.") || before.get(key) == now.get(key) {
                 continue;
             }
-            let value = |of: &BTreeMap<String, String>| {
-                let value = of.get(key).cloned();
-                value.unwrap_or_else(|| "not there".to_owned())
-            };
             let reason = self.reasons.iter().find(|(k, _)| {
                 let below = key.strip_prefix(k.as_str());
                 below.is_some_and(|rest| rest.is_empty() || rest.starts_with(['.', '[', '/']))
             });
-            let reason = reason.map_or("no reason was given", |(_, why)| why);
-            self.sentences.push(format!(
-                "*Not as declared on {}.* {}: was {}, is {}: {reason}.",
-                self.date,
-                name(key),
-                value(before),
-                value(now)
-            ));
+            let change = Change {
+                what,
+                key,
+                was: before.get(key),
+                is: now.get(key),
+                why: reason.map(|(_, why)| why),
+            };
+            self.sentences
+                .push(self.texts.with(&change).text("changed")?);
         }
+        Ok(())
     }
 }
 

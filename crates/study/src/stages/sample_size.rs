@@ -3,9 +3,10 @@
 use crate::{atomic_write::read_json, design::DesignFile, error::StudyError};
 use maveric_domain::design::{Car, Outcome};
 use maveric_measures::objective;
+use maveric_pages::{DECLARED, PageTexts};
 use maveric_rehearsal::{Cell, HypothesisRate, TestRate};
 use path_slash::PathExt as _;
-use serde::Deserialize;
+use serde::{Deserialize, Serialize};
 use std::{collections::BTreeMap, path::Path};
 
 /// What is read of a `rehearsal.json`.
@@ -26,19 +27,15 @@ pub(super) fn sample_size(
     let usual = study.path.as_deref().and_then(Path::parent);
     let usual = usual.map(|folder| folder.join("rehearsal/rehearsal.json"));
     let there = usual.filter(|path| path.is_file());
+    let texts = PageTexts::new(DECLARED, &())?;
     let Some(path) = power.map(Path::to_owned).or(there) else {
         let on_the_dial = |car: &Option<Car>| matches!(car, Some(Car::Dial(_) | Car::Across));
-        return Ok(vec![
-            if design.conditions().iter().all(|c| on_the_dial(&c.car)) {
-                "Not settled: no rehearsal of this design was found. `maveric rehearse --participants 12,24,48 --effects-times 1 --studies 200 \
-             --out rehearsal` in its folder makes one, of people who are made up and effects that are assumed."
-                .to_owned()
-            } else {
-                "Not settled: what a car that was recorded elsewhere does to people is not known beforehand and cannot be rehearsed. \
-             `maveric stats power` gives the power for an effect that is assumed."
-                .to_owned()
-            },
-        ]);
+        let can_be = design.conditions().iter().all(|c| on_the_dial(&c.car));
+        return Ok(vec![texts.text(if can_be {
+            "not_rehearsed"
+        } else {
+            "not_known"
+        })?]);
     };
     let rehearsed: Rehearsed = read_json(&path)?;
     let planted: Vec<&Cell> = rehearsed
@@ -47,33 +44,29 @@ pub(super) fn sample_size(
         .filter(|c| (c.effect_scale - 1.0).abs() < 1e-9)
         .collect();
     let mut lines = Vec::new();
-    for (title, key, after_holm) in wanted(study, &planted) {
-        let found: Vec<String> = planted
+    let mut add = |what: String, share: &dyn Fn(&Cell) -> Option<f64>| -> Result<(), StudyError> {
+        let shares = planted
             .iter()
-            .filter_map(|cell| {
-                let test = cell.tests.iter().find(|t| t.key == key)?;
-                let share = if after_holm { &test.holm } else { &test.rate };
-                let share = share.as_ref()?.estimate;
-                Some(format!("{share:.2} with {} people", cell.participants))
-            })
-            .collect();
-        if !found.is_empty() {
-            lines.push(format!("Power, {title}: {}.", found.join(", ")));
+            .filter_map(|cell| Some((share(cell)?, cell.participants)));
+        let shares: Vec<(f64, usize)> = shares.collect();
+        if !shares.is_empty() {
+            lines.push(texts.with(&Power { what, shares }).text("power")?);
         }
+        Ok(())
+    };
+    for (title, key, after_holm) in wanted(study, &planted, &texts)? {
+        add(title, &|cell| {
+            let test = cell.tests.iter().find(|t| t.key == key)?;
+            let share = if after_holm { &test.holm } else { &test.rate };
+            Some(share.as_ref()?.estimate)
+        })?;
     }
     for (at, hypothesis) in design.hypotheses().iter().enumerate() {
-        let found: Vec<String> = planted
-            .iter()
-            .filter_map(|cell| {
-                let same = |h: &&HypothesisRate| h.says == hypothesis.says;
-                let shown = cell.hypotheses.get(at).filter(same)?.shown?.estimate;
-                Some(format!("{shown:.2} with {} people", cell.participants))
-            })
-            .collect();
-        if !found.is_empty() {
-            let says = &hypothesis.says;
-            lines.push(format!("Power, “{says}” is shown: {}.", found.join(", ")));
-        }
+        let says = BTreeMap::from([("says", &hypothesis.says)]);
+        add(texts.with(&says).text("shown")?, &|cell| {
+            let same = |h: &&HypothesisRate| h.says == hypothesis.says;
+            Some(cell.hypotheses.get(at).filter(same)?.shown?.estimate)
+        })?;
     }
     let Some(first) = planted.first().filter(|_| !lines.is_empty()) else {
         return Err(StudyError::BadFile {
@@ -82,27 +75,33 @@ pub(super) fn sample_size(
             help: Some("rehearse this design: maveric rehearse --design FILE --effects-times 1 --participants 12,24,48".to_owned()),
         });
     };
-    let note = format!(
-        "By a rehearsal ({}): {} made-up studies of each size, analysed as declared here. Its effects are assumed, not known: a share of the \
-         studies in which p < .05, after Holm for a contrast, or in which a hypothesis is shown by its own rule.",
-        path.to_slash_lossy(),
-        first.studies
-    );
-    lines.insert(0, note);
+    let values = BTreeMap::from([
+        ("path", path.to_slash_lossy().into_owned()),
+        ("studies", first.studies.to_string()),
+    ]);
+    lines.insert(0, texts.with(&values).text("rehearsed")?);
     let own = design.measures().iter();
     let own: Vec<&str> = own.map(|m| m.title.as_str()).collect();
     if !own.is_empty() {
-        lines.push(format!(
-            "Not rehearsed: {}. What moves a measure of the study's own is not known to the program; `maveric stats power` gives the power \
-             for an effect that is assumed.",
-            own.join(", ")
-        ));
+        let texts = texts.with(&BTreeMap::from([("own", own)]));
+        lines.push(texts.text("own_measures")?);
     }
     Ok(lines)
 }
 
+/// The power of a test, with the sizes at which it was rehearsed.
+#[derive(Serialize)]
+struct Power {
+    what: String,
+    shares: Vec<(f64, usize)>,
+}
+
 /// The tests to tell of: title, key, and whether its p is adjusted.
-fn wanted(study: &DesignFile, cells: &[&Cell]) -> Vec<(String, String, bool)> {
+fn wanted(
+    study: &DesignFile,
+    cells: &[&Cell],
+    texts: &PageTexts,
+) -> Result<Vec<(String, String, bool)>, StudyError> {
     let design = &study.design;
     let title = |outcome: &str| {
         let declared = design.outcomes().iter().find(|o| o.id() == outcome);
@@ -128,8 +127,9 @@ fn wanted(study: &DesignFile, cells: &[&Cell]) -> Vec<(String, String, bool)> {
     }
     let mut tests = Vec::new();
     for outcome in &outcomes {
+        let values = BTreeMap::from([("title", title(outcome))]);
         tests.push((
-            format!("{} over the conditions", title(outcome)),
+            texts.with(&values).text("omnibus")?,
             format!("panel.{outcome}.omnibus"),
             false,
         ));
@@ -145,15 +145,15 @@ fn wanted(study: &DesignFile, cells: &[&Cell]) -> Vec<(String, String, bool)> {
         pairs = outcomes.iter().flat_map(of).collect();
     }
     for (outcome, [first, second]) in pairs {
-        let words = format!(
-            "{}, {} against {}",
-            title(&outcome),
-            design.label(first),
-            design.label(second)
-        );
+        let values = BTreeMap::from([
+            ("title", title(&outcome)),
+            ("first", design.label(first)),
+            ("second", design.label(second)),
+        ]);
+        let words = texts.with(&values).text("contrast")?;
         for (a, b) in [(first, second), (second, first)] {
             tests.push((words.clone(), format!("panel.{outcome}.{a}-{b}"), true));
         }
     }
-    tests
+    Ok(tests)
 }

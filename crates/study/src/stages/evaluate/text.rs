@@ -1,8 +1,12 @@
 //! The tables of an evaluation as lines of text.
 
-use super::tables::{compared, following_table, shrinkage};
+use super::tables::{compared, errors, shrinkage, texts};
+use crate::error::StudyError;
 use maveric_following::{ClosedLoopSeed, ClosedLoopStudy, FollowingEvaluation, FollowingMethod};
-use maveric_report::tables::{Cell, Table};
+use maveric_pages::PageTexts;
+use maveric_report::tables::Table;
+use serde::Serialize;
+use std::collections::BTreeMap;
 
 /// What stands in the table of drivers.
 const BY_DRIVER: [(FollowingMethod, &str); 10] = [
@@ -18,100 +22,117 @@ const BY_DRIVER: [(FollowingMethod, &str); 10] = [
     (FollowingMethod::IdmFloor, "floor"),
 ];
 
-pub(super) fn lines(found: &FollowingEvaluation) -> Vec<String> {
-    let of = |table: Table| table.to_text().lines().map(str::to_owned).collect();
-    let whose = format!("{} recorded drivers", found.drivers.len());
-    let blocks: [Vec<String>; 7] = [
-        of(following_table(found, &whose)),
-        driven(found),
-        of(drivers(found)),
-        if found.compared.is_empty() {
-            Vec::new()
-        } else {
-            of(compared(found))
-        },
-        shrinkage(found),
-        found.closed_loop.as_ref().map_or_else(Vec::new, seeds),
-        harmed(found),
+pub(super) fn lines(found: &FollowingEvaluation) -> Result<Vec<String>, StudyError> {
+    let texts = &texts(found, None)?;
+    let of = |table: &Table| table.to_text().trim_end().to_owned();
+    let [means, _] = errors(found, texts)?;
+    let mut blocks = vec![
+        of(&means),
+        texts.text("driven_line")?,
+        of(&drivers(found, texts)?),
     ];
-    let blocks: Vec<String> = blocks
-        .iter()
-        .filter(|lines| !lines.is_empty())
-        .map(|lines| lines.join("\n"))
-        .collect();
-    blocks.join("\n\n").lines().map(str::to_owned).collect()
+    if !found.compared.is_empty() {
+        blocks.push(of(&compared(found, texts)?));
+    }
+    blocks.push(shrinkage(found, texts)?.join("\n"));
+    if let Some(study) = &found.closed_loop {
+        blocks.push(seeds(study, texts)?.join("\n"));
+    }
+    blocks.push(harmed(found, texts)?.join("\n"));
+    blocks.retain(|block| !block.is_empty());
+    Ok(blocks.join("\n\n").lines().map(str::to_owned).collect())
 }
 
-/// What the program drives with.
-fn driven(found: &FollowingEvaluation) -> Vec<String> {
-    vec![format!(
-        "driven by default, as chosen once on fit rows of other people: {}",
-        found.driven.label()
-    )]
+#[derive(Serialize)]
+struct DriverRow<'a> {
+    driver: &'a str,
+    errors: Vec<Option<f64>>,
 }
 
-fn drivers(found: &FollowingEvaluation) -> Table {
-    let table = Table::of("drivers", "RMSE of the gap (m)", &found.drivers)
-        .text("Driver", |driver| &driver.driver);
+fn drivers(found: &FollowingEvaluation, texts: &PageTexts) -> Result<Table, StudyError> {
     let tried = BY_DRIVER.into_iter();
-    let tried = tried.filter(|(method, _)| found.mean(*method).is_some());
-    let all = tried.fold(table, |table, (method, head)| {
-        table.right(head, |driver| Cell::number(driver.gap_rmse_m(method), 2))
+    let tried: Vec<_> = tried.filter(|(m, _)| found.mean(*m).is_some()).collect();
+    let heads: Vec<&str> = tried.iter().map(|(_, head)| *head).collect();
+    let rows = found.drivers.iter().map(|d| DriverRow {
+        driver: &d.driver,
+        errors: tried
+            .iter()
+            .map(|(method, _)| d.gap_rmse_m(*method))
+            .collect(),
     });
-    all.done()
+    let texts = texts.with(&BTreeMap::from([("tried", heads)]));
+    Ok(texts.table("drivers", rows)?)
 }
 
-fn seeds(study: &ClosedLoopStudy) -> Vec<String> {
+/// An error of the gap over the seeds.
+#[derive(Serialize)]
+struct Range {
+    mean: f64,
+    low: f64,
+    high: f64,
+}
+
+#[derive(Serialize)]
+struct Seeds {
+    n: usize,
+    ranges: Vec<String>,
+}
+
+fn seeds(study: &ClosedLoopStudy, texts: &PageTexts) -> Result<Vec<String>, StudyError> {
     let all: Vec<[f64; 3]> = study.seeds.iter().map(ClosedLoopSeed::gap_rmse_m).collect();
     let range = |at: usize| {
         let values = || all.iter().map(|seed| seed[at]);
-        let mean = values().sum::<f64>() / all.len() as f64;
-        let low = values().fold(f64::INFINITY, f64::min);
-        let high = values().fold(f64::NEG_INFINITY, f64::max);
-        format!("{mean:.2} m ({low:.2} to {high:.2})")
+        let range = Range {
+            mean: values().sum::<f64>() / all.len() as f64,
+            low: values().fold(f64::INFINITY, f64::min),
+            high: values().fold(f64::NEG_INFINITY, f64::max),
+        };
+        Ok(texts.with(&range).text("range")?)
     };
-    let mut lines = vec![format!(
-        "each of {} training seeds alone: own embedding {}, shrunken {}, mean {}",
-        all.len(),
-        range(0),
-        range(1),
-        range(2)
-    )];
+    let seeds = Seeds {
+        n: all.len(),
+        ranges: [0, 1, 2]
+            .map(range)
+            .into_iter()
+            .collect::<Result<_, StudyError>>()?,
+    };
+    let mut lines = vec![texts.with(&seeds).text("seeds")?];
     if let Some(strangers) = &study.strangers {
-        let [own, shrunken, mean] = strangers.gap_rmse_m();
-        lines.push(format!(
-            "the first seed, each driver by a network trained on the others alone: own {own:.2} m, shrunken {shrunken:.2} m, mean {mean:.2} m"
-        ));
+        let errors = BTreeMap::from([("errors", strangers.gap_rmse_m())]);
+        lines.push(texts.with(&errors).text("strangers")?);
     }
-    lines
+    Ok(lines)
 }
 
-fn harmed(found: &FollowingEvaluation) -> Vec<String> {
+#[derive(Serialize)]
+struct Harmed<'a> {
+    what: String,
+    names: Vec<&'a str>,
+}
+
+fn harmed(found: &FollowingEvaluation, texts: &PageTexts) -> Result<Vec<String>, StudyError> {
     use FollowingMethod as M;
-    [
-        ("F", M::FollowingDistanceOwn, M::FollowingDistanceMean),
+    let mut lines = Vec::new();
+    for (what, own, mean) in [
         (
-            "network in closed loop",
-            M::ClosedLoopOwn,
-            M::ClosedLoopMean,
+            "following_distance",
+            M::FollowingDistanceOwn,
+            M::FollowingDistanceMean,
         ),
+        ("closed_loop", M::ClosedLoopOwn, M::ClosedLoopMean),
         (
-            "network in closed loop, shrunken",
+            "closed_loop_shrunken",
             M::ClosedLoopShrunken,
             M::ClosedLoopMean,
         ),
-    ]
-    .into_iter()
-    .filter(|(_, own, _)| found.mean(*own).is_some())
-    .map(|(what, own, mean)| {
-        let names = found.harmed(own, mean);
-        let (count, of) = (names.len(), found.drivers.len());
-        let names = if names.is_empty() {
-            String::new()
-        } else {
-            format!(": {}", names.join(", "))
-        };
-        format!("harmed by personalising, {what}: {count} of {of}{names}")
-    })
-    .collect()
+    ] {
+        if found.mean(own).is_some() {
+            let harmed = Harmed {
+                what: texts.text(what)?,
+                names: found.harmed(own, mean),
+            };
+            lines.push(texts.with(&harmed).text("harmed")?);
+        }
+    }
+    Ok(lines)
 }

@@ -6,7 +6,8 @@ mod signs;
 mod tables;
 mod world;
 
-pub use maveric_rehearsal::{Cell, Part, TestRate};
+pub use maveric_pages::{PageTexts, REHEARSAL};
+use maveric_rehearsal::{Cell, TestRate};
 use path_slash::PathExt as _;
 pub use signs::SignRow;
 pub(crate) use world::read_world;
@@ -180,8 +181,14 @@ impl Stage for Rehearse {
             _ => Vec::new(),
         };
         write_json(&self.out.join("rehearsal.json"), &value)?;
-        let page = write_page(&self.out, &page::page(&value, self)?)?;
-        let mut summary = tables::summary(&value);
+        let words = page::Words {
+            studies: self.studies,
+            null: value.is_null(),
+            signs: &value.signs,
+        };
+        let texts = PageTexts::new(REHEARSAL, &words)?;
+        let page = write_page(&self.out, &page::page(&value, self, &texts)?)?;
+        let mut summary = tables::summary(&value, &texts)?;
         summary.push(format!(
             "{} synthetic studies: {}",
             items.len(),

@@ -1,8 +1,8 @@
 //! The page of a rehearsal: its figures and tables.
 
-use super::{Cell, Rehearsal, Rehearse, tables};
-use crate::{error::StudyError, stages::report::page_of};
-use maveric_pages::cards::rehearsal::of_studies;
+use super::{Cell, Rehearsal, Rehearse, SignRow, tables};
+use crate::error::StudyError;
+use maveric_pages::{PageTexts, cards::rehearsal::of_studies};
 use maveric_report::{
     Card, Context, Figure, Report,
     figures::{
@@ -11,47 +11,36 @@ use maveric_report::{
     },
     html::Section,
 };
+use serde::Serialize;
+use std::collections::BTreeMap;
 
-pub(super) fn page(found: &Rehearsal, options: &Rehearse) -> Result<Report, StudyError> {
+/// What the texts of the page may ask for.
+#[derive(Serialize)]
+pub(super) struct Words<'a> {
+    pub(super) studies: usize,
+    /// Whether nothing was planted.
+    pub(super) null: bool,
+    pub(super) signs: &'a [SignRow],
+}
+
+pub(super) fn page(
+    found: &Rehearsal,
+    options: &Rehearse,
+    texts: &PageTexts,
+) -> Result<Report, StudyError> {
     let context = Context::synthetic(options.seed);
     let sections = if found.is_null() {
-        let sections = found
-            .cells
-            .iter()
-            .take(1)
-            .map(|cell| null_section(cell, &context));
+        let cells = found.cells.iter().take(1);
+        let sections = cells.map(|cell| null_section(cell, texts, &context));
         sections.collect::<Result<Vec<_>, _>>()?
     } else {
-        vec![Section {
-            title: "Power".to_owned(),
-            intro: vec![
-                "Effects × 1 are those that the made-up people were given, at about the sizes that the paper reports: this says what this design \
-                 can show if effects are of that size, and nothing about people."
-                    .to_owned(),
-            ],
-            figures: power_figure(found, options, &context)?,
-            tables: tables::power_tables(found),
-        }]
+        let figures = power_figure(found, options, texts, &context)?;
+        vec![texts.section("power", figures, tables::power_tables(found, texts)?)?]
     };
-    let title = if found.is_null() {
-        "How often do the tests find what is not there?"
-    } else {
-        "How many people would it have needed?"
-    };
-    let subtitle = format!(
-        "Synthetic participants: {} studies of each size and scale of the effects, at the level of measures and ratings, not driven",
-        options.studies
-    );
-    let method = "Measures and ratings are drawn from a fitted population and analysed by the code that analyses a run; docs/rehearsal.md gives the generator and its sources.";
     Ok(Report {
         cards: cards(found)?,
         sections,
-        ..page_of(
-            (title, subtitle),
-            &context,
-            method,
-            (options.seed, options.command.as_deref().unwrap_or_default()),
-        )
+        ..texts.page(&context, (options.seed, options.command.as_deref()))?
     })
 }
 
@@ -72,7 +61,7 @@ fn cards(found: &Rehearsal) -> Result<Vec<Card>, StudyError> {
     Ok(cards)
 }
 
-fn null_section(cell: &Cell, context: &Context) -> Result<Section, StudyError> {
+fn null_section(cell: &Cell, texts: &PageTexts, context: &Context) -> Result<Section, StudyError> {
     let parts = cell.by_part().into_iter().map(|(part, tests)| PartRates {
         name: part.title().to_owned(),
         rates: tests
@@ -90,21 +79,14 @@ fn null_section(cell: &Cell, context: &Context) -> Result<Section, StudyError> {
         studies: cell.studies,
         participants: cell.participants,
     };
-    Ok(Section {
-        title: "False positives".to_owned(),
-        intro: vec![
-            "No condition differs from another, no trait tells anything of a rating, no order, no halo: what is below .05 is there by chance. \
-             A test of ranks cannot reach every level: with 24 people and ties its true level may lie a little below .05."
-                .to_owned(),
-        ],
-        figures: vec![false_positives(&input, context)?],
-        tables: tables::null_tables(cell),
-    })
+    let figures = vec![false_positives(&input, context)?];
+    Ok(texts.section("null", figures, tables::null_tables(cell, texts)?)?)
 }
 
 fn power_figure(
     found: &Rehearsal,
     options: &Rehearse,
+    texts: &PageTexts,
     context: &Context,
 ) -> Result<Vec<Figure>, StudyError> {
     let shown: Vec<f64> = options.effect_scales.iter().copied().take(5).collect();
@@ -121,10 +103,11 @@ fn power_figure(
             })
             .collect()
     };
+    let power = texts.text("power")?;
     let panel =
         |title: String, rate: &dyn Fn(&Cell) -> Option<maveric_stats::Proportion>| CurvePanel {
             title,
-            y: "Power".to_owned(),
+            y: power.clone(),
             curves: shown.iter().map(|scale| points(*scale, rate)).collect(),
         };
     let mut panels: Vec<CurvePanel> = Vec::new();
@@ -135,39 +118,29 @@ fn power_figure(
                 .enumerate()
                 .map(|(i, h)| panel(h.says.clone(), &|c| c.hypotheses.get(i)?.shown)),
         );
-        panels.extend(cell.best_tests().into_iter().map(|test| {
-            let title = format!("{}: {}", test.part.title(), test.key);
-            panel(title, &|c| tables::rate_of(c, &test.key))
-        }));
+        for test in cell.best_tests() {
+            let names = BTreeMap::from([("part", test.part.title()), ("key", &*test.key)]);
+            let title = texts.with(&names).text("best")?;
+            panels.push(panel(title, &|c| tables::rate_of(c, &test.key)));
+        }
     }
     panels.retain(|panel| panel.curves.iter().any(|c| !c.is_empty()));
     if panels.is_empty() {
         return Ok(Vec::new());
     }
     let declared = found.largest().is_some_and(|c| !c.hypotheses.is_empty());
-    let reached: Vec<String> = found
-        .signs
-        .iter()
-        .filter_map(|row| Some(format!("{}: {:.0} people.", row.text, row.n_for_80?)))
-        .collect();
+    let texts = texts.with(&BTreeMap::from([("declared", declared)]));
+    let effects = shown.iter().map(|scale| {
+        let values = BTreeMap::from([("scale", *scale)]);
+        texts.with(&values).text("effects")
+    });
     let input = Curves {
         name: "power-curves".to_owned(),
-        title: "Power by number of participants".to_owned(),
-        caption: format!(
-            "Share of {} synthetic studies{}, 95% intervals; dashed: .8.",
-            options.studies,
-            if declared {
-                " in which a declared hypothesis is shown by its own rule, then of those in which the best test of each part has *p* < .05 (uncorrected)"
-            } else {
-                " with *p* < .05 (uncorrected), by the best test of each part"
-            }
-        ),
-        alt: format!(
-            "For a power of .8 at the planted sizes: {}",
-            reached.join(" ")
-        ),
-        x: "Participants".to_owned(),
-        curves: shown.iter().map(|s| format!("effects × {s}")).collect(),
+        title: texts.text("curves")?,
+        caption: texts.text("curves_caption")?,
+        alt: texts.text("curves_alt")?,
+        x: texts.text("participants")?,
+        curves: effects.collect::<Result<_, _>>()?,
         rule: Some(0.8),
         range: Some((0.0, 1.0)),
         panels,

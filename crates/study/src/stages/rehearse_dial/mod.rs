@@ -2,7 +2,7 @@
 
 mod page;
 
-pub use maveric_rehearsal::{LearnedFrom, Method, TrialError};
+pub use maveric_rehearsal::{LearnedFrom, Method, Score, TrialError};
 use path_slash::PathExt as _;
 
 use crate::{
@@ -137,7 +137,7 @@ impl Stage for RehearseDial {
         };
         write_json(&self.out.join("dial.json"), &value)?;
         let page = write_page(&self.out, &page::page(&value, self)?)?;
-        let mut summary = page::summary(&value);
+        let mut summary = page::summary(&value)?;
         summary.push(format!("synthetic participants: {}", page.to_slash_lossy()));
         Ok(Outcome {
             value,

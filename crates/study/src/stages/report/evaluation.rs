@@ -3,7 +3,6 @@
 use super::{
     DrawReport,
     inputs::{hashed, in_folder},
-    page_of,
 };
 use crate::{
     atomic_write::read_json,
@@ -13,7 +12,7 @@ use crate::{
     stages::{
         evaluate::{
             findings::{self, NETWORKS},
-            tables::{compared, following_table, shrinkage},
+            tables::{compared, errors as errors_of_methods, shrinkage, texts},
         },
         train::TrainingSummary,
     },
@@ -26,9 +25,9 @@ use maveric_report::{
         car_following::{CarFollowing, Follower, FollowingSeries, car_following},
         following_errors::{FollowingErrors, ModelErrors, following_errors},
     },
-    html::{Provenance, Section},
-    tables::{Cell, Table},
+    html::Provenance,
 };
+use std::collections::BTreeMap;
 
 /// The methods that the figure of errors shows.
 const COMPARED: [(FollowingMethod, Follower); 7] = [
@@ -68,17 +67,18 @@ pub(super) fn page(options: &DrawReport) -> Result<(Report, Vec<String>), StudyE
         .as_deref()
         .map(|path| DesignFile::find(Some(path)));
     let titled = titled.transpose()?.map(|d| d.design.title().to_owned());
-    let data_set = titled
-        .clone()
-        .unwrap_or_else(|| format!("{} recorded drivers", found.drivers.len()));
-    let drivers: Vec<String> = found.drivers.iter().map(|d| d.driver.clone()).collect();
+    let texts = &texts(&found, titled.as_deref())?;
+    let data_set = match titled {
+        Some(title) => title,
+        None => texts.text("recorded")?,
+    };
     let errors_of = |method| -> Vec<f64> {
         let of = |d: &DriverEvaluation| d.gap_rmse_m(method);
         found.drivers.iter().filter_map(of).collect()
     };
     let errors = FollowingErrors {
         data_set: data_set.clone(),
-        drivers: drivers.clone(),
+        drivers: found.drivers.iter().map(|d| d.driver.clone()).collect(),
         models: COMPARED
             .into_iter()
             .filter(|(method, _)| found.mean(*method).is_some())
@@ -112,18 +112,12 @@ pub(super) fn page(options: &DrawReport) -> Result<(Report, Vec<String>), StudyE
         };
         figures.push(car_following(&input, &context)?);
     }
-    let mut summary = shrinkage(&found);
-    summary.push(format!(
-        "Driven by default, as chosen once on fit rows of other people: {}.",
-        found.driven.label()
-    ));
-    summary.extend(
-        training
-            .networks
-            .iter()
-            .flat_map(|n| &n.left_out)
-            .map(|l| format!("Left out of the training: {l}.")),
-    );
+    let mut summary = shrinkage(&found, texts)?;
+    summary.push(texts.text("driven")?);
+    for reason in training.networks.iter().flat_map(|n| &n.left_out) {
+        let texts = texts.with(&BTreeMap::from([("reason", reason)]));
+        summary.push(texts.text("left_out")?);
+    }
     let judged = findings::findings(&found);
     let following = Following {
         found: &found,
@@ -133,55 +127,26 @@ pub(super) fn page(options: &DrawReport) -> Result<(Report, Vec<String>), StudyE
         driven: found.driven,
     };
     let cards = following.cards(&judged)?;
-    let said = cards
-        .iter()
-        .map(|c| format!("{} {}: {}", c.question, c.verdict, c.answer));
-    let findings: Vec<String> = said.chain(summary.clone()).collect();
+    let said = cards.iter().map(|card| {
+        let parts = [
+            ("question", &card.question),
+            ("verdict", &card.verdict),
+            ("answer", &card.answer),
+        ];
+        texts.with(&BTreeMap::from(parts)).text("card")
+    });
+    let mut findings: Vec<String> = said.collect::<Result<_, _>>()?;
+    findings.extend(summary.clone());
     let drives = figures.split_off(1);
-    let sections = vec![Section {
-        title: "Car-following on the unseen last third".to_owned(),
-        intro: vec![
-            "Only the leader is recorded in these simulations: from the true gap and speed at the first unseen row, each model \
-             drives to the end of the drive on its own. The network gives a following distance, which a controller \
-             with gains fitted to the *other* drivers and the safety rule turns into acceleration. The network in closed \
-             loop was trained through half a minute of its own simulated following and gives a controller its \
-             parameters under the same rule. A car is not a \
-             person, and a pair of vehicles is one meeting of two drivers."
-                .to_owned(),
-        ],
-        figures,
-        tables: vec![
-            following_table(&found, &data_set),
-            by_driver(&found),
-            compared(&found),
-        ],
-    }];
-    let title = titled.unwrap_or_else(|| "Car-following of recorded drivers".to_owned());
-    let subtitle = format!(
-        "{} drivers recorded on a road or track: speed and gap of each in closed loop over a last third that no fit has seen",
-        drivers.len()
-    );
-    let method = "Networks learn from the first two thirds of each drive; an embedding is fitted to the same part; the last third \
-         judges. What each method knows of a driver, and how, is in docs/real-data.md.";
-    let new = page_of(
-        (&title, subtitle),
-        &context,
-        method,
-        (
-            training.seed,
-            options.command.as_deref().unwrap_or_default(),
-        ),
-    );
+    let [means, by_driver] = errors_of_methods(&found, texts)?;
+    let tables = vec![means, by_driver, compared(&found, texts)?];
+    let new = texts.page(&context, (training.seed, options.command.as_deref()))?;
     let inputs = ["following.json", "model.maveric", "model_training.json"];
     let report = Report {
         cards,
         summary,
-        sections,
-        supplement: vec![Section {
-            title: "Driver by driver".to_owned(),
-            figures: drives,
-            ..Section::default()
-        }],
+        sections: vec![texts.section("following", figures, tables)?],
+        supplement: vec![texts.section("drivers", drives, Vec::new())?],
         warnings: training.warnings.clone(),
         provenance: Provenance {
             parameters: super::study::parameters_of(&training),
@@ -191,20 +156,4 @@ pub(super) fn page(options: &DrawReport) -> Result<(Report, Vec<String>), StudyE
         ..new
     };
     Ok((report, findings))
-}
-
-/// The gap's error of every driver by every method: one row a method, one column a driver.
-fn by_driver(found: &FollowingEvaluation) -> Table {
-    let table = Table::of(
-        "following-by-driver",
-        "The same, driver by driver",
-        &found.means,
-    )
-    .text("Model", |mean| mean.method.label());
-    let drivers = found.drivers.iter();
-    drivers
-        .fold(table, |table, driver| {
-            table.right(&driver.driver, |mean| Cell::number(driver.gap_rmse_m(mean.method), 2))
-        })
-        .noted("Root-mean-square error of the gap in closed loop over the unseen last third, in m. No test.")
 }

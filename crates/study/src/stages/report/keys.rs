@@ -2,6 +2,7 @@
 
 use super::{people::People, study::Run};
 use maveric_analysis::{Correlation, Preference};
+use maveric_pages::words::short;
 use maveric_report::claims::Made;
 use std::collections::BTreeMap;
 
@@ -28,18 +29,6 @@ pub(super) fn made(key: &str) -> Made {
     Made {
         stage: stage.to_owned(),
         shown_in: shown_in.map(str::to_owned),
-    }
-}
-
-/// The ledger's word for a measure.
-pub(super) fn short(measure: &str) -> &str {
-    match measure {
-        "mean_velocity_mps" => "mean_velocity",
-        "mean_headway_time_s" => "mean_headway_time",
-        "headway_merge_back_m" => "distance_headway_merge_back",
-        "headway_merge_back_s" => "time_headway_merge_back",
-        "min_headway_distance_m" => "min_headway_distance",
-        other => other,
     }
 }
 

@@ -6,7 +6,6 @@ mod keys;
 mod people;
 mod scene;
 mod study;
-pub(crate) mod words;
 
 use crate::{
     atomic_write::atomic_write_bytes,
@@ -16,6 +15,7 @@ use crate::{
     stage::{Files, Stage},
 };
 pub(crate) use inputs::hashed;
+use maveric_pages::glossary;
 use maveric_report::{
     Context, Report,
     html::{Methods, Provenance, RenderedFile},
@@ -133,7 +133,7 @@ pub(crate) fn page_of(
 ) -> Report {
     let new = Report::new(head.0, head.1, context);
     Report {
-        glossary: words::glossary(),
+        glossary: glossary(),
         methods: Methods {
             text: vec![method.into()],
             files: Vec::new(),

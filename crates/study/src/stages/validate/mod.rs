@@ -27,10 +27,14 @@ use crate::{
 use maveric_analysis::Finding;
 use maveric_domain::{Drive, DrivenBy};
 use maveric_model::HeadsKind;
+use maveric_pages::PageTexts;
 use maveric_rehearsal::validation::{MEASURES, Values, mean, retest, title, values};
 use maveric_report::tables::Table;
 use serde::Serialize;
-use std::path::{Path, PathBuf};
+use std::{
+    collections::BTreeMap,
+    path::{Path, PathBuf},
+};
 
 /// Check on people who drove twice whether the learned style is theirs: identity, fidelity, dial, aggression line
 #[derive(Debug, Clone, clap::Args)]
@@ -207,16 +211,16 @@ impl Validate {
             people.test.iter().map(|p| values(of(p))).collect()
         };
         let retest = retest(&measured(|p| &p.first), &measured(|p| &p.again));
-        let tables = tables::tables(&models, &retest, self.points);
+        let first = || people.test.iter().map(|p| p.first.meta().driven_by);
+        let synthetic = first().any(|by| by == DrivenBy::Synthetic);
+        let texts = tables::texts(&models, self, (people.test.len(), synthetic))?;
+        let tables = tables::tables(&models, &retest, &texts)?;
         let markdown: Vec<String> = tables.iter().map(Table::to_markdown).collect();
         let text = markdown.join("\n");
         atomic_write_bytes(&self.out.join("validation.md"), text.as_bytes())?;
         let collisions: u32 = models.iter().map(|m| m.collisions).sum();
         let value = Validated {
-            synthetic: people
-                .test
-                .iter()
-                .any(|p| p.first.meta().driven_by == DrivenBy::Synthetic),
+            synthetic,
             drivers: people.test.len(),
             training_drivers: people.training.len(),
             retest,
@@ -224,15 +228,14 @@ impl Validate {
             models,
         };
         write_json(&self.out.join("validation.json"), &value)?;
-        let warnings = warnings(&people, collisions);
-        let page = write_page(&self.out, &page::page(&value, self, tables, &warnings)?)?;
+        let warnings = warnings(&people, collisions, &texts)?;
+        let page = write_page(
+            &self.out,
+            &page::page(&value, self, (&texts, tables), &warnings)?,
+        )?;
         let mut summary: Vec<String> = text.lines().map(str::to_owned).collect();
-        summary.push(format!(
-            "{} drivers who drove twice, {} models: {}",
-            value.drivers,
-            value.models.len(),
-            page.to_slash_lossy()
-        ));
+        let page = BTreeMap::from([("page", page.to_slash_lossy())]);
+        summary.push(texts.with(&page).text("line")?);
         Ok(Outcome {
             value,
             summary,
@@ -242,25 +245,32 @@ impl Validate {
 }
 
 /// What could not be compared, and what should not have happened.
-fn warnings(people: &people::People, collisions: u32) -> Vec<String> {
+fn warnings(
+    people: &people::People,
+    collisions: u32,
+    texts: &PageTexts,
+) -> Result<Vec<String>, StudyError> {
+    #[derive(Serialize)]
+    struct Missing {
+        missing: usize,
+        drives: usize,
+        title: &'static str,
+    }
     let mut warnings = Vec::new();
     for k in 0..MEASURES.len() {
-        let missing = people
-            .test
-            .iter()
-            .flat_map(|p| [&p.first, &p.again])
-            .filter(|d| values(d)[k].is_none())
-            .count();
-        if missing > 0 {
-            warnings.push(format!(
-                "{missing} of {} own drives have no {}: left out of its fidelity, taken at the mean in identity",
-                2 * people.test.len(),
-                title(k).to_lowercase()
-            ));
+        let drives = people.test.iter().flat_map(|p| [&p.first, &p.again]);
+        let missing = Missing {
+            missing: drives.filter(|d| values(d)[k].is_none()).count(),
+            drives: 2 * people.test.len(),
+            title: title(k),
+        };
+        if missing.missing > 0 {
+            warnings.push(texts.with(&missing).text("missing")?);
         }
     }
     if collisions > 0 {
-        warnings.push(format!("{collisions} collisions in the car's drives"));
+        let texts = texts.with(&BTreeMap::from([("collisions", collisions)]));
+        warnings.push(texts.text("collisions")?);
     }
-    warnings
+    Ok(warnings)
 }

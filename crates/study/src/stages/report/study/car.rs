@@ -2,6 +2,7 @@
 
 use crate::{atomic_write::read_text, error::StudyError};
 use maveric_domain::MetresPerSecond;
+use maveric_pages::study::StudyPage;
 use maveric_report::{
     Context, Figure,
     figures::{
@@ -9,14 +10,13 @@ use maveric_report::{
         step_responses::{StepPanel, StepResponses, step_responses},
     },
     html::Section,
-    tables::{Cell, Column, Table},
 };
 use maveric_simulator::{
     Distribution, LaneChangeTracking, Scenario, StepResponse, lane_change_tracking,
     population_table,
 };
-use serde::Deserialize;
-use std::path::Path;
+use serde::{Deserialize, Serialize};
+use std::{collections::BTreeMap, path::Path};
 
 /// People in the table of the population.
 const PEOPLE: usize = 1000;
@@ -30,7 +30,7 @@ struct Sources {
     recording: Vec<Recorded>,
 }
 
-#[derive(Debug, Deserialize)]
+#[derive(Debug, Deserialize, Serialize)]
 struct Source {
     quantity: String,
     unit: String,
@@ -42,7 +42,7 @@ struct Source {
     checked: bool,
 }
 
-#[derive(Debug, Deserialize)]
+#[derive(Debug, Deserialize, Serialize)]
 struct Recorded {
     quantity: String,
     unit: String,
@@ -58,24 +58,17 @@ pub(super) fn section_car(
     scenario: &Scenario,
     sources: Option<&Path>,
     seed: u64,
-    context: &Context,
+    page: &StudyPage<'_>,
 ) -> Result<Section, StudyError> {
     let speeds = SPEEDS_MPS.map(MetresPerSecond);
     let tracked = lane_change_tracking(scenario, &speeds)?;
     let answers = maveric_simulator::step_responses(scenario)?;
     let sources = sources.map(read_sources).transpose()?;
     let made = population_table(&scenario.settings().drivers, PEOPLE, seed);
-    Ok(Section {
-        title: "The car and its drivers".to_owned(),
-        intro: vec![
-            "The networks ask for a speed, a gap and the moment of a lane change; these controllers carry it out. The gap is shown twice: \
-             by the rule of this scenario, and by the paper's, in which the following controller takes part below λ only and the gap settles \
-             near λ."
-                .to_owned(),
-        ],
-        figures: vec![steps(&answers, context)?, quality(&tracked, context)?],
-        tables: vec![population(&made, sources.as_ref())],
-    })
+    let figures = vec![steps(&answers, page.context)?, quality(&tracked, page)?];
+    let texts = page.texts.with(&BTreeMap::from([("people", PEOPLE)]));
+    let table = texts.table("population", population(&made, sources.as_ref(), page)?)?;
+    Ok(texts.section("car", figures, vec![table])?)
 }
 
 fn read_sources(path: &Path) -> Result<Sources, StudyError> {
@@ -119,7 +112,7 @@ fn panel(answer: &StepResponse) -> StepPanel {
     }
 }
 
-fn quality(tracked: &[LaneChangeTracking], context: &Context) -> Result<Figure, StudyError> {
+fn quality(tracked: &[LaneChangeTracking], page: &StudyPage<'_>) -> Result<Figure, StudyError> {
     let panel = |title: &str, axis: &str, of: fn(&LaneChangeTracking) -> f64| QualityPanel {
         title: title.to_owned(),
         axis: axis.to_owned(),
@@ -139,113 +132,74 @@ fn quality(tracked: &[LaneChangeTracking], context: &Context) -> Result<Figure, 
                 t.largest_lateral_jerk_mps3
             }),
         ],
-        manoeuvre:
-            "Changes to the left on a straight road over the longest duration of the scenario."
-                .to_owned(),
+        manoeuvre: page.texts.text("lane_changes")?,
     };
-    Ok(lane_change_quality(&input, context)?)
+    Ok(lane_change_quality(&input, page.context)?)
+}
+
+/// Whose quantity it is, and how it lies over them.
+#[derive(Serialize)]
+struct PopulationRow {
+    quantity: String,
+    unit: String,
+    whose: String,
+    n: Option<usize>,
+    mean: Option<f64>,
+    sd: Option<f64>,
+    /// The 10th, 50th and 90th percent.
+    tenths: Option<[f64; 3]>,
 }
 
 /// A row a source of each quantity; the generated one first.
-fn population(made: &[Distribution], sources: Option<&Sources>) -> Table {
-    let mut quantities: Vec<&str> = made.iter().map(|d| d.quantity).collect();
-    if let Some(sources) = sources {
-        let others = sources.source.iter().map(|s| s.quantity.as_str());
-        let recorded = sources.recording.iter().map(|r| r.quantity.as_str());
-        for name in others.chain(recorded) {
-            if !quantities.contains(&name) {
-                quantities.push(name);
-            }
-        }
-    }
+fn population(
+    made: &[Distribution],
+    sources: Option<&Sources>,
+    page: &StudyPage<'_>,
+) -> Result<Vec<PopulationRow>, StudyError> {
+    let tenths = |deciles: &[f64; 9]| Some([deciles[0], deciles[4], deciles[8]]);
     let mut rows = Vec::new();
-    for quantity in quantities {
-        rows.extend(made.iter().filter(|d| d.quantity == quantity).map(|d| {
-            let tenths = [d.deciles[0], d.deciles[4], d.deciles[8]];
-            let label = format!("synthetic, retest r = {}", retest(d));
-            row(
-                quantity,
-                d.unit,
-                &label,
-                [Some(d.mean), Some(d.sd)],
-                Some(d.n),
-                Some(tenths),
-            )
-        }));
-        let Some(sources) = sources else { continue };
-        rows.extend(
-            sources
-                .recording
-                .iter()
-                .filter(|r| r.quantity == quantity)
-                .map(|r| {
-                    let tenths = [r.deciles[0], r.deciles[4], r.deciles[8]];
-                    let label = format!("recorded: {}", r.name);
-                    row(
-                        quantity,
-                        &r.unit,
-                        &label,
-                        [Some(r.mean), Some(r.sd)],
-                        Some(r.n),
-                        Some(tenths),
-                    )
-                }),
-        );
-        // A choice without a publication has no number to show.
-        let published = |s: &&Source| s.quantity == quantity && s.citation != "chosen";
-        rows.extend(sources.source.iter().filter(published).map(|s| {
-            let range = match (s.low, s.high) {
-                (Some(low), Some(high)) => format!(", range {low} to {high}"),
-                _ => String::new(),
-            };
-            let read = if s.checked {
-                ""
-            } else {
-                ", not read at its source"
-            };
-            let label = format!("{}{range}{read}", s.citation);
-            row(quantity, &s.unit, &label, [s.mean, s.sd], None, None)
-        }));
+    for d in made {
+        rows.push(PopulationRow {
+            quantity: d.quantity.to_owned(),
+            unit: d.unit.to_owned(),
+            whose: page.texts.with(d).text("synthetic_drivers")?,
+            n: Some(d.n),
+            mean: Some(d.mean),
+            sd: Some(d.sd),
+            tenths: tenths(&d.deciles),
+        });
     }
-    let title = "Synthetic drivers beside published figures and recordings";
-    Table {
-        columns: ["Quantity", "Of"]
-            .map(Column::left)
-            .into_iter()
-            .chain(["*n*", "*M*", "*SD*", "10%", "50%", "90%"].map(Column::right))
-            .collect(),
-        rows,
-        ..Table::of::<()>("population", title, []).noted(format!(
-            "Synthetic: parameters of {PEOPLE} people drawn from the scenario’s population; retest *r*: the same people on two days. *M* and *SD* over \
-             drivers. The population was not fitted to the others: a dash is what a source does not give, or what could not be read."
-        ))
+    // A choice without a publication has no number to show.
+    let published = sources.iter().flat_map(|s| &s.source);
+    let mut quantities: Vec<String> = rows.iter().map(|row| row.quantity.clone()).collect();
+    quantities.extend(published.clone().map(|s| s.quantity.clone()));
+    for r in sources.iter().flat_map(|s| &s.recording) {
+        quantities.push(r.quantity.clone());
+        rows.push(PopulationRow {
+            quantity: r.quantity.clone(),
+            unit: r.unit.clone(),
+            whose: page.texts.with(r).text("recorded_drivers")?,
+            n: Some(r.n),
+            mean: Some(r.mean),
+            sd: Some(r.sd),
+            tenths: tenths(&r.deciles),
+        });
     }
-}
-
-fn retest(d: &Distribution) -> String {
-    d.retest_r.map_or_else(
-        || "none".to_owned(),
-        |r| format!("{r:.2}").trim_start_matches('0').to_owned(),
-    )
-}
-
-fn row(
-    quantity: &str,
-    unit: &str,
-    of: &str,
-    [mean, sd]: [Option<f64>; 2],
-    n: Option<usize>,
-    tenths: Option<[f64; 3]>,
-) -> Vec<Cell> {
-    let [low, middle, high] = tenths.map_or([None; 3], |values| values.map(Some));
-    vec![
-        Cell::text(format!("{} ({unit})", quantity.replace('_', " "))),
-        Cell::text(of),
-        n.map_or(Cell::Missing, Cell::count),
-        Cell::number(mean, 2),
-        Cell::number(sd, 2),
-        Cell::number(low, 2),
-        Cell::number(middle, 2),
-        Cell::number(high, 2),
-    ]
+    for s in published.filter(|s| s.citation != "chosen") {
+        rows.push(PopulationRow {
+            quantity: s.quantity.clone(),
+            unit: s.unit.clone(),
+            whose: page.texts.with(s).text("published_drivers")?,
+            n: None,
+            mean: s.mean,
+            sd: s.sd,
+            tenths: None,
+        });
+    }
+    rows.sort_by_key(|row| {
+        quantities
+            .iter()
+            .position(|quantity| *quantity == row.quantity)
+    });
+    Ok(rows)
 }

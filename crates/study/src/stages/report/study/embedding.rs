@@ -1,31 +1,27 @@
 //! The embedding space and the aggression line.
 
-use super::{Run, printed};
+use super::Run;
 use crate::{
     atomic_write::if_there,
     error::StudyError,
     run_folder::{MODEL_FILE, embeddings_path},
-    stages::report::keys::short,
     tables::{
         conditions::ConditionRow,
         embeddings::{EmbeddingRow, read_embeddings},
     },
 };
-use maveric_analysis::{AggressionLine as Line, LineRow};
-use maveric_domain::{ConditionId, DriveId, MetresPerSecond, design::Condition};
+use maveric_domain::{ConditionId, DriveId, MetresPerSecond};
 use maveric_model::Model;
 use maveric_model::style_space::{LinearHead, PerpendicularEllipse};
-use maveric_pages::words::{correlation, with_unit};
+use maveric_pages::study::{StudyPage, line_panels};
 use maveric_report::{
-    claims::LedgerRow,
     figures::{
-        aggression_line::{AggressionLine, LinePanel, aggression_line},
+        aggression_line::aggression_line,
         embedding_space::{EmbeddingPoint, EmbeddingSpace, ExampleConditions, embedding_space},
     },
     html::{Live, LiveContent, Section, SpaceDrive, SpacePerson, StyleSpace},
-    markup,
-    tables::{Cell, Table},
 };
+use serde::Serialize;
 use std::path::Path;
 
 /// Number of points in which an ellipse is drawn.
@@ -35,7 +31,7 @@ const ELLIPSE_POINTS: usize = 72;
 pub(super) fn section_embedding(
     folder: &Path,
     run: &Run,
-    ledger: &[LedgerRow],
+    page: &StudyPage<'_>,
 ) -> Result<Option<Section>, StudyError> {
     let (Some(model), Some(line)) = (&run.model, &run.analysis.line) else {
         return Ok(None);
@@ -52,149 +48,62 @@ pub(super) fn section_embedding(
             });
         }
     }
-    let score = run.style_label();
     let space = EmbeddingSpace {
         points,
         gradient: axis.gradient().to_vec(),
         score_range: run.score_range().unwrap_or((0.0, 1.0)),
-        score: score.to_owned(),
+        score: run.style_label().to_owned(),
         example: example(run, model)?,
     };
     let lines = line_panels(line);
-    let mut intro = vec![format!(
-        "The embeddings of the test participants were fitted with their {score}; the line’s correlation with \
-         it is then partly built in, so the table shows the fit without the score beside it."
-    )];
-    intro.extend(step_of_the_dial(&run.conditions, score));
+    let values = SpaceValues {
+        space: !space.points.is_empty(),
+        along: !lines.panels.is_empty(),
+        step: step_of_the_dial(&run.conditions),
+    };
     let mut figures = Vec::new();
-    if space.points.is_empty() && run.training.is_none() {
-        intro.push(
-            "The model was learned elsewhere, and the drives that it learned from are not here."
-                .to_owned(),
-        );
-    } else if space.points.is_empty() {
-        intro.push(format!(
-            "No training drive has both a score ({score}) and a mean velocity: there is no space to draw."
-        ));
-    } else {
+    if values.space {
         figures.push(embedding_space(&space, &run.context)?);
     }
-    if lines.panels.is_empty() {
-        intro.push("No participant is left along the line: there is nothing to draw.".to_owned());
-    } else {
+    if values.along {
         figures.push(aggression_line(&lines, &run.context)?);
     }
-    Ok(Some(Section {
-        title: "Does the embedding hold a driver’s style?".to_owned(),
-        intro,
-        figures,
-        tables: std::iter::once(line_table(run, line, ledger))
-            .chain(steps_table(run))
-            .collect(),
-    }))
+    let tables = page.line_tables(line, &run.conditions)?;
+    let texts = page.texts.with(&values);
+    Ok(Some(texts.section("embedding", figures, tables)?))
 }
 
-/// The position on the line against each measure.
-fn line_table(run: &Run, line: &Line, ledger: &[LedgerRow]) -> Table {
-    let paper = |row: &LineRow| printed(ledger, &format!("line.{}.r", short(&row.measure)));
-    let without = |row: &LineRow| {
-        let mut others = run.analysis.line_without_adb.as_ref()?.rows.iter();
-        let other = others.find(|r| r.measure == row.measure)?;
-        other.correlation.statement()
-    };
-    let reported = line.rows.iter().any(|row| paper(row).is_some());
-    Table::of(
-        "embedding-line",
-        "Position on the line against each measure",
-        &line.rows,
-    )
-    .text("Measure", |row| &row.title)
-    .left("Here", |row| {
-        Cell::said(row.correlation.statement().as_ref())
-    })
-    .left("Here, fitted without *L*_{4}", |row| {
-        Cell::said(without(row).as_ref())
-    })
-    .and_if(reported, |table| {
-        table.left("Paper", |row| Cell::said(paper(row).as_ref()))
-    })
-    .noted(format!(
-        "*n* = {} test participants. With *L*_{{4}} the score itself ({}) takes part in \
-             fitting the embedding, so its own correlation is partly built in: the third column \
-             leaves it out.",
-        run.analysis.participants,
-        markup::literal(run.style_label())
-    ))
+/// What the section says before its figures.
+#[derive(Serialize)]
+struct SpaceValues {
+    /// Whether there is a space to draw.
+    space: bool,
+    /// Whether somebody is left along the line.
+    along: bool,
+    step: Option<Step>,
 }
 
-/// How far the dial moved people, condition by condition: what was meant, and what was reached before an end of the scale.
-pub(super) fn steps(run: &Run) -> Vec<(ConditionId, Vec<f64>, usize)> {
-    let mut found: Vec<(ConditionId, Vec<f64>, usize)> = Vec::new();
-    let turned = run
-        .design
-        .conditions()
-        .iter()
-        .filter(|c| c.dial().is_some_and(|d| d != 0.0));
-    for condition in turned {
-        let rows = || {
-            run.conditions
-                .iter()
-                .filter(|r| r.condition == condition.id)
-        };
-        let moved: Vec<f64> = rows().filter_map(|r| r.moved_points).collect();
-        if !moved.is_empty() {
-            found.push((condition.id, moved, rows().filter(|r| r.clamped).count()));
-        }
-    }
-    found
+/// How sure a step of the dial is, and how often the scale's end cut it short.
+#[derive(Serialize)]
+struct Step {
+    points: f64,
+    /// Half of its 95 % interval, in points.
+    within: f64,
+    clamped: usize,
+    settings: usize,
 }
 
-fn steps_table(run: &Run) -> Option<Table> {
-    let steps = steps(run).into_iter().map(|(condition, moved, clamped)| {
-        let values: Vec<Option<f64>> = moved.iter().copied().map(Some).collect();
-        let shape = maveric_stats::normality(&values).ok();
-        (
-            condition,
-            moved.len(),
-            clamped,
-            shape.map(|found| found.desc),
-        )
-    });
-    let steps: Vec<_> = steps.collect();
-    if steps.is_empty() {
-        return None;
-    }
-    let meant = |id| run.design.condition(id).and_then(Condition::dial);
-    let table = Table::of("dial-steps", "How far the dial was turned", &steps)
-        .text("Condition", |step| run.design.label(step.0))
-        .right("Meant", |step| Cell::number(meant(step.0), 0))
-        .right("*n*", |step| Cell::count(step.1))
-        .right("Cut short", |step| Cell::count(step.2))
-        .right("*M*", |step| Cell::number(step.3.as_ref().map(|s| s.mean), 1))
-        .right("*SD*", |step| Cell::number(step.3.as_ref().and_then(|s| s.sd), 1))
-        .right("Lowest", |step| Cell::number(step.3.as_ref().map(|s| s.min), 1))
-        .right("Highest", |step| Cell::number(step.3.as_ref().map(|s| s.max), 1))
-        .noted(format!(
-            "In points of {}, as the model reads them. Cut short: an end of the scale lay nearer than what was meant.",
-            run.style_label()
-        ));
-    Some(table)
-}
-
-/// How sure a step of the dial is, and how often the scale's end cut it short; `None` where nothing is known of that.
-fn step_of_the_dial(conditions: &[ConditionRow], score: &str) -> Option<String> {
+/// The longest step; `None` where nothing is known of it.
+fn step_of_the_dial(conditions: &[ConditionRow]) -> Option<Step> {
     let steps = conditions
         .iter()
         .filter_map(|c| Some((c.moved_points?.abs(), c.moved_points_sd?)));
     let (points, sd) = steps.max_by(|a, b| a.0.total_cmp(&b.0))?;
-    let clamped = conditions.iter().filter(|c| c.clamped).count();
-    (points > 0.0).then(|| {
-        format!(
-            "A step of {points:.0} points of {score} is known to within {:.0} points (95%: bootstrap over the people learned from); {clamped} of \
-             {} settings ended at an end of the scale.",
-            1.96 * sd,
-            conditions.len()
-        )
+    (points > 0.0).then(|| Step {
+        points,
+        within: 1.96 * sd,
+        clamped: conditions.iter().filter(|c| c.clamped).count(),
+        settings: conditions.len(),
     })
 }
 
@@ -316,21 +225,4 @@ fn example(run: &Run, model: &Model) -> Result<Option<ExampleConditions>, StudyE
             .collect(),
         ellipse,
     }))
-}
-
-fn line_panels(line: &Line) -> AggressionLine {
-    let panel = |row: &LineRow| LinePanel {
-        title: row.title.clone(),
-        axis: with_unit(&row.title, &row.unit),
-        points: row.points.clone(),
-        statistic: correlation(&row.correlation),
-    };
-    AggressionLine {
-        panels: line
-            .rows
-            .iter()
-            .filter(|r| !r.points.is_empty())
-            .map(panel)
-            .collect(),
-    }
 }

@@ -1,12 +1,8 @@
 //! The page of a study.
 
 mod car;
-mod conditions;
 mod embedding;
-mod homophily;
 mod learned;
-mod manuscript;
-mod methods;
 mod nameless;
 mod not_there;
 mod run;
@@ -19,6 +15,7 @@ use super::{
     inputs::{READ, hashed, in_folder, parameter_files, shown_whole},
     keys::{made, results},
     people::People,
+    scene,
 };
 use crate::{
     atomic_write::read_text,
@@ -33,23 +30,26 @@ use crate::{
     tables::{drives::read_drive, measurements::MeasuredDrive},
 };
 use car::section_car;
-use conditions::{section_conditions, section_kept};
 use embedding::{live, section_embedding};
-use homophily::section_homophily;
 use learned::section_model;
-use maveric_domain::Road;
-use maveric_pages::words::{correlation, listed, of_group, omnibus, percent};
+use maveric_domain::{MetresPerSecond, Road};
+use maveric_model::Model;
+use maveric_pages::glossary;
+use maveric_pages::study::{Facts, Reliability, StudyPage, steps};
 use maveric_report::{
-    Card, Report, apa,
+    Card, Report,
     claims::{self, LedgerRow},
     html::{Methods, Provenance, Section},
     tables::Exclusion,
 };
 use nameless::Nameless;
 pub(in crate::stages::report) use run::Run;
-use setting::{Reliable, listed_exclusions, reliabilities, section_study};
+use setting::{listed_exclusions, reliabilities};
 use setup::setup;
-use std::{collections::BTreeSet, path::Path};
+use std::{
+    collections::{BTreeMap, BTreeSet},
+    path::Path,
+};
 
 pub(super) fn page(
     options: &DrawReport,
@@ -90,36 +90,58 @@ pub(super) fn page(
         }
         None => None,
     };
+    let facts = Facts {
+        training: run.training.as_ref(),
+        embedding_size: run.model.as_ref().map(Model::embedding_size),
+        score_range: run.score_range(),
+        posted_mph: road.map(|r| MetresPerSecond(r.posted_speed_mps).mph()),
+        road,
+        minutes,
+    };
     let claimed = ledger.as_deref().unwrap_or_default();
+    let of_study = (&run.design, &run.analysis);
+    let page = StudyPage::new(of_study, &run.context, claimed, &facts)?;
     watch.check()?;
     let reliabilities = reliabilities(folder, &run.scales)?;
-    let findings = findings(&run);
     let logs = watch::logs(folder, &study, &run);
     let watched = watch::drives(&logs)?;
-    let mut supplement = Vec::from_iter(section_model(&run)?);
+    let mut supplement = Vec::from_iter(section_model(&run, &page)?);
     if let Some(scenario) = scenario.as_ref().filter(|_| run.analysis.synthetic) {
         let sources = given("population_sources").map(Path::new);
         let seed = run.seed().unwrap_or_default();
-        supplement.push(section_car(scenario, sources, seed, &run.context)?);
+        supplement.push(section_car(scenario, sources, seed, &page)?);
     }
     let said = declared(&study)?;
     // What nobody declared is called what it is, once something was declared.
-    let exploratory = |section: Section| Section {
-        title: format!("Exploratory: {}", section.title),
-        ..section
-    };
-    let undeclared = |section: Option<Section>| {
+    let undeclared = |section: Option<Section>| -> Result<Option<Section>, StudyError> {
+        let Some(section) = section else {
+            return Ok(None);
+        };
         if said.is_empty() {
-            section
-        } else {
-            section.map(exploratory)
+            return Ok(Some(section));
         }
+        let texts = page
+            .texts
+            .with(&BTreeMap::from([("title", &section.title)]));
+        let title = texts.text("exploratory")?;
+        Ok(Some(Section { title, ..section }))
     };
-    let mut sections = vec![section_conditions(&run, claimed, &watched)?];
-    sections.extend(undeclared(section_embedding(folder, &run, claimed)?));
-    sections.extend(undeclared(section_kept(&run)?));
-    sections.extend(section_homophily(&run, claimed)?);
-    sections.push(section_study(folder, &run, &people, &reliabilities)?);
+    let shown = run.own_style();
+    let shown = shown.or(run.design.conditions().first().map(|c| c.id));
+    let drive = watched.iter().find(|d| Some(d.meta.condition) == shown);
+    let mut sections = vec![page.conditions(drive.and_then(watch::diagram).as_ref())?];
+    sections.extend(undeclared(section_embedding(folder, &run, &page)?)?);
+    sections.extend(undeclared(page.kept()?)?);
+    sections.extend(page.homophily()?);
+    let simulated = run.design.conditions().iter().find(|c| c.simulated());
+    let view = run.own_style().or(simulated.map(|c| c.id));
+    let view = scene::view(&folder.join("av/logs"), view)?;
+    sections.push(page.setting(
+        run.model.is_some(),
+        view.as_ref(),
+        &people.groups(),
+        &reliabilities,
+    )?);
     let missing = missing(&study, folder, options.participants.as_deref())?;
     sections.extend(not_there::section_missing(&run, &missing)?);
     not_there::list(&options.out, &missing)?;
@@ -132,10 +154,8 @@ pub(super) fn page(
         .flat_map(|t| t.warnings.clone())
         .collect();
     if let Some(share) = run.analysis.beyond_training.filter(|s| *s > 0.0) {
-        warnings.push(format!(
-            "{:.0}% of the embeddings away from 0 on the dial lie further out than any training driver's: the networks extrapolate there",
-            100.0 * share
-        ));
+        let texts = page.texts.with(&BTreeMap::from([("share", share)]));
+        warnings.push(texts.text("beyond")?);
     }
     let mut moving = Vec::from_iter(live(folder, &run)?);
     moving.extend(watch::player(&run, watched));
@@ -155,21 +175,15 @@ pub(super) fn page(
         .parameters
         .iter()
         .map(|(name, value)| (format!("pipeline: {name}"), value.clone()));
-    let mut paragraphs = methods::text(&run, road.as_ref(), minutes);
-    if let Some(balance) = &run.analysis.orders {
-        let told = maveric_pages::orders(&study.design, balance)?;
-        paragraphs.push(("Orders", told.join(" ")));
-    }
-    let report = Report {
-        manuscript: Some(manuscript::manuscript(&run, &paragraphs, &reliabilities)),
-        glossary: crate::stages::report::words::glossary(),
+    let mut report = Report {
+        glossary: glossary(),
         cards: cards(&run, &reliabilities, ledger.as_deref())?,
         summary: said,
         live: moving,
         sections,
         supplement,
         methods: Methods {
-            text: methods::on_page(&paragraphs),
+            text: page.methods_on_page()?,
             files: nameless.files(shown_whole(
                 &study
                     .path
@@ -179,7 +193,7 @@ pub(super) fn page(
                     .collect::<Vec<_>>(),
             )?),
         },
-        ledger,
+        ledger: ledger.clone(),
         exclusions,
         warnings,
         provenance: Provenance {
@@ -197,9 +211,10 @@ pub(super) fn page(
                     .chain(logs),
             )?,
         },
-        ..Report::new(study.design.title(), subtitle(&run), &run.context)
+        ..Report::new(study.design.title(), page.subtitle()?, &run.context)
     };
-    Ok((report, findings))
+    report.beside = page.manuscript(&report, &run.scales, &reliabilities)?;
+    Ok((report, page.lines()?))
 }
 
 /// The road, and how long the baseline drives of those who were tested took, in minutes; of any drive where there is no baseline.
@@ -234,35 +249,6 @@ fn driven(folder: &Path, run: &Run) -> Result<(Option<Road>, Option<f64>), Study
         }
     }
     Ok((None, mean))
-}
-
-/// How many took part in what.
-fn subtitle(run: &Run) -> String {
-    let made_up = run.context.preface();
-    let learned = run.training.as_ref().map_or_else(String::new, |t| {
-        format!("{} drives to learn from, ", t.drives)
-    });
-    let conditions = run.design.conditions();
-    let (count, s) = match conditions.len() {
-        1 => ("one".to_owned(), ""),
-        n => (in_words(n), "s"),
-    };
-    let labels: Vec<String> = conditions.iter().map(|c| run.label(c.id)).collect();
-    format!(
-        "{made_up}{learned}{} participants in {count} condition{s}: {}",
-        run.analysis.participants,
-        listed(&labels)
-    )
-}
-
-/// A small number as a word.
-fn in_words(n: usize) -> String {
-    const WORDS: [&str; 10] = [
-        "no", "one", "two", "three", "four", "five", "six", "seven", "eight", "nine",
-    ];
-    WORDS
-        .get(n)
-        .map_or_else(|| n.to_string(), |w| (*w).to_owned())
 }
 
 /// The same said of several is one row of all of them.
@@ -327,75 +313,23 @@ fn flatten(path: &str, value: &serde_json::Value, list: &mut Vec<(String, String
 /// What the page opens with: its findings in words, and what the paper's ledger says.
 fn cards(
     run: &Run,
-    reliabilities: &[Reliable],
+    reliabilities: &[Reliability],
     ledger: Option<&[LedgerRow]>,
 ) -> Result<Vec<Card>, StudyError> {
     let alpha = run.design.style().and_then(|style| {
         let score = style.score.to_string();
-        let of_score = reliabilities.iter().find(|r| r.id == score)?;
-        of_score.found.alpha
+        reliabilities.iter().find(|r| r.id == score)?.alpha
     });
     let study = maveric_pages::cards::study::Study {
         design: &run.design,
         analysis: &run.analysis,
         conditions: &run.conditions,
         alpha,
-        steps: !embedding::steps(run).is_empty(),
+        steps: !steps(&run.design, &run.conditions).is_empty(),
     };
     let mut cards = maveric_pages::cards::study::cards(&study)?;
     if let Some(ledger) = ledger {
         cards.push(maveric_pages::cards::study::against_the_paper(ledger)?);
     }
     Ok(cards)
-}
-
-/// The lines that a run ends with.
-fn findings(run: &Run) -> Vec<String> {
-    let a = &run.analysis;
-    let mut lines = vec![subtitle(run)];
-    if let Some(first) = a.reproduction.first() {
-        let accuracy: Vec<String> = a
-            .reproduction
-            .iter()
-            .map(|r| format!("{} {}", r.title.to_lowercase(), percent(r.mean)))
-            .collect();
-        let label = run.label(first.condition);
-        lines.push(format!("Accuracy of {label}: {}", accuracy.join(", ")));
-    }
-    for line in [&a.line, &a.line_without_adb].into_iter().flatten() {
-        if let Some(score) = line.rows.last() {
-            let fitted = if line.adb_used { "with" } else { "without" };
-            lines.push(format!(
-                "Position on the line against {}: {} (embedding fitted {fitted} the score)",
-                score.title,
-                correlation(&score.correlation)
-            ));
-        }
-    }
-    for panel in &a.panels {
-        lines.push(format!(
-            "{}{} over the conditions: {}",
-            panel.title,
-            of_group(panel),
-            omnibus(panel, false)
-        ));
-    }
-    lines
-}
-
-/// The correlation that the paper printed.
-fn printed(ledger: &[LedgerRow], key: &str) -> Option<apa::Statement> {
-    let claim = &ledger.iter().find(|row| row.claim.key == key)?.claim;
-    let write = match claim.quantity {
-        claims::Quantity::Rho => apa::rho,
-        _ => apa::r,
-    };
-    let printed = claim.printed_p.as_ref()?;
-    // "< .001" is printed again as such, not as ".001".
-    let p = if printed.bound == Some('<') {
-        printed.value * 0.999
-    } else {
-        printed.value
-    };
-    Some(write(claim.printed.value, claim.df? as usize, p))
 }

@@ -87,11 +87,6 @@ impl Run {
         })
     }
 
-    /// What the page calls a condition, the baseline or a role.
-    pub(in crate::stages::report) fn label(&self, id: ConditionId) -> String {
-        maveric_report::markup::literal(&self.design.label(id))
-    }
-
     /// What the dial turns, on the page.
     pub(in crate::stages::report) fn style_label(&self) -> &str {
         self.design.style().map_or("the style", |s| &s.label)

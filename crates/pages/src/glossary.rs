@@ -1,10 +1,10 @@
 //! The words of `docs/glossary.md`, for pages.
 
 /// The table of the glossary, compiled in: one list for documents and pages (the crate has a link to it, so that it can be packaged).
-const GLOSSARY: &str = include_str!("../../../glossary.md");
+const GLOSSARY: &str = include_str!("../glossary.md");
 
 /// Each term with its meaning. A row of several terms (`RM-ANOVA, ANOVA`) is one entry each; what stands in parentheses is no term.
-pub(crate) fn glossary() -> Vec<(String, String)> {
+pub fn glossary() -> Vec<(String, String)> {
     let rows = GLOSSARY
         .lines()
         .filter(|l| l.starts_with("| ") && !l.starts_with("| word"));

@@ -1,0 +1,65 @@
+//! What questionnaires ask and how they are scored; its words are `texts/codebook.md`.
+
+use crate::texts::{document, value};
+use maveric_domain::{Design, Scale, design::Sign};
+use maveric_report::ReportError;
+use minijinja::{Value, context};
+use path_slash::PathExt as _;
+
+/// Markdown, a heading a scale; of a study with measures of its own these too.
+///
+/// # Errors
+/// [`ReportError::Template`] for a text that asks for a value which is not given.
+pub fn codebook(scales: &[Scale], design: Option<&Design>) -> Result<String, ReportError> {
+    let described = scales.iter().map(described);
+    let measures = design.into_iter().flat_map(Design::measures).map(|m| {
+        let aggression = match m.aggression {
+            Some(Sign::Plus) => "up",
+            Some(Sign::Minus) => "down",
+            None => "not known",
+        };
+        context! { id => m.id.as_str(), title => m.title.as_str(), unit => m.unit.as_str(), aggression }
+    });
+    let values = context! {
+        scales => described.collect::<Vec<Value>>(),
+        measures => measures.collect::<Vec<Value>>(),
+        measured_in => design.map(|d| d.files().measures.to_slash_lossy().into_owned()),
+    };
+    document("codebook.md", include_str!("../texts/codebook.md"), values)
+}
+
+/// A scale with what follows from its items.
+fn described(scale: &Scale) -> Value {
+    let subscales = scale.subscales.iter().map(|subscale| {
+        let items = subscale.items.iter().copied();
+        let reversed: Vec<u32> = items.filter(|i| scale.is_reversed(subscale, *i)).collect();
+        let (low, high) = scale.score_range(subscale);
+        context! { reversed, low, high, ..value(subscale) }
+    });
+    context! {
+        first => scale.column_of(1),
+        last => scale.column_of(scale.items),
+        subscales => subscales.collect::<Vec<Value>>(),
+        ..value(scale)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_wording_is_text_and_neither_mark_up_nor_a_cell_of_its_own() {
+        let scale = "id = \"calm\"\ntitle = \"Calm <b>\"\nreference = \"Nobody | never\"\nitems = 1\nmin = 1\nmax = 5\nscoring = \"mean\"\n\
+                     wording = [\"a | <script>b</script> & c\\u001b[2J\"]\n[[subscales]]\nid = \"calm\"\ntitle = \"Calm\"\nitems = [1]\n";
+        let text = codebook(&[toml::from_str(scale).unwrap()], None).unwrap();
+        assert!(
+            text.contains("| 1 | a \\| &lt;script&gt;b&lt;/script&gt; &amp; c[2J |"),
+            "{text}"
+        );
+        assert!(
+            text.contains("## Calm &lt;b&gt; (`calm`)") && text.contains("Nobody \\| never"),
+            "{text}"
+        );
+    }
+}

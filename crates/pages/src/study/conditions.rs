@@ -1,0 +1,143 @@
+//! What the conditions did, and which habits they left alone.
+
+use super::{
+    StudyPage,
+    tested::{contrast, tested},
+    titled,
+};
+use crate::words::{capital, omnibus, with_unit};
+use maveric_analysis::{Contrast, Kept, Panel};
+use maveric_report::{
+    ReportError,
+    figures::{
+        difference_panels::{DifferencePanel, DifferencePanels, PairTest, difference_panels},
+        perpendicular::{AngleChange, PerpendicularChanges, PerpendicularPanel, perpendicular},
+        time_space::{TimeSpace, time_space},
+    },
+    html::Section,
+    tables::Table,
+};
+use minijinja::{Value, context};
+
+impl StudyPage<'_> {
+    /// What the conditions did; `drive` is one of them from above.
+    ///
+    /// # Errors
+    /// [`ReportError`] for a figure that cannot be drawn, or a text that asks for a value which is not given.
+    pub fn conditions(&self, drive: Option<&TimeSpace>) -> Result<Section, ReportError> {
+        // A panel without a single value has nothing to show: the exclusions say who is missing and why.
+        let has_values = |p: &&Panel| p.rows.iter().flatten().any(Option::is_some);
+        let drawn: Vec<&Panel> = self.analysis.panels.iter().filter(has_values).collect();
+        let from = drawn.iter().find_map(|p| p.differences_from);
+        let mut figures = Vec::new();
+        if !drawn.is_empty() {
+            let panels = drawn.iter().map(|p| self.panel(p));
+            let panels = DifferencePanels {
+                panels: panels.collect::<Result<_, _>>()?,
+                from,
+            };
+            figures.push(difference_panels(&panels, self.context)?);
+        }
+        if let Some(drive) = drive {
+            figures.push(time_space(drive, self.context)?);
+        }
+        let mut tables = vec![
+            self.texts
+                .table("descriptives", &self.analysis.descriptives)?,
+            self.omnibus()?,
+            self.contrasts()?,
+        ];
+        tables.extend(self.accuracy()?);
+        let values = context! { from => from.map(|id| id.to_string()), drawn => drawn.len() };
+        self.texts
+            .with(&values)
+            .section("conditions", figures, tables)
+    }
+
+    /// Which test answered each effect of each panel, and why.
+    fn omnibus(&self) -> Result<Table, ReportError> {
+        let rows = self.analysis.panels.iter().flat_map(tested);
+        self.texts.table("omnibus", rows)
+    }
+
+    /// Every declared contrast with its test.
+    fn contrasts(&self) -> Result<Table, ReportError> {
+        let panels = self.analysis.panels.iter();
+        let rows = panels.flat_map(|panel| {
+            panel
+                .contrasts
+                .iter()
+                .map(move |pair| contrast(panel, pair))
+        });
+        self.texts.table("contrasts", rows)
+    }
+
+    /// Which habits a move across the dial changes; `None` where no car moves across it.
+    ///
+    /// # Errors
+    /// As [`StudyPage::conditions`].
+    pub fn kept(&self) -> Result<Option<Section>, ReportError> {
+        let kept = &self.analysis.kept;
+        let Some(first) = kept.first() else {
+            return Ok(None);
+        };
+        let change = self.axis("change_axis", first.from)?;
+        let panel = |k: &Kept| {
+            let points = k.points.iter();
+            Ok(PerpendicularPanel {
+                title: k.title.clone(),
+                axis: with_unit(&change, &k.unit),
+                points: points
+                    .map(|&(angle_rad, change)| AngleChange { angle_rad, change })
+                    .collect(),
+                statistic: self.texts.with(k).text("angle")?,
+            })
+        };
+        let drawn = kept.iter().filter(|k| !k.points.is_empty());
+        let changes = PerpendicularChanges {
+            panels: drawn.map(panel).collect::<Result<_, ReportError>>()?,
+            across: first.across,
+            from: first.from,
+        };
+        let mut figures = Vec::new();
+        if !changes.panels.is_empty() {
+            figures.push(perpendicular(&changes, self.context)?);
+        }
+        let intro = kept.iter().map(|k| self.texts.with(k).text("kept"));
+        Ok(Some(Section {
+            intro: intro.collect::<Result<_, _>>()?,
+            ..self.texts.section("kept", figures, Vec::new())?
+        }))
+    }
+
+    fn axis(&self, key: &str, from: maveric_domain::ConditionId) -> Result<String, ReportError> {
+        let values: Value = context! { from => from.to_string() };
+        self.texts.with(&values).text(key)
+    }
+
+    fn panel(&self, panel: &Panel) -> Result<DifferencePanel, ReportError> {
+        let axis = match (panel.differences_from, panel.unit.as_str()) {
+            (None, "") => panel.title.clone(),
+            (None, unit) => capital(unit),
+            (Some(from), unit) => with_unit(&self.axis("difference_axis", from)?, unit),
+        };
+        let pair = |p: &Contrast| {
+            Some(PairTest {
+                first: p.first,
+                second: p.second,
+                p_holm: p.p_holm?,
+                effect: p.effect.as_ref().and_then(|e| e.value),
+            })
+        };
+        Ok(DifferencePanel {
+            title: titled(panel),
+            axis,
+            conditions: panel.conditions.clone(),
+            rows: panel.rows.clone(),
+            omnibus: omnibus(panel, true),
+            pairs: panel.contrasts.iter().filter_map(pair).collect(),
+            reference: panel.same,
+            range: panel.range,
+        })
+    }
+}

@@ -1,0 +1,87 @@
+//! The aggression line, and how far the dial was turned along it.
+
+use super::StudyPage;
+use crate::{
+    texts::value,
+    words::{correlation, short, with_unit},
+};
+use maveric_analysis::{AggressionLine as Line, LineRow};
+use maveric_domain::{ConditionId, ConditionRow, design::Condition};
+use maveric_report::{
+    ReportError,
+    figures::aggression_line::{AggressionLine, LinePanel},
+    tables::Table,
+};
+use minijinja::context;
+
+/// How far the dial moved people, condition by condition: how far each of them was moved, and how many were cut short by an end of the scale.
+pub fn steps(
+    design: &maveric_domain::Design,
+    rows: &[ConditionRow],
+) -> Vec<(ConditionId, Vec<f64>, usize)> {
+    let turned = |c: &&Condition| c.dial().is_some_and(|d| d != 0.0);
+    let mut steps = Vec::new();
+    for condition in design.conditions().iter().filter(turned) {
+        let rows = || rows.iter().filter(|r| r.condition == condition.id);
+        let moved: Vec<f64> = rows().filter_map(|r| r.moved_points).collect();
+        if !moved.is_empty() {
+            steps.push((condition.id, moved, rows().filter(|r| r.clamped).count()));
+        }
+    }
+    steps
+}
+
+impl StudyPage<'_> {
+    /// The position on the line against each measure, and how far the dial was turned.
+    ///
+    /// # Errors
+    /// [`ReportError::Template`] for a text that asks for a value which is not given.
+    pub fn line_tables(
+        &self,
+        line: &Line,
+        rows: &[ConditionRow],
+    ) -> Result<Vec<Table>, ReportError> {
+        let row = |row: &LineRow| {
+            let others = self.analysis.line_without_adb.as_ref();
+            let other = others.and_then(|l| l.rows.iter().find(|r| r.measure == row.measure));
+            let paper = self.printed(&format!("line.{}.r", short(&row.measure)));
+            context! { without => value(&other.map(|r| &r.correlation)), paper, ..value(row) }
+        };
+        let mut tables = vec![
+            self.texts
+                .table("embedding-line", line.rows.iter().map(row))?,
+        ];
+        let steps = steps(self.design, rows);
+        if !steps.is_empty() {
+            let row = |(condition, moved, clamped): &(ConditionId, Vec<f64>, usize)| {
+                let values: Vec<Option<f64>> = moved.iter().copied().map(Some).collect();
+                let shape = maveric_stats::normality(&values)
+                    .ok()
+                    .map(|shape| shape.desc);
+                context! {
+                    condition => condition.to_string(),
+                    meant => self.design.condition(*condition).and_then(Condition::dial),
+                    n => moved.len(),
+                    clamped,
+                    shape => value(&shape),
+                }
+            };
+            tables.push(self.texts.table("dial-steps", steps.iter().map(row))?);
+        }
+        Ok(tables)
+    }
+}
+
+/// The measures along the line, those that somebody has.
+pub fn line_panels(line: &Line) -> AggressionLine {
+    let panel = |row: &LineRow| LinePanel {
+        title: row.title.clone(),
+        axis: with_unit(&row.title, &row.unit),
+        points: row.points.clone(),
+        statistic: correlation(&row.correlation),
+    };
+    let drawn = line.rows.iter().filter(|r| !r.points.is_empty());
+    AggressionLine {
+        panels: drawn.map(panel).collect(),
+    }
+}

@@ -1,0 +1,205 @@
+//! How the study was done, in words, with the numbers that it was done with.
+
+use super::StudyPage;
+use crate::{orders::orders, preregistration::condition, texts::value};
+use maveric_domain::design::Compare;
+use maveric_report::ReportError;
+use maveric_stats::{ByDesign, PosthocTest};
+use minijinja::{Value, context};
+
+/// A paragraph with what it is about; of a note that is nothing.
+pub type Paragraph = (&'static str, String);
+
+impl StudyPage<'_> {
+    /// The paragraphs as the page has them.
+    ///
+    /// # Errors
+    /// As [`StudyPage::methods`].
+    pub fn methods_on_page(&self) -> Result<Vec<String>, ReportError> {
+        let one = |(about, text): Paragraph| match about {
+            "" => text,
+            about => format!("*{about}.* {text}"),
+        };
+        Ok(self.methods()?.into_iter().map(one).collect())
+    }
+
+    /// How the study was done, a paragraph each.
+    ///
+    /// # Errors
+    /// [`ReportError::Template`] for a text that asks for a value which is not given.
+    pub fn methods(&self) -> Result<Vec<Paragraph>, ReportError> {
+        let given = |key: &str| self.methods.is_given(key);
+        let texts = self.methods.with(&self.method_values());
+        let mut paragraphs = Vec::new();
+        for (wanted, about, key) in [
+            (given("road"), "Driving", "driving"),
+            (given("training"), "Learning", "learning"),
+            (given("embedding_size"), "Personalising", "personalising"),
+            (true, "Conditions", "conditions"),
+            (true, "Tests", "tests"),
+        ] {
+            if wanted {
+                paragraphs.push((about, texts.text(key)?));
+            }
+        }
+        if let Some(balance) = &self.analysis.orders {
+            let told = orders(self.design, balance)?;
+            paragraphs.push(("Orders", told.join(" ")));
+        }
+        paragraphs.extend(self.analysis.notes.iter().map(|note| ("", note.clone())));
+        if self.analysis.synthetic {
+            paragraphs.push(("Participants", texts.text("participants")?));
+        }
+        Ok(paragraphs)
+    }
+
+    pub(super) fn method_values(&self) -> Value {
+        let (design, a) = (self.design, self.analysis);
+        let called = |label: &Option<String>, column: &str| {
+            label.clone().unwrap_or_else(|| column.to_owned())
+        };
+        let factors = design.factors().iter().map(|c| called(&c.label, &c.column));
+        let covariates = design
+            .covariates()
+            .iter()
+            .map(|c| called(&c.label, &c.column));
+        let compared = || a.panels.iter().filter_map(|p| p.comparison.as_ref());
+        // How contrasts were tested, of those that were.
+        let tested = |test: PosthocTest| {
+            let mut panels = a.panels.iter().filter(|p| p.test == Some(test));
+            panels.any(|p| p.contrasts.iter().any(|c| c.p.is_some()))
+        };
+        let (compare, against) = match design.compare() {
+            Compare::All => ("all", None),
+            Compare::Against(one) => ("against", Some(one.to_string())),
+            Compare::Pairs(_) => ("pairs", None),
+        };
+        context! {
+            score => design.style().map(|style| style.label.as_str()),
+            conditions => design.conditions().iter().map(condition).collect::<Vec<_>>(),
+            factors => factors.collect::<Vec<_>>(),
+            covariates => covariates.collect::<Vec<_>>(),
+            used => context! {
+                factorial => compared().any(|f| matches!(f, ByDesign::Factorial(_))),
+                groups => compared().any(|f| matches!(f, ByDesign::Groups(_))),
+                mixed => compared().any(|f| matches!(f, ByDesign::Mixed(_))),
+                ordinal => compared().any(|f| matches!(f, ByDesign::Ordinal(_))),
+                one_factor => compared().any(|f| f.one_factor().is_some_and(|c| c.k > 2)),
+                t => tested(PosthocTest::T),
+                wilcoxon => tested(PosthocTest::Wilcoxon),
+            },
+            compare,
+            against,
+            pairs => value(&design.contrasts()),
+            correlations => !a.homophily.is_empty() || a.line.is_some(),
+        }
+    }
+
+    /// What was done with whom.
+    pub(super) fn done(&self) -> Result<String, ReportError> {
+        let (a, conditions) = (self.analysis, self.design.conditions());
+        let labels = |by_car: bool| -> Vec<String> {
+            let of = conditions.iter().filter(|c| c.car.is_some() == by_car);
+            of.map(|c| self.label(c.id)).collect()
+        };
+        let (by_car, recorded) = (labels(true), labels(false));
+        let texts = self
+            .methods
+            .with(&context! { by_car => by_car.clone(), recorded => recorded.clone() });
+        let mut did = Vec::new();
+        for (wanted, key) in [
+            (self.design.baseline().is_some(), "did_baseline"),
+            (!by_car.is_empty(), "did_ride"),
+            (!recorded.is_empty(), "did_recorded"),
+            (a.panels.iter().any(|p| !p.measured), "did_answer"),
+        ] {
+            if wanted {
+                did.push(texts.text(key)?);
+            }
+        }
+        let mut sentences = Vec::new();
+        if self.methods.is_given("training") {
+            sentences.push(texts.text("learned")?);
+        } else if self.methods.is_given("embedding_size") {
+            sentences.push(texts.text("learned_elsewhere")?);
+        }
+        sentences.push(texts.with(&context! { did }).text("did")?);
+        let out: usize = a.flow.left_out.iter().map(|l| l.who.len()).sum();
+        if out > 0 {
+            let reasons = a.flow.left_out.iter().map(|l| texts.with(l).text("reason"));
+            let reasons = reasons.collect::<Result<Vec<_>, _>>()?;
+            let values = context! { recruited => a.flow.recruited, out, reasons };
+            sentences.push(texts.with(&values).text("left_out")?);
+        }
+        Ok(sentences.join(" "))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::{METHODS, PageTexts};
+    use minijinja::{Value, context};
+
+    fn said(key: &str, values: &Value) -> String {
+        PageTexts::new(METHODS, values).unwrap().text(key).unwrap()
+    }
+
+    fn tests(t: bool, wilcoxon: bool) -> String {
+        let used = context! { factorial => false, groups => false, mixed => false, ordinal => false, one_factor => false, t, wilcoxon };
+        said(
+            "tests",
+            &context! { used, compare => "all", correlations => false },
+        )
+    }
+
+    #[test]
+    fn only_tests_that_were_run_are_named() {
+        assert!(tests(true, false).starts_with("Contrasts by paired t tests. Compared are every"));
+        assert!(
+            !tests(false, true).contains("t tests") && tests(false, true).contains("signed ranks")
+        );
+        let both = tests(true, true);
+        assert!(
+            both.contains("paired t tests") && both.contains("signed ranks"),
+            "{both}"
+        );
+        assert!(tests(false, false).starts_with("Compared are"));
+    }
+
+    #[test]
+    fn where_patience_is_0_people_kept_back_decided_nothing_and_the_page_says_so() {
+        let learned = |patience: usize| {
+            let settings =
+                context! { window_s => 4.0, window_rate_hz => 2.5, batch_size => 8, patience };
+            let networks = context! { epochs => vec![1, 2], rows => 10, selection => context! { people => 120 } };
+            said(
+                "learning",
+                &context! { training => context! { settings, networks, seed => 1 } },
+            )
+        };
+        assert!(learned(0).contains("decided nothing"));
+        assert!(learned(5).contains("was chosen on 120 people kept back"));
+        assert!(
+            learned(5).starts_with(
+                "The paper’s networks: windows of 4 s at 2.5 Hz; 2 passes over 10 rows"
+            )
+        );
+    }
+
+    #[test]
+    fn one_minute_is_no_plural_and_a_road_says_its_lanes() {
+        let driven = |minutes: Option<f64>| {
+            let road = context! { lanes => 2, lane_width_m => 3.66 };
+            said(
+                "driving",
+                &context! { road, posted_mph => 55.0, minutes, by_hand => true },
+            )
+        };
+        assert_eq!(
+            driven(Some(1.2)),
+            "2 lanes of 3.66 m in one direction, posted 55 mph, 1 minute a drive by hand."
+        );
+        assert!(driven(Some(6.0)).contains("6 minutes a drive by hand"));
+        assert!(driven(None).ends_with("55 mph."));
+    }
+}

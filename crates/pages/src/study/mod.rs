@@ -1,0 +1,158 @@
+//! The page of a study: sections that its design and its analysis fill, and how it was done.
+
+mod accuracy;
+mod conditions;
+mod homophily;
+mod line;
+mod manuscript;
+mod methods;
+mod people;
+mod results;
+mod tested;
+
+pub use line::{line_panels, steps};
+pub use methods::Paragraph;
+pub use people::Reliability;
+
+use crate::{
+    page_texts::{METHODS, PageTexts, RESULTS, STUDY},
+    texts::value,
+    words::{correlation_of_claim, in_words, of_group, omnibus, percent},
+};
+use maveric_analysis::{Analysis, Panel};
+use maveric_domain::{
+    ConditionId, Design, Road,
+    design::{By, Car, Condition},
+};
+use maveric_report::{Context, ReportError, claims::LedgerRow};
+use minijinja::context;
+use serde::Serialize;
+
+/// What the page of a study is made from.
+pub struct StudyPage<'a> {
+    /// Its design.
+    pub design: &'a Design,
+    /// Its results.
+    pub analysis: &'a Analysis,
+    /// Whose numbers they are.
+    pub context: &'a Context,
+    /// The claims that it is held against; empty where there are none.
+    pub ledger: &'a [LedgerRow],
+    /// The texts of the page, with the values that all of them may ask for.
+    pub texts: PageTexts,
+    methods: PageTexts,
+    results: PageTexts,
+}
+
+/// What the texts may ask for beside design and analysis.
+#[derive(Debug, Serialize)]
+pub struct Facts<'a, Training> {
+    /// The report of the training, where there was one.
+    pub training: Option<&'a Training>,
+    /// Size of the embedding, where there is a model.
+    pub embedding_size: Option<usize>,
+    /// Lowest and highest score of the style.
+    pub score_range: Option<(f64, f64)>,
+    /// The road, where a drive is there.
+    pub road: Option<Road>,
+    /// Posted speed on it, in mph.
+    pub posted_mph: Option<f64>,
+    /// Mean length of the baseline drives, in minutes.
+    pub minutes: Option<f64>,
+}
+
+impl<'a> StudyPage<'a> {
+    /// # Errors
+    /// [`ReportError::Template`] naming a file of texts and its fault.
+    pub fn new<Training: Serialize>(
+        (design, analysis): (&'a Design, &'a Analysis),
+        context: &'a Context,
+        ledger: &'a [LedgerRow],
+        facts: &Facts<'_, Training>,
+    ) -> Result<Self, ReportError> {
+        let at_0 = |c: &&Condition| c.dial() == Some(0.0);
+        let conditions = design.conditions();
+        let labels: Vec<String> = conditions
+            .iter()
+            .map(|c| crate::words::label(design, c.id))
+            .collect();
+        let baseline = design.baseline();
+        let values = context! {
+            style => style(design),
+            participants => analysis.participants,
+            own => conditions.iter().find(at_0).map(|c| c.id.to_string()),
+            across => conditions.iter().find(|c| c.car == Some(Car::Across)).map(|c| c.id.to_string()),
+            baseline => baseline.map(|b| b.id.to_string()),
+            by_hand => baseline.is_some_and(|b| b.by == By::Hand),
+            count => in_words(conditions.len()),
+            labels,
+            preface => context.preface(),
+            ..value(facts),
+        };
+        Ok(Self {
+            design,
+            analysis,
+            context,
+            ledger,
+            texts: PageTexts::new(STUDY, &values)?.labelled(design),
+            methods: PageTexts::new(METHODS, &values)?.labelled(design),
+            results: PageTexts::new(RESULTS, &values)?.labelled(design),
+        })
+    }
+
+    /// How many took part in what.
+    ///
+    /// # Errors
+    /// [`ReportError::Template`] for a text that asks for a value which is not given.
+    pub fn subtitle(&self) -> Result<String, ReportError> {
+        self.texts.text("subtitle")
+    }
+
+    /// The lines that a run ends with.
+    ///
+    /// # Errors
+    /// As [`StudyPage::subtitle`].
+    pub fn lines(&self) -> Result<Vec<String>, ReportError> {
+        let a = self.analysis;
+        let mut lines = vec![self.subtitle()?];
+        if let Some(first) = a.reproduction.first() {
+            let of_each = a.reproduction.iter();
+            let accuracies: Vec<String> = of_each
+                .map(|r| format!("{} {}", r.title.to_lowercase(), percent(r.mean)))
+                .collect();
+            let values = context! { condition => first.condition.to_string(), accuracies };
+            lines.push(self.texts.with(&values).text("accuracy")?);
+        }
+        for line in [&a.line, &a.line_without_adb].into_iter().flatten() {
+            if let Some(score) = line.rows.last() {
+                let values = context! { adb_used => line.adb_used, ..value(score) };
+                lines.push(self.texts.with(&values).text("line")?);
+            }
+        }
+        for panel in &a.panels {
+            let values = context! { title => titled(panel), test => omnibus(panel, false) };
+            lines.push(self.texts.with(&values).text("panel")?);
+        }
+        Ok(lines)
+    }
+
+    /// The correlation that the paper printed, with marks.
+    fn printed(&self, key: &str) -> Option<String> {
+        let row = self.ledger.iter().find(|row| row.claim.key == key)?;
+        correlation_of_claim(&row.claim)
+    }
+
+    fn label(&self, id: ConditionId) -> String {
+        crate::words::label(self.design, id)
+    }
+}
+
+/// What the dial turns.
+fn style(design: &Design) -> &str {
+    design.style().map_or("the style", |s| &s.label)
+}
+
+/// An outcome, and whose it is where people are divided.
+fn titled(panel: &Panel) -> String {
+    format!("{}{}", panel.title, of_group(panel))
+}

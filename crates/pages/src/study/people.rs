@@ -1,0 +1,81 @@
+//! The setting and the people.
+
+use super::{StudyPage, titled};
+use maveric_analysis::LeftOutFor;
+use maveric_report::{
+    ReportError,
+    figures::{
+        domain,
+        flow::{Flow, flow},
+        simulator_view::{SimulatorView, simulator_view},
+    },
+    html::Section,
+    tables::{ParticipantGroup, participants},
+};
+use minijinja::context;
+use serde::Serialize;
+
+/// How well the items of a score agree.
+#[derive(Debug, Clone, Serialize)]
+pub struct Reliability {
+    /// `SCALE.SUBSCALE`, to find it by.
+    pub id: String,
+    /// What the page calls it.
+    pub title: String,
+    /// Items.
+    pub items: usize,
+    /// Answer sheets without a missing item.
+    pub n: usize,
+    /// Cronbach's alpha.
+    pub alpha: Option<f64>,
+    /// Lower end of its 95 % interval.
+    pub ci_low: Option<f64>,
+    /// Upper end.
+    pub ci_high: Option<f64>,
+    /// McDonald's omega.
+    pub omega: Option<f64>,
+}
+
+impl StudyPage<'_> {
+    /// Who took part in what; `model` says whether there is one, `view` is the scene of a drive.
+    ///
+    /// # Errors
+    /// [`ReportError`] for a figure that cannot be drawn, or a text that asks for a value which is not given.
+    pub fn setting(
+        &self,
+        model: bool,
+        view: Option<&SimulatorView>,
+        groups: &[ParticipantGroup],
+        reliabilities: &[Reliability],
+    ) -> Result<Section, ReportError> {
+        let mut figures = vec![flow(&self.flow(), self.context)?];
+        if model {
+            figures.push(domain(self.context)?);
+        }
+        if let Some(view) = view {
+            figures.push(simulator_view(view, self.context)?);
+        }
+        let style = self.design.style().map(|style| style.label.as_str());
+        let mut tables = vec![participants(groups, style, self.analysis.synthetic)];
+        if !reliabilities.is_empty() {
+            tables.push(self.texts.table("reliabilities", reliabilities)?);
+        }
+        let texts = self.texts.with(&context! { done => self.done()? });
+        texts.section("study", figures, tables)
+    }
+
+    fn flow(&self) -> Flow {
+        let flow = &self.analysis.flow;
+        let rows =
+            |left: &[LeftOutFor]| left.iter().map(|l| (l.why.clone(), l.who.len())).collect();
+        let panels = self.analysis.panels.iter();
+        Flow {
+            recruited: flow.recruited,
+            drove: flow.drove,
+            left_out: rows(&flow.left_out),
+            analysed: flow.analysed,
+            drives_left_out: rows(&flow.drives),
+            outcomes: panels.map(|p| (titled(p), p.n)).collect(),
+        }
+    }
+}
