@@ -54,7 +54,7 @@ pub fn versions() -> BTreeMap<String, String> {
         ("recommend", 4),
         ("rehearse", 6),
         ("rehearse-dial", 5),
-        ("report", 12),
+        ("report", 13),
     ]
     .map(|(command, version)| (command.to_owned(), version.to_string()))
     .into()
