@@ -39,6 +39,7 @@ fn allowed(name: &str) -> Vec<&'static str> {
                 "domain",
                 "stats",
                 "pages",
+                "pipeline",
                 "report",
                 "rehearsal",
                 "analysis",

@@ -48,6 +48,66 @@ fn the_folders_name_or_a_column_may_say_the_condition() {
 }
 
 #[test]
+fn drives_in_parts_with_a_lane_and_a_place_in_it_measure_as_whole_ones_with_a_position_do() {
+    let study = recorded(&["calm", "sporty"]);
+    study.maveric_in("mine", &["run", "ingest"]).ok();
+    assert_eq!(measured(&study).len(), 12);
+    let whole = read(&study, "mine/m.csv");
+    change(
+        &study,
+        "mine/mapping.toml",
+        "ego_y = \"offset\"\n",
+        "lane = \"lane\"\noffset = \"offset\"\n",
+    );
+    change(
+        &study,
+        "mine/mapping.toml",
+        "[table]\n",
+        "[table]\nlanes_from = \"right\"\noffset_grows = \"left\"\n",
+    );
+    for who in PEOPLE {
+        for condition in ["own", "calm", "sporty"] {
+            let name = format!("mine/logs/{who}-{condition}");
+            let text = read(&study, &format!("{name}.csv"));
+            let rows = text.lines().map(|row| {
+                let (before, behind) = (row.splitn(3, ','), row.splitn(4, ',').last().unwrap());
+                let cells: Vec<&str> = before.take(2).collect();
+                let across = match row.split(',').nth(2).unwrap() {
+                    "offset" => "lane,offset",
+                    "0" => "1,0",
+                    _ => "2,0",
+                };
+                format!("{},{across},{behind}", cells.join(","))
+            });
+            let rows: Vec<String> = rows.collect();
+            let part = |rows: &[String]| rows.join("\n") + "\n";
+            study.write(&format!("{name}.csv"), part(&rows[..600]));
+            let rest = [&rows[..1], &rows[600..]].concat();
+            study.write(&format!("{name}_2.csv"), part(&rest));
+        }
+    }
+    let halves = study.maveric_in("mine", &["run", "ingest"]).ok().stderr;
+    assert!(
+        halves.contains("it may be a part of a recording that was split")
+            && halves.contains("`parts = \"_{n}\"`"),
+        "{halves}"
+    );
+    change(
+        &study,
+        "mine/mapping.toml",
+        "[names]\n",
+        "[names]\nparts = \"_{n}\"\n",
+    );
+    let joined = study.maveric_in("mine", &["run", "ingest"]).ok().stderr;
+    assert!(
+        joined.contains("goes on in") && joined.contains("0.050 s later"),
+        "{joined}"
+    );
+    assert_eq!(measured(&study).len(), 12);
+    assert_eq!(read(&study, "mine/m.csv"), whole);
+}
+
+#[test]
 fn a_condition_may_be_called_as_the_time_before_the_drives_is_and_keeps_its_answers() {
     let study = recorded(&["pre", "post"]);
     study

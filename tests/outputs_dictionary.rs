@@ -8,7 +8,10 @@
 
 mod support;
 
-use maveric_study::tables::Table;
+use maveric_study::tables::{
+    Table,
+    dictionary::{FileEntry, entries, entry_at},
+};
 use serde_json::Value;
 use std::{
     collections::BTreeSet,
@@ -41,100 +44,143 @@ fn files(folder: &Path) -> Vec<PathBuf> {
     found
 }
 
-/// What `docs/outputs.md` says of a kind of file: its name, and its columns with their meaning.
-struct Entry {
-    name: String,
-    columns: Vec<(String, String)>,
+const PAGE: &str = "docs/outputs.md";
+
+/// A list of names as people read it.
+fn listed(names: &[String], between: &str) -> String {
+    let names: Vec<String> = names.iter().map(|name| format!("`{name}`")).collect();
+    names.join(between)
 }
 
-impl Entry {
-    /// Whether the entry is about the file of this path, `/` between its parts.
-    fn is(&self, path: &str) -> bool {
-        let file = path.rsplit('/').next().unwrap_or(path);
-        match self.name.split_once("/**/*") {
-            Some((_, ending)) => file.ends_with(ending) && file != "measurements.parquet",
-            None => self.name == file,
-        }
+/// The page of an entry: what it is, who writes it, and its columns.
+fn section(entry: &FileEntry) -> String {
+    let by = listed(&entry.by, ", ");
+    let when = entry.when.as_ref().map(|w| format!(" when {w}"));
+    let made_in = entry.made_in.as_ref();
+    let made_in = made_in.map(|path| format!("; made in `crates/{path}`"));
+    let mut text = format!(
+        "## {}\n\n{}\n\nWritten by {by}{}{}.\n",
+        listed(&entry.files, ", "),
+        entry.about.trim(),
+        when.unwrap_or_default(),
+        made_in.unwrap_or_default()
+    );
+    if entry.columns.is_empty() {
+        return text;
     }
-
-    fn has(&self, wanted: &str) -> bool {
-        self.columns.iter().any(|(name, _)| {
-            let stem = name.strip_suffix('*');
-            stem.map_or(name == wanted, |stem| wanted.starts_with(stem))
-        })
-    }
-}
-
-/// The page of outputs, a section a kind of file.
-fn entries() -> Vec<Entry> {
-    let page = std::fs::read_to_string(root().join("docs/outputs.md")).unwrap();
-    let section = |text: &str| {
-        let (name, rest) = text.split_once("`\n").unwrap();
-        let cells = rest.lines().filter_map(|line| line.strip_prefix("| `"));
-        Entry {
-            name: name.to_owned(),
-            columns: cells
-                .map(|row| {
-                    let (column, meaning) = row.split_once("` | ").unwrap();
-                    (column.to_owned(), meaning.trim_end_matches(" |").to_owned())
-                })
-                .collect(),
-        }
+    let elsewhere = entry.columns.iter().any(|c| c.made_in.is_some());
+    text += if elsewhere {
+        "\n| column | unit | means | made in `crates/` |\n|---|---|---|---|\n"
+    } else {
+        "\n| column | unit | means |\n|---|---|---|\n"
     };
-    page.split("\n## `").skip(1).map(section).collect()
-}
-
-fn entry_of(path: &str) -> Entry {
-    entries().into_iter().find(|e| e.is(path)).unwrap()
+    for column in &entry.columns {
+        let unit = column.unit.as_deref().unwrap_or_default();
+        let when = column.when.as_ref().map(|w| format!("; only when {w}"));
+        let when = when.unwrap_or_default();
+        text += &format!("| `{}` | {unit} | {}{when} |", column.name, column.means);
+        if elsewhere {
+            let path = column.made_in.as_ref().map(|path| format!(" `{path}` |"));
+            text += &path.unwrap_or_else(|| " |".to_owned());
+        }
+        text.push('\n');
+    }
+    text
 }
 
 #[test]
-fn no_file_and_no_column_is_listed_without_a_word() {
-    let known = entries();
-    let empty = |e: &Entry| e.columns.iter().any(|(_, meaning)| meaning.is_empty());
-    assert!(known.len() > 20 && !known.iter().any(empty));
+fn the_page_of_outputs_says_what_the_dictionary_says() {
+    let path = root().join(PAGE);
+    let page = std::fs::read_to_string(&path).unwrap();
+    let (head, _) = page.split_once("\n## ").unwrap();
+    let sections: Vec<String> = entries().iter().map(section).collect();
+    let expected = format!("{head}\n{}", sections.join("\n"));
+    if std::env::var_os("UPDATE_GOLDEN").is_some_and(|value| value == "1") {
+        std::fs::write(&path, expected).unwrap();
+    } else {
+        let same = page
+            .lines()
+            .zip(expected.lines())
+            .find(|(is, should)| is != should);
+        assert!(
+            page == expected,
+            "{PAGE} is not what columns.toml says: UPDATE_GOLDEN=1 writes it; the first line that differs: {same:?}"
+        );
+    }
 }
 
 #[test]
-fn every_file_of_a_run_and_every_column_has_its_entry() {
-    let results = run().path("study_data/generated/smoke");
-    let (known, mut unknown) = (entries(), BTreeSet::new());
-    for path in files(&results) {
-        let shown = path
-            .strip_prefix(&results)
-            .unwrap()
-            .to_string_lossy()
-            .replace('\\', "/");
-        let Some(entry) = known.iter().find(|e| e.is(&shown)) else {
-            unknown.insert(shown);
+fn every_entry_has_words_and_says_where_its_numbers_are_made() {
+    assert!(entries().len() > 20);
+    for entry in entries() {
+        let what = entry.files.join(", ");
+        assert!(
+            !entry.about.trim().is_empty() && !entry.by.is_empty(),
+            "{what}"
+        );
+        assert_eq!(entry.columns.is_empty(), entry.name.is_none(), "{what}");
+        let mut names = BTreeSet::new();
+        for column in &entry.columns {
+            assert!(!column.means.is_empty(), "{what}: {}", column.name);
+            assert!(names.insert(&column.name), "{what}: {} twice", column.name);
+        }
+        let made_in = entry.columns.iter().filter_map(|c| c.made_in.as_ref());
+        for path in made_in.chain(&entry.made_in) {
+            assert!(root().join("crates").join(path).exists(), "{what}: {path}");
+        }
+    }
+}
+
+/// What a folder has that the dictionary does not know, and what the dictionary has that it lacks.
+fn strange_and_missing(folder: &Path) -> (BTreeSet<String>, BTreeSet<String>) {
+    let (mut strange, mut found) = (BTreeSet::new(), BTreeSet::new());
+    let mut missing = BTreeSet::new();
+    for path in files(folder) {
+        let shown = path.strip_prefix(folder).unwrap().to_string_lossy();
+        let shown = shown.replace('\\', "/");
+        let Some(entry) = entry_at(&shown) else {
+            strange.insert(shown);
             continue;
         };
-        let ending = path
-            .extension()
-            .unwrap_or_default()
-            .to_string_lossy()
-            .into_owned();
-        if !matches!(ending.as_str(), "csv" | "parquet") {
+        found.insert(&entry.files);
+        if entry.name.is_none() {
             continue;
         }
-        for column in Table::read(&path).unwrap().columns() {
-            if !entry.has(&column) {
-                unknown.insert(format!("{}: column {column}", entry.name));
-            }
-        }
+        let columns = Table::read(&path).unwrap().columns();
+        let unknown = columns.iter().filter(|c| entry.column(c).is_none());
+        strange.extend(unknown.map(|column| format!("{shown}: {column}")));
+        let lacks = entry
+            .always()
+            .filter(|c| !columns.iter().any(|has| has == c));
+        missing.extend(lacks.map(|column| format!("{shown}: {column}")));
     }
+    let always = entries().iter().filter(|e| e.when.is_none());
+    let absent = always.filter(|e| !found.contains(&e.files));
+    missing.extend(absent.map(|e| e.files.join(", ")));
+    (strange, missing)
+}
+
+#[test]
+fn a_run_writes_every_file_and_column_that_the_dictionary_has_and_no_other() {
+    let (strange, missing) = strange_and_missing(&run().path("study_data/generated/smoke"));
+    assert!(strange.is_empty(), "not in columns.toml: {strange:#?}");
     assert!(
-        unknown.is_empty(),
-        "not explained in docs/outputs.md: {unknown:#?}"
+        missing.is_empty(),
+        "in columns.toml, not in a run: {missing:#?}"
     );
 }
 
 #[test]
-fn a_column_that_nobody_explained_would_be_found() {
-    let drives = entry_of("av/drives/drives.csv");
-    assert!(drives.has("duration_s") && !drives.has("duration_ms"));
-    let embeddings = entry_of("embeddings.csv");
-    assert!(embeddings.has("w12") && !embeddings.has("x1"));
+fn a_file_and_a_column_that_nobody_explained_and_one_that_is_not_there_are_named() {
+    let folder = tempfile::tempdir().unwrap();
+    let write = |name: &str, text: &str| std::fs::write(folder.path().join(name), text).unwrap();
+    write("forgotten.csv", "participant,reason\nP1,asked\n");
+    write("mine.csv", "a\n1\n");
+    let (strange, missing) = strange_and_missing(folder.path());
+    let named = ["forgotten.csv: reason", "mine.csv"].map(str::to_owned);
+    assert_eq!(strange, named.into());
+    assert!(missing.contains("forgotten.csv: models") && missing.contains("drives.csv"));
+    assert!(!missing.contains("variability.csv"));
 }
 
 /// Macros of `numbers.tex`, in order.
@@ -395,8 +441,9 @@ fn a_drive_as_csv_has_its_rows_and_names_no_lead_where_nobody_is_there() {
         .ok();
     let table = Table::read(&out).unwrap();
     assert_eq!(table.rows(), Table::read(&drive).unwrap().rows());
-    let entry = entry_of("drives/study2/x.parquet");
-    assert!(table.columns().iter().all(|c| entry.has(c)));
+    let entry = entry_at("drives/study2/x.parquet").unwrap();
+    let columns: Vec<&str> = entry.always().collect();
+    assert_eq!(table.columns(), columns);
     let (present, gap) = (
         table.text("lead_present").unwrap(),
         table.numbers("lead_dx_m").unwrap(),

@@ -82,7 +82,7 @@ impl TryFrom<String> for BeyondWhy {
 }
 
 /// One fitted embedding.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct EmbeddingRow {
     /// The drive it was fitted to.
     pub drive: DriveId,
@@ -103,6 +103,7 @@ pub struct EmbeddingRow {
     /// Its covariance, shape `(d, d)`, row by row; none for training drives, and where a drive is too short to tell.
     pub covariance: Option<Vec<f64>>,
     /// SD of `line_position`.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub line_position_se: Option<f64>,
     /// Probability of a drive at least as surprising by one of the people learned from; none where the model cannot say.
     pub support_p: Option<f64>,

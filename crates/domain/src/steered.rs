@@ -10,7 +10,7 @@ use crate::{
 use serde::{Deserialize, Serialize};
 
 /// One participant in one condition.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct ConditionRow {
     /// The participant.
     pub participant: ParticipantId,
@@ -31,7 +31,8 @@ pub struct ConditionRow {
     /// Why the drive that the person's style was learned of is beyond what the model has met; none where it is not or nobody can say, and
     /// where the car has another style than the person's.
     pub beyond_why: Option<BeyondWhy>,
-    /// What it is one point of; none for the conditions of a study.
+    /// What it is one point of; none for the conditions of a study. In a table its fields are columns of their own.
+    #[serde(skip_deserializing)]
     pub sweep: Option<SweepPoint>,
     /// The embedding.
     pub embedding: Embedding,

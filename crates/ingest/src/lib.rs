@@ -7,11 +7,13 @@ mod csv;
 mod differentiate;
 mod drive_file;
 mod error;
+mod folder;
 mod foreign;
 mod inspect;
 mod join_speeds;
 mod lane_centres;
 mod lanes;
+mod log_files;
 mod mapping;
 mod median;
 mod pair_rows;
@@ -25,6 +27,7 @@ mod read_table;
 mod resample;
 mod settings;
 mod source;
+mod split;
 mod synchronise;
 
 pub use csv::{Csv, read_csv};
@@ -34,18 +37,20 @@ pub use inspect::{
     ChannelSummary, ColumnSummary, Gap, LogFormat, LogSummary, inspect, inspect_with,
     suggest_mapping,
 };
+pub use log_files::log_files;
 pub use mapping::{
-    AngleUnit, Columns, Directions, Forward, FrameKind, GapKind, LaneChangesSignal, LaneSignal,
-    Layout, LeadSignal, LengthUnit, Mapping, McapMapping, MessageMapping, Names, Only, Point,
-    RecordingMeta, RigSigns, RoadMapping, RoadSignal, SeesMapping, Side, Signals, SpeedSignal,
-    SpeedUnit, TableMapping, Tells, TimeUnit, Topics, TracksSignal, TwistFrame, Units,
-    VelocitySignal, named_after,
+    AngleUnit, Directions, Forward, FrameKind, GapKind, LaneChangesSignal, LaneSignal, Layout,
+    LeadSignal, LengthUnit, Long, LongColumns, Mapping, McapMapping, MessageMapping, Names, Only,
+    Pair, PairColumns, Platoon, PlatoonColumns, Point, RecordingMeta, RigSigns, RoadMapping,
+    RoadSignal, SeesMapping, Side, SignalTables, Signals, SpeedSignal, SpeedUnit, TableMapping,
+    Tells, TimeUnit, Topics, TracksSignal, TwistFrame, Units, VelocitySignal, named_after,
 };
 pub use parquet::{ParquetFile, is_parquet, parquet_bytes, read_parquet};
 pub use provenance::Provenance;
 pub use quality::{Warning, WarningKind};
 pub use raw::mcap::decisions::{Decision, DecisionKind, read_decisions};
 pub use raw::mcap::write::{Beside, write_mcap, write_mcap_with};
-pub use read_log::{log_files, read_log};
+pub use read_log::read_log;
 pub use settings::{IngestSettings, Ingested};
 pub use source::Source;
+pub use split::log_parts;

@@ -196,7 +196,7 @@ pub(crate) fn on_the_road(
         .map(|s| s.stamp_ns as f64 / 1e9)
         .collect();
     let what = format!(
-        "ego is beside the road of {} lanes of {} m: is `right_lane_centre_y_m` right?",
+        "ego is beside the road of {} lanes of {} m: is `right_lane_centre_y_m` right, or, of numbered lanes, `lanes_from` and `first_lane`?",
         road.lanes, road.lane_width_m
     );
     refuse_many(path, off.len(), ego.len(), &what)?;

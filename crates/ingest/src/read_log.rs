@@ -5,7 +5,7 @@ use crate::{
     error::IngestError,
     foreign::{self, foreign, foreign_text},
     lane_centres::LaneShape,
-    mapping::{FrameKind, Mapping, Signals, names::meta_of},
+    mapping::{FrameKind, Mapping, names::meta_of},
     parquet::is_parquet,
     quality::{Warning, WarningKind},
     raw::{
@@ -15,12 +15,13 @@ use crate::{
     read_table::read_table,
     settings::{IngestSettings, Ingested},
     source::Source,
+    split::parts,
 };
-use maveric_bag::{Parts, is_split, parts_of};
+use maveric_bag::{Parts, is_split};
 use std::{
     fs::File,
     io::{Read, Seek, SeekFrom},
-    path::{Path, PathBuf},
+    path::Path,
 };
 
 /// What a file is, by its first bytes.
@@ -33,7 +34,8 @@ pub(crate) enum Format {
 
 /// Reads the drives of one log: an MCAP recording, or a table with its mapping. The content decides, not the name.
 ///
-/// A folder that rosbag2 wrote is one recording, however many files it was split over.
+/// A folder that rosbag2 wrote is one recording, however many files it was split over; so are files that `parts` of the mapping's
+/// `[names]` says to be parts of one, whichever of them is named.
 ///
 /// A file that the mapping skips gives no drives. A recording by [`crate::write_mcap`] says whose it is and on which
 /// road; others are named by the mapping's pattern or by their file, and their road is the mapping's, else one
@@ -58,16 +60,18 @@ pub fn read_log(path: &Path, settings: &IngestSettings) -> Result<Vec<Ingested>,
     settings.rate_hz()?;
     settings.max_gap_s()?;
     if mapping.is_some_and(Mapping::takes_folders) && path.is_dir() {
-        return read_table(path, settings);
+        return read_table(path, &[], settings);
     }
     let format = format_of(path)?;
     if mapping.is_some_and(|m| m.skips(path)) {
         return Ok(Vec::new());
     }
-    if format == Format::Table {
-        return read_table(path, settings);
-    }
-    let parts = parts_of(path)?;
+    let parts = parts(path, mapping)?;
+    // Whichever part was named, the recording has the name of its first.
+    let path = match parts.files.as_slice() {
+        [first, ..] if path.is_file() => first,
+        _ => path,
+    };
     if let Some(part) = parts
         .missing
         .first()
@@ -77,6 +81,13 @@ pub fn read_log(path: &Path, settings: &IngestSettings) -> Result<Vec<Ingested>,
             path: path.to_owned(),
             part: part.clone(),
         });
+    }
+    if format == Format::Table {
+        let mut drives = read_table(path, &parts.files, settings)?;
+        for drive in &mut drives {
+            drive.warnings.extend(without_parts(path, &parts));
+        }
+        return Ok(drives);
     }
     let topics = mapping.and_then(|m| m.mcap.as_ref());
     let collected = collect(path, &parts.files, topics, settings.recover)?;
@@ -138,72 +149,6 @@ pub(crate) fn without_parts(path: &Path, parts: &Parts) -> Vec<Warning> {
         Warning::new(path, WarningKind::Damage, 1, what)
     };
     parts.missing.iter().map(without).collect()
-}
-
-/// The logs at `path`: itself if it is a file or one recording split over a folder, else the files of the folder that end
-/// in `.mcap`, `.csv`, `.tsv`, `.txt` or `.parquet` and the split recordings in it, sorted by name. Those that the mapping
-/// skips are not among them. Where the mapping says that signals have their own files, a log is a folder: this one
-/// if it has one of the files, else those below it that do.
-///
-/// # Errors
-/// [`IngestError::NotFound`] or [`IngestError::Io`]; [`IngestError::NotALog`] for a folder that holds no log but a file
-/// that can be made one, such as a ROS 1 bag.
-pub fn log_files(path: &Path, mapping: Option<&Mapping>) -> Result<Vec<PathBuf>, IngestError> {
-    let wrong = |e| IngestError::io(path, e);
-    if !std::fs::metadata(path).map_err(wrong)?.is_dir() || is_split(path) {
-        return Ok(vec![path.to_owned()]);
-    }
-    if let Some(mapping) = mapping.filter(|m| m.takes_folders()) {
-        let signals = mapping.table.as_ref().and_then(|t| t.signals.as_ref());
-        let files = signals.map(Signals::files).unwrap_or_default();
-        return folders_with(path, &files, DEEPEST);
-    }
-    let of_kind = |file: &PathBuf, kinds: &[&str]| {
-        let extension = file.extension().unwrap_or_default().to_ascii_lowercase();
-        kinds.iter().any(|kind| extension == *kind) && file.is_file()
-    };
-    let tables_and_logs = ["mcap", "csv", "tsv", "txt", "parquet"];
-    let (mut files, mut others) = (entries_of(path)?, Vec::new());
-    files.retain(|file| {
-        let log = of_kind(file, &tables_and_logs) || is_split(file);
-        let taken = log && !mapping.is_some_and(|m| m.skips(file));
-        if !taken && of_kind(file, &foreign::EXTENSIONS) {
-            others.push(file.clone());
-        }
-        taken
-    });
-    if let (true, Some(other)) = (files.is_empty(), others.first()) {
-        format_of(other)?;
-    }
-    Ok(files)
-}
-
-/// What a folder holds, sorted by name.
-pub(crate) fn entries_of(folder: &Path) -> Result<Vec<PathBuf>, IngestError> {
-    let entries = std::fs::read_dir(folder).and_then(|entries| {
-        let paths = entries.map(|entry| entry.map(|e| e.path()));
-        paths.collect::<Result<Vec<PathBuf>, _>>()
-    });
-    let mut entries = entries.map_err(|e| IngestError::io(folder, e))?;
-    entries.sort();
-    Ok(entries)
-}
-
-/// Folders of drives lie at most so far below the one that is given: a person's, a day's, a drive's.
-const DEEPEST: usize = 4;
-
-/// The folder itself if it has one of these files, else the folders below it that have, sorted by name.
-fn folders_with(path: &Path, files: &[&str], deepest: usize) -> Result<Vec<PathBuf>, IngestError> {
-    if files.iter().any(|file| path.join(file).is_file()) {
-        return Ok(vec![path.to_owned()]);
-    }
-    let mut found = Vec::new();
-    for entry in entries_of(path)? {
-        if deepest > 0 && entry.is_dir() {
-            found.extend(folders_with(&entry, files, deepest - 1)?);
-        }
-    }
-    Ok(found)
 }
 
 /// Tells a recording from a text by the first bytes.

@@ -7,14 +7,14 @@ use crate::{
     plausible::along_x,
     quality::{Warning, WarningKind},
     raw::table::{
-        self, TableDrive,
+        self, TableDrive, TableLog,
         open::{Kind, Table},
     },
     settings::{IngestSettings, Ingested},
 };
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
-/// Reads the drives of a table by its mapping; of a folder if every signal has its own file.
+/// Reads the drives of a table in one file or several parts by its mapping; of a folder if every signal has its own file.
 ///
 /// A vehicle of a table of many that is seen too rarely for a drive is left out by itself, with a warning.
 ///
@@ -22,6 +22,7 @@ use std::path::Path;
 /// As [`crate::read_log`].
 pub(crate) fn read_table(
     path: &Path,
+    parts: &[PathBuf],
     settings: &IngestSettings,
 ) -> Result<Vec<Ingested>, IngestError> {
     let no_mapping = || IngestError::NoMapping {
@@ -31,15 +32,23 @@ pub(crate) fn read_table(
     let columns = mapping.table.as_ref().ok_or_else(no_mapping)?;
     let mapped = mapping.road.unwrap_or(RoadMapping::UNKNOWN);
     let mut sources = Vec::new();
-    let bytes = match columns.layout {
-        Layout::Signals if path.is_dir() => Vec::new(),
-        _ => table::take(path, &mut sources)?,
+    let mut files = Vec::new();
+    for part in parts {
+        files.push((part.clone(), table::take(part, &mut sources)?));
+    }
+    let told = told_by_columns(path, &files, mapping, columns)?;
+    let log = TableLog {
+        path,
+        files,
+        mapping: columns,
+        road: &mapped,
+        max_gap_s: settings.max_gap_s()?,
     };
-    let told = told_by_columns(path, &bytes, mapping, columns)?;
-    let max_gap_s = settings.max_gap_s()?;
-    let drives = table::read(path, bytes, columns, &mapped, max_gap_s, &mut sources)?;
-    let several = columns.layout == Layout::Long;
-    let headed = several && columns.columns.heading.is_some();
+    let drives = table::read(log, &mut sources)?;
+    let (several, headed) = match &columns.layout {
+        Layout::Long(long) => (true, long.columns.heading.is_some()),
+        _ => (false, false),
+    };
     let mut found = Vec::new();
     let mut refused: Option<IngestError> = None;
     let mut sparse = 0;
@@ -122,7 +131,7 @@ pub(crate) fn read_table(
 /// What columns of the table say throughout, for the names of drives.
 fn told_by_columns(
     path: &Path,
-    bytes: &[u8],
+    files: &[(PathBuf, Vec<u8>)],
     mapping: &Mapping,
     table: &TableMapping,
 ) -> Result<Vec<(String, String)>, IngestError> {
@@ -134,7 +143,7 @@ fn told_by_columns(
         .values()
         .map(|column| (column.as_str(), Kind::Word))
         .collect();
-    let read = Table::open(path, bytes.to_vec(), table.into(), &wanted)?;
+    let read = Table::open_all(files.to_vec(), table.into(), &wanted)?;
     let mut told = Vec::new();
     for (name, column) in &names.columns {
         let mut words: Vec<String> = read.words(column)?.into_iter().flatten().collect();

@@ -27,8 +27,7 @@ pub(crate) fn synchronise(path: &Path, drive: &mut RawDrive, max_gap_s: f64) -> 
     } else {
         warnings.extend(skew(path, &drive.ego));
     }
-    let hole_ns = ((2.0 * max_gap_s).max(1.0) * 1e9) as i64;
-    let restarts = separate_restarts(drive, hole_ns);
+    let restarts = separate_restarts(drive, hole_ns(max_gap_s));
     order(path, "ego", &mut drive.ego, &mut warnings);
     order(path, "the others", &mut drive.objects, &mut warnings);
     order(path, "its speed", &mut drive.speeds, &mut warnings);
@@ -53,6 +52,11 @@ pub(crate) fn synchronise(path: &Path, drive: &mut RawDrive, max_gap_s: f64) -> 
         *stamp_ns = stamp_ns.saturating_sub(start);
     }
     warnings
+}
+
+/// The hole before what follows a clock that began anew, in ns: of unknown length, and longer than those that are bridged.
+pub(crate) fn hole_ns(max_gap_s: f64) -> i64 {
+    ((2.0 * max_gap_s).max(1.0) * 1e9) as i64
 }
 
 /// Whether nobody stamped these samples.

@@ -11,7 +11,7 @@ use std::time::{SystemTime, UNIX_EPOCH};
 use rayon::prelude::*;
 
 use crate::PipelineError;
-use crate::atomic_write::{self, Durability};
+use crate::atomic_write::{Durability, atomic_write_bytes};
 use crate::shares::Shares;
 
 /// File systems stamp times in ticks of up to 10 ms: a file changed this lately could
@@ -171,7 +171,7 @@ impl<'a> Hasher<'a> {
         };
         let (cache, dirty) = &mut *guard;
         if *dirty && let Ok(json) = serde_json::to_vec(cache) {
-            *dirty = atomic_write::write(&self.cache_file, &json, Durability::Written).is_err();
+            *dirty = atomic_write_bytes(&self.cache_file, &json, Durability::Written).is_err();
         }
     }
 

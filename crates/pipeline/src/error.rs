@@ -234,7 +234,7 @@ pub enum PipelineError {
 
 /// Whether what failed did so because another program has the file open: denied access, shared with nobody or locked, as Windows
 /// numbers them.
-pub(crate) fn is_held(error: &std::io::Error) -> bool {
+pub fn is_held(error: &std::io::Error) -> bool {
     cfg!(windows) && matches!(error.raw_os_error(), Some(5 | 32 | 33))
 }
 

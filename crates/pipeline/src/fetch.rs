@@ -16,7 +16,7 @@ type Fetched = BTreeMap<String, BTreeMap<String, crate::bucket::Stamp>>;
 /// [`PipelineError::Io`] that names the URL or the file.
 #[cfg(feature = "object-store")]
 pub(crate) fn fetch(pipeline: &Pipeline, place: &Place) -> Result<(), PipelineError> {
-    use crate::atomic_write::{self, Durability};
+    use crate::atomic_write::{Durability, atomic_write_bytes};
     use crate::bucket::Bucket;
     use std::fs;
 
@@ -78,7 +78,7 @@ pub(crate) fn fetch(pipeline: &Pipeline, place: &Place) -> Result<(), PipelineEr
     }
     let json =
         serde_json::to_vec(&now).map_err(|e| PipelineError::io("write", &memory)(e.into()))?;
-    atomic_write::write(&memory, &json, Durability::Written)
+    atomic_write_bytes(&memory, &json, Durability::Written)
 }
 
 /// Says that nothing can be fetched where something is to be.

@@ -6,7 +6,7 @@ mod read;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 
-use crate::atomic_write::{self, Durability};
+use crate::atomic_write::{Durability, atomic_write_bytes};
 use crate::paths::{below, with_ancestors};
 use crate::{Manifest, PipelineError, Row, Stage};
 
@@ -246,7 +246,7 @@ impl Ledger {
         };
         let body = toml::to_string(&written)
             .map_err(|error| PipelineError::io("write", path)(std::io::Error::other(error)))?;
-        atomic_write::write(
+        atomic_write_bytes(
             path,
             format!("{HEADING}{body}").as_bytes(),
             Durability::Synced,

@@ -45,9 +45,10 @@ mod testing;
 mod trace;
 mod verify;
 
+pub use atomic_write::{Durability, atomic_write, atomic_write_bytes, while_held};
 pub use clean::{Cleaned, clean};
 pub use diff::{FileDifference, NumberDifference, RunAt, RunDifference, StageDifference, diff};
-pub use error::{CycleStep, FileProblem, PipelineError};
+pub use error::{CycleStep, FileProblem, PipelineError, is_held};
 pub use event::Event;
 pub use executor::end_with_run;
 pub use file::{CommandFiles, Commands, NewStage, Pipeline, Settings, schema};

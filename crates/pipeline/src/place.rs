@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
+use crate::atomic_write::is_unfinished;
 use crate::paths::normalise;
 use crate::{Pipeline, PipelineError, Stage};
 
@@ -103,8 +104,7 @@ impl Place {
         let (ledger, named) = (name(ledger), name(path));
         path.starts_with(log_dir)
             || log_dir.starts_with(path)
-            || (same_folder
-                && (named.starts_with(&ledger) || named.starts_with(&format!(".{ledger}"))))
+            || (same_folder && (named.starts_with(&ledger) || is_unfinished(&named)))
     }
 
     pub(crate) fn log_of(&self, stage: &str) -> PathBuf {
@@ -179,7 +179,7 @@ mod tests {
         for ours in [
             "/study/own/lock",
             "/study/own/lock.journal",
-            "/study/own/.lock.writing-x",
+            "/study/own/.maveric-x.tmp",
             "/study/own/logs",
             "/study/own/logs/a.log",
             "/study/own",
@@ -201,7 +201,7 @@ mod tests {
             log_dir: PathBuf::from(".logs/study"),
             program: None,
         };
-        for ours in ["./study.lock.journal", "./.study.lock.writing-x", "./.logs"] {
+        for ours in ["./study.lock.journal", "./.maveric-x.tmp", "./.logs"] {
             assert!(from_here.is_ours(Path::new(ours)), "{ours}");
         }
         assert!(!from_here.is_ours(Path::new("./table.csv")));

@@ -5,7 +5,7 @@ use std::io;
 use std::path::{Path, PathBuf};
 
 use crate::PipelineError;
-use crate::atomic_write::{self, Durability};
+use crate::atomic_write::{Durability, atomic_write, atomic_write_bytes};
 #[cfg(feature = "object-store")]
 use crate::bucket::Bucket;
 
@@ -54,7 +54,7 @@ impl Store {
     pub(crate) fn write(&self, name: &str, bytes: &[u8]) -> Result<(), PipelineError> {
         match self {
             Self::Folder(folder) => {
-                atomic_write::write(&folder.join(name), bytes, Durability::Written)
+                atomic_write_bytes(&folder.join(name), bytes, Durability::Written)
             }
             #[cfg(feature = "object-store")]
             Self::Bucket(bucket) => {
@@ -102,16 +102,12 @@ impl Store {
         let failed = || PipelineError::io("write into the cache", &target);
         match self {
             Self::Folder(_) => {
-                let folder = target.parent().unwrap_or(Path::new("."));
-                fs::create_dir_all(folder).map_err(failed())?;
-                let beside = tempfile::Builder::new()
-                    .prefix(".writing-")
-                    .tempfile_in(folder)
-                    .map_err(failed())?
-                    .into_temp_path();
-                fs::copy(from, &beside).map_err(failed())?;
-                set_mode(&beside, executable).map_err(failed())?;
-                beside.persist(&target).map_err(|e| failed()(e.error))
+                atomic_write(&target, Durability::Written, |file| {
+                    let copied =
+                        fs::File::open(from).and_then(|mut from| io::copy(&mut from, file));
+                    copied.map(drop).map_err(failed())
+                })?;
+                set_mode(&target, executable).map_err(failed())
             }
             #[cfg(feature = "object-store")]
             Self::Bucket(bucket) => bucket.send(from, name).map_err(failed()),
@@ -150,7 +146,7 @@ pub(crate) fn is_executable(_path: &Path) -> bool {
     false
 }
 
-/// Copies take over the mode of what is copied: a cache for all must be readable for all.
+/// A cache for all must be readable for all, whatever the umask of who fills it.
 #[cfg(unix)]
 pub(crate) fn set_mode(path: &Path, executable: bool) -> io::Result<()> {
     use std::os::unix::fs::PermissionsExt;

@@ -29,7 +29,7 @@ pub(crate) fn table_of(columns: Given) -> TableBuilder {
             Cells::Numbers(cells) => table.numbers(&name, cells),
             // A missing cell is an empty one, as in CSV.
             Cells::Text(cells) => {
-                table.text(&name, cells.into_iter().map(Option::unwrap_or_default))
+                table.cells(&name, cells.into_iter().map(|c| c.or(Some(String::new()))))
             }
         };
     }

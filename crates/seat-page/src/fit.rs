@@ -13,7 +13,7 @@ pub struct Fit {
     pub embedding: Vec<f64>,
     /// Its covariance, shape `(d, d)`, row by row; none where too little was driven.
     pub covariance: Option<Vec<f64>>,
-    /// The score that is read from it, in the model's points; none where the model reads none, and where its scale has no such score.
+    /// The score that is read from it, in its scale's points; none where the model reads none.
     pub score: Option<f64>,
     /// Events or rows that it was learned from; 0: nothing was shown, and this is the average driver.
     pub readings: usize,
@@ -42,13 +42,11 @@ pub fn fit(
     };
     let drive = Drive::from_recording(meta, recording)?;
     let found = personalize(model, &drive, None)?;
-    let by_support = found.support.as_ref().and_then(Support::beyond);
-    let (score, beyond) = BeyondWhy::of_reading(found.aggression_hat, by_support);
     Ok(Fit {
         embedding: found.embedding.coordinates().to_vec(),
         covariance: found.covariance,
-        score,
+        score: found.aggression_hat,
         readings: found.readings,
-        beyond,
+        beyond: found.support.as_ref().and_then(Support::beyond),
     })
 }

@@ -4,14 +4,14 @@
 
 mod support;
 
-use maveric_domain::{BeyondWhy, DrivenBy, Embedding, MetresPerSecond, Seconds};
+use maveric_domain::{DrivenBy, Embedding, MetresPerSecond, Seconds};
 use maveric_seat_page::{
     Driven, Frames, Input, Keyboard, Keys, Record, Rider, SeatDrive, SeatPageError, Signal, fit,
     replay,
 };
 use maveric_simulator::Scenario;
 use std::rc::Rc;
-use support::{model, model_that_reads};
+use support::model;
 
 fn scenario(seconds: f64) -> Scenario {
     Scenario::paper().with_duration(Seconds(seconds)).unwrap()
@@ -76,17 +76,6 @@ fn a_ride(scenario: &Scenario, seed: u64) -> Record {
     }
     record.end = Some(drive.finish().unwrap().end);
     record
-}
-
-#[test]
-fn a_drive_that_reads_as_no_score_of_the_scale_has_none_and_is_beyond() {
-    let (_, driven) = by_keys(&scenario(40.0), 3);
-    let recording = &driven.rollout.recording;
-    let read = |offset| fit(&model_that_reads(offset), recording, DrivenBy::Scripted).unwrap();
-    let (usual, far) = (read(30.0), read(200.0));
-    assert!(usual.score.is_some() && usual.beyond.is_none(), "{usual:?}");
-    assert_eq!((far.score, &far.beyond), (None, &Some(BeyondWhy::Scale)));
-    assert_eq!(far.embedding, usual.embedding);
 }
 
 #[test]

@@ -13,10 +13,10 @@ use maveric_study::{
     atomic_write::{atomic_write, atomic_write_bytes, read_text},
     forget::{Forgotten, forget_person},
     tables::{
-        Table,
+        TableName,
         collected::{CONSENTS, EVENTS, EventRow, NOTES},
         dial::{ENDING, Turn},
-        write_rows,
+        read_rows, write_rows,
     },
 };
 use std::{collections::BTreeSet, path::PathBuf};
@@ -184,11 +184,8 @@ impl Files {
             step,
             duration_s,
         });
-        let turns: Vec<Turn> = turns.collect();
-        Ok(write_rows(
-            &place.records.join(format!("{name}{ENDING}")),
-            &turns,
-        )?)
+        let path = place.records.join(format!("{name}{ENDING}"));
+        Ok(write_rows(TableName::Dial, &path, turns)?)
     }
 
     /// Takes everything of somebody out of the study's folder; none where there is no study.
@@ -203,18 +200,29 @@ impl Files {
     /// What the table of events has already; nothing where it is not there, or cannot be read as one: it is made anew.
     pub(crate) fn events(&self) -> Vec<EventRow> {
         let path = self.0.as_ref().map(|place| place.records.join(EVENTS));
-        let table = path
-            .filter(|path| path.is_file())
-            .map(|path| Table::read(&path)?.records());
-        table.and_then(Result::ok).unwrap_or_default()
+        let path = path.filter(|path| path.is_file());
+        path.and_then(|path| read_rows(&path).ok())
+            .unwrap_or_default()
     }
 
     /// Writes what was collected beside answers and drives.
     pub(crate) fn collected(&self, collected: &Collected) -> Result<(), SeatError> {
         if let Some(place) = &self.0 {
-            write_rows(&place.records.join(EVENTS), &collected.events)?;
-            write_rows(&place.records.join(CONSENTS), &collected.consents)?;
-            write_rows(&place.records.join(NOTES), &collected.notes)?;
+            write_rows(
+                TableName::Events,
+                &place.records.join(EVENTS),
+                &collected.events,
+            )?;
+            write_rows(
+                TableName::Consents,
+                &place.records.join(CONSENTS),
+                &collected.consents,
+            )?;
+            write_rows(
+                TableName::Notes,
+                &place.records.join(NOTES),
+                &collected.notes,
+            )?;
         }
         Ok(())
     }

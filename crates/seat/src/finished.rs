@@ -4,7 +4,7 @@
 use crate::{
     drives::Begun,
     error::SeatError,
-    person::Person,
+    person::{Person, on_the_scale},
     seat::Seat,
     steps::{RideStyle, Step},
 };
@@ -156,7 +156,7 @@ impl Seat {
             return;
         };
         let here = match fit(model, &again.rollout.recording, record.header.driven_by) {
-            Ok(here) => here,
+            Ok(here) => on_the_scale(here),
             Err(error) => return outcome.tell(format!("{name}: no style learned: {error}")),
         };
         if let Some(why) = &here.beyond {

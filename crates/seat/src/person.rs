@@ -4,6 +4,16 @@ use crate::{listed::Listed, steps::Step};
 use maveric_domain::BeyondWhy;
 use maveric_seat_page::Fit;
 
+/// A style as the page or the seat learned it, without a score where the scale has none: it is beyond what the model has learned from.
+pub(crate) fn on_the_scale(style: Fit) -> Fit {
+    let (score, beyond) = BeyondWhy::of_reading(style.score, style.beyond);
+    Fit {
+        score,
+        beyond,
+        ..style
+    }
+}
+
 /// Somebody with a link.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Person {
@@ -46,10 +56,8 @@ impl Person {
 
     /// Their style.
     pub(crate) fn style(&self) -> Option<Fit> {
-        let mut style: Fit = serde_json::from_str(self.fit.as_deref()?).ok()?;
-        // One that was kept before has a score also where the scale has none.
-        (style.score, style.beyond) = BeyondWhy::of_reading(style.score, style.beyond);
-        Some(style)
+        let style = serde_json::from_str(self.fit.as_deref()?).ok()?;
+        Some(on_the_scale(style))
     }
 
     /// Why the drive that their style was learned of is beyond what the model has learned from; none where it is not.
@@ -71,5 +79,29 @@ impl Person {
             fit: row.get(5)?,
             listed: Listed::read(row.get(6)?),
         })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_style_that_reads_as_no_score_of_the_scale_has_none_and_is_beyond() {
+        let style = |score: f64| {
+            on_the_scale(Fit {
+                embedding: vec![0.5],
+                covariance: None,
+                score: Some(score),
+                readings: 3,
+                beyond: None,
+            })
+        };
+        assert_eq!((style(30.0).score, style(30.0).beyond), (Some(30.0), None));
+        for none in [-1.3, 55.5] {
+            let style = style(none);
+            assert_eq!((style.score, style.beyond), (None, Some(BeyondWhy::Scale)));
+            assert_eq!(style.embedding, [0.5]);
+        }
     }
 }

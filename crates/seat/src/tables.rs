@@ -8,7 +8,7 @@ use crate::{
     steps::Step,
 };
 use maveric_domain::Design;
-use maveric_study::tables::{Table, TableBuilder};
+use maveric_study::tables::{Table, TableBuilder, TableName};
 use std::{
     collections::{BTreeMap, BTreeSet},
     path::Path,
@@ -50,16 +50,6 @@ fn listed(before: Listed, stands: bool, table: bool) -> (Listed, bool) {
 /// Cells of a row, by column.
 type Row = BTreeMap<String, String>;
 
-/// What a table of answers has.
-const ANSWERS: [&str; 6] = [
-    "participant",
-    "moment",
-    "scale",
-    "item",
-    "answer",
-    "seconds",
-];
-
 /// The people who stand in a table, if there is one.
 pub(crate) fn people_in(path: &Path) -> Result<BTreeSet<String>, SeatError> {
     if !path.is_file() {
@@ -99,7 +89,9 @@ pub(crate) fn write_answers(
             }
         }
     }
-    merge(path, &ANSWERS, &rows)
+    let columns = TableName::Answers.entry().columns.iter();
+    let columns: Vec<&str> = columns.map(|column| column.name.as_str()).collect();
+    merge(path, &columns, &rows)
 }
 
 /// Participant, moment and scale of every sheet in a table of answers; none where there is no table.
@@ -119,15 +111,16 @@ fn rows_of(place: &[String; 3], sheet: &Sheet) -> Vec<Row> {
     let [who, moment, scale] = place;
     let each_s = sheet.seconds / sheet.answers.len().max(1) as f64;
     let row = |(item, answer): (i32, &Option<i32>)| {
+        let answer = answer.map_or_else(String::new, |a| a.to_string());
         let cells = [
-            who.clone(),
-            moment.clone(),
-            scale.clone(),
-            item.to_string(),
-            answer.map_or_else(String::new, |a| a.to_string()),
-            format!("{each_s:.3}"),
+            ("participant", who.clone()),
+            ("moment", moment.clone()),
+            ("scale", scale.clone()),
+            ("item", item.to_string()),
+            ("answer", answer),
+            ("seconds", format!("{each_s:.3}")),
         ];
-        ANSWERS.map(str::to_owned).into_iter().zip(cells).collect()
+        Row::from(cells.map(|(column, cell)| (column.to_owned(), cell)))
     };
     (1..).zip(&sheet.answers).map(row).collect()
 }

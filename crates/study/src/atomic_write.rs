@@ -2,95 +2,38 @@
 
 use crate::{
     error::StudyError,
-    outputs::{refuse_other_kind, refuse_unusual, while_held},
+    outputs::{refuse_other_kind, refuse_unusual},
 };
 use maveric_domain::{DriveMeta, Recording};
 use maveric_ingest::{Beside, IngestError, write_mcap_with};
+use maveric_pipeline::Durability;
 use std::{
-    collections::BTreeSet,
     fs,
-    io::{Seek as _, Write},
-    path::{Path, PathBuf},
-    sync::Mutex,
-    time::Duration,
+    io::{Seek as _, Write as _},
+    path::Path,
 };
 
-/// How files that are being written begin and end.
-const FRESH: (&str, &str) = (".maveric-", ".tmp");
-/// A file that is being written is locked within this time after it was made. Long, since some network file systems keep locks from other
-/// machines: there a file whose writing pauses is told from one that was left by its age alone.
-const UNLOCKED: Duration = Duration::from_mins(1);
-
-/// Writes a file beside its place, syncs it, then renames it there.
-///
-/// A plain file of the same kind is replaced; anything else is not. What a killed program was writing in the folder goes.
+/// Writes a file as [`maveric_pipeline::atomic_write`] does, over nothing but a plain file of the same kind.
 ///
 /// # Errors
-/// [`StudyError::Io`], [`StudyError::BadFile`]; whatever stood there before stays as it was.
+/// What `write` says; [`StudyError::Pipeline`], [`StudyError::BadFile`]; whatever stood there before stays as it was.
 pub fn atomic_write(
     path: &Path,
     write: impl FnOnce(&mut fs::File) -> Result<(), StudyError>,
 ) -> Result<(), StudyError> {
-    let folder = match path.parent() {
-        Some(folder) if !folder.as_os_str().is_empty() => folder,
-        _ => Path::new("."),
-    };
     refuse_unusual(path)?;
-    fs::create_dir_all(folder).map_err(StudyError::write(folder))?;
-    remove_left_behind(folder);
-    let mut builder = tempfile::Builder::new();
-    builder.prefix(FRESH.0).suffix(FRESH.1);
-    // Temporary files are private by default; a result is as readable as any other file, less the umask.
-    #[cfg(unix)]
-    builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
-    let mut file = builder
-        .tempfile_in(folder)
-        .map_err(StudyError::write(folder))?;
-    // Where the disk knows no locks nobody takes one, and nobody finds the file free.
-    let _ = file.as_file().try_lock();
-    write(file.as_file_mut())?;
-    file.as_file().sync_all().map_err(StudyError::write(path))?;
-    // By the same handle: on Windows what is locked can be read by no other.
-    file.rewind().map_err(StudyError::write(path))?;
-    refuse_other_kind(path, &mut file)?;
-    let _ = file.as_file().unlock(); // whoever reads it in its place
-    while_held(file, |file| {
-        file.persist(path).map(drop).map_err(|e| (e.error, e.file))
+    maveric_pipeline::atomic_write(path, Durability::Synced, |file| {
+        write(file)?;
+        // By the same handle: on Windows what is locked can be read by no other.
+        file.rewind().map_err(StudyError::write(path))?;
+        refuse_other_kind(path, file)
     })
-    .map_err(StudyError::write(path))
-}
-
-/// Removes what killed programs were writing in a folder, once a program; what cannot be removed stays: it does no harm.
-fn remove_left_behind(folder: &Path) {
-    static LOOKED_INTO: Mutex<BTreeSet<PathBuf>> = Mutex::new(BTreeSet::new());
-    if let Ok(mut folders) = LOOKED_INTO.lock()
-        && !folders.insert(folder.to_owned())
-    {
-        return;
-    }
-    for entry in fs::read_dir(folder).into_iter().flatten().flatten() {
-        let name = entry.file_name();
-        let name = name.to_string_lossy();
-        if !name.starts_with(FRESH.0) || !name.ends_with(FRESH.1) {
-            continue;
-        }
-        let age = entry.metadata().and_then(|m| m.modified()).ok();
-        let old = age
-            .and_then(|t| t.elapsed().ok())
-            .is_some_and(|age| age > UNLOCKED);
-        if old
-            && let Ok(file) = fs::File::options().write(true).open(entry.path())
-            && file.try_lock().is_ok()
-        {
-            let _ = fs::remove_file(entry.path());
-        }
-    }
 }
 
 /// Writes bytes as [`atomic_write`] does.
 ///
 /// # Errors
-/// [`StudyError::Io`].
+/// As [`atomic_write`].
 pub fn atomic_write_bytes(path: &Path, bytes: &[u8]) -> Result<(), StudyError> {
     atomic_write(path, |file| {
         file.write_all(bytes).map_err(StudyError::write(path))
@@ -163,39 +106,5 @@ pub(crate) fn if_there<T: Default>(
         read(path)
     } else {
         Ok(T::default())
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn what_a_killed_program_was_writing_goes_and_what_another_is_writing_stays() {
-        let folder = tempfile::tempdir().unwrap();
-        let at = |name: &str| folder.path().join(name);
-        let old = std::time::SystemTime::now() - 2 * UNLOCKED;
-        let make = |name: &str| {
-            let file = fs::File::create(at(name)).unwrap();
-            file.set_modified(old).unwrap();
-            file
-        };
-        drop(make(".maveric-killed.tmp"));
-        let used = make(".maveric-used.tmp");
-        used.try_lock().unwrap();
-        fs::write(at(".maveric-fresh.tmp"), "").unwrap();
-        drop(make("mine.tmp"));
-        atomic_write_bytes(&at("table.csv"), b"a\n1\n").unwrap();
-        let left: BTreeSet<String> = fs::read_dir(folder.path())
-            .unwrap()
-            .map(|e| e.unwrap().file_name().to_string_lossy().into_owned())
-            .collect();
-        let expected = [
-            ".maveric-fresh.tmp",
-            ".maveric-used.tmp",
-            "mine.tmp",
-            "table.csv",
-        ];
-        assert_eq!(left, expected.map(str::to_owned).into());
     }
 }

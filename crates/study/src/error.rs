@@ -1,5 +1,6 @@
 //! What can go wrong between files and the science.
 
+use maveric_pipeline::{PipelineError, is_held};
 use path_slash::PathExt as _;
 use std::path::PathBuf;
 
@@ -74,6 +75,9 @@ pub enum StudyError {
     /// The work was interrupted.
     #[error("interrupted")]
     Interrupted,
+    /// A file that could not be put in its place.
+    #[error(transparent)]
+    Pipeline(#[from] PipelineError),
     /// A value that the nouns refuse.
     #[error(transparent)]
     Domain(#[from] maveric_domain::DomainError),
@@ -109,12 +113,6 @@ pub enum StudyError {
     Report(#[from] maveric_report::ReportError),
 }
 
-/// Whether what failed did so because another program has the file open: denied access, shared with nobody or locked, as Windows
-/// numbers them.
-pub(crate) fn is_held(error: &std::io::Error) -> bool {
-    cfg!(windows) && matches!(error.raw_os_error(), Some(5 | 32 | 33))
-}
-
 impl StudyError {
     /// The next step, where one is known.
     pub fn suggestion(&self) -> Option<String> {
@@ -129,6 +127,7 @@ impl StudyError {
             Self::Io { source, .. } if is_held(source) => {
                 Some("another program has it open: close it there, then run again".to_owned())
             }
+            Self::Pipeline(error) => error.suggestion(),
             Self::Analysis(error) => error.suggestion().map(str::to_owned),
             Self::Stats(error) => error.suggestion().map(str::to_owned),
             Self::Ingest(error) => error.suggestion(),

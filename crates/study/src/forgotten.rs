@@ -2,7 +2,7 @@
 
 use crate::{
     error::StudyError,
-    tables::{Table, write_rows},
+    tables::{TableName, read_rows, write_rows},
 };
 use maveric_domain::ParticipantId;
 use serde::{Deserialize, Serialize};
@@ -25,7 +25,6 @@ pub struct ForgottenList {
 #[derive(Serialize, Deserialize)]
 struct Row {
     participant: ParticipantId,
-    #[serde(default)]
     models: Option<String>,
 }
 
@@ -33,13 +32,13 @@ impl ForgottenList {
     /// The list of a study's folder; empty where nobody was forgotten.
     ///
     /// # Errors
-    /// As [`Table`] does.
+    /// As [`read_rows`].
     pub fn read(folder: &Path) -> Result<Self, StudyError> {
         let path = folder.join(FORGOTTEN_FILE);
         if !path.is_file() {
             return Ok(Self::default());
         }
-        let rows: Vec<Row> = Table::read(&path)?.records()?;
+        let rows: Vec<Row> = read_rows(&path)?;
         let hashes = |row: &Row| {
             let hashes = row.models.as_deref().unwrap_or_default().split(BETWEEN);
             let hashes = hashes.filter(|hash| !hash.is_empty());
@@ -103,6 +102,6 @@ impl ForgottenList {
             participant: who.clone(),
             models: Some(hashes.join(&BETWEEN.to_string())).filter(|text| !text.is_empty()),
         });
-        write_rows(&folder.join(FORGOTTEN_FILE), &rows.collect::<Vec<Row>>())
+        write_rows(TableName::Forgotten, &folder.join(FORGOTTEN_FILE), rows)
     }
 }

@@ -1,11 +1,11 @@
 //! What may be written where: never over an input, a link, a device, a pipe, a read-only file or a file of another kind.
 
-use crate::error::{StudyError, is_held};
+use crate::error::StudyError;
+use maveric_pipeline::while_held;
 use std::{
     fmt, fs,
     io::{self, Read as _},
     path::{Path, PathBuf},
-    time::Duration,
 };
 
 /// Files that a command reads out of a folder, by their extensions: such a file there is an input.
@@ -225,25 +225,6 @@ pub(crate) fn put_in_place(fresh: &Path, path: &Path) -> Result<(), StudyError> 
         fs::rename(fresh, path).map_err(|error| (error, fresh))
     })
     .map_err(StudyError::write(path))
-}
-
-/// Replaces a file by another one. On Windows one that another program has open cannot be replaced: scanners and indexers let go
-/// within moments, so it is tried again for about a second, with what `replace` gives back.
-pub(crate) fn while_held<T>(
-    mut fresh: T,
-    replace: impl Fn(T) -> Result<(), (io::Error, T)>,
-) -> io::Result<()> {
-    let mut pause = Duration::from_millis(15);
-    loop {
-        let Err((error, back)) = replace(fresh) else {
-            return Ok(());
-        };
-        if !is_held(&error) || pause > Duration::from_millis(500) {
-            return Err(error);
-        }
-        std::thread::sleep(pause);
-        (fresh, pause) = (back, 2 * pause);
-    }
 }
 
 #[cfg(test)]

@@ -6,12 +6,12 @@ use crate::{
     error::StudyError,
     stage::Files,
     tables::{
-        Table,
         conditions::read_conditions,
         drives::kept_out,
         embeddings::read_embeddings,
         measurements::{one_drive_a_condition, read_measurements},
         own_measures::read_own_measurements,
+        read_rows,
         surveys::{read_answers, read_scores},
     },
 };
@@ -339,7 +339,7 @@ struct Listed {
 pub(crate) fn durations(folder: &Path) -> Result<BTreeMap<DriveId, f64>, StudyError> {
     let mut found = BTreeMap::new();
     for path in lists(folder) {
-        let rows: Vec<Listed> = Table::read(&path)?.records()?;
+        let rows: Vec<Listed> = read_rows(&path)?;
         found.extend(rows.into_iter().map(|row| (row.drive, row.duration_s)));
     }
     Ok(found)

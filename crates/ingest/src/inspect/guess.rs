@@ -1,18 +1,17 @@
 //! Guesses what the columns of a table mean, by their names and by what the numbers do.
 
 use super::{
+    beside::{lateral, place_in_lane},
     columns::{Sheet, TableColumn},
-    units::{Guessed, LENGTHS, known_ratio, length_unit, seconds, speed_unit, time_unit},
-    words::{What, Whose, Words, words},
+    reader::{Reader, series, steps},
+    times::{MOVING, Time},
+    units::{Guessed, LENGTHS, known_ratio, length_unit, speed_unit},
+    words::{What, Whose, words},
 };
-use crate::{median::median, raw::table::time::written};
-use std::{borrow::Cow, collections::BTreeMap};
+use crate::median::median;
 
 /// How far the ratio of speed and movement may be off a known one, as a logarithm: a tenth.
 const SURE: f64 = 0.1;
-/// Slowest speed, in the table's unit, that tells how a position moves.
-const MOVING: f64 = 2.0;
-
 /// What a file and a row are, as guessed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Shape {
@@ -39,6 +38,8 @@ pub(super) struct Guess {
     pub(super) rate_hz: Option<f64>,
     pub(super) gap_kind: Option<(&'static str, String)>,
     pub(super) both_ways: bool,
+    /// Why the lateral position is a place in the lane, where it is one.
+    pub(super) offset: Option<String>,
     /// Names are those of NGSIM, whose frame is documented.
     pub(super) ngsim: bool,
     /// Greatest number of a lane.
@@ -47,39 +48,9 @@ pub(super) struct Guess {
     pub(super) unused: Vec<String>,
 }
 
-struct Reader<'a> {
-    table: &'a Sheet,
-    words: Vec<Words>,
-}
-
-impl<'a> Reader<'a> {
-    fn all(&self, whose: Whose, what: What) -> impl Iterator<Item = &'a TableColumn> + '_ {
-        let columns = self.table.columns.iter().zip(&self.words);
-        columns
-            .filter(move |(_, w)| w.whose == whose && w.what == Some(what))
-            .map(|(c, _)| c)
-    }
-
-    fn first(&self, whose: Whose, what: What) -> Option<&'a TableColumn> {
-        self.all(whose, what).find(|c| c.count() > 0)
-    }
-
-    fn number(&self, whose: Whose, what: What) -> Option<&'a TableColumn> {
-        self.all(whose, what).find(|c| c.filled().next().is_some())
-    }
-}
-
-/// The unit that a column's name ends in.
-fn unit_of(column: Option<&TableColumn>) -> Option<&'static str> {
-    words(&column?.name).unit
-}
-
 /// Guesses.
 pub(super) fn guess(table: &Sheet) -> Guess {
-    let reader = Reader {
-        table,
-        words: table.columns.iter().map(|c| words(&c.name)).collect(),
-    };
+    let reader = Reader::new(table);
     let numbered = |what: What, n: u32| {
         let columns = table.columns.iter().zip(&reader.words);
         let mut found = columns.filter(|(_, w)| w.what == Some(what) && w.number == Some(n));
@@ -98,14 +69,8 @@ pub(super) fn guess(table: &Sheet) -> Guess {
         _ => Vec::new(),
     };
     let series = series(table, id.filter(|_| platoon.is_none()), &groups);
-    let found = time_column(&reader, &series);
-    let time_column = found.as_ref().map(|f| f.0);
-    let (step, time_pattern) = found.map_or((None, None), |(_, (times, pattern))| {
-        (step(&times, &series), pattern)
-    });
-    let time = time_unit(time_column, time_pattern, unit_of(time_column), step);
-    let step_s = step.map(|s| s * seconds(time.0));
-
+    let time = Time::of(&reader, &series);
+    let step_s = time.step_s;
     let speed_column = match &platoon {
         Some([speed, ..]) => *speed,
         None => reader
@@ -116,7 +81,8 @@ pub(super) fn guess(table: &Sheet) -> Guess {
     let position = along(&reader, speed_column, step_s, &series);
     let position = position.filter(|p| p.1.is_none_or(|ratio| known_ratio(ratio).1 < SURE));
     let lengths = [Whose::Ego, Whose::Lead].map(|w| reader.number(w, What::Length));
-    let named = [speed_column, position.map(|p| p.0)].map(|c| unit_of(c));
+    let unit_of = |column: Option<&TableColumn>| words(&column?.name).unit;
+    let named = [speed_column, position.map(|p| p.0)].map(unit_of);
     let gap_column = match &platoon {
         Some([_, _, gap]) => *gap,
         None => reader
@@ -131,18 +97,24 @@ pub(super) fn guess(table: &Sheet) -> Guess {
     let length = length_unit(named_length, lengths, named[0], ratio, harshest);
     let speed = speed_unit(named[0], length.0, ratio, speed_column);
 
+    let lateral = lateral(&reader, position.map(|p| p.0), platoon.is_some());
+    let ngsim = lateral.is_some_and(|(y, _)| y.name.eq_ignore_ascii_case("Local_X"));
+    let lateral = lateral.map(|(column, named)| {
+        let in_lane = place_in_lane(column, named, length.0, &time.times_s, &series);
+        (column, in_lane)
+    });
     let mut columns: Vec<(&'static str, String)> = Vec::new();
     let mut put = |key: &'static str, column: Option<&TableColumn>| {
         if let Some(column) = column {
             columns.push((key, column.name.clone()));
         }
     };
-    put("time", time_column);
+    put("time", time.column);
     let lead_x = position.and_then(|(p, _)| lead_position(&reader, p));
     let lead_speed = reader.number(Whose::Lead, What::Speed);
     let lead_length = lengths[1];
     let lane = reader.number(Whose::Ego, What::Lane);
-    let mut lateral = None;
+    let mut offset = None;
     let shape = if let Some([Some(speed), _, Some(gap)]) = platoon {
         let numbered = |c: &TableColumn| {
             let stem = c.name.trim_end_matches(|d: char| d.is_ascii_digit());
@@ -154,8 +126,14 @@ pub(super) fn guess(table: &Sheet) -> Guess {
     } else if let (Some(id), Some((x, _))) = (id, position) {
         put("id", Some(id));
         put("x", Some(x));
-        lateral = across(&reader, x);
-        put("y", lateral);
+        match lateral {
+            Some((column, Some(why))) if lane.is_some() => {
+                put("offset", Some(column));
+                offset = Some(why);
+            }
+            Some((column, _)) => put("y", Some(column)),
+            None => {}
+        }
         put("lane", lane);
         let speed = reader.number(Whose::Ego, What::Speed);
         put("speed", speed);
@@ -180,6 +158,15 @@ pub(super) fn guess(table: &Sheet) -> Guess {
         put("lead_x", lead_x.filter(|_| gap_column.is_none()));
         put("lead_speed", lead_speed);
         put("lead_length", lead_length);
+        match lateral {
+            Some((column, None)) => put("ego_y", Some(column)),
+            Some((column, Some(why))) => {
+                put("offset", Some(column));
+                put("lane", lane);
+                offset = Some(why);
+            }
+            None => put("lane", lane),
+        }
         Shape::Pair
     } else if speed_column.is_none() {
         Shape::Unknown("no column looks like a speed")
@@ -190,7 +177,7 @@ pub(super) fn guess(table: &Sheet) -> Guess {
     } else {
         Shape::Unknown("no column looks like a gap, a leader's position, or a vehicle's number")
     };
-    let shape = match (time_column, shape) {
+    let shape = match (time.column, shape) {
         (None, Shape::Pair | Shape::Long | Shape::Platoon) => {
             Shape::Unknown("no column looks like a time")
         }
@@ -221,79 +208,18 @@ pub(super) fn guess(table: &Sheet) -> Guess {
         shape,
         unused,
         groups: groups.iter().map(|g| g.name.clone()).collect(),
-        time,
-        time_pattern,
+        time: time.unit,
+        time_pattern: time.pattern,
         length,
         speed,
         rate_hz: step_s.filter(|s| *s > 0.0).map(|s| 1.0 / s),
         gap_kind,
         both_ways,
-        ngsim: lateral.is_some_and(|y| y.name.eq_ignore_ascii_case("Local_X")),
+        ngsim,
+        offset,
         lanes: lane.and_then(TableColumn::range).map(|r| r.1 as u8),
         columns,
     }
-}
-
-/// Which vehicle each row is of.
-fn series(table: &Sheet, id: Option<&TableColumn>, groups: &[&TableColumn]) -> Vec<u32> {
-    let mut numbers: BTreeMap<String, u32> = BTreeMap::new();
-    let cell = |column: &TableColumn, row: usize| match &column.numbers {
-        Some(numbers) => numbers[row].to_string(),
-        None => column.words[row].clone().unwrap_or_default(),
-    };
-    let mut of = Vec::with_capacity(table.rows);
-    for row in 0..table.rows {
-        let parts = id.into_iter().chain(groups.iter().copied());
-        let key: Vec<String> = parts.map(|c| cell(c, row)).collect();
-        let next = numbers.len() as u32;
-        of.push(*numbers.entry(key.join("\u{1}")).or_insert(next));
-    }
-    of
-}
-
-/// Rows of one vehicle after another row of the same: pairs of rows.
-fn steps(series: &[u32]) -> impl Iterator<Item = (usize, usize)> + '_ {
-    let mut last: BTreeMap<u32, usize> = BTreeMap::new();
-    series.iter().enumerate().filter_map(move |(row, vehicle)| {
-        let before = last.insert(*vehicle, row)?;
-        Some((before, row))
-    })
-}
-
-/// The cells of a column as numbers, or the times that they are, and how those are written where that is not ISO 8601.
-type Times<'a> = (Cow<'a, [f64]>, Option<&'static str>);
-
-fn times(column: &TableColumn) -> Option<Times<'_>> {
-    if let Some(numbers) = &column.numbers {
-        return Some((numbers.into(), None));
-    }
-    let written = written(&column.words)?;
-    Some((written.seconds.into(), written.pattern))
-}
-
-/// The usual step of numbers between two rows of a vehicle.
-fn step(numbers: &[f64], series: &[u32]) -> Option<f64> {
-    let changes = steps(series).map(|(a, b)| numbers[b] - numbers[a]);
-    median(&mut changes.filter(|d| *d > 0.0).collect::<Vec<f64>>())
-}
-
-/// The column that rises along the rows of a vehicle, and its times; times go before frames.
-fn time_column<'a>(reader: &Reader<'a>, series: &[u32]) -> Option<(&'a TableColumn, Times<'a>)> {
-    let rising = |column: &'a TableColumn| {
-        let times = times(column)?;
-        let numbers = &times.0;
-        // Rows may come in bursts of one time, but hardly ever go back.
-        let (mut up, mut down, mut all) = (0, 0, 0);
-        for (a, b) in steps(series) {
-            up += usize::from(numbers[b] > numbers[a]);
-            down += usize::from(numbers[b] < numbers[a]);
-            all += 1;
-        }
-        (up * 10 >= all && up > 0 && down * 20 <= all).then_some((column, times))
-    };
-    let times = reader.all(Whose::Ego, What::Time);
-    let frames = reader.all(Whose::Ego, What::Frame);
-    times.chain(frames).find_map(rising)
 }
 
 /// The position that moves as the speed says, with the speed's ratio to that movement.
@@ -331,24 +257,6 @@ fn lead_position<'a>(reader: &Reader<'a>, ego: &TableColumn) -> Option<&'a Table
     let stem = stem.trim_matches('_');
     same.find(|c| c.name.to_ascii_lowercase().contains(stem))
         .or_else(|| leads.next())
-}
-
-/// The position across the road: the other one.
-fn across<'a>(reader: &Reader<'a>, along: &TableColumn) -> Option<&'a TableColumn> {
-    let swapped: String = along
-        .name
-        .chars()
-        .map(|c| match c {
-            'x' => 'y',
-            'y' => 'x',
-            'X' => 'Y',
-            'Y' => 'X',
-            c => c,
-        })
-        .collect();
-    reader
-        .all(Whose::Ego, What::Position)
-        .find(|c| c.name == swapped && c.name != along.name)
 }
 
 /// How hard the speed changes, in its unit a second, over about a second: the greatest but for one in a hundred.

@@ -1,10 +1,13 @@
 //! What is in a log, and what would become of it.
 
+mod beside;
 mod columns;
 mod guess;
+mod reader;
 mod suggest;
 mod survey;
 mod table;
+mod times;
 mod units;
 mod words;
 
@@ -20,8 +23,8 @@ use crate::{
     },
     read_log::{Format, format_of, read_recording, without_parts},
     settings::IngestSettings,
+    split::parts,
 };
-use maveric_bag::parts_of;
 use maveric_domain::Sees;
 use serde::Serialize;
 use std::{collections::BTreeMap, path::Path};
@@ -155,19 +158,22 @@ fn inspect_folder(path: &Path, settings: &IngestSettings) -> Result<LogSummary, 
     };
     let mapping = settings.mapping.as_ref().and_then(|m| m.table.as_ref());
     let mapping = mapping.ok_or_else(no_mapping)?;
-    let signals = mapping.signals.as_ref().ok_or_else(no_mapping)?;
+    let signals = mapping.layout.signals().ok_or_else(no_mapping)?;
     let mut found = LogSummary {
         format: LogFormat::Table,
         ..LogSummary::default()
     };
     for file in signals.files() {
-        let at = path.join(file);
+        let at = path.join(&file);
         // A list of events may be empty.
         if std::fs::metadata(&at).is_ok_and(|m| m.len() == 0) {
             continue;
         }
-        let of_file = signals.given().into_iter().filter(|g| g.1 == file);
-        let mapped: Vec<(&str, &str)> = of_file.flat_map(|g| g.2).collect();
+        let of_file = signals
+            .given()
+            .into_iter()
+            .filter(|signal| signal.file == file);
+        let mapped: Vec<(String, String)> = of_file.flat_map(|signal| signal.columns).collect();
         let (rows, columns) = table::columns_of_signal(&at, mapping.into(), &mapped)?;
         found.rows += rows;
         found.columns.extend(columns.into_iter().map(|mut column| {
@@ -180,7 +186,7 @@ fn inspect_folder(path: &Path, settings: &IngestSettings) -> Result<LogSummary, 
 }
 
 fn inspect_mcap(path: &Path, given: &IngestSettings) -> Result<LogSummary, IngestError> {
-    let parts = parts_of(path)?;
+    let parts = parts(path, given.mapping.as_ref())?;
     let topics = given.mapping.as_ref().and_then(|m| m.mcap.as_ref());
     let collected = collect_all(&parts.files, topics)?;
     let streams = &collected.streams;

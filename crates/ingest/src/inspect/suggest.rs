@@ -7,9 +7,9 @@ use super::{
 };
 use crate::{
     error::IngestError,
+    folder::entries_of,
     mapping::Mapping,
-    read_log::{Format, entries_of, format_of},
-    read_table::read_table,
+    read_log::{Format, format_of, read_log},
     settings::IngestSettings,
 };
 use std::{fmt::Write as _, fs::File, io::Read as _, path::Path};
@@ -87,7 +87,7 @@ fn head(path: &Path, guess: &Guess, body: &str) -> String {
             mapping: Some(mapping),
             ..IngestSettings::default()
         };
-        read_table(path, &settings)
+        read_log(path, &settings)
     });
     match read {
         Ok(drives) => {
@@ -143,10 +143,10 @@ fn body(table: &Sheet, guess: &Guess) -> String {
             IngestSettings::RATE_HZ
         );
     }
-    let lanes = match guess.shape {
-        Shape::Long => guess.lanes.unwrap_or(1).max(1),
-        _ => 1,
-    };
+    let has = |key: &str| guess.columns.iter().any(|(k, _)| *k == key);
+    let numbered = guess.shape == Shape::Long || has("lane");
+    let lanes = guess.lanes.filter(|_| numbered).unwrap_or(1).max(1);
+    out.push_str(WHOSE);
     let _ = writeln!(
         out,
         "\n[road]\n# doubt: lanes, their width and the posted speed are not in the table.\nlanes = {lanes}\n\
@@ -165,13 +165,33 @@ fn body(table: &Sheet, guess: &Guess) -> String {
     if let Some((kind, why)) = &guess.gap_kind {
         let _ = writeln!(out, "# {}\ngap_kind = \"{kind}\"", plain(why));
     }
-    let has = |key: &str| guess.columns.iter().any(|(k, _)| *k == key);
     if guess.shape == Shape::Long {
-        long(&mut out, guess, has("y"), has("lane"));
+        long(&mut out, guess, has("y"));
     } else if has("lead_x") {
         out.push_str(
             "# doubt: positions may be of the front, the centre or the rear.\npoint = \"front\"\n",
         );
+    }
+    if has("lane") {
+        let (from, doubt) = if guess.ngsim {
+            ("left", "as in NGSIM")
+        } else {
+            ("right", "doubt")
+        };
+        let _ = writeln!(
+            out,
+            "# {doubt}: lanes are numbered from the {from}.\nlanes_from = \"{from}\""
+        );
+    }
+    if let Some(why) = &guess.offset {
+        let _ = writeln!(
+            out,
+            "# {}.\n# doubt: it grows to the left.\noffset_grows = \"left\"",
+            plain(why)
+        );
+        if !has("lane") {
+            out.push_str("# doubt: no column numbers the lanes, so no lane changes are seen.\n");
+        }
     }
     if guess.time.0 == "frames" {
         out.push_str("# doubt: nothing says how many frames make a second.\nframes_per_s = 25.0\n");
@@ -208,11 +228,16 @@ fn body(table: &Sheet, guess: &Guess) -> String {
     out
 }
 
-fn long(out: &mut String, guess: &Guess, has_y: bool, has_lane: bool) {
-    let (grows, from, point, doubt) = if guess.ngsim {
-        ("right", "left", "front", "as in NGSIM: ")
+/// What says whose drive a file is, for somebody to fill in.
+const WHOSE: &str = "\n# Whose drive a file is, by its name; without it the file is called by its name, its person too, and its condition is `own`.\n\
+    # [names]\n# file = \"{participant}_{condition}\"\n# drive = \"{participant}-{condition}\"\n# participant = \"{participant}\"\n\
+    # condition = \"{condition}\"\n";
+
+fn long(out: &mut String, guess: &Guess, has_y: bool) {
+    let (grows, point, doubt) = if guess.ngsim {
+        ("right", "front", "as in NGSIM: ")
     } else {
-        ("left", "right", "centre", "doubt: ")
+        ("left", "centre", "doubt: ")
     };
     let _ = writeln!(
         out,
@@ -222,12 +247,6 @@ fn long(out: &mut String, guess: &Guess, has_y: bool, has_lane: bool) {
         let _ = writeln!(
             out,
             "# {doubt}y grows to the {grows}, seen along x.\ny_grows = \"{grows}\""
-        );
-    }
-    if has_lane {
-        let _ = writeln!(
-            out,
-            "# {doubt}lanes are numbered from the {from}.\nlanes_from = \"{from}\""
         );
     }
     if guess.both_ways {

@@ -9,8 +9,9 @@ use super::{
 };
 use crate::{
     error::IngestError,
+    quality::{Warning, WarningKind},
     raw::table::text::Style,
-    read_table::read_table,
+    read_log::read_log,
     settings::{IngestSettings, Ingested},
 };
 use std::path::Path;
@@ -27,13 +28,11 @@ pub(super) fn inspect_table(
     let written = table_mapping.map(Style::from).unwrap_or_default();
     let table = columns::read_as(path, look(path)?, written)?;
     let guess = guess(&table);
-    let guessed = || guess.columns.iter().map(|(k, c)| (*k, c.as_str()));
-    let mapped: Vec<(&str, &str)> = match table_mapping {
-        Some(mapping) => match &mapping.signals {
-            Some(signals) => signals.given().into_iter().flat_map(|g| g.2).collect(),
-            None => mapping.columns.given(),
-        },
-        None => guessed().collect(),
+    let guessed = guess.columns.iter();
+    let guessed = guessed.map(|(key, name)| ((*key).to_owned(), name.clone()));
+    let mapped: Vec<(String, String)> = match table_mapping {
+        Some(mapping) => mapping.layout.columns(),
+        None => guessed.collect(),
     };
     let sure = table_mapping.is_some();
     let columns = table.columns.iter();
@@ -48,6 +47,8 @@ pub(super) fn inspect_table(
         with_mapping(path, settings, &mut found);
     } else {
         found.would_ingest = without_mapping(&table, &guess);
+        let noted = |why: String| Warning::new(path, WarningKind::Noted, 1, why);
+        found.warnings.extend(guess.offset.map(noted));
     }
     Ok(found)
 }
@@ -59,7 +60,7 @@ pub(super) fn inspect_table(
 pub(super) fn columns_of_signal(
     path: &Path,
     written: Style,
-    mapped: &[(&str, &str)],
+    mapped: &[(String, String)],
 ) -> Result<(usize, Vec<ColumnSummary>), IngestError> {
     let table = columns::read_as(path, look(path)?, written)?;
     let guess = guess(&table);
@@ -70,7 +71,7 @@ pub(super) fn columns_of_signal(
 
 /// Reads the table, the only sure way to know what becomes of it.
 pub(super) fn with_mapping(path: &Path, settings: &IngestSettings, found: &mut LogSummary) {
-    match read_table(path, settings) {
+    match read_log(path, settings) {
         Ok(drives) => {
             let rows: usize = drives.iter().map(|d| d.recording.rows()).sum();
             let rate = drives.first().map_or(0.0, |d| d.recording.rate_hz());
@@ -87,7 +88,7 @@ pub(super) fn with_mapping(path: &Path, settings: &IngestSettings, found: &mut L
                 let holes = drive
                     .warnings
                     .iter()
-                    .filter(|w| w.kind == crate::WarningKind::Hole);
+                    .filter(|w| w.kind == WarningKind::Hole);
                 found
                     .gaps
                     .extend(holes.flat_map(|w| &w.spans_s).map(|&(from_s, to_s)| Gap {
@@ -125,7 +126,7 @@ fn without_mapping(table: &Sheet, guess: &Guess) -> String {
 
 fn summary(
     column: &TableColumn,
-    mapped: &[(&str, &str)],
+    mapped: &[(String, String)],
     guess: &Guess,
     sure: bool,
 ) -> ColumnSummary {
@@ -134,14 +135,15 @@ fn summary(
     let is =
         |name: &str| name == column.name || name.strip_suffix("{n}").is_some_and(|s| s == stem);
     let named = mapped.iter().find(|m| is(m.1.trim_end_matches('?')));
-    let key = named.map(|m| m.0);
+    let key = named.map(|m| m.0.as_str());
     let unit = match key {
         _ if sure => None,
         Some("time") => Some(guess.time.0),
         Some("ego_speed" | "speed" | "speed_x" | "speed_y" | "lead_speed") => Some(guess.speed.0),
-        Some("ego_x" | "x" | "y" | "gap" | "lead_x" | "ego_length" | "lead_length" | "length") => {
-            Some(guess.length.0)
-        }
+        Some(
+            "ego_x" | "ego_y" | "x" | "y" | "offset" | "gap" | "lead_x" | "ego_length"
+            | "lead_length" | "length",
+        ) => Some(guess.length.0),
         _ => None,
     };
     ColumnSummary {

@@ -27,6 +27,10 @@ pub(super) enum What {
     Length,
     Width,
     Lane,
+    /// A place in the lane, by its name.
+    Offset,
+    /// A place to the side: in the lane or across the road, numbers must tell.
+    Lateral,
     Heading,
 }
 
@@ -99,8 +103,15 @@ pub(super) fn words(name: &str) -> Words {
         Some(What::Frame)
     } else if is("t") || has("time timestamp stamp utc seconds") {
         Some(What::Time)
+    } else if has("lane") && has("offset deviation dev position pos lateral distance dist")
+        || is("offset")
+        || has("lateral") && has("offset deviation")
+    {
+        Some(What::Offset)
     } else if has("lane") {
         Some(What::Lane)
+    } else if has("lateral") && !has("velocity vel speed") {
+        Some(What::Lateral)
     } else if has("location site recording run scenario trial period") {
         Some(What::Group)
     } else if has("spacing gap ivs headway dhw clearance distance") {
@@ -208,6 +219,16 @@ mod tests {
             ("precedingId", Whose::Lead, Some(What::Id)),
         ] {
             assert_eq!(said(name), (whose, what), "{name}");
+        }
+        for (name, what) in [
+            ("lane_offset", What::Offset),
+            ("LanePosition", What::Offset),
+            ("offset", What::Offset),
+            ("lateral_position", What::Lateral),
+            ("lane", What::Lane),
+            ("lane_id", What::Lane),
+        ] {
+            assert_eq!(words(name).what, Some(what), "{name}");
         }
         for (name, what, unit) in [
             ("t_ms", What::Time, "ms"),

@@ -1,8 +1,11 @@
 //! Mappings: what the columns of a table, the topics of a recording and the names of files mean.
 
+mod check;
 mod columns;
+mod layout;
 mod mcap;
 pub(crate) mod names;
+mod recording_meta;
 mod sees;
 mod shipped_rigs;
 mod side;
@@ -12,10 +15,12 @@ mod time_pattern;
 mod units;
 
 use crate::{error::IngestError, lane_centres::LaneShape};
-pub use columns::{Columns, RecordingMeta};
+pub use columns::{LongColumns, PairColumns, PlatoonColumns};
+pub use layout::{Directions, Forward, Layout, Long, Pair, Platoon, Point, SignalTables};
 use maveric_domain::{Road, nearest};
 pub use mcap::{McapMapping, MessageMapping, RigSigns, Tells, Topics, TwistFrame};
 pub use names::{Names, named_after};
+pub use recording_meta::RecordingMeta;
 pub use sees::SeesMapping;
 use serde::{Deserialize, Serialize};
 pub(crate) use shipped_rigs::SHIPPED_RIGS;
@@ -25,7 +30,7 @@ pub use signals::{
     TracksSignal, VelocitySignal,
 };
 use std::path::Path;
-pub use table::{Directions, Forward, GapKind, Layout, Point, TableMapping};
+pub use table::{GapKind, TableMapping};
 pub(crate) use time_pattern::patterned;
 pub use units::{AngleUnit, LengthUnit, SpeedUnit, TimeUnit, Units};
 
@@ -37,7 +42,7 @@ pub struct Mapping {
     pub rate_hz: Option<f64>,
     /// Longest hole between samples that is bridged, in s, where the rig's slowest signal needs more than the canonical half second.
     pub max_gap_s: Option<f64>,
-    /// Names of files that are no logs, such as `manifest.csv`; `*` stands for any characters.
+    /// Names of files and folders that are no logs, such as `manifest.csv`; `*` stands for any characters.
     #[serde(default)]
     pub skip: Vec<String>,
     /// The road, where the log does not say it.
@@ -141,12 +146,13 @@ impl Mapping {
     ///
     /// # Example
     /// ```
-    /// use maveric_ingest::{Columns, LengthUnit, Layout, Mapping, SpeedUnit, TableMapping, TimeUnit, Units};
+    /// use maveric_ingest::{LengthUnit, Layout, Mapping, Platoon, PlatoonColumns, SpeedUnit, TableMapping, TimeUnit, Units};
     /// let units = Units::new(TimeUnit::Seconds, LengthUnit::Metres, SpeedUnit::MetresPerSecond);
-    /// let columns = Columns { time: Some("t".into()), ego_speed: Some("v".into()), ..Columns::default() };
-    /// let table = TableMapping { columns, ..TableMapping::new(Layout::Pair, units) };
+    /// let [time, speed, gap] = ["t", "v{n}", "gap{n}"].map(str::to_owned);
+    /// let columns = PlatoonColumns { time, speed, gap, ..PlatoonColumns::default() };
+    /// let table = TableMapping::new(Layout::Platoon(Platoon { offset_grows: None, columns }), units);
     /// let text = Mapping { table: Some(table), ..Mapping::default() }.to_toml();
-    /// assert!(text.contains("ego_speed = \"v\""));
+    /// assert!(text.contains("speed = \"v{n}\""));
     /// ```
     #[expect(
         clippy::missing_panics_doc,
@@ -158,12 +164,15 @@ impl Mapping {
 
     /// Whether a folder is one log, because every signal has its own file.
     pub fn takes_folders(&self) -> bool {
-        let table = self.table.as_ref();
-        let signals = table.and_then(|t| t.signals.as_ref());
-        signals.is_some_and(|s| !s.files().is_empty())
+        self.signals().is_some_and(|s| !s.files().is_empty())
     }
 
-    /// Whether the mapping says to pass over a file of this name.
+    /// The signals of a table in which each has its own times.
+    pub(crate) fn signals(&self) -> Option<&Signals> {
+        self.table.as_ref()?.layout.signals()
+    }
+
+    /// Whether the mapping says to pass over a file or a folder of this name.
     pub fn skips(&self, path: &Path) -> bool {
         let name = path.file_name().unwrap_or_default().to_string_lossy();
         self.skip
@@ -203,11 +212,25 @@ impl Mapping {
             if self.centre_line.len() < 2 || !finite || !apart {
                 return Err("`centre_line` is expected to have two or more finite points, no two alike in a row".to_owned());
             }
-            if self.table.as_ref().is_some_and(|t| !t.is_of_the_world()) {
+            if self
+                .table
+                .as_ref()
+                .is_some_and(|t| !t.layout.is_of_the_world())
+            {
                 return Err("`centre_line` needs positions in the world: layout `long`, `directions = \"along\"`, and a `heading` unless positions are of vehicles' centres".to_owned());
             }
         }
         self.check_lanes()?;
+        if let Some(names) = &self.names {
+            names.check()?;
+            let meta = self
+                .table
+                .as_ref()
+                .is_some_and(|t| t.layout.meta().is_some());
+            if names.parts.is_some() && (self.takes_folders() || meta) {
+                return Err("`names.parts` is for drives of one table or recording: leave it out where a drive is a folder, or a table has a file beside it".to_owned());
+            }
+        }
         if let Some(mcap) = &self.mcap {
             mcap.check()?;
         }
@@ -237,11 +260,10 @@ impl Mapping {
                 usize::from(road.lanes) + 1
             ));
         }
-        let numbered = self
-            .table
-            .as_ref()
-            .is_some_and(|t| t.columns.lane.is_some() || t.recording_meta.is_some());
-        if numbered || road.frame == FrameKind::Path {
+        let table = self.table.as_ref();
+        if table.is_some_and(|t| t.layout.numbers_lanes() || t.layout.meta().is_some())
+            || road.frame == FrameKind::Path
+        {
             return Err("`lane_edges_m` and `lanes_driven` do nothing beside numbers or markings of lanes, or in the frame `path`: leave them out".to_owned());
         }
         Ok(())
@@ -260,11 +282,10 @@ impl Mapping {
 /// What serde says of a mapping, and the key or word that was probably meant.
 fn with_suggestion(error: &toml::de::Error) -> String {
     let text = error.to_string();
-    let message = error.message();
-    let mut words = message.split('`').skip(1).step_by(2);
-    let unknown = message.starts_with("unknown");
-    match (unknown, words.next()) {
-        (true, Some(found)) => match nearest(found, words) {
+    let unknown = error.message().split_once("unknown ").map(|(_, what)| what);
+    let mut words = unknown.unwrap_or_default().split('`').skip(1).step_by(2);
+    match words.next() {
+        Some(found) => match nearest(found, words) {
             Some(meant) => format!("{}\ndid you mean `{meant}`?", text.trim_end()),
             None => text,
         },
@@ -292,14 +313,26 @@ mod tests {
 
     #[test]
     fn a_table_that_is_new_is_one_of_a_file_that_says_nothing_else() {
-        let text = "[table]\nlayout = \"long\"\n[table.units]\ntime = \"ms\"\nlength = \"ft\"\nspeed = \"mph\"\n";
+        let text = "[table]\nlayout = \"platoon\"\n[table.units]\ntime = \"ms\"\nlength = \"ft\"\nspeed = \"mph\"\n\
+            [table.columns]\ntime = \"t\"\nspeed = \"v{n}\"\ngap = \"s{n}\"\n";
         let units = Units::new(
             TimeUnit::Milliseconds,
             LengthUnit::Feet,
             SpeedUnit::MilesPerHour,
         );
+        let [time, speed, gap] = ["t", "v{n}", "s{n}"].map(str::to_owned);
+        let columns = PlatoonColumns {
+            time,
+            speed,
+            gap,
+            ..PlatoonColumns::default()
+        };
+        let layout = Layout::Platoon(Platoon {
+            offset_grows: None,
+            columns,
+        });
         let read: Mapping = toml::from_str(text).unwrap();
-        assert_eq!(read.table, Some(TableMapping::new(Layout::Long, units)));
+        assert_eq!(read.table, Some(TableMapping::new(layout, units)));
     }
 
     #[test]
@@ -307,7 +340,10 @@ mod tests {
         type Change = fn(&mut Mapping);
         let changes: [(Change, &str); 3] = [
             (
-                |m| m.table.as_mut().unwrap().columns.speed = Some("speed".to_owned()),
+                |m| match &mut m.table.as_mut().unwrap().layout {
+                    Layout::Platoon(platoon) => "speed".clone_into(&mut platoon.columns.speed),
+                    layout => panic!("{layout:?}"),
+                },
                 "with `{n}`",
             ),
             (
@@ -350,21 +386,129 @@ mod tests {
     #[test]
     fn a_misspelt_key_a_missing_unit_and_a_senseless_value_are_refused() {
         let of = |text: &str| {
-            Mapping::from_toml(text, Path::new("m.toml"))
-                .unwrap_err()
-                .to_string()
+            let refused = Mapping::from_toml(text, Path::new("m.toml"));
+            refused.unwrap_err().to_string()
         };
         assert!(of("rate = 10").contains("unknown field `rate`"));
         assert!(of("rate_hz = 0").contains("rate_hz"));
         let table = "[table]\nlayout = \"pair\"\ngap_kind = \"bumper_to_bumper\"\n[table.columns]\n\
             time = \"t\"\nego_x = \"x\"\nego_speed = \"v\"\nlead_speed = \"w\"\ngap = \"s\"\n[table.units]\nlength = \"m\"\n";
         assert!(of(table).contains("time"));
-        assert!(of("[table]\nlayuot = \"pair\"\n").contains("did you mean `layout`?"));
         let pair = format!("{table}time = \"s\"\nspeed = \"m/s\"\n");
         assert!(Mapping::from_toml(&pair, Path::new("m.toml")).is_ok());
-        let unsaid = pair.replace("gap_kind = \"bumper_to_bumper\"\n", "");
-        assert!(of(&unsaid).contains("`centre_to_centre`?"));
-        let odd = pair.replace("ego_x", "lane");
-        assert!(of(&odd).contains("layout `pair` has no `table.columns.lane`"));
+        for (from, to, said) in [
+            (
+                "gap_kind = \"bumper_to_bumper\"\n",
+                "",
+                "`centre_to_centre`?",
+            ),
+            ("layout", "layuot", "did you mean `layout`?"),
+            (
+                "\"pair\"",
+                "\"pears\"",
+                "unknown layout `pears`, expected one of `pair`, `long`",
+            ),
+            (
+                "layout = \"pair\"",
+                "layout = \"pair\"\nfoward = \"x\"",
+                "did you mean `forward`?",
+            ),
+            (
+                "layout = \"pair\"",
+                "layout = \"pair\"\nseperator = \",\"",
+                "did you mean `separator`?",
+            ),
+            (
+                "ego_speed = \"v\"\n",
+                "",
+                "layout `pair`, `table.columns`: missing field `ego_speed`",
+            ),
+            (
+                "ego_speed = \"v\"",
+                "ego_speed = 3",
+                "layout `pair`, `table.columns.ego_speed`: invalid type: integer `3`",
+            ),
+            ("\"m/s\"", "\"m/h\"", "unknown variant `m/h`"),
+        ] {
+            let error = of(&pair.replace(from, to));
+            assert!(error.contains(said), "{error}");
+        }
+    }
+
+    #[test]
+    fn a_key_of_another_layout_is_refused_with_those_that_belong_there() {
+        let refused = |name: &str, from: &str, to: &str| {
+            let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../study_data/mappings");
+            let text = std::fs::read_to_string(folder.join(name)).unwrap();
+            assert!(text.contains(from), "{name} has no {from}");
+            let text = text.replacen(from, to, 1);
+            Mapping::from_toml(&text, Path::new("m.toml"))
+                .unwrap_err()
+                .to_string()
+        };
+        for (name, from, to, layout, key, belongs) in [
+            (
+                "openacc.toml",
+                "[table]",
+                "[table]\ny_grows = \"left\"",
+                "pair",
+                "y_grows",
+                "`forward`, `point`",
+            ),
+            (
+                "openacc.toml",
+                "[table.columns]",
+                "[table.columns]\nspeed_x = \"vx\"",
+                "pair",
+                "speed_x",
+                "`ego_speed`, `ego_x`",
+            ),
+            (
+                "openacc_platoon.toml",
+                "[table]",
+                "[table]\nego = \"1\"",
+                "platoon",
+                "ego",
+                "`offset_grows` or `columns`",
+            ),
+            (
+                "highd.toml",
+                "[table.columns]",
+                "[table.columns]\nego_y = \"y\"",
+                "long",
+                "ego_y",
+                "`lane`, `offset`",
+            ),
+            (
+                "uah.toml",
+                "[table]",
+                "[table]\nforward = \"-x\"",
+                "signals",
+                "forward",
+                "`signals`",
+            ),
+        ] {
+            let error = refused(name, from, to);
+            let words = [
+                format!("layout `{layout}`"),
+                format!("unknown field `{key}`"),
+                belongs.to_owned(),
+            ];
+            assert!(words.iter().all(|w| error.contains(w)), "{error}");
+        }
+    }
+
+    #[test]
+    fn every_key_that_is_said_to_be_of_every_table_is_one() {
+        let rest: toml::Table = toml::from_str("layout = \"pair\"\n[columns]\ntime = \"t\"\nego_speed = \"v\"\n[units]\ntime = \"s\"\nlength = \"m\"\nspeed = \"m/s\"\n").unwrap();
+        let keys = layout::OF_EVERY_TABLE.split('`').skip(1).step_by(2);
+        assert!(keys.clone().count() > 5);
+        for key in keys.filter(|key| *key != "units") {
+            let mut with = rest.clone();
+            // Of no key's type.
+            with.insert(key.to_owned(), toml::Value::Array(Vec::new()));
+            let error = toml::from_str::<TableMapping>(&with.to_string()).unwrap_err();
+            assert!(!error.message().contains("unknown field"), "{key}: {error}");
+        }
     }
 }

@@ -21,6 +21,10 @@ pub struct Names {
     /// Pattern of the folder's name.
     #[serde(default)]
     pub folder: Option<String>,
+    /// How the names of files end that are parts of one recording, such as `_part{n}` where `{n}` is the part's number. The first part may
+    /// lack it. What is left of the name is the recording's, and that of the drive.
+    #[serde(default)]
+    pub parts: Option<String>,
     /// Name in braces → column of the table that holds it.
     #[serde(default)]
     pub columns: BTreeMap<String, String>,
@@ -51,6 +55,50 @@ fn human() -> DrivenBy {
     DrivenBy::Human
 }
 
+impl Names {
+    /// The name of the recording that a file of this name is a part of, and the part's number; none where the name has none.
+    pub(crate) fn part<'a>(&self, stem: &'a str) -> (&'a str, Option<u64>) {
+        let numbered = || {
+            let (before, behind) = self.parts.as_deref()?.split_once(NUMBER)?;
+            let stem = stem.strip_suffix(behind)?;
+            let without = stem.trim_end_matches(|c: char| c.is_ascii_digit());
+            let number = stem.get(without.len()..)?.parse().ok()?;
+            Some((
+                without.strip_suffix(before).filter(|r| !r.is_empty())?,
+                Some(number),
+            ))
+        };
+        numbered().unwrap_or((stem, None))
+    }
+
+    /// What the name of a part of a recording is expected to be.
+    pub(crate) fn name_of_part(&self, recording: &str, number: u64) -> String {
+        let ending = self.parts.as_deref().unwrap_or_default();
+        format!("{recording}{}", ending.replace(NUMBER, &number.to_string()))
+    }
+
+    /// What is wrong with them.
+    pub(super) fn check(&self) -> Result<(), String> {
+        match self.parts.as_deref().map(|parts| parts.split_once(NUMBER)) {
+            Some(Some((before, behind)))
+                if !before.is_empty()
+                    && !before.ends_with(|c: char| c.is_ascii_digit())
+                    && !behind.contains(['{', '}']) =>
+            {
+                Ok(())
+            }
+            None => Ok(()),
+            Some(_) => Err(format!(
+                "`names.parts` is `{}`, expected the end of a file's name with `{NUMBER}` for the part's number and a text before it, such as `_part{NUMBER}`",
+                self.parts.as_deref().unwrap_or_default()
+            )),
+        }
+    }
+}
+
+/// What stands for the number of a part.
+const NUMBER: &str = "{n}";
+
 /// Whose drive a file is; `within` names one of several drives of it, such as by the vehicle's `id`, and may stand in the templates.
 ///
 /// Without names, or with a warning where the pattern does not fit, the file's own name is the drive and the participant: a person
@@ -71,12 +119,13 @@ pub(crate) fn meta_of(
         path.file_stem()
     };
     let stem = stem.unwrap_or_default().to_string_lossy();
+    let stem = names.map_or(&*stem, |names| names.part(&stem).0);
     let refused = |source: DomainError| IngestError::Refused {
         path: path.to_owned(),
         source,
     };
     if let Some(names) = names
-        && let Some(mut captures) = capture(&names.file, &stem)
+        && let Some(mut captures) = capture(&names.file, stem)
         && let Some(of_folder) = in_folder(names, path)
     {
         captures.extend(of_folder);
@@ -94,7 +143,7 @@ pub(crate) fn meta_of(
     let tail: String = parts.collect();
     let tail: String = tail.chars().take(MOST_ID - 1).collect();
     // The end tells drives of one file apart, so the file's name gives way.
-    let mut id: String = safe(&stem).chars().take(MOST_ID - tail.len()).collect();
+    let mut id: String = safe(stem).chars().take(MOST_ID - tail.len()).collect();
     id.push_str(&tail);
     if id.is_empty() {
         "drive".clone_into(&mut id);

@@ -1,6 +1,6 @@
 //! Which file of a folder is which signal, and what its columns are.
 
-use super::side::Side;
+use super::{columns::given, side::Side};
 use serde::{Deserialize, Serialize};
 
 /// The signals of a drive, each with times of its own (layout `signals`).
@@ -25,14 +25,24 @@ pub struct Signals {
     pub road: Option<RoadSignal>,
 }
 
-/// Keys of a signal, each with its column.
-type Keys<'a> = Vec<(&'static str, &'a str)>;
+/// One signal as it stands in a mapping.
+pub(crate) struct GivenSignal {
+    /// Its key.
+    pub(crate) name: String,
+    /// Its file; empty where it is read from the log itself.
+    pub(crate) file: String,
+    /// Keys of its columns with their names.
+    pub(crate) columns: Vec<(String, String)>,
+}
+
+/// Keys of signals that name no column.
+const NO_COLUMNS: [&str; 4] = ["file", "missing", "only", "offset_grows"];
 
 impl Signals {
     /// The files, ego's speed first, each once.
-    pub fn files(&self) -> Vec<&str> {
-        let mut files: Vec<&str> = Vec::new();
-        for (_, file, _) in self.given() {
+    pub fn files(&self) -> Vec<String> {
+        let mut files: Vec<String> = Vec::new();
+        for GivenSignal { file, .. } in self.given() {
             if !file.is_empty() && !files.contains(&file) {
                 files.push(file);
             }
@@ -40,71 +50,34 @@ impl Signals {
         files
     }
 
-    /// The signals that are given: name, file, and the keys of its columns with their names.
-    pub(crate) fn given(&self) -> Vec<(&'static str, &str, Keys<'_>)> {
-        let mut found = vec![(
-            "speed",
-            self.speed.file.as_str(),
-            keys([
-                ("time", Some(&self.speed.time)),
-                ("value", Some(&self.speed.value)),
-            ]),
-        )];
-        if let Some(s) = &self.velocity {
-            let mut columns = keys([("time", Some(&s.time))]);
-            columns.extend(s.position.iter().map(|c| ("position", c.as_str())));
-            columns.extend(s.velocity.iter().map(|c| ("velocity", c.as_str())));
-            found.push(("velocity", s.file.as_str(), columns));
-        }
-        if let Some(s) = &self.tracks {
-            let columns = keys([
-                ("time", Some(&s.time)),
-                ("track", Some(&s.track)),
-                ("new_track", s.new_track.as_ref()),
-                ("forward", Some(&s.forward)),
-                ("left", Some(&s.left)),
-                ("relative_speed", Some(&s.relative_speed)),
-            ]);
-            found.push(("tracks", s.file.as_str(), columns));
-        }
-        if let Some(s) = &self.lead {
-            let columns = keys([
-                ("time", Some(&s.time)),
-                ("gap", Some(&s.gap)),
-                ("speed", s.speed.as_ref()),
-            ]);
-            found.push(("lead", s.file.as_str(), columns));
-        }
-        if let Some(s) = &self.lane {
-            let columns = keys([
-                ("time", Some(&s.time)),
-                ("number", s.number.as_ref()),
-                ("offset", s.offset.as_ref()),
-            ]);
-            found.push(("lane", s.file.as_str(), columns));
-        }
-        if let Some(s) = &self.lane_changes {
-            let columns = keys([("time", Some(&s.time)), ("direction", Some(&s.direction))]);
-            found.push(("lane_changes", s.file.as_str(), columns));
-        }
-        if let Some(s) = &self.road {
-            let columns = keys([
-                ("time", Some(&s.time)),
-                ("posted_speed", s.posted_speed.as_ref()),
-                ("lanes", s.lanes.as_ref()),
-                ("lane", s.lane.as_ref()),
-            ]);
-            found.push(("road", s.file.as_str(), columns));
-        }
-        found
+    /// The signals that are given, ego's speed first.
+    pub(crate) fn given(&self) -> Vec<GivenSignal> {
+        let signals = toml::Table::try_from(self).unwrap_or_default();
+        let of_signal = |(name, keys): (String, toml::Value)| {
+            let mut columns = given(&keys);
+            let file = columns.iter().find(|(key, _)| key == "file");
+            let file = file.map(|f| f.1.clone()).unwrap_or_default();
+            // What a direction is called is no column either.
+            let words = |key: &str| name == "lane_changes" && ["left", "right"].contains(&key);
+            columns.retain(|(key, _)| !NO_COLUMNS.contains(&key.as_str()) && !words(key));
+            GivenSignal {
+                name,
+                file,
+                columns,
+            }
+        };
+        let mut signals: Vec<GivenSignal> = signals.into_iter().map(of_signal).collect();
+        signals.sort_by_key(|signal| signal.name != "speed");
+        signals
     }
 
     /// What is wrong with them.
     pub(super) fn check(&self) -> Result<(), String> {
         let given = self.given();
-        let named = given.iter().filter(|(_, file, _)| !file.is_empty()).count();
-        if named != 0 && named != given.len() {
-            let (name, ..) = given.iter().find(|g| g.1.is_empty()).unwrap_or(&given[0]);
+        let unnamed = given.iter().find(|signal| signal.file.is_empty());
+        if let Some(GivenSignal { name, .. }) = unnamed
+            && given.iter().any(|signal| !signal.file.is_empty())
+        {
             return Err(format!(
                 "`table.signals.{name}.file` is not given, but those of other signals are: name the file of each, or of none"
             ));
@@ -156,13 +129,6 @@ impl Signals {
             _ => Ok(()),
         }
     }
-}
-
-fn keys<'a, const N: usize>(columns: [(&'static str, Option<&'a String>); N]) -> Keys<'a> {
-    let given = columns.into_iter();
-    given
-        .filter_map(|(key, name)| Some((key, name?.as_str())))
-        .collect()
 }
 
 /// Which rows of a file count: those whose cell is one of some words.

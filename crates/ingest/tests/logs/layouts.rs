@@ -2,7 +2,7 @@
 
 use maveric_domain::{Drive, Recording, Sees};
 use maveric_ingest::{
-    IngestError, IngestSettings, Ingested, LogFormat, Mapping, WarningKind, inspect_with,
+    IngestError, IngestSettings, Ingested, Layout, LogFormat, Mapping, WarningKind, inspect_with,
     log_files, read_log,
 };
 use std::{
@@ -276,12 +276,10 @@ fn a_folder_of_signals_is_one_drive_and_the_vehicle_in_the_lane_leads() {
     let error = read_log(folder.path(), &mapping).unwrap_err();
     assert!(matches!(&error, IngestError::NotFound { path } if path.ends_with("pose_ecef.csv")));
     let mut straight = mapping.clone();
-    if let Some(signals) = straight
-        .mapping
-        .as_mut()
-        .and_then(|m| m.table.as_mut()?.signals.as_mut())
+    if let Some(table) = straight.mapping.as_mut().and_then(|m| m.table.as_mut())
+        && let Layout::Signals(tables) = &mut table.layout
     {
-        signals.velocity = None;
+        tables.signals.velocity = None;
     }
     let found = read_log(folder.path(), &straight).unwrap().remove(0);
     let drive = drive_of(&found);

@@ -4,6 +4,7 @@
 mod clocks;
 mod damage;
 mod fuzz;
+mod lanes;
 mod layouts;
 mod other_files;
 mod others;
@@ -12,6 +13,7 @@ mod round_trip;
 mod scene;
 mod signals;
 mod simulators;
+mod split;
 mod tables;
 mod unseen;
 

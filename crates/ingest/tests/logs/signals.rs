@@ -2,7 +2,7 @@
 
 use maveric_domain::{Drive, Sees, drive::Direction};
 use maveric_ingest::{
-    IngestError, IngestSettings, Ingested, Mapping, Provenance, WarningKind, inspect_with,
+    IngestError, IngestSettings, Ingested, Layout, Mapping, Provenance, WarningKind, inspect_with,
     log_files, read_drive_from, read_log, write_drive_to,
 };
 use std::{
@@ -326,8 +326,10 @@ fn a_posted_speed_of_nothing_is_refused_unless_the_mapping_says_what_it_stands_f
     let row = "7.00 0.0 1 motorway 3 1 40.5 -3.3 1.0 108";
     rig.line("PROC_OPENSTREETMAP_DATA.txt", 2, row);
     let mut mapping = uah();
-    let signals = mapping.table.as_mut().unwrap().signals.as_mut().unwrap();
-    signals.road.as_mut().unwrap().missing = vec![-1.0];
+    let Layout::Signals(tables) = &mut mapping.table.as_mut().unwrap().layout else {
+        panic!("uah.toml is of another layout");
+    };
+    tables.signals.road.as_mut().unwrap().missing = vec![-1.0];
     let error = read_log(&rig.drive(), &settings(mapping))
         .unwrap_err()
         .to_string();

@@ -158,9 +158,18 @@ fn keys_that_do_nothing_are_refused_by_name() {
     let columns =
         "[table.columns]\ntime = \"t\"\nego_speed = \"v\"\ngap = \"gap\"\nlead_speed = \"w\"\n";
     for (key, said) in [
-        ("directions = \"both\"", "`table.directions`"),
-        ("y_grows = \"left\"", "`table.y_grows`"),
-        ("new_vehicle_after_s = 2.0", "`table.new_vehicle_after_s`"),
+        (
+            "directions = \"both\"",
+            "unknown field `directions`, expected one of `forward`",
+        ),
+        (
+            "y_grows = \"left\"",
+            "unknown field `y_grows`, expected one of `forward`",
+        ),
+        (
+            "new_vehicle_after_s = 2.0",
+            "unknown field `new_vehicle_after_s`, expected one of `forward`",
+        ),
         ("point = \"front\"", "`table.point`"),
         ("frames_per_s = 25.0", "`table.frames_per_s`"),
     ] {

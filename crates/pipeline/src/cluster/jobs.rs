@@ -6,7 +6,7 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use super::{engine, script};
-use crate::atomic_write::{self, Durability};
+use crate::atomic_write::{Durability, atomic_write_bytes};
 use crate::{Executor, Manifest, PipelineError, Place};
 
 /// Everything that was handed in and is not settled, so that another process can follow it.
@@ -201,7 +201,7 @@ impl Jobs {
             };
             text.push_str(&json(&line).map_err(failed())?);
         }
-        atomic_write::write(&self.path, text.as_bytes(), Durability::Synced)
+        atomic_write_bytes(&self.path, text.as_bytes(), Durability::Synced)
     }
 
     pub(super) fn jobs(&self) -> BTreeSet<String> {

@@ -5,11 +5,6 @@ use serde_json::json;
 
 /// Free speed 27 m/s and 4 m/s more a unit of the style, which its score follows by 10 points a unit.
 pub(crate) fn model() -> Model {
-    model_that_reads(30.0)
-}
-
-/// The same, whose score of the average driver is `offset`.
-pub(crate) fn model_that_reads(offset: f64) -> Model {
     let heads = HEADS.iter().map(|head| {
         let (common, slope) = match head.name {
             "free_speed_mps" => (vec![27.0], 4.0),
@@ -28,7 +23,7 @@ pub(crate) fn model_that_reads(offset: f64) -> Model {
         "heads": {"linear": {
             "heads": heads,
             "style": {
-                "gradient": [10.0], "offset": offset, "covariance": [0.01, 0.0, 0.0, 0.01], "reading_sd": 1.0,
+                "gradient": [10.0], "offset": 30.0, "covariance": [0.01, 0.0, 0.0, 0.01], "reading_sd": 1.0,
                 "cross_fitted_rmse": null, "cross_fitted_r": null, "people": 3, "drives": 3,
             },
         }},

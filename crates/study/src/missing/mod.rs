@@ -6,7 +6,7 @@ use crate::{
     design::DesignFile,
     error::StudyError,
     once::{count, names, together},
-    tables::write_rows,
+    tables::{TableName, write_rows},
 };
 use maveric_domain::{Moment, ParticipantId};
 use serde::{Deserialize, Serialize};
@@ -165,8 +165,8 @@ impl Missing {
     /// Writes all rows as a table.
     ///
     /// # Errors
-    /// [`StudyError::Io`], [`StudyError::BadTable`].
+    /// As [`write_rows`].
     pub fn write(&self, path: &Path) -> Result<(), StudyError> {
-        write_rows(path, &self.rows)
+        write_rows(TableName::Missing, path, &self.rows)
     }
 }

@@ -8,11 +8,11 @@ use crate::{
     outputs::spare_inputs,
     run_folder::read_scales,
     stage::{Files, Stage},
-    tables::write_rows,
+    tables::{TableName, write_rows},
 };
 use maveric_domain::design::{OwnMeasure, Sign};
 use path_slash::PathExt as _;
-use serde::{Deserialize, Serialize};
+use serde::Serialize;
 use std::path::{Path, PathBuf};
 
 /// Describe the questionnaires (items, ranges, reversals, subscales, norms) and the study's own measures
@@ -42,7 +42,7 @@ pub struct Codebook {
 }
 
 /// An item of a subscale: a row of `codebook.csv`.
-#[derive(Serialize, Deserialize)]
+#[derive(Serialize)]
 struct ItemRow {
     scale: String,
     subscale: String,
@@ -55,7 +55,7 @@ struct ItemRow {
 }
 
 /// A measure of the study's own: a row of `codebook_measures.csv`.
-#[derive(Serialize, Deserialize)]
+#[derive(Serialize)]
 struct MeasureRow {
     id: String,
     title: String,
@@ -131,9 +131,9 @@ impl Stage for Describe {
                 }));
             }
         }
-        write_rows(&csv, &rows)?;
+        write_rows(TableName::Codebook, &csv, &rows)?;
         if !own.is_empty() {
-            write_rows(&of_measures, &own)?;
+            write_rows(TableName::CodebookMeasures, &of_measures, &own)?;
         }
         atomic_write_bytes(&markdown, page.as_bytes())?;
         let value = Codebook {

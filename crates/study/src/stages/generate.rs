@@ -10,7 +10,7 @@ use crate::{
     stage::{Files, Stage},
     stages::simulate::Scenes,
     tables::{
-        Table, drives::remove_former, participants::write_participants, surveys::write_answers,
+        Table, TableName, drives::remove_former, participants::write_participants, write_rows,
     },
 };
 use maveric_domain::{DriveId, DriveMeta, DrivenBy, ParticipantId, stream_seed};
@@ -158,7 +158,7 @@ impl Stage for Generate {
         })?;
         remove_former_logs(&place, &planned)?;
         write_participants(&place.people, &cohort, &study.design)?;
-        write_answers(&place.answers, &answers)?;
+        write_rows(TableName::Answers, &place.answers, &answers)?;
         let value = Generated {
             participants: cohort.participants.len(),
             drives: planned.len(),

@@ -3,6 +3,7 @@
 use crate::{
     atomic_write::atomic_write_bytes,
     error::StudyError,
+    once::count,
     outcome::{Outcome, Watch},
     run_folder::read_model,
     stage::{Files, Stage},
@@ -33,7 +34,7 @@ use std::{
 #[command(after_help = "\
 Example: maveric inspect recording.mcap --format json
          maveric inspect P07-own.mcap av/logs/P07-*.mcap --watch P07.html
-         maveric inspect --suggest-mapping drives.csv > mapping.toml")]
+         maveric inspect --suggest-mapping drives.csv --into mapping.toml")]
 pub struct Inspect {
     /// Files to look into; a folder whose mapping says that every signal has its own file
     #[arg(required_unless_present = "suggest_mapping")]
@@ -44,6 +45,9 @@ pub struct Inspect {
     /// Propose a mapping for this table, with its doubts as comments
     #[arg(long, value_name = "FILE", conflicts_with_all = ["files", "mapping", "plot", "watch", "csv"])]
     pub suggest_mapping: Option<PathBuf>,
+    /// Write the proposed mapping as this file, which must not be there yet
+    #[arg(long, value_name = "OUT.toml", requires = "suggest_mapping")]
+    pub into: Option<PathBuf>,
     /// Draw speed, gap and lane of the first file over time
     #[arg(long, value_name = "OUT.png")]
     pub plot: Option<PathBuf>,
@@ -64,14 +68,38 @@ pub struct SuggestedMapping {
     pub mapping: String,
 }
 
-/// Proposes a mapping for a table, or for a folder of tables with a signal each.
+/// Proposes a mapping for a table, or for a folder of tables with a signal each; as a file of its own where one is named.
 ///
 /// # Errors
-/// [`StudyError::Ingest`] for what is no table.
-fn suggest(path: &Path) -> Result<Outcome<Looked>, StudyError> {
+/// [`StudyError::Ingest`] for what is no table; [`StudyError::BadFile`] where the file is there already.
+fn suggest(path: &Path, into: Option<&Path>) -> Result<Outcome<Looked>, StudyError> {
+    if let Some(into) = into.filter(|into| into.symlink_metadata().is_ok()) {
+        return Err(StudyError::BadFile {
+            path: into.to_owned(),
+            problem: "is there already, and a proposal is written over no mapping".to_owned(),
+            help: Some(
+                "name a new file with --into, and take [names] and [road] over into it from the mapping that you have".to_owned(),
+            ),
+        });
+    }
     let mapping = suggest_mapping(path)?;
+    let summary = match into {
+        None => mapping.lines().map(str::to_owned).collect(),
+        Some(into) => {
+            atomic_write_bytes(into, mapping.as_bytes())?;
+            let doubts = mapping
+                .lines()
+                .filter(|l| l.starts_with("# doubt: "))
+                .count();
+            let doubts = count(doubts, "doubt", "doubts");
+            vec![format!(
+                "mapping with {doubts}, each in a comment: {}",
+                into.to_slash_lossy()
+            )]
+        }
+    };
     Ok(Outcome {
-        summary: mapping.lines().map(str::to_owned).collect(),
+        summary,
         value: Looked::Mapping(SuggestedMapping {
             path: path.to_owned(),
             mapping,
@@ -176,6 +204,7 @@ impl Stage for Inspect {
             .reads(&self.files)
             .reads(&self.mapping)
             .reads(&self.suggest_mapping)
+            .writes(&self.into)
             .writes(&self.plot)
             .writes(&self.watch)
             .writes(&self.csv))
@@ -184,7 +213,7 @@ impl Stage for Inspect {
     /// Says what each file holds; draws the first one's drive if asked to.
     fn work(&self, watch: Watch<'_>) -> Result<Outcome<Looked>, StudyError> {
         if let Some(path) = &self.suggest_mapping {
-            return suggest(path);
+            return suggest(path, self.into.as_deref());
         }
         let settings = IngestSettings {
             mapping: self.mapping.as_deref().map(Mapping::read).transpose()?,
@@ -434,4 +463,49 @@ fn plot(path: &Path, settings: &IngestSettings, out: &Path) -> Result<(), StudyE
         lanes: drive.road().lanes,
     };
     atomic_write_bytes(out, &drive_overview(&input, &Context::real())?.png()?)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::sync::atomic::AtomicBool;
+
+    #[test]
+    fn a_proposal_is_written_as_a_file_of_its_own_and_never_over_one_that_is_there() {
+        let folder = tempfile::tempdir().unwrap();
+        let (table, into) = (
+            folder.path().join("pair.csv"),
+            folder.path().join("mapping.toml"),
+        );
+        let row = |i: u32| format!("{},{},20,25\n", f64::from(i) / 10.0, 2 * i);
+        let rows: String = (0..50).map(row).collect();
+        std::fs::write(&table, format!("t,x_follower,v_follower,spacing\n{rows}")).unwrap();
+        let propose = || {
+            let inspect = Inspect {
+                files: Vec::new(),
+                mapping: None,
+                suggest_mapping: Some(table.clone()),
+                into: Some(into.clone()),
+                plot: None,
+                watch: None,
+                csv: None,
+            };
+            let (quiet, go_on) = (|_: usize, _: usize, _: &str| (), AtomicBool::new(false));
+            inspect.run(Watch::new(&quiet, &go_on))
+        };
+        let proposed = propose().unwrap();
+        let written = std::fs::read_to_string(&into).unwrap();
+        assert_eq!(written, suggest_mapping(&table).unwrap());
+        assert!(Mapping::read(&into).is_ok());
+        assert_eq!(proposed.summary.len(), 1);
+        let said = &proposed.summary[0];
+        assert!(
+            said.contains("mapping.toml") && said.contains("doubts, each in a comment"),
+            "{said}"
+        );
+        std::fs::write(&into, "# mine\n[names]\n").unwrap();
+        let error = propose().unwrap_err();
+        assert!(error.to_string().contains("is there already"), "{error}");
+        assert_eq!(std::fs::read_to_string(&into).unwrap(), "# mine\n[names]\n");
+    }
 }

@@ -9,9 +9,11 @@ use crate::{
     run_folder::own_path,
     stage::{Files, Stage},
     tables::{
+        TableName,
         drives::read_drives,
         measurements::{MeasuredDrive, write_measurements},
-        own_measures::{OwnMeasures, read_own_measures, write_own_measurements},
+        own_measures::{OwnMeasures, read_own_measures},
+        write_rows,
     },
 };
 use maveric_domain::{ConditionId, DriveId, ParticipantId};
@@ -134,7 +136,7 @@ impl Stage for Measure {
         };
         let parts = comparable_parts(&rows, &exposures, compared);
         let cut = count_in_parts(&self.drives, &measures, &parts, &mut rows, watch)?;
-        write_measurements(&self.out, &names, &rows)?;
+        write_measurements(&self.out, &rows)?;
         let missing: Vec<usize> = names
             .iter()
             .map(|name| rows.iter().filter(|r| r.values[*name].is_none()).count())
@@ -214,7 +216,7 @@ impl Measure {
             ));
         }
         let out = own_path(&self.out);
-        write_own_measurements(&out, &own.measurements)?;
+        write_rows(TableName::OwnMeasurements, &out, &own.measurements)?;
         let averaged = own.measurements.iter().filter(|m| m.n > 1).count();
         let summary = vec![format!(
             "{} of the study's own measures ({averaged} of them means of several sessions or trials): {}",
@@ -405,19 +407,5 @@ mod tests {
             .iter()
             .find(|w| w.contains("differ in length"));
         assert!(said.unwrap().starts_with("1 person has drives"), "{said:?}");
-    }
-
-    #[test]
-    fn the_page_of_outputs_says_of_each_measure_what_it_says_of_itself() {
-        let page = include_str!("../../../../docs/outputs.md");
-        let (_, said) = page.split_once("## `measurements.parquet`").unwrap();
-        let said = said.split("\n## ").next().unwrap();
-        let rows = said.lines().filter(|line| line.starts_with("| `"));
-        let measures = objective::all().iter().chain(objective::further());
-        let own = measures.map(|m| {
-            let what = m.description.trim_end_matches('.');
-            format!("| `{}` | {what} ({}) |", m.name, m.unit)
-        });
-        assert!(own.eq(rows.skip(5)));
     }
 }

@@ -39,7 +39,7 @@ pub fn versions() -> BTreeMap<String, String> {
         ("import", 2),
         ("codebook", 1),
         ("export", 3),
-        ("ingest", 11),
+        ("ingest", 12),
         ("score", 6),
         ("train", 10),
         ("personalize", 9),

@@ -8,9 +8,10 @@ use crate::{
     run_folder::{read_effects_on, read_scales},
     stage::{Files, Stage},
     tables::{
+        TableName,
         measurements::{MeasuredDrive, one_drive_a_condition, read_measurements},
         participants::read_participants,
-        surveys::write_answers,
+        write_rows,
     },
 };
 use maveric_domain::{ConditionId, MeasureValues, spread};
@@ -158,7 +159,7 @@ impl Stage for Rate {
             ),
         });
         }
-        write_answers(&self.out, &answers)?;
+        write_rows(TableName::Answers, &self.out, &answers)?;
         let summary = vec![format!(
             "{raters} synthetic participants rated their conditions: {}",
             self.out.to_slash_lossy()

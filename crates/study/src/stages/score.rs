@@ -10,9 +10,9 @@ use crate::{
     run_folder::{exclusions_path, items_path, read_scales, reliabilities_path},
     stage::{Files, Stage},
     tables::{
-        Table, TableBuilder,
+        Table, TableName,
         drives::kept_out,
-        surveys::{read_timed_answers, refuse_unclear, write_scores},
+        surveys::{read_timed_answers, refuse_unclear},
         write_rows,
     },
 };
@@ -68,60 +68,40 @@ pub enum Moments {
     After,
 }
 
-/// Reliability of one subscale, and how its scores lie.
+/// Reliability of one subscale, and how its scores lie; a number that does not exist is missing.
 #[derive(Debug, Clone, Serialize, Deserialize)]
+#[expect(missing_docs, reason = "`columns.toml` says what they are")]
 pub struct Reliability {
-    /// Code name of the scale.
     pub scale: String,
-    /// Code name of the subscale.
     pub subscale: String,
-    /// Items.
     pub items: usize,
-    /// Respondents without a missing item.
     pub n: usize,
-    /// Respondents left out for a missing item.
     pub dropped: usize,
-    /// People, where some answered several sheets.
     pub people: Option<usize>,
-    /// Cronbach's alpha; `None` where it does not exist.
     pub alpha: Option<f64>,
-    /// Lower end of its 95 % interval: Feldt's, or a bootstrap over people where some answered several sheets.
     pub ci_low: Option<f64>,
-    /// Upper end.
     pub ci_high: Option<f64>,
-    /// McDonald's omega of one factor; `None` below three items or without a proper solution.
     pub omega: Option<f64>,
-    /// Mean of the scores; `None` without any.
     pub mean: Option<f64>,
-    /// Their standard deviation; `None` below two.
     pub sd: Option<f64>,
-    /// Scores at the lowest value there is.
     pub floor: usize,
-    /// Scores at the highest.
     pub ceiling: usize,
-    /// Each item and the others; a table of their own.
+    /// A table of their own.
     #[serde(skip_deserializing)]
     pub item: Vec<ItemReliability>,
 }
 
 /// One item of a subscale, as scored (after reversal); complete respondents.
-#[derive(Debug, Clone, Serialize, Deserialize)]
+#[derive(Debug, Clone, Serialize)]
+#[expect(missing_docs, reason = "`columns.toml` says what they are")]
 pub struct ItemReliability {
-    /// Its number.
     pub item: u32,
-    /// Whether it is reversed.
     pub reversed: bool,
-    /// Mean.
     pub mean: Option<f64>,
-    /// Standard deviation.
     pub sd: Option<f64>,
-    /// Correlation with the sum of the others.
     pub r_rest: Option<f64>,
-    /// Alpha without it.
     pub alpha_dropped: Option<f64>,
-    /// Respondents at the lowest answer.
     pub floor: usize,
-    /// Respondents at the highest.
     pub ceiling: usize,
 }
 
@@ -299,7 +279,7 @@ impl Stage for ScoreAnswers {
             .iter()
             .map(|matrix| reliability(matrix, &scales, &scored.scores))
             .collect();
-        write_scores(&self.out, &scored.scores)?;
+        write_rows(TableName::Scores, &self.out, &scored.scores)?;
         write_reliabilities(&self.out, &reliabilities)?;
         let doubted = warnings.iter().map(|warning| Exclusion {
             who: warning.participant().to_string(),
@@ -311,8 +291,8 @@ impl Stage for ScoreAnswers {
             what: format!("answers ({moment})"),
             why: why.to_string(),
         });
-        let exclusions: Vec<Exclusion> = doubted.chain(kept_out).collect();
-        write_rows(&exclusions_path(&self.out), &exclusions)?;
+        let exclusions = exclusions_path(&self.out);
+        write_rows(TableName::LeftOut, &exclusions, doubted.chain(kept_out))?;
         let missing = scored.scores.iter().filter(|s| s.value.is_none()).count();
         let mut summary = vec![format!(
             "{} scores ({missing} missing): {}",
@@ -375,21 +355,15 @@ fn let_in(
 }
 
 fn write_reliabilities(out: &Path, rows: &[Reliability]) -> Result<(), StudyError> {
-    write_rows(&reliabilities_path(out), rows)?;
-    let items: Vec<(&Reliability, &ItemReliability)> = rows
-        .iter()
-        .flat_map(|r| r.item.iter().map(move |i| (r, i)))
-        .collect();
-    let answered = |n: usize| i64::try_from(n).ok();
-    TableBuilder::default()
-        .text("scale", items.iter().map(|i| i.0.scale.as_str()))
-        .text("subscale", items.iter().map(|i| i.0.subscale.as_str()))
-        .beside(TableBuilder::of(items.iter().map(|i| i.1))?)
-        .with(
-            4,
-            TableBuilder::default().integers("n", items.iter().map(|i| answered(i.0.n))),
-        )
-        .write(&items_path(out))
+    write_rows(TableName::Reliabilities, &reliabilities_path(out), rows)?;
+    let items = rows.iter().flat_map(|score| {
+        let named = (("scale", &score.scale), ("subscale", &score.subscale));
+        score
+            .item
+            .iter()
+            .map(move |item| (named, ("n", score.n), item))
+    });
+    write_rows(TableName::Items, &items_path(out), items)
 }
 
 #[cfg(test)]

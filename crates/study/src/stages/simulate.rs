@@ -11,10 +11,13 @@ use crate::{
     run_folder::{read_model, read_scenario},
     stage::{Files, Stage},
     tables::{
-        TableBuilder,
+        TableName,
         conditions::{ConditionRow, read_conditions},
-        drives::{former_drives, refuse_foreign, remove_former, write_drive, write_drive_list},
+        drives::{
+            EndedEarly, former_drives, refuse_foreign, remove_former, write_drive, write_drive_list,
+        },
         variability::read_variability,
+        write_rows,
     },
     watching::{WatchedDrive, braking, read_watched, write_watch_page},
 };
@@ -238,10 +241,12 @@ impl Stage for Simulate {
             .into_iter()
             .filter_map(|ended| ended.map_err(|why| stopped.push(why)).ok())
             .collect();
-        TableBuilder::default()
-            .text("drive", stopped.iter().map(|(drive, _)| drive.as_str()))
-            .text("what", stopped.iter().map(|(_, why)| why.to_string()))
-            .write(&self.out.join("drives").join("exclusions.csv"))?;
+        let ended = stopped.iter().map(|(drive, why)| EndedEarly {
+            drive: drive.to_string(),
+            what: why.to_string(),
+        });
+        let exclusions = self.out.join("drives").join("exclusions.csv");
+        write_rows(TableName::EndedEarly, &exclusions, ended)?;
         let ended_early = stopped.len();
         if let (true, Some((_, why))) = (driven.is_empty(), stopped.pop()) {
             return Err(why.into());
@@ -254,10 +259,12 @@ impl Stage for Simulate {
             remove_former(&log)?;
         }
         write_drive_list(&drives, &list)?;
-        TableBuilder::default()
-            .text("drive", driven.iter().map(|d| d.0.drive.as_str()))
-            .beside(TableBuilder::of(driven.iter().map(|d| &d.3))?)
-            .write(&self.out.join("rollouts.csv"))?;
+        let rollouts = driven.iter().map(|d| (("drive", &d.0.drive), &d.3));
+        write_rows(
+            TableName::Rollouts,
+            &self.out.join("rollouts.csv"),
+            rollouts,
+        )?;
         if let Some(page) = &self.watch {
             write_page(self, page, &driven)?;
         }
@@ -486,7 +493,7 @@ fn centre_line(scenario: &Scenario, recording: &Recording) -> Option<CentreLine>
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::tables::variability::{VariabilityRow, write_variability};
+    use crate::tables::variability::VariabilityRow;
     use clap::Parser as _;
     use maveric_domain::Design;
 
@@ -535,7 +542,8 @@ mod tests {
             place_lag_s: None,
             place_m: None,
         };
-        write_variability(&path, &[drive("other", Some(0.9)), drive("own", Some(0.4))]).unwrap();
+        let drives = [drive("other", Some(0.9)), drive("own", Some(0.4))];
+        write_rows(TableName::Variability, &path, drives).unwrap();
         let asked = |more: &[&str]| {
             let fixed = [
                 "simulate",

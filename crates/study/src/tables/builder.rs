@@ -1,8 +1,10 @@
-//! Tables being made, column by column.
+//! Tables being made column by column: of columns that others have chosen, and of the rows of our own.
 
-use super::{Table, is_formula, is_parquet, is_tsv};
+use super::table::{Table, is_formula, is_parquet, is_tsv};
 use crate::{atomic_write::atomic_write_bytes, error::StudyError};
+use path_slash::PathExt as _;
 use polars::prelude::*;
+use serde_json::Value;
 use std::path::{Path, PathBuf};
 
 /// A table being made, column by column.
@@ -12,14 +14,6 @@ pub struct TableBuilder {
 }
 
 impl TableBuilder {
-    /// Adds a column of text.
-    #[must_use]
-    pub fn text<S: AsRef<str>>(mut self, name: &str, cells: impl IntoIterator<Item = S>) -> Self {
-        let cells: Vec<String> = cells.into_iter().map(|c| c.as_ref().to_owned()).collect();
-        self.columns.push(Column::new(name.into(), cells));
-        self
-    }
-
     /// Adds a column of text, some of it missing.
     #[must_use]
     pub fn cells(mut self, name: &str, cells: impl IntoIterator<Item = Option<String>>) -> Self {
@@ -44,28 +38,27 @@ impl TableBuilder {
         self
     }
 
-    /// Adds a column of yes and no.
-    #[must_use]
-    pub fn flags(mut self, name: &str, cells: impl IntoIterator<Item = bool>) -> Self {
-        let cells: Vec<bool> = cells.into_iter().collect();
+    /// Adds a column of yes and no, some of it missing.
+    fn flags(mut self, name: &str, cells: impl IntoIterator<Item = Option<bool>>) -> Self {
+        let cells: Vec<Option<bool>> = cells.into_iter().collect();
         self.columns.push(Column::new(name.into(), cells));
         self
     }
 
-    /// Adds the columns of another table behind these.
+    /// Adds a column of what its first cell that is not missing is; without any, of numbers.
     #[must_use]
-    pub fn beside(mut self, other: Self) -> Self {
-        self.columns.extend(other.columns);
-        self
-    }
-
-    /// Puts the columns of another table before the one at `at`, in place of those here that have their names.
-    #[must_use]
-    pub(crate) fn with(mut self, at: usize, other: Self) -> Self {
-        let replaced = |column: &Column| other.columns.iter().any(|o| o.name() == column.name());
-        self.columns.retain(|column| !replaced(column));
-        self.columns.splice(at..at, other.columns);
-        self
+    pub(super) fn values(self, name: &str, cells: &[Value]) -> Self {
+        match cells.iter().find(|cell| !cell.is_null()) {
+            Some(Value::String(_)) => {
+                let text = |cell: &Value| cell.as_str().map(str::to_owned);
+                self.cells(name, cells.iter().map(text))
+            }
+            Some(Value::Bool(_)) => self.flags(name, cells.iter().map(Value::as_bool)),
+            Some(Value::Number(n)) if !n.is_f64() => {
+                self.integers(name, cells.iter().map(Value::as_i64))
+            }
+            _ => self.numbers(name, cells.iter().map(Value::as_f64)),
+        }
     }
 
     /// The table, under a name for messages.
@@ -92,27 +85,16 @@ impl TableBuilder {
     /// a formula begins with `'`, which reading takes off again.
     ///
     /// # Errors
-    /// [`StudyError::Io`], [`StudyError::BadTable`].
+    /// As [`atomic_write_bytes`]; [`StudyError::BadTable`].
     pub fn write(self, path: &Path) -> Result<(), StudyError> {
-        self.write_with(path, Vec::new())
-    }
-
-    /// As [`TableBuilder::write`], with named texts in the file's own metadata (Parquet only).
-    pub(crate) fn write_with(
-        self,
-        path: &Path,
-        metadata: Vec<(String, String)>,
-    ) -> Result<(), StudyError> {
+        let mut frame = self.table(&path.to_slash_lossy())?.frame;
         let bad = |problem: String| StudyError::BadTable {
             path: path.to_owned(),
             format: if is_parquet(path) { "Parquet" } else { "CSV" },
             problem,
         };
-        let height = self.columns.first().map_or(0, Column::len);
-        let frame = DataFrame::new(height, self.columns);
-        let mut frame = frame.map_err(|e| bad(e.to_string()))?;
         if is_parquet(path) {
-            let bytes = maveric_ingest::parquet_bytes(&mut frame, metadata).map_err(bad)?;
+            let bytes = maveric_ingest::parquet_bytes(&mut frame, Vec::new()).map_err(bad)?;
             return atomic_write_bytes(path, &bytes);
         }
         for name in frame.get_column_names_owned() {
@@ -141,5 +123,36 @@ impl TableBuilder {
             .finish(&mut frame)
             .map_err(|e| bad(e.to_string()))?;
         atomic_write_bytes(path, &bytes)
+    }
+}
+
+impl From<DataFrame> for TableBuilder {
+    fn from(frame: DataFrame) -> Self {
+        Self {
+            columns: frame.into_columns(),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_formula_is_no_formula_in_a_spreadsheet_and_comes_back_as_it_was() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("t.csv");
+        let cells = ["=cmd()", "+1+1", "@x", "-a", "-2", "plain", "'quoted"];
+        TableBuilder::default()
+            .cells("a", cells.map(|cell| Some(cell.to_owned())))
+            .write(&path)
+            .unwrap();
+        let text = std::fs::read_to_string(&path).unwrap();
+        assert_eq!(text, "a\n'=cmd()\n'+1+1\n'@x\n'-a\n-2\nplain\n'quoted\n");
+        let back = Table::read(&path).unwrap().text("a").unwrap();
+        assert_eq!(
+            back.iter().flatten().collect::<Vec<_>>(),
+            cells.iter().collect::<Vec<_>>()
+        );
     }
 }

@@ -1,50 +1,24 @@
 //! The conditions of each participant: where in style space the car should drive.
 
 use super::{
-    Table, TableBuilder,
-    embeddings::{read_coordinates, with_coordinates},
+    Table, TableName,
+    embeddings::{coordinates, read_coordinates},
+    write_rows,
 };
 use crate::error::StudyError;
-use maveric_domain::{BeyondWhy, ConditionId, Embedding, ParticipantId};
-use serde::Deserialize;
 use std::path::Path;
 
 pub use maveric_domain::{ConditionRow, SweepPoint};
 
-/// What of a condition has a column in every table.
-#[derive(Deserialize)]
-struct Steered {
-    participant: ParticipantId,
-    condition: ConditionId,
-    adb_hat: Option<f64>,
-    moved_points: Option<f64>,
-    moved_points_sd: Option<f64>,
-    clamped: bool,
-    angle_rad: Option<f64>,
-    beyond_training: bool,
-}
-
-/// Whether the model has met the drive that a style was learned of; a table of before has no such column.
-#[derive(Deserialize)]
-struct Met {
-    beyond_why: Option<BeyondWhy>,
-}
-
 /// Writes conditions, one row each; those of a sweep with its points.
 ///
 /// # Errors
-/// [`StudyError::Io`], [`StudyError::BadTable`].
+/// As [`write_rows`].
 pub fn write_conditions(path: &Path, rows: &[ConditionRow]) -> Result<(), StudyError> {
-    let embeddings: Vec<&Embedding> = rows.iter().map(|r| &r.embedding).collect();
-    let table = TableBuilder::some_of::<Steered, _>(rows)?;
-    let table = table.beside(TableBuilder::some_of::<Met, _>(rows)?);
-    let mut table = with_coordinates(table, &embeddings);
-    if rows.iter().any(|r| r.sweep.is_some()) {
-        table = table.beside(TableBuilder::of(
-            rows.iter().filter_map(|r| r.sweep.as_ref()),
-        )?);
-    }
-    table.write(path)
+    let written = rows
+        .iter()
+        .map(|row| (row, coordinates(&row.embedding), &row.sweep));
+    write_rows(TableName::Conditions, path, written)
 }
 
 /// Reads conditions back.
@@ -53,43 +27,27 @@ pub fn write_conditions(path: &Path, rows: &[ConditionRow]) -> Result<(), StudyE
 /// As [`Table`] does, naming row and column.
 pub fn read_conditions(path: &Path) -> Result<Vec<ConditionRow>, StudyError> {
     let table = Table::read(path)?;
-    let sweep: Vec<Option<SweepPoint>> = if table.has("drive") {
-        table.each_once(&["participant", "condition", "drive"])?;
-        table.records()?.into_iter().map(Some).collect()
-    } else {
+    let mut beside = vec![("embedding", read_coordinates(&table)?)];
+    // A table of before does not say it.
+    if !table.has("beyond_why") {
+        beside.push(("beyond_why", vec![None; table.rows()]));
+    }
+    let mut rows: Vec<ConditionRow> = table.records_beside(&beside)?;
+    if !table.has("drive") {
         table.each_once(&["participant", "condition"])?;
-        vec![None; table.rows()]
-    };
-    let met = if table.has("beyond_why") {
-        table.records()?
-    } else {
-        (0..table.rows())
-            .map(|_| Met { beyond_why: None })
-            .collect()
-    };
-    let rows = table.records::<Steered>()?.into_iter().zip(met);
-    Ok(rows
-        .zip(read_coordinates(&table)?.into_iter().zip(sweep))
-        .map(|((row, met), (embedding, sweep))| ConditionRow {
-            participant: row.participant,
-            condition: row.condition,
-            adb_hat: row.adb_hat,
-            moved_points: row.moved_points,
-            moved_points_sd: row.moved_points_sd,
-            clamped: row.clamped,
-            angle_rad: row.angle_rad,
-            beyond_training: row.beyond_training,
-            beyond_why: met.beyond_why,
-            sweep,
-            embedding,
-        })
-        .collect())
+        return Ok(rows);
+    }
+    table.each_once(&["participant", "condition", "drive"])?;
+    for (row, point) in rows.iter_mut().zip(table.records()?) {
+        row.sweep = Some(point);
+    }
+    Ok(rows)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use maveric_domain::DriveId;
+    use maveric_domain::{BeyondWhy, DriveId, Embedding, ParticipantId};
 
     #[test]
     fn a_sweep_comes_back_with_its_drives_and_a_study_without() {

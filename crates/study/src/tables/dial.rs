@@ -1,6 +1,6 @@
 //! How people turned the dial while riding: a file a ride.
 
-use super::Table;
+use super::read_rows;
 use crate::error::StudyError;
 use maveric_analysis::Turns;
 use maveric_domain::ParticipantId;
@@ -12,16 +12,12 @@ pub const ENDING: &str = ".dial.csv";
 
 /// One turn of the dial: a row of such a file.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[expect(missing_docs, reason = "`columns.toml` says what they are")]
 pub struct Turn {
-    /// Who rode.
     pub participant: ParticipantId,
-    /// When, in s of the ride.
     pub time_s: f64,
-    /// Where the dial stood then, in the study's points.
     pub points: f64,
-    /// How far one turn goes, in points.
     pub step: f64,
-    /// How long the ride was, in s.
     pub duration_s: f64,
 }
 
@@ -29,7 +25,7 @@ pub struct Turn {
 /// A folder that is not there has none.
 ///
 /// # Errors
-/// As [`Table`] does; [`StudyError::BadCell`] for a number that is missing.
+/// As [`read_rows`]; [`StudyError::BadCell`] for a number that is missing.
 pub fn read_turns(folder: &Path) -> Result<Vec<Turns>, StudyError> {
     let Ok(found) = std::fs::read_dir(folder) else {
         return Ok(Vec::new());
@@ -45,7 +41,7 @@ pub fn read_turns(folder: &Path) -> Result<Vec<Turns>, StudyError> {
 }
 
 fn read(path: &Path) -> Result<Option<Turns>, StudyError> {
-    let turns: Vec<Turn> = Table::read(path)?.records()?;
+    let turns: Vec<Turn> = read_rows(path)?;
     let Some(first) = turns.first() else {
         return Ok(None);
     };

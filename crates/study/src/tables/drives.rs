@@ -1,11 +1,12 @@
 //! Drives as files: one Parquet file a drive, and `drives.csv` beside them.
 
-use super::{Table, TableBuilder};
+use super::{Table, TableBuilder, TableName, read_rows, write_rows};
 use crate::{atomic_write::atomic_write, error::StudyError};
 use maveric_analysis::Driven;
 use maveric_domain::{Drive, DriveId, DriveMeta, ParticipantId};
-use maveric_ingest::{Provenance, read_drive_from, write_drive_to};
+use maveric_ingest::{Provenance, drive_frame, read_drive_from, write_drive_to};
 use path_slash::PathExt as _;
+use polars::prelude::Column;
 use serde::{Deserialize, Serialize};
 use std::{
     collections::BTreeSet,
@@ -40,40 +41,22 @@ pub fn write_drive_of(
 /// Writes a drive's rows as a table, a row a sample; what is not there is an empty cell.
 ///
 /// # Errors
-/// [`StudyError::Io`], [`StudyError::BadTable`].
+/// As [`TableBuilder::write`].
 pub(crate) fn write_samples(path: &Path, drive: &Drive) -> Result<(), StudyError> {
-    let rows = drive.rows();
-    let all = |of: &[f64]| of.iter().copied().map(Some).collect::<Vec<_>>();
+    let mut frame = drive_frame(drive).drop_many(["following_distance_m"]);
     // Without a reference vehicle its columns hold values of a free road, which nobody measured.
-    let lead = |of: &[f64]| -> Vec<Option<f64>> {
-        let pairs = rows.lead_present.iter().zip(of);
-        pairs.map(|(&present, &v)| present.then_some(v)).collect()
-    };
-    TableBuilder::default()
-        .numbers("time_s", all(&rows.time_s))
-        .integers("segment", rows.segment.iter().map(|&s| Some(i64::from(s))))
-        .numbers("ego_x_m", all(&rows.ego_x_m))
-        .numbers("ego_y_m", all(&rows.ego_y_m))
-        .numbers("ego_speed_mps", all(&rows.ego_speed_mps))
-        .integers("lane", rows.lane.iter().map(|&l| Some(i64::from(l))))
-        .flags("lead_present", rows.lead_present.iter().copied())
-        .integers("lead_id", rows.lead_id.iter().map(|id| id.map(i64::from)))
-        .numbers("lead_dx_m", lead(&rows.lead_dx_m))
-        .numbers("lead_dy_m", lead(&rows.lead_dy_m))
-        .numbers("lead_speed_mps", lead(&rows.lead_speed_mps))
-        .flags("lane_change", rows.lane_change.iter().copied())
-        .integers(
-            "changing",
-            rows.changing.iter().map(|&c| Some(i64::from(c))),
-        )
-        .flags("change_completes", rows.change_completes.iter().copied())
-        .flags("following", rows.following.iter().copied())
-        .numbers("gap_behind_left_m", rows.gap_behind_left_m.iter().copied())
-        .numbers(
-            "gap_behind_right_m",
-            rows.gap_behind_right_m.iter().copied(),
-        )
-        .write(path)
+    let rows = drive.rows();
+    for (name, values) in [
+        ("lead_dx_m", &rows.lead_dx_m),
+        ("lead_dy_m", &rows.lead_dy_m),
+        ("lead_speed_mps", &rows.lead_speed_mps),
+    ] {
+        let pairs = rows.lead_present.iter().zip(values);
+        let measured: Vec<Option<f64>> = pairs.map(|(&is, &v)| is.then_some(v)).collect();
+        let replaced = frame.with_column(Column::new(name.into(), measured));
+        replaced.map_err(|e| StudyError::file(path, e.to_string()))?;
+    }
+    TableBuilder::from(frame).write(path)
 }
 
 /// The drives that a list has.
@@ -81,7 +64,7 @@ pub(crate) fn write_samples(path: &Path, drive: &Drive) -> Result<(), StudyError
 /// # Errors
 /// As [`Table`] does, naming row and column.
 pub(crate) fn list_of(list: &Path) -> Result<Vec<DriveMeta>, StudyError> {
-    Table::read(list)?.records()
+    read_rows(list)
 }
 
 /// Reads one drive back.
@@ -178,31 +161,51 @@ pub(crate) struct ExclusionRow {
     pub(crate) duration_s: Option<f64>,
 }
 
-/// The drives that a rule of the design keeps out of a folder, each with the rule, as `exclusions.csv` there lists them.
+/// A drive of the learned car that ended early: a row of `exclusions.csv` beside its drives.
+#[derive(Serialize, Deserialize)]
+pub(crate) struct EndedEarly {
+    pub(crate) drive: String,
+    pub(crate) what: String,
+}
+
+/// What the `exclusions.csv` of a folder of drives lists; nothing where there is none.
 ///
 /// # Errors
 /// As [`Table`] does.
-pub(crate) fn kept_out(folder: &Path) -> Result<Vec<Driven>, StudyError> {
+pub(crate) fn exclusions(folder: &Path) -> Result<Vec<ExclusionRow>, StudyError> {
     let path = folder.join("exclusions.csv");
     if !path.is_file() {
         return Ok(Vec::new());
     }
     let table = Table::read(&path)?;
-    if !table.has("rule") {
-        return Ok(Vec::new());
+    if table.has("rule") {
+        return table.records();
     }
-    let mut found = Vec::new();
-    for row in table.records::<ExclusionRow>()? {
-        if row.rule.starts_with("exclude.") {
-            found.push(Driven {
+    let ended = table.records()?.into_iter();
+    let row = |EndedEarly { drive, what }| ExclusionRow {
+        drive,
+        what,
+        ..ExclusionRow::default()
+    };
+    Ok(ended.map(row).collect())
+}
+
+/// The drives that a rule of the design keeps out of a folder, each with the rule, as `exclusions.csv` there lists them.
+///
+/// # Errors
+/// As [`exclusions`]; [`StudyError::Domain`] for a row that names no drive.
+pub(crate) fn kept_out(folder: &Path) -> Result<Vec<Driven>, StudyError> {
+    let rows = exclusions(folder)?.into_iter();
+    rows.filter(|row| row.rule.starts_with("exclude."))
+        .map(|row| {
+            Ok(Driven {
                 drive: DriveId::new(row.drive)?,
                 participant: ParticipantId::new(row.participant)?,
                 condition: row.condition.parse()?,
                 duration_s: row.duration_s,
-            });
-        }
-    }
-    Ok(found)
+            })
+        })
+        .collect()
 }
 
 /// The drives that `<folder>/drives.csv` lists and that are not among `now`: made here by an earlier call, and no
@@ -243,10 +246,10 @@ pub fn write_drive_list(
     for gone in former_drives(folder, drives.iter().map(|d| d.0.drive.as_str())) {
         remove_former(&folder.join(format!("{gone}.parquet")))?;
     }
-    TableBuilder::of(drives.iter().map(|d| &d.0))?
-        .integers("rows", drives.iter().map(|d| i64::try_from(d.1).ok()))
-        .numbers("duration_s", drives.iter().map(|d| Some(d.2)))
-        .write(&folder.join(LIST))
+    let rows = drives
+        .iter()
+        .map(|(meta, rows, s)| (meta, ("rows", rows), ("duration_s", s)));
+    write_rows(TableName::Drives, &folder.join(LIST), rows)
 }
 
 #[cfg(test)]

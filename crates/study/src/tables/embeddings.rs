@@ -1,35 +1,11 @@
 //! Fitted embeddings: a row a drive and fit.
 
-use super::{Table, TableBuilder};
+use super::{Table, TableName, write_rows};
 use crate::error::StudyError;
-use maveric_domain::{BeyondWhy, ConditionId, DriveId, Embedding, ParticipantId};
-use serde::{Deserialize, Serialize};
+use maveric_domain::Embedding;
 use std::path::Path;
 
 pub use maveric_domain::EmbeddingRow;
-
-/// What of a fit has a column in every table.
-#[derive(Deserialize)]
-struct Fit {
-    drive: DriveId,
-    participant: ParticipantId,
-    condition: ConditionId,
-    adb_used: bool,
-    adb: Option<f64>,
-    adb_hat: Option<f64>,
-    line_position: Option<f64>,
-    readings: Option<usize>,
-}
-
-/// What a model says of whether it has met such a driver; in tables of before there was support there are no such columns.
-#[derive(Deserialize, Serialize)]
-struct Met {
-    support_p: Option<f64>,
-    beyond: Option<bool>,
-    beyond_why: Option<BeyondWhy>,
-    #[serde(default)]
-    posted_unseen: Option<bool>,
-}
 
 /// Names of the covariances of `d` numbers that a table holds, and where they stand: those on and above the diagonal.
 fn covariances(d: usize) -> impl Iterator<Item = (String, usize, usize)> {
@@ -37,17 +13,19 @@ fn covariances(d: usize) -> impl Iterator<Item = (String, usize, usize)> {
     (0..d).flat_map(above)
 }
 
-pub(super) fn with_coordinates(builder: TableBuilder, embeddings: &[&Embedding]) -> TableBuilder {
-    let size = embeddings.first().map_or(0, |e| e.size());
-    (0..size).fold(builder, |b, i| {
-        b.numbers(
-            &format!("w{}", i + 1),
-            embeddings.iter().map(|e| Some(e.coordinates()[i])),
-        )
-    })
+/// The coordinates, each with the name of its column.
+pub(super) fn coordinates(embedding: &Embedding) -> Vec<(String, f64)> {
+    let named = |(i, &w): (usize, &f64)| (format!("w{}", i + 1), w);
+    embedding
+        .coordinates()
+        .iter()
+        .enumerate()
+        .map(named)
+        .collect()
 }
 
-pub(super) fn read_coordinates(table: &Table) -> Result<Vec<Embedding>, StudyError> {
+/// The coordinates of each row.
+pub(super) fn read_coordinates(table: &Table) -> Result<Vec<Option<Vec<f64>>>, StudyError> {
     let mut columns = Vec::new();
     while table.has(&format!("w{}", columns.len() + 1)) {
         columns.push(table.all_numbers(&format!("w{}", columns.len() + 1))?);
@@ -55,38 +33,25 @@ pub(super) fn read_coordinates(table: &Table) -> Result<Vec<Embedding>, StudyErr
     if columns.is_empty() {
         table.all_numbers("w1")?; // says which columns there are
     }
-    (0..table.rows())
-        .map(|row| Ok(Embedding::new(columns.iter().map(|c| c[row]).collect())?))
-        .collect()
+    let coordinates = |row: usize| Some(columns.iter().map(|c| c[row]).collect());
+    Ok((0..table.rows()).map(coordinates).collect())
 }
 
 /// Writes embeddings, one row each; `w1`, `w2`, … are the coordinates, `cov1_1`, `cov1_2`, … their covariances.
 ///
 /// # Errors
-/// [`StudyError::Io`], [`StudyError::BadTable`].
+/// As [`write_rows`].
 pub fn write_embeddings(path: &Path, rows: &[EmbeddingRow]) -> Result<(), StudyError> {
-    let met = |r: &EmbeddingRow| Met {
-        support_p: r.support_p,
-        beyond: r.beyond(),
-        beyond_why: r.beyond_why.clone(),
-        posted_unseen: r.posted_unseen,
-    };
-    let met: Vec<Met> = rows.iter().map(met).collect();
-    let builder = TableBuilder::some_of::<Fit, _>(rows)?.beside(TableBuilder::of(&met)?);
-    let embeddings: Vec<&Embedding> = rows.iter().map(|r| &r.embedding).collect();
-    let builder = with_coordinates(builder, &embeddings);
-    if rows.iter().all(|r| r.covariance.is_none()) {
-        return builder.write(path);
-    }
-    let d = embeddings.first().map_or(0, |e| e.size());
-    let entry = |i: usize, j: usize| {
-        rows.iter()
-            .map(move |r| Some(*r.covariance.as_ref()?.get(i * d + j)?))
-    };
-    covariances(d)
-        .fold(builder, |b, (name, i, j)| b.numbers(&name, entry(i, j)))
-        .numbers("line_position_se", rows.iter().map(|r| r.line_position_se))
-        .write(path)
+    let written = rows.iter().map(|row| {
+        let d = row.embedding.size();
+        let entry = |(name, i, j): (String, usize, usize)| {
+            Some((name, row.covariance.as_ref()?.get(i * d + j)?))
+        };
+        let covariances: Vec<(String, &f64)> = covariances(d).filter_map(entry).collect();
+        let beyond = ("beyond", row.beyond());
+        (row, beyond, coordinates(&row.embedding), covariances)
+    });
+    write_rows(TableName::Embeddings, path, written)
 }
 
 /// Reads embeddings back.
@@ -96,52 +61,27 @@ pub fn write_embeddings(path: &Path, rows: &[EmbeddingRow]) -> Result<(), StudyE
 pub fn read_embeddings(path: &Path) -> Result<Vec<EmbeddingRow>, StudyError> {
     let table = Table::read(path)?;
     table.each_once(&["drive", "adb_used"])?;
-    let fits: Vec<Fit> = table.records()?;
-    let embedding = read_coordinates(&table)?;
-    let covariance = read_covariances(&table, &embedding)?;
-    let line_position_se = if table.has("line_position_se") {
-        table.numbers("line_position_se")?
-    } else {
-        vec![None; table.rows()]
-    };
-    let met: Vec<Option<Met>> = if table.has("support_p") {
-        table.records()?.into_iter().map(Some).collect()
-    } else {
-        fits.iter().map(|_| None).collect()
-    };
-    let found = covariance.into_iter().zip(line_position_se).zip(embedding);
-    Ok(fits
-        .into_iter()
-        .zip(met)
-        .zip(found)
-        .map(
-            |((fit, met), ((covariance, line_position_se), embedding))| EmbeddingRow {
-                drive: fit.drive,
-                participant: fit.participant,
-                condition: fit.condition,
-                adb_used: fit.adb_used,
-                adb: fit.adb,
-                adb_hat: fit.adb_hat,
-                line_position: fit.line_position,
-                readings: fit.readings,
-                covariance,
-                line_position_se,
-                support_p: met.as_ref().and_then(|m| m.support_p),
-                posted_unseen: met.as_ref().and_then(|m| m.posted_unseen),
-                beyond_why: met.and_then(|m| m.beyond_why),
-                embedding,
-            },
-        )
-        .collect())
+    let embeddings = read_coordinates(&table)?;
+    let d = embeddings
+        .first()
+        .map_or(0, |w| w.as_ref().map_or(0, Vec::len));
+    let covariances = read_covariances(&table, d)?;
+    let mut beside = vec![("embedding", embeddings), ("covariance", covariances)];
+    // Tables without covariances have no errors beside them, and older ones do not say what is beyond their model.
+    let absent = [
+        "line_position_se",
+        "support_p",
+        "beyond_why",
+        "posted_unseen",
+    ];
+    let absent = absent.into_iter().filter(|name| !table.has(name));
+    beside.extend(absent.map(|name| (name, vec![None; table.rows()])));
+    table.records_beside(&beside)
 }
 
 /// The covariance of each row; none where a cell of it is missing.
-fn read_covariances(
-    table: &Table,
-    embeddings: &[Embedding],
-) -> Result<Vec<Option<Vec<f64>>>, StudyError> {
+fn read_covariances(table: &Table, d: usize) -> Result<Vec<Option<Vec<f64>>>, StudyError> {
     let mut found: Vec<Option<Vec<f64>>> = vec![None; table.rows()];
-    let d = embeddings.first().map_or(0, Embedding::size);
     if !table.has("cov1_1") {
         return Ok(found);
     }
@@ -162,6 +102,7 @@ fn read_covariances(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use maveric_domain::{BeyondWhy, DriveId, ParticipantId};
 
     #[test]
     fn embeddings_with_and_without_covariance_come_back_as_they_were() {

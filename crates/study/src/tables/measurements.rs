@@ -1,6 +1,6 @@
 //! The objective measures: a row a drive, a column a measure.
 
-use super::{Table, TableBuilder};
+use super::{Table, TableName, write_rows};
 use crate::error::StudyError;
 use maveric_domain::DriveMeta;
 use std::{collections::BTreeMap, path::Path};
@@ -10,26 +10,15 @@ pub use maveric_domain::MeasuredDrive;
 /// The column of [`MeasuredDrive::counted_s`].
 const COUNTED: &str = "counted_s";
 
-/// Writes measurements; the measures are columns in the order given.
+/// Writes measurements.
 ///
 /// # Errors
-/// [`StudyError::Io`], [`StudyError::BadTable`].
-pub fn write_measurements(
-    path: &Path,
-    measures: &[&str],
-    drives: &[MeasuredDrive],
-) -> Result<(), StudyError> {
-    let mut builder = TableBuilder::of(drives.iter().map(|d| &d.meta))?;
-    builder = builder.numbers(COUNTED, drives.iter().map(|d| d.counted_s));
-    for measure in measures {
-        builder = builder.numbers(
-            measure,
-            drives
-                .iter()
-                .map(|d| d.values.get(*measure).copied().flatten()),
-        );
-    }
-    builder.write(path)
+/// As [`write_rows`].
+pub fn write_measurements(path: &Path, drives: &[MeasuredDrive]) -> Result<(), StudyError> {
+    let written = drives
+        .iter()
+        .map(|d| (&d.meta, (COUNTED, d.counted_s), &d.values));
+    write_rows(TableName::Measurements, path, written)
 }
 
 /// Reads measurements back; every column that is not about the drive itself is a measure.

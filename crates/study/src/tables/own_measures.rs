@@ -1,6 +1,6 @@
 //! The measures that a study brings along: its own table, read whole or refused by row and column; and their means, a row each.
 
-use super::{Table, write_rows};
+use super::Table;
 use crate::{design::DesignFile, error::StudyError, once::names};
 use maveric_domain::{
     ConditionId, OwnMeasurement, ParticipantId,
@@ -78,14 +78,6 @@ pub fn read_own_measures(
         rows: cells.into_iter().collect(),
         undeclared,
     }))
-}
-
-/// Writes the means: a row a person, condition and measure.
-///
-/// # Errors
-/// [`StudyError::Io`], [`StudyError::BadTable`].
-pub fn write_own_measurements(path: &Path, rows: &[OwnMeasurement]) -> Result<(), StudyError> {
-    write_rows(path, rows)
 }
 
 /// Reads the means back.

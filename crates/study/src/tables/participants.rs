@@ -1,6 +1,6 @@
 //! People as a table: demographics first, then, for made-up people, the latents behind their driving and answers.
 
-use super::{Table, TableBuilder};
+use super::{Table, TableName, write_rows};
 use crate::error::StudyError;
 use maveric_domain::{ConditionId, Design, LatentTraits, ParticipantId, nearest};
 use maveric_participants::{Cohort, Gender, Participant, Personality, Population};
@@ -84,24 +84,23 @@ impl Made {
 /// learned from and who is tested are the design's.
 ///
 /// # Errors
-/// [`StudyError::Io`], [`StudyError::BadTable`].
+/// As [`write_rows`].
 pub fn write_participants(path: &Path, cohort: &Cohort, design: &Design) -> Result<(), StudyError> {
-    let people = &cohort.participants;
-    let made: Vec<Made> = people.iter().map(Made::of).collect();
-    let mut telling = TableBuilder::default();
-    for column in design.people().columns() {
-        let cell = |at: usize| {
-            let wanted = if at < cohort.learners {
-                &design.people().learn
-            } else {
-                &design.people().test
-            };
-            let word = wanted.as_ref().and_then(|w| w.get(column));
-            word.cloned().unwrap_or_default()
+    let parts = design.people();
+    let rows = cohort.participants.iter().enumerate().map(|(at, person)| {
+        let wanted = if at < cohort.learners {
+            &parts.learn
+        } else {
+            &parts.test
         };
-        telling = telling.text(column, (0..people.len()).map(cell));
-    }
-    TableBuilder::of(&made)?.with(1, telling).write(path)
+        let word = |column: &str| {
+            let word = wanted.as_ref().and_then(|w| w.get(column));
+            (column.to_owned(), word.cloned().unwrap_or_default())
+        };
+        let telling: Vec<(String, String)> = parts.columns().into_iter().map(word).collect();
+        (Made::of(person), telling)
+    });
+    write_rows(TableName::Participants, path, rows)
 }
 
 /// Somebody who takes part, made up or real: what a report says of the sample.

@@ -1,352 +1,191 @@
-//! Rows as values: the fields of a struct that derives `Serialize` and `Deserialize` are the columns of a table, by their names and in
-//! their order. A field is text, a number, yes or no, a word of an enum, or an `Option` of one of these.
+//! Writing rows, as the dictionary has their columns.
 
-use super::{Table, TableBuilder};
+use super::{TableBuilder, TableName};
 use crate::error::StudyError;
-use serde::{
-    Deserialize, Deserializer, Serialize,
-    de::{self, DeserializeOwned, IntoDeserializer, Visitor, value::MapDeserializer},
-    forward_to_deserialize_any,
-};
+use serde::Serialize;
 use serde_json::Value;
-use std::{cell::Cell, fmt, path::Path};
+use std::path::Path;
 
-impl TableBuilder {
-    /// A table of a row each; further columns can follow.
-    ///
-    /// # Errors
-    /// [`StudyError::BadTable`] for a type that is no row.
-    pub fn of<'r, 'de, T>(rows: impl IntoIterator<Item = &'r T>) -> Result<Self, StudyError>
-    where
-        T: Serialize + Deserialize<'de> + 'r,
-    {
-        Self::some_of::<T, T>(rows)
-    }
-
-    /// A table of a row each that has the fields of `Row` alone, of values that have more.
-    ///
-    /// # Errors
-    /// As [`TableBuilder::of`].
-    pub(super) fn some_of<'r, 'de, Row, T>(
-        rows: impl IntoIterator<Item = &'r T>,
-    ) -> Result<Self, StudyError>
-    where
-        Row: Deserialize<'de>,
-        T: Serialize + 'r,
-    {
-        let names = columns::<Row>();
-        let mut cells: Vec<Vec<Value>> = vec![Vec::new(); names.len()];
-        for row in rows {
-            let row = serde_json::to_value(row).map_err(|e| StudyError::BadTable {
-                path: std::any::type_name::<T>().into(),
-                format: "row",
-                problem: e.to_string(),
-            })?;
-            for (name, column) in names.iter().zip(&mut cells) {
-                column.push(row.get(name).cloned().unwrap_or_default());
-            }
-        }
-        let columns = names.iter().zip(cells);
-        Ok(columns.fold(Self::default(), |table, (name, cells)| {
-            table.values(name, &cells)
-        }))
-    }
-
-    /// Adds a column of what its first cell that is not missing is; without any, of numbers.
-    fn values(self, name: &str, cells: &[Value]) -> Self {
-        match cells.iter().find(|cell| !cell.is_null()) {
-            Some(Value::String(_)) => {
-                let text = |cell: &Value| cell.as_str().map(str::to_owned);
-                self.cells(name, cells.iter().map(text))
-            }
-            Some(Value::Bool(_)) => self.flags(name, cells.iter().map(|c| c == &Value::Bool(true))),
-            Some(Value::Number(n)) if !n.is_f64() => {
-                self.integers(name, cells.iter().map(Value::as_i64))
-            }
-            _ => self.numbers(name, cells.iter().map(Value::as_f64)),
-        }
-    }
-}
-
-/// Writes a table of a row each.
+/// Writes a table of a row each; its columns stand in the order of the dictionary, which has to know them.
+///
+/// A row is a struct, whose fields are its cells (one that is a list or a struct is none), a pair of a column's name and its cell, or
+/// several of these side by side: a tuple, a list. Of a column that only some rows have the others' cells are missing.
 ///
 /// # Errors
-/// As [`TableBuilder::write`].
-pub fn write_rows<'de, T>(path: &Path, rows: &[T]) -> Result<(), StudyError>
-where
-    T: Serialize + Deserialize<'de>,
-{
-    TableBuilder::of(rows)?.write(path)
-}
-
-impl Table {
-    /// The rows as values; columns that are none of their fields are passed over.
-    ///
-    /// # Errors
-    /// [`StudyError::NoColumn`] for a field without a column, an optional one too; [`StudyError::BadCell`] with what the field's type
-    /// says of the cell.
-    pub fn records<T: DeserializeOwned>(&self) -> Result<Vec<T>, StudyError> {
-        let names = columns::<T>();
-        let texts: Vec<Vec<Option<String>>> = names
-            .iter()
-            .map(|name| self.text(name))
-            .collect::<Result<_, _>>()?;
-        let reading = Cell::new(0);
-        let record = |row: usize| {
-            let cell = |(at, column): (usize, &'_ Vec<Option<String>>)| OneCell {
-                text: column[row].clone().unwrap_or_default(),
-                optional: false,
-                at,
-                reading: &reading,
-            };
-            let cells = names
-                .iter()
-                .copied()
-                .zip(texts.iter().enumerate().map(cell));
-            T::deserialize(MapDeserializer::new(cells)).map_err(|Expected(expected)| {
-                let at = reading.get();
-                let found = texts[at][row].as_deref().unwrap_or_default();
-                self.bad_cell(row, names[at], found, expected)
-            })
-        };
-        (0..self.rows()).map(record).collect()
-    }
-}
-
-/// The fields of a row.
-fn columns<'de, T: Deserialize<'de>>() -> &'static [&'static str] {
-    let mut fields: &'static [&'static str] = &[];
-    // It is given no value, so it can only fail; what it asked for is what is wanted.
-    let _ = T::deserialize(Fields(&mut fields));
-    fields
-}
-
-/// Notes which fields a struct asks for.
-struct Fields<'a>(&'a mut &'static [&'static str]);
-
-impl<'de> Deserializer<'de> for Fields<'_> {
-    type Error = Expected;
-
-    fn deserialize_any<V: Visitor<'de>>(self, _: V) -> Result<V::Value, Expected> {
-        Err(Expected("a struct".to_owned()))
-    }
-
-    fn deserialize_struct<V: Visitor<'de>>(
-        self,
-        _: &'static str,
-        fields: &'static [&'static str],
-        visitor: V,
-    ) -> Result<V::Value, Expected> {
-        *self.0 = fields;
-        self.deserialize_any(visitor)
-    }
-
-    forward_to_deserialize_any! {
-        bool i8 i16 i32 i64 i128 u8 u16 u32 u64 u128 f32 f64 char str string bytes byte_buf option unit unit_struct newtype_struct seq
-        tuple tuple_struct map enum identifier ignored_any
-    }
-}
-
-/// One cell, which says where it stands when it is read.
-struct OneCell<'a> {
-    text: String,
-    /// Whether it may be missing.
-    optional: bool,
-    at: usize,
-    reading: &'a Cell<usize>,
-}
-
-impl OneCell<'_> {
-    fn missing(&self) -> bool {
-        matches!(self.text.trim(), "" | "NA" | "null")
-    }
-
-    fn whole(&self) -> Result<i64, Expected> {
-        let rest = if self.optional {
-            ", or empty where it was left out"
-        } else {
-            ""
-        };
-        let found = self.text.trim().parse();
-        found.map_err(|_| Expected(format!("a whole number{rest}")))
-    }
-}
-
-impl IntoDeserializer<'_, Expected> for OneCell<'_> {
-    type Deserializer = Self;
-    fn into_deserializer(self) -> Self {
-        self.reading.set(self.at);
-        self
-    }
-}
-
-impl<'de> Deserializer<'de> for OneCell<'_> {
-    type Error = Expected;
-
-    fn deserialize_any<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Expected> {
-        visitor.visit_string(self.text)
-    }
-
-    fn deserialize_option<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Expected> {
-        if self.missing() {
-            return visitor.visit_none();
+/// As [`TableBuilder::write`]; [`StudyError::BadFile`] for a column that the dictionary does not have, or rows without one that it has.
+pub fn write_rows<T: Serialize>(
+    table: TableName,
+    path: &Path,
+    rows: impl IntoIterator<Item = T>,
+) -> Result<(), StudyError> {
+    let entry = table.entry();
+    let refused = |what: String| StudyError::file(path, format!("cannot be written: {what}"));
+    let mut columns: Vec<(usize, String, Vec<Value>)> = Vec::new();
+    let mut count = 0;
+    for row in rows {
+        let row = serde_json::to_value(row).map_err(|e| refused(e.to_string()))?;
+        for (name, cell) in cells(row) {
+            let known = columns.iter_mut().find(|column| column.1 == name);
+            if let Some((.., column)) = known {
+                column.resize(count, Value::Null);
+                column.push(cell);
+            } else if let Some(place) = entry.place_of(&name) {
+                let mut column = vec![Value::Null; count];
+                column.push(cell);
+                columns.push((place, name, column));
+            } else if !cell.is_null() {
+                let what = format!("the dictionary of tables has no column `{name}`");
+                return Err(refused(what));
+            }
         }
-        visitor.visit_some(Self {
-            optional: true,
-            ..self
-        })
+        count += 1;
     }
-
-    fn deserialize_bool<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Expected> {
-        let found = self.text.trim().parse::<bool>();
-        visitor.visit_bool(found.map_err(|_| Expected("true or false".to_owned()))?)
-    }
-
-    fn deserialize_f64<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Expected> {
-        match self.text.trim().parse::<f64>() {
-            Ok(value) if value.is_finite() => visitor.visit_f64(value),
-            _ if self.missing() => Err(Expected("a number".to_owned())),
-            _ => Err(Expected("a finite number".to_owned())),
+    for name in entry.always() {
+        if !columns.iter().any(|column| column.1 == name) {
+            if count > 0 {
+                return Err(refused(format!("no row has the column `{name}`")));
+            }
+            columns.extend(
+                entry
+                    .place_of(name)
+                    .map(|at| (at, name.to_owned(), Vec::new())),
+            );
         }
     }
-
-    fn deserialize_i32<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Expected> {
-        visitor.visit_i64(self.whole()?)
+    columns.sort_by_key(|column| column.0);
+    let mut builder = TableBuilder::default();
+    for (_, name, mut cells) in columns {
+        cells.resize(count, Value::Null);
+        builder = builder.values(&name, &cells);
     }
-
-    fn deserialize_i64<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Expected> {
-        visitor.visit_i64(self.whole()?)
-    }
-
-    fn deserialize_u32<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Expected> {
-        visitor.visit_i64(self.whole()?)
-    }
-
-    fn deserialize_u64<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Expected> {
-        visitor.visit_i64(self.whole()?)
-    }
-
-    fn deserialize_enum<V: Visitor<'de>>(
-        self,
-        _: &'static str,
-        _: &'static [&'static str],
-        visitor: V,
-    ) -> Result<V::Value, Expected> {
-        visitor.visit_enum(self.text.into_deserializer())
-    }
-
-    forward_to_deserialize_any! {
-        i8 i16 i128 u8 u16 u128 f32 char str string bytes byte_buf unit unit_struct newtype_struct seq tuple tuple_struct map struct
-        identifier ignored_any
-    }
+    builder.write(path)
 }
 
-/// What a cell should have been.
-#[derive(Debug)]
-struct Expected(String);
-
-impl fmt::Display for Expected {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(&self.0)
-    }
-}
-
-impl std::error::Error for Expected {}
-
-impl de::Error for Expected {
-    fn custom<T: fmt::Display>(said: T) -> Self {
-        Self(said.to_string())
+/// The cells of a row, each with the name of its column.
+fn cells(row: Value) -> Vec<(String, Value)> {
+    match row {
+        Value::Object(fields) => {
+            let is_cell = |(_, value): &(_, Value)| !value.is_array() && !value.is_object();
+            fields.into_iter().filter(is_cell).collect()
+        }
+        Value::Array(parts) => match <[Value; 2]>::try_from(parts) {
+            Ok([Value::String(name), cell]) => vec![(name, cell)],
+            Ok(parts) => parts.into_iter().flat_map(cells).collect(),
+            Err(parts) => parts.into_iter().flat_map(cells).collect(),
+        },
+        _ => Vec::new(),
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use maveric_domain::{DrivenBy, ParticipantId};
+    use crate::tables::{Table, read_rows};
+    use maveric_domain::ParticipantId;
+    use serde::Deserialize;
 
     #[derive(Debug, PartialEq, Serialize, Deserialize)]
-    struct Row {
-        participant: ParticipantId,
-        driven_by: DrivenBy,
-        note: String,
-        score: Option<f64>,
-        n: u32,
+    struct Answered {
         answer: Option<i32>,
-        kept: bool,
+        participant: ParticipantId,
+        scale: String,
+        moment: String,
+        item: u32,
     }
 
-    fn row(score: Option<f64>, answer: Option<i32>) -> Row {
-        Row {
-            participant: ParticipantId::new("P1").unwrap(),
-            driven_by: DrivenBy::Human,
-            note: String::new(),
-            score,
-            n: 4,
+    fn answered(answer: Option<i32>) -> Answered {
+        Answered {
             answer,
-            kept: true,
+            participant: ParticipantId::new("P1").unwrap(),
+            scale: String::new(),
+            moment: "pre".to_owned(),
+            item: 4,
         }
-    }
-
-    fn read(text: &str) -> Result<Vec<Row>, String> {
-        let table = Table::parse(Path::new("t.csv"), text.as_bytes().to_vec()).unwrap();
-        table.records().map_err(|e| e.to_string())
     }
 
     #[test]
-    fn rows_come_back_as_they_were_from_text_and_from_parquet() {
-        let rows = [
-            row(Some(0.1 + 0.2), None),
-            row(None, Some(-3)),
-            row(Some(1e-300), None),
-        ];
+    fn rows_come_back_as_they_were_and_stand_as_the_dictionary_has_them() {
+        let rows = [answered(None), answered(Some(-3)), answered(None)];
         let folder = tempfile::tempdir().unwrap();
         for name in ["t.csv", "t.parquet"] {
             let path = folder.path().join(name);
-            write_rows(&path, &rows).unwrap();
-            assert_eq!(Table::read(&path).unwrap().records::<Row>().unwrap(), rows);
+            write_rows(TableName::Answers, &path, &rows).unwrap();
+            assert_eq!(read_rows::<Answered>(&path).unwrap(), rows);
         }
         let text = std::fs::read_to_string(folder.path().join("t.csv")).unwrap();
-        assert!(
-            text.starts_with("participant,driven_by,note,score,n,answer,kept\nP1,human,\"\",0.30000000000000004,4,,true\n"),
-            "{text}"
+        let expected = "participant,moment,scale,item,answer\nP1,pre,\"\",4,\nP1,pre,\"\",4,-3\nP1,pre,\"\",4,\n";
+        assert_eq!(text, expected);
+    }
+
+    #[test]
+    fn numbers_come_back_to_their_last_digit() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("t.csv");
+        let values = [Some(0.1 + 0.2), None, Some(1e-300)];
+        let row = |value: &Option<f64>| serde_json::json!({ "drive": "d", "rows": 1, "participant": "P", "condition": "own", "driven_by": "human", "duration_s": value });
+        write_rows(TableName::Drives, &path, values.iter().map(row)).unwrap();
+        assert_eq!(
+            Table::read(&path).unwrap().numbers("duration_s").unwrap(),
+            values
         );
     }
 
     #[test]
-    fn a_table_without_rows_has_its_columns_all_the_same() {
+    fn a_table_without_rows_has_the_columns_that_it_has_always() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("t.csv");
-        write_rows::<Row>(&path, &[]).unwrap();
+        write_rows::<Answered>(TableName::Answers, &path, []).unwrap();
         let table = Table::read(&path).unwrap();
-        assert_eq!(table.columns(), super::columns::<Row>());
-        assert!(table.records::<Row>().unwrap().is_empty());
+        assert_eq!(
+            table.columns(),
+            ["participant", "moment", "scale", "item", "answer"]
+        );
+        assert!(table.records::<Answered>().unwrap().is_empty());
     }
 
     #[test]
-    fn a_cell_that_its_field_does_not_take_is_named_with_what_was_expected() {
-        let head = "participant,driven_by,note,score,n,answer,kept\nP1,human,,NA,4,,true\n";
-        assert_eq!(read(head).unwrap(), [row(None, None)]);
-        for (line, column, expected) in [
-            ("a b,human,,1,1,1,true", "participant", "1 to 64 letters"),
-            ("P2,robot,,1,1,1,true", "driven_by", "`human`"),
-            ("P2,human,,inf,1,1,true", "score", "a finite number"),
-            ("P2,human,,1,,1,true", "n", "a whole number"),
-            ("P2,human,,1,-1,1,true", "n", "u32"),
+    fn columns_by_name_are_those_of_every_row_and_lists_of_rows_are_none() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("t.csv");
+        let row = |who: &str, cells: serde_json::Value| {
             (
-                "P2,human,,1,1,1.5,true",
-                "answer",
-                "a whole number, or empty where it was left out",
+                ("participant.label", who.to_owned()),
+                cells,
+                serde_json::json!({ "other": [{ "a": 1 }], "none": null }),
+            )
+        };
+        let rows = [
+            row("A", serde_json::json!([["trial.1.player.x_1", 2]])),
+            row(
+                "B",
+                serde_json::json!([["pre.1.player.x_1", 5], ["trial.1.player.x_1", 3]]),
             ),
-            ("P2,human,,1,1,1,yes", "kept", "true or false"),
-        ] {
-            let said = read(&format!("{head}{line}\n")).unwrap_err();
-            let place = format!("t.csv: row 2, column `{column}`: found `");
-            assert!(
-                said.starts_with(&place) && said.contains(expected),
-                "{said}"
-            );
-        }
-        let said = read("participant,driven_by,note,n,answer,kept\n").unwrap_err();
-        assert!(said.contains("no column `score`"), "{said}");
+        ];
+        write_rows(TableName::SurveysWide, &path, rows).unwrap();
+        let text = std::fs::read_to_string(&path).unwrap();
+        assert_eq!(
+            text,
+            "participant.label,pre.1.player.x_1,trial.1.player.x_1\nA,,2\nB,5,3\n"
+        );
+    }
+
+    #[test]
+    fn a_column_that_the_dictionary_does_not_have_is_refused_and_one_that_is_not_there_too() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("t.csv");
+        let refused = |row: serde_json::Value| {
+            let written = write_rows(TableName::Forgotten, &path, [row]);
+            written.err().map(|e| e.to_string()).unwrap_or_default()
+        };
+        let more =
+            refused(serde_json::json!({ "participant": "P1", "models": null, "why": "asked" }));
+        assert!(more.contains("no column `why`"), "{more}");
+        let less = refused(serde_json::json!({ "participant": "P1" }));
+        assert!(less.contains("no row has the column `models`"), "{less}");
+        assert!(!path.exists());
+        assert_eq!(
+            refused(serde_json::json!({ "participant": "P1", "models": null })),
+            ""
+        );
     }
 }

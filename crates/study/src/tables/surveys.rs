@@ -1,6 +1,6 @@
 //! Questionnaire answers (long) and their scores.
 
-use super::{Table, write_rows};
+use super::{Table, read_rows};
 use crate::error::StudyError;
 use maveric_domain::{Answer, Design, Moment, ParticipantId, Score};
 use maveric_measures::survey::SheetTime;
@@ -9,20 +9,12 @@ use std::{
     path::Path,
 };
 
-/// Writes answers: participant, moment, scale, item, answer.
-///
-/// # Errors
-/// [`StudyError::Io`], [`StudyError::BadTable`].
-pub fn write_answers(path: &Path, answers: &[Answer]) -> Result<(), StudyError> {
-    write_rows(path, answers)
-}
-
-/// Reads answers back.
+/// Reads answers.
 ///
 /// # Errors
 /// As [`Table`] does; [`StudyError::BadCell`] for an item or answer that is no whole number.
 pub fn read_answers(path: &Path) -> Result<Vec<Answer>, StudyError> {
-    Table::read(path)?.records()
+    read_rows(path)
 }
 
 /// Reads answers and, where the table has a column `seconds`, how long people took: the mean over the items of each sheet,
@@ -110,15 +102,7 @@ fn times_of(table: &Table) -> Result<Vec<SheetTime>, StudyError> {
     Ok(sheets.into_iter().map(mean).collect())
 }
 
-/// Writes scores: participant, moment, scale, subscale, value, answered, items.
-///
-/// # Errors
-/// [`StudyError::Io`], [`StudyError::BadTable`].
-pub fn write_scores(path: &Path, scores: &[Score]) -> Result<(), StudyError> {
-    write_rows(path, scores)
-}
-
-/// Reads scores back.
+/// Reads scores.
 ///
 /// # Errors
 /// As [`Table`] does, naming row and column.

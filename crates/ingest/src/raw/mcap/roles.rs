@@ -46,7 +46,7 @@ impl Reading {
             return Some(Self::mapped(mapped));
         }
         let ego = |role, stamp: &[_], pose: &str, twist: &str| {
-            let mut paths = place(&EGO_SLOTS, stamp, pose, twist);
+            let mut paths = place(EGO_SLOTS, stamp, pose, twist);
             paths.extend([FRAME, OWN_FRAME].map(str::to_owned));
             Self {
                 role,
@@ -116,7 +116,7 @@ impl Reading {
             ("qz", "transform.rotation.z"),
             ("qw", "transform.rotation.w"),
         ];
-        let mut paths = filled(&EGO_SLOTS, &[&HEADER[..], &known].concat());
+        let mut paths = filled(EGO_SLOTS, &[&HEADER[..], &known].concat());
         paths.extend([FRAME, OWN_FRAME].map(str::to_owned));
         let of_each = |path: &String| {
             let paths = path.split('|').filter(|p| !p.is_empty());
@@ -135,7 +135,7 @@ impl Reading {
         let place = [("x", "longitude"), ("y", "latitude")];
         Self {
             role: Role::Fix,
-            paths: filled(&EGO_SLOTS, &[stamp, &place].concat()),
+            paths: filled(EGO_SLOTS, &[stamp, &place].concat()),
             convention: Convention::Mapped,
         }
     }
@@ -143,7 +143,7 @@ impl Reading {
     fn speed(path: &str) -> Self {
         Self {
             role: Role::Speed,
-            paths: filled(&EGO_SLOTS, &[&HEADER[..], &[("speed", path)]].concat()),
+            paths: filled(EGO_SLOTS, &[&HEADER[..], &[("speed", path)]].concat()),
             convention: Convention::Mapped,
         }
     }

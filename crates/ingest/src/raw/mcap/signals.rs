@@ -1,6 +1,9 @@
 //! From the numbers that a plan took to samples.
 
-use super::{roles::Convention, slots::OBJECT_SLOTS};
+use super::{
+    roles::Convention,
+    slots::{OBJECT_SLOTS, Slot},
+};
 use crate::{
     mapping::TwistFrame,
     raw::{EgoSample, ObjectSample},
@@ -9,8 +12,8 @@ use std::collections::BTreeMap;
 
 /// A stamp from its two slots; those of ROS 2 fit, others saturate, and a missing one is 0.
 pub(crate) fn stamp_ns(row: &[f64]) -> i64 {
-    let part = |value: f64| if value.is_nan() { 0.0 } else { value };
-    let (sec, nanosec) = (part(row[0]), part(row[1]));
+    let part = |slot: Slot| slot.known(row).unwrap_or(0.0);
+    let (sec, nanosec) = (part(Slot::Sec), part(Slot::Nanosec));
     let whole = sec as i64;
     if sec - whole as f64 == 0.0 {
         // Almost every stamp: nothing behind the point.
@@ -24,27 +27,27 @@ pub(crate) fn stamp_ns(row: &[f64]) -> i64 {
         .saturating_add(nanosec as i64)
 }
 
+/// The quaternion x, y, z, w of a row.
+fn quaternion(row: &[f64]) -> [f64; 4] {
+    [Slot::Qx, Slot::Qy, Slot::Qz, Slot::Qw].map(|slot| slot.at(row))
+}
+
 /// Heading from a quaternion; none where it is all zeros, as in a message nobody filled in.
-fn heading(q: &[f64]) -> Option<f64> {
-    let &[x, y, z, w] = q else { return None };
+fn heading([x, y, z, w]: [f64; 4]) -> Option<f64> {
     let norm2 = x * x + y * y + z * z + w * w;
     (norm2 > 0.5).then(|| libm::atan2(2.0 * (w * z + x * y), w * w + x * x - y * y - z * z))
 }
 
 /// An object's heading as a vector, of any length; east where it is not known.
 fn direction(row: &[f64]) -> (f64, f64) {
-    let (yaw, x, y, z, w) = (row[10], row[4], row[5], row[6], row[7]);
-    if !yaw.is_nan() {
-        (libm::cos(yaw), libm::sin(yaw))
-    } else if x * x + y * y + z * z + w * w > 0.5 {
-        (w * w + x * x - y * y - z * z, 2.0 * (w * z + x * y))
-    } else {
-        (1.0, 0.0)
+    let [x, y, z, w] = quaternion(row);
+    match Slot::Yaw.known(row) {
+        Some(yaw) => (libm::cos(yaw), libm::sin(yaw)),
+        None if x * x + y * y + z * z + w * w > 0.5 => {
+            (w * w + x * x - y * y - z * z, 2.0 * (w * z + x * y))
+        }
+        None => (1.0, 0.0),
     }
-}
-
-fn known(value: f64) -> Option<f64> {
-    (!value.is_nan()).then_some(value)
 }
 
 /// Ego's sample with its twist, whose frame is settled once all are there.
@@ -65,17 +68,17 @@ pub(crate) struct Receipt {
 
 /// Ego's slots.
 pub(crate) fn ego_row(row: &[f64], receipt: Receipt) -> EgoRow {
-    let twist = known(row[8]).zip(known(row[9]));
+    let twist = Slot::Vx.known(row).zip(Slot::Vy.known(row));
     let of_twist = twist.map(|(vx, vy)| libm::hypot(vx, vy).copysign(vx));
     EgoRow {
         sample: EgoSample {
             stamp_ns: stamp_ns(row),
             log_ns: receipt.log_ns,
             nth: receipt.nth,
-            x_m: row[2],
-            y_m: row[3],
-            yaw_rad: known(row[10]).or_else(|| heading(&row[4..8])),
-            speed_mps: known(row[11]).or(of_twist),
+            x_m: Slot::X.at(row),
+            y_m: Slot::Y.at(row),
+            yaw_rad: Slot::Yaw.known(row).or_else(|| heading(quaternion(row))),
+            speed_mps: Slot::Speed.known(row).or(of_twist),
         },
         twist,
     }
@@ -111,11 +114,12 @@ impl Objects {
         twist: Option<TwistFrame>,
     ) -> Option<ObjectSample> {
         let is = |value: f64, code: f64| (value - code).abs() < 0.5;
-        let [shape, first, second, class] = *row.get(14..18)?.first_chunk()?;
         // Between them stands the name of the frame.
-        let uuid = &row[OBJECT_SLOTS.len() + 1..];
+        let uuid = row.get(OBJECT_SLOTS.len() + 1..)?;
+        let slots = [Slot::Shape, Slot::Size0, Slot::Size1, Slot::Class];
+        let [shape, first, second, class] = slots.map(|slot| slot.at(row));
         let (vehicle, length_m) = match convention {
-            Convention::Mapped => (true, known(row[13])),
+            Convention::Mapped => (true, Slot::Length.known(row)),
             Convention::Autoware => {
                 let length = (!is(shape, POLYGON)).then_some(first);
                 (class.is_nan() || class < PEDESTRIAN, length)
@@ -138,11 +142,12 @@ impl Objects {
         }
         let next = u32::try_from(self.numbers.len()).unwrap_or(u32::MAX);
         let id = if uuid.is_empty() {
-            let usual = row[12] as u32;
-            if f64::from(usual).to_bits() == row[12].to_bits() && usual < GIVEN_FROM {
+            let id = Slot::Id.at(row);
+            let usual = id as u32;
+            if f64::from(usual).to_bits() == id.to_bits() && usual < GIVEN_FROM {
                 usual
             } else {
-                let key = u128::from(row[12].to_bits());
+                let key = u128::from(id.to_bits());
                 *self
                     .numbers
                     .entry(key)
@@ -154,7 +159,7 @@ impl Objects {
                 .fold(0, |key, &byte| key << 8 | u128::from(byte as u8));
             *self.numbers.entry(key).or_insert(next)
         };
-        let (vx, vy) = (row[8], row[9]);
+        let (vx, vy) = (Slot::Vx.at(row), Slot::Vy.at(row));
         let frame = twist.unwrap_or(match convention {
             Convention::Autoware => TwistFrame::Object,
             Convention::Derived | Convention::Mapped => TwistFrame::Map,
@@ -171,9 +176,11 @@ impl Objects {
             log_ns: receipt.log_ns,
             nth: receipt.nth,
             id,
-            x_m: row[2],
-            y_m: row[3],
-            speed_mps: known(row[11]).unwrap_or(libm::hypot(vx, vy).copysign(forward)),
+            x_m: Slot::X.at(row),
+            y_m: Slot::Y.at(row),
+            speed_mps: Slot::Speed
+                .known(row)
+                .unwrap_or(libm::hypot(vx, vy).copysign(forward)),
             length_m: length_m
                 .filter(|l| l.is_finite() && *l > 0.0)
                 .unwrap_or(f64::NAN),
@@ -369,7 +376,7 @@ mod tests {
             let quaternion = half(yaw);
             for length in [0.8, 1.0, 1.3] {
                 let longer = quaternion.map(|q| length * q);
-                assert!((heading(&longer).unwrap() - yaw).abs() < 1e-12);
+                assert!((heading(longer).unwrap() - yaw).abs() < 1e-12);
             }
             let mut row = [f64::NAN; 11];
             row[4..8].copy_from_slice(&quaternion);
@@ -384,10 +391,10 @@ mod tests {
         let banked = [0.1, 0.2, 0.6, 0.768];
         let (x, y, z, w) = (0.1_f64, 0.2, 0.6, 0.768);
         let expected = (2.0 * (w * z + x * y)).atan2(1.0 - 2.0 * (y * y + z * z));
-        assert!((heading(&banked).unwrap() - expected).abs() < 1e-3);
-        assert_eq!(heading(&[0.5, 0.5, 0.0, 0.0]), None);
+        assert!((heading(banked).unwrap() - expected).abs() < 1e-3);
+        assert_eq!(heading([0.5, 0.5, 0.0, 0.0]), None);
         let mut row = [f64::NAN; 11];
         row[4..8].fill(0.0);
-        assert_eq!((heading(&[0.0; 4]), direction(&row)), (None, (1.0, 0.0)));
+        assert_eq!((heading([0.0; 4]), direction(&row)), (None, (1.0, 0.0)));
     }
 }

@@ -19,16 +19,49 @@ pub(crate) enum Role {
     Identity,
 }
 
-/// Slots of ego's pose, speed or fix (`x`, `y` are longitude and latitude there); behind them stand the names of its frames.
-pub(crate) const EGO_SLOTS: [&str; 12] = [
-    "sec", "nanosec", "x", "y", "qx", "qy", "qz", "qw", "vx", "vy", "yaw", "speed",
-];
+/// A number of ego or of an object, by its place in a row.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Slot {
+    Sec,
+    Nanosec,
+    X,
+    Y,
+    Qx,
+    Qy,
+    Qz,
+    Qw,
+    Vx,
+    Vy,
+    Yaw,
+    Speed,
+    Id,
+    Length,
+    Shape,
+    Size0,
+    Size1,
+    Class,
+}
 
-/// Slots of an object; behind them stands the name of its frame, and then the 16 bytes of its UUID where it has one.
+impl Slot {
+    /// The number in a row; NaN where the message does not say it.
+    pub(crate) fn at(self, row: &[f64]) -> f64 {
+        row[self as usize]
+    }
+
+    /// The number in a row, where the message says it.
+    pub(crate) fn known(self, row: &[f64]) -> Option<f64> {
+        Some(self.at(row)).filter(|v| !v.is_nan())
+    }
+}
+
+/// Names of the slots of an object; behind them stands the name of its frame, and then the 16 bytes of its UUID where it has one.
 pub(crate) const OBJECT_SLOTS: [&str; 18] = [
     "sec", "nanosec", "x", "y", "qx", "qy", "qz", "qw", "vx", "vy", "yaw", "speed", "id", "length",
     "shape", "size0", "size1", "class",
 ];
+
+/// Names of the slots of ego's pose, speed or fix (`x`, `y` are longitude and latitude there); behind them stand the names of its frames.
+pub(crate) const EGO_SLOTS: &[&str] = OBJECT_SLOTS.split_at(Slot::Id as usize).0;
 
 impl Role {
     /// Names of the slots that a mapping may fill.
@@ -36,7 +69,7 @@ impl Role {
         match self {
             Self::Objects => &OBJECT_SLOTS,
             Self::Identity => &["id"],
-            _ => &EGO_SLOTS,
+            _ => EGO_SLOTS,
         }
     }
 }

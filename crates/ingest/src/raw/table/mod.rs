@@ -1,9 +1,12 @@
 //! Reads tables: CSV, TSV and Parquet in the layouts that a mapping may declare.
 
 mod ids;
+mod lane;
+pub(crate) mod lateral;
 mod long;
 pub(crate) mod open;
 mod pair;
+mod parts;
 mod platoon;
 mod recording_meta;
 mod signals;
@@ -17,8 +20,10 @@ use crate::{
     quality::{Warning, WarningKind},
     raw::RawDrive,
     source::Source,
+    synchronise::hole_ns,
 };
-use std::path::Path;
+use open::{Kind, Table};
+use std::path::{Path, PathBuf};
 use time::Clock;
 
 /// One drive of a table.
@@ -72,25 +77,67 @@ fn refuse_overlaps(path: &Path, drives: &mut [TableDrive]) -> Result<(), IngestE
     Ok(())
 }
 
+/// A table to be read: its files and what is said of them.
+pub(crate) struct TableLog<'a> {
+    /// The log's name in warnings: its first file, or a folder of signals.
+    pub(crate) path: &'a Path,
+    /// Its files in their order, with their bytes; none of a folder of signals.
+    pub(crate) files: Vec<(PathBuf, Vec<u8>)>,
+    /// What its columns mean.
+    pub(crate) mapping: &'a TableMapping,
+    /// The road where the table does not know better.
+    pub(crate) road: &'a RoadMapping,
+    /// Longest hole that is bridged, in s.
+    pub(crate) max_gap_s: f64,
+}
+
+impl<'a> TableLog<'a> {
+    /// Its times, where frames need no file beside it.
+    fn clock(&self) -> Clock<'a> {
+        Clock {
+            unit: self.mapping.units.time,
+            pattern: self.mapping.time_pattern.as_deref(),
+            // Only used where times are frames, and checked then.
+            frames_per_s: self.mapping.frames_per_s.unwrap_or(1.0),
+            hole_ns: hole_ns(self.max_gap_s),
+        }
+    }
+
+    /// Opens its files as one table.
+    ///
+    /// # Errors
+    /// As [`Table::open_all`].
+    fn open(&mut self, wanted: &[(&str, Kind)]) -> Result<Table, IngestError> {
+        Table::open_all(std::mem::take(&mut self.files), self.mapping.into(), wanted)
+    }
+}
+
 /// Reads the drives of a table, ordered by group and vehicle; of a folder if the layout is `signals`. Files that it reads besides go to `sources`.
 ///
 /// # Errors
 /// As [`crate::read_log`].
 pub(crate) fn read(
-    path: &Path,
-    bytes: Vec<u8>,
-    mapping: &TableMapping,
-    road: &RoadMapping,
-    max_gap_s: f64,
+    log: TableLog<'_>,
     sources: &mut Vec<Source>,
 ) -> Result<Vec<TableDrive>, IngestError> {
-    let mut drives = match mapping.layout {
-        Layout::Pair => vec![pair::read(path, bytes, mapping)?],
-        Layout::Platoon => platoon::read(path, bytes, mapping)?,
-        Layout::Long => long::read(path, bytes, mapping, road, max_gap_s, sources)?,
-        Layout::Signals => vec![signals::read(path, mapping, road, max_gap_s, sources)?],
+    let (path, layout) = (log.path, &log.mapping.layout);
+    let joined = match log.files.len() {
+        0 | 1 => Vec::new(),
+        _ => parts::joined(path, log.files.clone(), log.mapping, log.clock())?,
+    };
+    let mut drives = match layout {
+        Layout::Pair(pair) => vec![pair::read(log, pair)?],
+        Layout::Platoon(platoon) => platoon::read(log, platoon)?,
+        Layout::Long(long) => long::read(log, long, sources)?,
+        Layout::Signals(tables) => vec![signals::read(log, &tables.signals, sources)?],
     };
     refuse_overlaps(path, &mut drives)?;
+    for drive in &mut drives {
+        drive.warnings.extend(joined.iter().cloned());
+        drive
+            .warnings
+            .extend(lateral::place_in_lane(path, layout, &drive.raw.ego));
+    }
     Ok(drives)
 }
 
@@ -99,23 +146,6 @@ pub(crate) fn take(path: &Path, sources: &mut Vec<Source>) -> Result<Vec<u8>, In
     let (bytes, source) = Source::read(path)?;
     sources.push(source);
     Ok(bytes)
-}
-
-/// The times of a table, where frames need no file beside it.
-fn clock(mapping: &TableMapping) -> Clock<'_> {
-    Clock {
-        unit: mapping.units.time,
-        pattern: mapping.time_pattern.as_deref(),
-        // Only used where times are frames, and checked then.
-        frames_per_s: mapping.frames_per_s.unwrap_or(1.0),
-    }
-}
-
-/// A column that the mapping names; its check has seen to it that it does.
-fn named<'a>(path: &Path, key: &str, column: Option<&'a String>) -> Result<&'a str, IngestError> {
-    let missing = || format!("this table needs `table.columns.{key}`");
-    let column = column.map(String::as_str);
-    column.ok_or_else(|| IngestError::bad_mapping(path, missing()))
 }
 
 /// Adds a warning if it happened at all.

@@ -3,6 +3,7 @@
 use super::text::{Header, MOST_COLUMNS, Style, blanks_to_tabs, flaw, header, same_name};
 use crate::{error::IngestError, foreign::foreign_text, parquet};
 use maveric_domain::nearest;
+use path_slash::PathExt as _;
 use polars::prelude::{
     Column, CsvParseOptions, CsvReadOptions, DataFrame, DataType, Field, PlSmallStr, PolarsError,
     Schema, SerReader,
@@ -10,6 +11,7 @@ use polars::prelude::{
 use std::{
     collections::BTreeMap,
     io::Cursor,
+    ops::Range,
     path::{Path, PathBuf},
     sync::Arc,
 };
@@ -39,9 +41,86 @@ pub(crate) struct Table {
     names: Vec<String>,
     frame: DataFrame,
     decimal_comma: bool,
+    /// The files that follow, where a recording was split, each with the row at which it begins.
+    parts: Vec<(usize, PathBuf)>,
 }
 
 impl Table {
+    /// Reads a table that stands in several files, one below the other, as [`Table::open`] reads one.
+    ///
+    /// # Errors
+    /// As [`Table::open`]; [`IngestError::BadTable`] for a part that lacks a column of the first, or has one that the first lacks.
+    pub(crate) fn open_all(
+        files: Vec<(PathBuf, Vec<u8>)>,
+        style: Style,
+        wanted: &[(&str, Kind)],
+    ) -> Result<Self, IngestError> {
+        let mut tables = Vec::with_capacity(files.len());
+        for (path, bytes) in files {
+            tables.push(Self::open(&path, bytes, style, wanted)?);
+        }
+        let mut tables = tables.into_iter();
+        let Some(mut first) = tables.next() else {
+            return Err(IngestError::bad_table(Path::new(""), "no file was given"));
+        };
+        for part in tables {
+            first.append(&part)?;
+        }
+        Ok(first)
+    }
+
+    /// Puts the rows of another part below those that are there.
+    fn append(&mut self, part: &Self) -> Result<(), IngestError> {
+        let names = self.frame.get_column_names_owned();
+        let all = names.iter().all(|name| part.has(name));
+        if !all || part.frame.width() != names.len() {
+            let theirs = part.frame.get_column_names_owned().join(", ");
+            return Err(part.bad(format!(
+                "of the columns that the mapping names it has {theirs}, but {} has {}: parts of one recording are expected to have \
+                 the same",
+                self.path.to_slash_lossy(),
+                names.join(", ")
+            )));
+        }
+        let mut columns = Vec::with_capacity(names.len());
+        for name in &names {
+            let unreadable = |e: PolarsError| part.unreadable(name, &e);
+            let (mut above, mut below) = (self.column(name)?.clone(), part.column(name)?.clone());
+            let kinds = [above.dtype(), below.dtype()];
+            if kinds.contains(&&DataType::Float64) && kinds.contains(&&DataType::String) {
+                // A cell of one of them is no number as others are: it is named, or read as the table's cells are.
+                above = Column::new(name.clone(), self.numbers(name)?);
+                below = Column::new(name.clone(), part.numbers(name)?);
+            } else if kinds[0] != kinds[1] {
+                above = above.cast(&DataType::String).map_err(unreadable)?;
+                below = below.cast(&DataType::String).map_err(unreadable)?;
+            }
+            above.append(&below).map_err(unreadable)?;
+            columns.push(above);
+        }
+        self.parts.push((self.rows(), part.path.clone()));
+        let rows = self.rows() + part.rows();
+        self.frame =
+            DataFrame::new(rows, columns).map_err(|e| part.bad(parquet::first_line(&e)))?;
+        Ok(())
+    }
+
+    /// Whether it stands in several files.
+    pub(crate) fn is_split(&self) -> bool {
+        !self.parts.is_empty()
+    }
+
+    /// The rows of each file, in their order.
+    pub(crate) fn parts(&self) -> impl Iterator<Item = (&Path, Range<usize>)> {
+        let begins = [(0, &self.path)]
+            .into_iter()
+            .chain(self.parts.iter().map(|(row, path)| (*row, path)));
+        let ends = self.parts.iter().map(|p| p.0).chain([self.rows()]);
+        begins
+            .zip(ends)
+            .map(|((begin, path), end)| (path.as_path(), begin..end))
+    }
+
     /// Reads `wanted` columns; the first of them marks the line of the header.
     ///
     /// A name that ends in `?` may be missing. Numbers are parsed by polars; only if a cell is no number
@@ -62,6 +141,7 @@ impl Table {
             names: Vec::new(),
             frame: DataFrame::default(),
             decimal_comma: style.decimal_comma,
+            parts: Vec::new(),
         };
         if parquet::is_parquet(&bytes) {
             table.read_parquet(bytes, wanted)?;
@@ -253,9 +333,11 @@ impl Table {
         found: impl Into<String>,
         expected: &str,
     ) -> IngestError {
+        let part = self.parts.iter().rfind(|(begin, _)| *begin <= row);
+        let (begin, path) = part.map_or((0, &self.path), |(begin, path)| (*begin, path));
         IngestError::BadCell {
-            path: self.path.clone(),
-            row: row + 1,
+            path: path.clone(),
+            row: row - begin + 1,
             column: name.trim_end_matches('?').to_owned(),
             // A cell may hold anything, and its message goes to a terminal.
             found: found.into().escape_debug().take(60).collect(),
@@ -616,8 +698,9 @@ mod tests {
             unit: crate::mapping::TimeUnit::Iso8601,
             pattern: None,
             frames_per_s: 1.0,
+            hole_ns: 0,
         };
-        let stamps = crate::raw::table::time::stamps(&table, "when", clock).unwrap();
+        let stamps = crate::raw::table::time::as_written(&table, "when", clock).unwrap();
         assert_eq!(stamps[0], Some(1_562_235_693_100_000_000));
         assert_eq!(stamps[2], Some(1_562_235_693_300_000_000));
         for (name, found) in [

@@ -1,14 +1,9 @@
 //! A follower and its leader: the columns of a file of pairs, or two neighbours of a platoon.
 
-use super::{
-    Gaps, TableDrive, clock, ids, named,
-    open::{Kind, Table},
-    report,
-    time::stamps,
-};
+use super::{Gaps, TableDrive, TableLog, ids, lane::Lanes, open::Kind, parts::stamps, report};
 use crate::{
     error::IngestError,
-    mapping::{Forward, GapKind, Point, TableMapping},
+    mapping::{GapKind, Pair, Point},
     quality::WarningKind,
     raw::{EgoSample, LEADER, ObjectSample, PairRows, RawDrive},
 };
@@ -18,6 +13,28 @@ use std::{collections::BTreeMap, path::Path};
 /// Leaders without a number whose lengths differ by less are of one length, in m.
 const SAME_LENGTH_M: f64 = 1.0;
 
+/// What columns say of the lane that ego is in.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Lane {
+    /// Nothing: a place in it at most.
+    Unknown,
+    /// Its number alone, so that ego steps from centre to centre.
+    Number,
+    /// Ego's place across the road.
+    Place,
+}
+
+impl Lane {
+    /// By the columns that there are: of a position across the road, of the lane's number, and of the place in it.
+    pub(super) fn told(across: bool, number: bool, place: bool) -> Self {
+        match (across, number, place) {
+            (true, ..) | (_, true, true) => Self::Place,
+            (_, true, false) => Self::Number,
+            (_, false, _) => Self::Unknown,
+        }
+    }
+}
+
 /// A follower and its leader in SI units, one entry a row; NaN stands for an empty cell.
 pub(super) struct Couple {
     pub(super) stamp_ns: Vec<Option<i64>>,
@@ -26,6 +43,7 @@ pub(super) struct Couple {
     pub(super) ego_speed_mps: Vec<f64>,
     pub(super) ego_length_m: f64,
     pub(super) ego_y_m: Option<Vec<f64>>,
+    pub(super) lane: Lane,
     /// From bumper to bumper; if `signed`, negative where the other vehicle is behind.
     pub(super) gap_m: Vec<f64>,
     pub(super) signed: bool,
@@ -43,29 +61,21 @@ pub(super) struct Couple {
 ///
 /// # Errors
 /// As [`crate::read_log`].
-pub(super) fn read(
-    path: &Path,
-    bytes: Vec<u8>,
-    mapping: &TableMapping,
-) -> Result<TableDrive, IngestError> {
-    let names = &mapping.columns;
-    let time = named(path, "time", names.time.as_ref())?;
-    let clock = clock(mapping);
-    let mut wanted = vec![(time, clock.kind())];
-    let given = names.given();
-    let numbers = given.iter().filter(|g| g.0 != "time" && g.0 != "lead_id");
-    wanted.extend(numbers.map(|g| (g.1, Kind::Number)));
-    wanted.extend(names.lead_id.iter().map(|n| (n.as_str(), Kind::Word)));
-    let table = Table::open(path, bytes, mapping.into(), &wanted)?;
+pub(super) fn read(mut log: TableLog<'_>, pair: &Pair) -> Result<TableDrive, IngestError> {
+    let (mapping, names, clock) = (log.mapping, &pair.columns, log.clock());
+    let given = mapping.layout.columns();
+    let mut wanted = vec![(names.time.as_str(), clock.kind())];
+    let of_rows = given.iter().filter(|(key, _)| key != "time");
+    wanted.extend(of_rows.map(|(key, name)| {
+        let word = key == "lead_id";
+        (name.as_str(), if word { Kind::Word } else { Kind::Number })
+    }));
+    let table = log.open(&wanted)?;
     let column = |name: &Option<String>, unit| table.scaled(name.as_ref(), unit);
     let length = mapping.units.length.metres();
     let speed = mapping.units.speed.metres_per_second();
     let ego_length_m = first_length(column(&names.ego_length, length)?, mapping.ego_length_m);
-    let along = if mapping.forward == Forward::AgainstX {
-        -length
-    } else {
-        length
-    };
+    let along = pair.forward.sign() * length;
     let ego_x_m = column(&names.ego_x, along)?;
     let lead_id: Option<Vec<Option<u32>>> = match &names.lead_id {
         Some(name) if table.has(name) => {
@@ -87,7 +97,7 @@ pub(super) fn read(
     } else {
         let lead = column(&names.lead_x, along)?.unwrap_or_default();
         let ego = ego_x_m.as_deref().unwrap_or_default();
-        let taken_m = |lead_length_m: f64| match mapping.point {
+        let taken_m = |lead_length_m: f64| match pair.point {
             Some(Point::Rear) => ego_length_m,
             Some(Point::Front) => lead_length_m,
             _ => 0.5 * (ego_length_m + lead_length_m),
@@ -96,15 +106,20 @@ pub(super) fn read(
         rows.map(|((l, e), length)| l - e - taken_m(*length))
             .collect()
     };
-    let ego_speed = named(path, "ego_speed", names.ego_speed.as_ref())?;
+    let lanes = Lanes::new(mapping, log.road, pair.offset_grows);
+    let (lane, offset) = (column(&names.lane, 1.0)?, column(&names.offset, 1.0)?);
     let couple = Couple {
-        stamp_ns: stamps(&table, time, clock)?,
+        stamp_ns: stamps(&table, &names.time, clock)?,
         ego_x_m,
-        ego_y_m: column(&names.ego_y, along)?,
+        ego_y_m: match column(&names.ego_y, along)? {
+            None => lanes.across_m(lane.as_deref(), offset.as_deref()),
+            across => across,
+        },
+        lane: Lane::told(names.ego_y.is_some(), lane.is_some(), offset.is_some()),
         signed: mapping.gap_kind == Some(GapKind::Signed),
         lead_id,
         lead_dy_m: column(&names.lead_dy, along)?,
-        ego_speed_mps: table.times(ego_speed, speed)?,
+        ego_speed_mps: table.times(&names.ego_speed, speed)?,
         ego_length_m,
         gap_m,
         lead_speed_mps: column(&names.lead_speed, speed)?,
@@ -113,9 +128,9 @@ pub(super) fn read(
     };
     if couple.gap_m.len() != couple.stamp_ns.len() {
         let what = "neither `gap` nor `ego_x` with `lead_x` is a column of this table";
-        return Err(IngestError::bad_mapping(path, what));
+        return Err(IngestError::bad_mapping(log.path, what));
     }
-    Ok(drive(path, &couple))
+    Ok(drive(log.path, &couple))
 }
 
 /// A vehicle does not grow: its length is the first that is known.
@@ -227,13 +242,13 @@ pub(super) fn drive(path: &Path, couple: &Couple) -> TableDrive {
     let mut warnings = Vec::new();
     let first = raw.objects.first().map(|o| o.id);
     let several = raw.objects.iter().any(|o| Some(o.id) != first);
-    let beside = couple.ego_y_m.is_some() || couple.lead_dy_m.is_some();
+    let beside = couple.lane != Lane::Unknown || couple.lead_dy_m.is_some();
     raw.without_lateral = !beside && (several || passed);
     raw.sees = Sees {
         // Whose leader may be behind keeps in sight whom it passes.
         beside: couple.signed && couple.lead_dy_m.is_some(),
         behind: couple.signed,
-        lanes: couple.ego_y_m.is_some(),
+        lanes: couple.lane != Lane::Unknown,
         ..Sees::LEAD
     };
     let kind = WarningKind::MissingValue;
@@ -243,6 +258,7 @@ pub(super) fn drive(path: &Path, couple: &Couple) -> TableDrive {
     report(&mut warnings, path, kind, without_leader, what);
     TableDrive {
         raw,
+        lane_steps: couple.lane == Lane::Number,
         warnings,
         gaps,
         ..TableDrive::default()

@@ -1,16 +1,16 @@
 //! Several vehicles in file, side by side in a row: each but the first follows the one before it.
 
 use super::{
-    TableDrive, clock, named,
-    open::{Kind, Table},
-    pair::{Couple, bumper_gap_m, drive},
-    time::stamps,
+    TableDrive, TableLog,
+    lane::Lanes,
+    open::Kind,
+    pair::{Couple, Lane, bumper_gap_m, drive},
+    parts::stamps,
 };
 use crate::{
     error::IngestError,
-    mapping::{GapKind, TableMapping},
+    mapping::{GapKind, Platoon},
 };
-use std::path::Path;
 
 /// Most vehicles of a platoon.
 const MOST_VEHICLES: usize = 99;
@@ -22,41 +22,48 @@ const MOST_VEHICLES: usize = 99;
 /// # Errors
 /// As [`crate::read_log`].
 pub(super) fn read(
-    path: &Path,
-    bytes: Vec<u8>,
-    mapping: &TableMapping,
+    mut log: TableLog<'_>,
+    platoon: &Platoon,
 ) -> Result<Vec<TableDrive>, IngestError> {
-    let columns = &mapping.columns;
-    let time = named(path, "time", columns.time.as_ref())?;
-    let speed = named(path, "speed", columns.speed.as_ref())?;
-    let gap = named(path, "gap", columns.gap.as_ref())?;
+    let (mapping, columns, clock) = (log.mapping, &platoon.columns, log.clock());
     let of = |template: &str, n: usize| template.replace("{n}", &n.to_string());
     let optional = |template: &str, n: usize| format!("{}?", of(template, n).trim_end_matches('?'));
-    let (x, length) = (columns.x.as_deref(), columns.length.as_deref());
+    let (speed, gap) = (&columns.speed, &columns.gap);
     let mut names = vec![of(speed, 1), of(speed, 2), of(gap, 1)];
+    let given = mapping.layout.columns();
+    let of_cars: Vec<&String> = given
+        .iter()
+        .filter(|(key, _)| key != "time")
+        .map(|g| &g.1)
+        .collect();
     for n in 1..=MOST_VEHICLES {
-        let templates = [Some(speed), Some(gap), x, length];
-        names.extend(templates.into_iter().flatten().map(|t| optional(t, n)));
+        names.extend(of_cars.iter().map(|template| optional(template, n)));
     }
-    let clock = clock(mapping);
-    let mut wanted = vec![(time, clock.kind())];
+    let mut wanted = vec![(columns.time.as_str(), clock.kind())];
     wanted.extend(names.iter().map(|n| (n.as_str(), Kind::Number)));
-    let table = Table::open(path, bytes, mapping.into(), &wanted)?;
+    let table = log.open(&wanted)?;
 
     let (to_m, to_mps) = (
         mapping.units.length.metres(),
         mapping.units.speed.metres_per_second(),
     );
-    let some = |template: Option<&str>, n: usize, unit: f64| {
-        table.scaled(template.map(|t| optional(t, n)).as_ref(), unit)
+    let some = |template: &Option<String>, n: usize, unit: f64| {
+        table.scaled(template.as_ref().map(|t| optional(t, n)).as_ref(), unit)
     };
     let of_car = |template: &str, n: usize, unit: f64| table.times(&of(template, n), unit);
     let length_m = |n: usize, otherwise_m: f64| -> Result<f64, IngestError> {
-        let known = some(length, n, to_m)?;
+        let known = some(&columns.length, n, to_m)?;
         let first = known.into_iter().flatten().find(|l| *l > 0.0);
         Ok(first.unwrap_or(otherwise_m))
     };
-    let stamp_ns = stamps(&table, time, clock)?;
+    let lanes = Lanes::new(mapping, log.road, platoon.offset_grows);
+    // Where a car is across the road, and what columns say of its lane.
+    let across = |n: usize| -> Result<(Option<Vec<f64>>, Lane), IngestError> {
+        let (lane, offset) = (some(&columns.lane, n, 1.0)?, some(&columns.offset, n, 1.0)?);
+        let told = Lane::told(false, lane.is_some(), offset.is_some());
+        Ok((lanes.across_m(lane.as_deref(), offset.as_deref()), told))
+    };
+    let stamp_ns = stamps(&table, &columns.time, clock)?;
     let mut drives = Vec::new();
     for lead in 1..MOST_VEHICLES {
         let ego = lead + 1;
@@ -66,10 +73,15 @@ pub(super) fn read(
         let lead_length_m = length_m(lead, mapping.lead_length_m)?;
         let ego_length_m = length_m(ego, mapping.ego_length_m)?;
         let gaps = of_car(gap, lead, to_m)?.into_iter();
+        let ((lead_y_m, lead_lane), (ego_y_m, lane)) = (across(lead)?, across(ego)?);
+        let both_known = lane != Lane::Unknown && lead_lane != Lane::Unknown;
+        let beside = lead_y_m.zip(ego_y_m.as_ref()).filter(|_| both_known);
         let couple = Couple {
             stamp_ns: stamp_ns.clone(),
-            ego_x_m: some(x, ego, to_m)?,
-            ego_y_m: None,
+            ego_x_m: some(&columns.x, ego, to_m)?,
+            lead_dy_m: beside.map(|(lead, ego)| lead.iter().zip(ego).map(|(l, e)| l - e).collect()),
+            ego_y_m,
+            lane,
             ego_speed_mps: of_car(speed, ego, to_mps)?,
             ego_length_m,
             gap_m: gaps
@@ -77,14 +89,13 @@ pub(super) fn read(
                 .collect(),
             signed: mapping.gap_kind == Some(GapKind::Signed),
             lead_id: None,
-            lead_dy_m: None,
             lead_speed_mps: Some(of_car(speed, lead, to_mps)?),
             lead_length_m: vec![lead_length_m; table.rows()],
             one_leader: true,
         };
         drives.push(TableDrive {
             captures: vec![("id".to_owned(), ego.to_string())],
-            ..drive(path, &couple)
+            ..drive(log.path, &couple)
         });
     }
     Ok(drives)

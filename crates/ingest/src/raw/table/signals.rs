@@ -8,7 +8,7 @@ mod road;
 mod rows;
 mod tracks;
 
-use super::{TableDrive, clock, open::Kind, report, time::stamps};
+use super::{TableDrive, TableLog, open::Kind, parts::stamps, report};
 use crate::{
     error::IngestError,
     mapping::{RoadMapping, Signals, SpeedSignal, TableMapping, VelocitySignal},
@@ -22,7 +22,6 @@ use path::{DrivenPath, Heading};
 use place::{Across, Place};
 use road::RoadAlong;
 use rows::Files;
-use std::path::Path;
 
 /// A drive shorter than this is told, in s: it shows few habits.
 const SHORT_S: f64 = 60.0;
@@ -35,18 +34,13 @@ const SHORT_S: f64 = 60.0;
 /// # Errors
 /// As [`crate::read_log`], naming the signal's file.
 pub(super) fn read(
-    log: &Path,
-    mapping: &TableMapping,
-    road: &RoadMapping,
-    max_gap_s: f64,
+    log: TableLog<'_>,
+    signals: &Signals,
     sources: &mut Vec<Source>,
 ) -> Result<TableDrive, IngestError> {
-    let Some(signals) = &mapping.signals else {
-        let what = "layout `signals` needs `[table.signals.speed]`";
-        return Err(IngestError::bad_mapping(log, what));
-    };
-    let clock = clock(mapping);
-    let mut files = Files::new(log, mapping, clock, sources);
+    let (mapping, road, clock, max_gap_s) = (log.mapping, log.road, log.clock(), log.max_gap_s);
+    let mut files = Files::new(log, sources);
+    let log = files.log;
     let to_mps = mapping.units.speed.metres_per_second();
     let mut warnings = Vec::new();
     let speed = speed_samples(&mut files, &signals.speed, to_mps, &mut warnings)?;
@@ -130,7 +124,7 @@ fn across(
         ..*mapped
     };
     if let Some(signal) = &signals.lane {
-        across.lane(files, signal, mapping, found.lanes, warnings)?;
+        across.lane(files, signal, mapping, &found, warnings)?;
     }
     let mapped_lanes = signals.lane.is_some() || signals.lane_changes.is_some();
     let place = driven.ends_ns().filter(|_| mapped_lanes);

@@ -15,6 +15,8 @@ pub(crate) struct Clock<'a> {
     pub(crate) pattern: Option<&'a str>,
     /// Where times are numbers of frames; checked to be above 0.
     pub(crate) frames_per_s: f64,
+    /// Time that is put before a part of a recording whose clock begins anew, in ns.
+    pub(crate) hole_ns: i64,
 }
 
 impl Clock<'_> {
@@ -43,11 +45,11 @@ impl Clock<'_> {
     }
 }
 
-/// A column as nanoseconds, shape `(rows,)`; an empty cell is none.
+/// A column as nanoseconds, shape `(rows,)`, as its clock says them; an empty cell is none.
 ///
 /// # Errors
 /// [`IngestError::BadCell`] for what is no time, or a time that does not fit.
-pub(crate) fn stamps(
+pub(super) fn as_written(
     table: &Table,
     name: &str,
     clock: Clock<'_>,
@@ -155,11 +157,12 @@ mod tests {
             unit,
             pattern: None,
             frames_per_s: 25.0,
+            hole_ns: 1_000_000_000,
         };
         let wanted = [("t", clock.kind())];
         let text = format!("t\n{cells}\n").into();
         let table = Table::open(Path::new("t.csv"), text, Style::default(), &wanted)?;
-        stamps(&table, "t", clock)
+        as_written(&table, "t", clock)
     }
 
     #[test]

@@ -1,5 +1,6 @@
 //! `export`: a study without the people's names, to give away.
 
+mod dictionary;
 mod left_out;
 mod place;
 mod pseudonym;
@@ -19,17 +20,18 @@ use crate::{
     forget::refuse_learned_from_gone,
     outcome::{Outcome, Watch, for_each_on},
     tables::{
-        TableBuilder,
+        TableName,
         participants::{Enrolled, read_enrolled},
-        surveys::{read_answers, refuse_unclear, write_answers},
+        surveys::{read_answers, refuse_unclear},
+        write_rows,
     },
 };
 use left_out::LeftOut;
 use maveric_domain::{Answer, ConditionId, Design, DriveId, DriveMeta, ParticipantId, Recording};
 use maveric_ingest::{Beside, read_log};
-use place::Place;
+use place::{Place, files};
 use pseudonym::Pseudonyms;
-use serde::{Deserialize, Serialize};
+use serde::Serialize;
 use sources::Sources;
 use std::{
     collections::BTreeMap,
@@ -93,6 +95,7 @@ const FEWEST_ALIKE: usize = 3;
 ///   was handed out before is not undone, which is said.
 /// - `ro-crate-metadata.json` says what it is as a Workflow Run RO-Crate: files with hashes, licence, the pipeline and its stages; no
 ///   path that names somebody.
+/// - `dictionary.csv` says what each column of the tables means.
 /// - Of `participants.csv` only who is learned from and who is tested, population, age in bands of ten years, gender, professional and order; of answers only
 ///   what is scored. Free text and any other column is left out.
 ///
@@ -222,7 +225,7 @@ pub fn export(options: &ExportOptions, watch: Watch<'_>) -> Result<Outcome<Expor
                 b.item,
             ))
         });
-        write_answers(&out.join("surveys.csv"), &answers)?;
+        write_rows(TableName::Answers, &out.join("surveys.csv"), &answers)?;
         let orders: BTreeMap<ParticipantId, &[ConditionId]> = people
             .iter()
             .map(|p| (names.of(&p.id), p.order.as_slice()))
@@ -263,6 +266,7 @@ pub fn export(options: &ExportOptions, watch: Watch<'_>) -> Result<Outcome<Expor
             options.out.to_slash_lossy()
         ));
     }
+    dictionary::write(&out, &files(&out)?)?;
     let metadata = ro_crate::metadata(design.title(), &about, &place.given()?);
     write_json(&out.join(ro_crate::METADATA), &metadata)?;
     place.take()?;
@@ -328,17 +332,6 @@ fn band(age_years: f64) -> String {
     format!("{low}-{}", low + BAND_YEARS - 1)
 }
 
-/// A person as the table that is given away has them.
-#[derive(Serialize, Deserialize)]
-struct Given {
-    participant: ParticipantId,
-    population: String,
-    age: String,
-    gender: String,
-    professional: bool,
-    order: String,
-}
-
 fn write_people(
     path: &Path,
     people: &[Enrolled],
@@ -352,21 +345,21 @@ fn write_people(
         let words: Vec<&str> = p.order.iter().map(ConditionId::as_str).collect();
         words.join(" ")
     };
-    let given = rows.iter().map(|(name, p)| Given {
-        participant: name.clone(),
-        population: p.population.clone().unwrap_or_default(),
-        age: p.age_years.map_or_else(String::new, band),
-        gender: p.gender.clone().unwrap_or_default(),
-        professional: p.professional,
-        order: order(p),
+    let columns = design.people().columns();
+    let given = rows.into_iter().map(|(name, p)| {
+        let word = |c: &str| p.cells.get(c).cloned().unwrap_or_default();
+        let telling: Vec<(&str, String)> = columns.iter().map(|c| (*c, word(c))).collect();
+        (
+            ("participant", name),
+            ("population", p.population.clone().unwrap_or_default()),
+            ("age", p.age_years.map_or_else(String::new, band)),
+            ("gender", p.gender.clone().unwrap_or_default()),
+            ("professional", p.professional),
+            ("order", order(p)),
+            telling,
+        )
     });
-    let given: Vec<Given> = given.collect();
-    let mut telling = TableBuilder::default();
-    for column in design.people().columns() {
-        let cell = |r: &(ParticipantId, &Enrolled)| r.1.cells.get(column).cloned();
-        telling = telling.text(column, rows.iter().map(|r| cell(r).unwrap_or_default()));
-    }
-    TableBuilder::of(&given)?.with(1, telling).write(path)
+    write_rows(TableName::Participants, path, given)
 }
 
 /// Warns of people whom few others resemble in what the table still says.

@@ -4,7 +4,7 @@ use super::ro_crate::Given;
 use crate::{
     aside::Aside,
     error::StudyError,
-    tables::{Table, write_rows},
+    tables::{Table, TableName, write_rows},
 };
 use std::{
     collections::BTreeSet,
@@ -90,7 +90,7 @@ impl Place {
     pub(super) fn take(self) -> Result<(), StudyError> {
         let fresh = self.fresh();
         let given = self.given()?;
-        write_rows(&fresh.join(LIST), &given)?;
+        write_rows(TableName::Files, &fresh.join(LIST), &given)?;
         let former = self.aside.path().join("former");
         let used = self.out.exists();
         if used {
@@ -130,7 +130,7 @@ fn refuse_used(out: &Path) -> Result<(), StudyError> {
 }
 
 /// Everything in a folder that is no folder itself, by its path below it with `/` between, sorted.
-fn files(folder: &Path) -> Result<Vec<String>, StudyError> {
+pub(super) fn files(folder: &Path) -> Result<Vec<String>, StudyError> {
     let mut found = Vec::new();
     let mut folders = vec![(folder.to_owned(), String::new())];
     while let Some((folder, below)) = folders.pop() {

@@ -4,7 +4,7 @@
 //! RO-Crate 1.1 (Soiland-Reyes et al. 2022) and Workflow Run RO-Crate 0.5 (Leo et al. 2024), profile Workflow Run Crate; without a run
 //! of a pipeline, Process Run Crate.
 
-use serde::{Deserialize, Serialize};
+use serde::Serialize;
 use serde_json::{Value, json};
 use std::collections::BTreeMap;
 
@@ -51,13 +51,10 @@ pub struct Step {
 }
 
 /// A file of the export.
-#[derive(Debug, Serialize, Deserialize)]
+#[derive(Debug, Serialize)]
 pub(super) struct Given {
-    /// Its path.
     pub(super) file: String,
-    /// Its size.
     pub(super) bytes: usize,
-    /// Its hash, in hexadecimal.
     pub(super) blake3: String,
 }
 

@@ -4,13 +4,12 @@ use super::pseudonym::Pseudonyms;
 use crate::{
     error::StudyError,
     tables::{
-        Table,
+        TableName,
         collected::{CONSENTS, ConsentRow, EVENTS, EventRow, NOTES, NoteRow},
-        write_rows,
+        read_rows, write_rows,
     },
 };
 use maveric_domain::ParticipantId;
-use serde::de::DeserializeOwned;
 use std::{collections::BTreeSet, path::Path};
 
 /// The three tables of a seat's folder.
@@ -25,7 +24,7 @@ impl Collected {
     /// Reads the tables of a folder; notes only where they are asked for.
     ///
     /// # Errors
-    /// [`StudyError::BadFile`] for a folder that has none of them; as [`Table`] does.
+    /// [`StudyError::BadFile`] for a folder that has none of them; as [`read_rows`].
     pub(super) fn read(folder: &Path, notes: bool) -> Result<Self, StudyError> {
         if !folder.join(EVENTS).is_file() {
             return Err(StudyError::BadFile {
@@ -38,9 +37,9 @@ impl Collected {
             });
         }
         Ok(Self {
-            events: rows(&folder.join(EVENTS))?,
-            consents: rows(&folder.join(CONSENTS))?,
-            notes: notes.then(|| rows(&folder.join(NOTES))).transpose()?,
+            events: read_rows(&folder.join(EVENTS))?,
+            consents: read_rows(&folder.join(CONSENTS))?,
+            notes: notes.then(|| read_rows(&folder.join(NOTES))).transpose()?,
         })
     }
 
@@ -100,8 +99,8 @@ impl Collected {
         self.consents
             .sort_by(|a, b| a.participant.cmp(&b.participant));
         let out = out.join("seat");
-        write_rows(&out.join(EVENTS), &self.events)?;
-        write_rows(&out.join(CONSENTS), &self.consents)?;
+        write_rows(TableName::Events, &out.join(EVENTS), &self.events)?;
+        write_rows(TableName::Consents, &out.join(CONSENTS), &self.consents)?;
         let Some(mut notes) = self.notes else {
             return Ok(0);
         };
@@ -113,11 +112,7 @@ impl Collected {
             row.participant = row.participant.as_ref().map(|id| names.of(id));
             row.at = None;
         }
-        write_rows(&out.join(NOTES), &notes)?;
+        write_rows(TableName::Notes, &out.join(NOTES), &notes)?;
         Ok(notes.iter().filter(|row| row.participant.is_none()).count())
     }
-}
-
-fn rows<T: DeserializeOwned>(path: &Path) -> Result<Vec<T>, StudyError> {
-    Table::read(path)?.records()
 }

@@ -48,6 +48,7 @@ impl Sources {
                 logs: options.logs.clone(),
                 mapping: options.mapping.clone(),
                 rate_hz: options.rate_hz,
+                out: options.out.clone(),
                 ..Ingest::default()
             };
             let logs = logs::of(&ingested, study)?;

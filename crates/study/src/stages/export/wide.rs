@@ -1,7 +1,11 @@
 //! Answers as a wide table, laid out as oTree's: a row a participant.
 
-use crate::{error::StudyError, tables::TableBuilder};
+use crate::{
+    error::StudyError,
+    tables::{TableName, write_rows},
+};
 use maveric_domain::{Answer, ConditionId, Moment, ParticipantId};
+use serde_json::Value;
 use std::{
     collections::{BTreeMap, BTreeSet},
     path::Path,
@@ -45,34 +49,27 @@ pub(super) fn write(
         })
         .collect();
     let people: Vec<&ParticipantId> = rated.keys().copied().collect();
-    let mut table =
-        TableBuilder::default().text("participant.label", people.iter().map(|p| p.as_str()));
-    let cell = |who: &ParticipantId, moment: Moment, (scale, item): (&str, u32)| {
-        cells
-            .get(&(who, moment, scale, item))
-            .copied()
-            .flatten()
-            .map(i64::from)
-    };
-    for item in &before {
-        let name = format!("pre.1.player.{}_{}", item.0, item.1);
-        table = table.integers(
-            &name,
-            people.iter().map(|who| cell(who, Moment::Pre, *item)),
-        );
-    }
-    for n in 0..trials.iter().map(Vec::len).max().unwrap_or(0) {
-        let page = format!("trial.{}.player", n + 1);
-        let condition =
-            |t: &Vec<ConditionId>| t.get(n).map_or_else(String::new, ToString::to_string);
-        table = table.text(&format!("{page}.condition"), trials.iter().map(condition));
-        for item in &after {
-            let of = |(who, t): (&&ParticipantId, &Vec<ConditionId>)| {
-                cell(who, Moment::After(*t.get(n)?), *item)
-            };
-            let column = people.iter().zip(&trials).map(of);
-            table = table.integers(&format!("{page}.{}_{}", item.0, item.1), column);
+    let most = trials.iter().map(Vec::len).max().unwrap_or(0);
+    let rows = people.iter().zip(&trials).map(|(who, trials)| {
+        let cell = |moment: Moment, (scale, item): (&str, u32)| {
+            let answer = cells.get(&(*who, moment, scale, item)).copied().flatten();
+            answer.map_or(Value::Null, Value::from)
+        };
+        let mut columns: Vec<(String, Value)> = Vec::new();
+        for item in &before {
+            let name = format!("pre.1.player.{}_{}", item.0, item.1);
+            columns.push((name, cell(Moment::Pre, *item)));
         }
-    }
-    table.write(path)
+        for n in 0..most {
+            let (page, trial) = (format!("trial.{}.player", n + 1), trials.get(n));
+            let condition = trial.map_or_else(String::new, ToString::to_string);
+            columns.push((format!("{page}.condition"), condition.into()));
+            for item in &after {
+                let answer = trial.map_or(Value::Null, |c| cell(Moment::After(*c), *item));
+                columns.push((format!("{page}.{}_{}", item.0, item.1), answer));
+            }
+        }
+        (("participant.label", who.as_str()), columns)
+    });
+    write_rows(TableName::SurveysWide, path, rows)
 }

@@ -12,7 +12,7 @@ use crate::{
     outcome::{Outcome, Watch},
     run_folder::{exclusions_path, read_scales},
     stage::{Files, Stage},
-    tables::{Table, TableBuilder, write_rows},
+    tables::{Table, TableName, write_rows},
 };
 use columns::ColumnMap;
 use maveric_analysis::Why;
@@ -172,10 +172,7 @@ impl Stage for Import {
             what: format!("answers ({moment})"),
             why: why[0].to_string(),
         });
-        write_rows(
-            &exclusions_path(&self.out),
-            &listed.collect::<Vec<Exclusion>>(),
-        )?;
+        write_rows(TableName::LeftOut, &exclusions_path(&self.out), listed)?;
         let participants: BTreeSet<&ParticipantId> = rows.iter().map(|r| &r.participant).collect();
         let mut sheets: BTreeMap<String, usize> = BTreeMap::new();
         for row in rows.iter().filter(|r| r.item == 1) {
@@ -294,21 +291,17 @@ fn refuse_twice(file: &Path, rows: &[Row], scales: &[Scale]) -> Result<(), Study
 }
 
 fn write(path: &Path, rows: &[Row], scales: &[Scale]) -> Result<(), StudyError> {
-    let answers = rows.iter().map(|r| Answer {
-        participant: r.participant.clone(),
-        moment: r.moment,
-        scale: scales[r.scale].id.clone(),
-        item: r.item,
-        answer: r.answer,
+    let answers = rows.iter().map(|r| {
+        let answer = Answer {
+            participant: r.participant.clone(),
+            moment: r.moment,
+            scale: scales[r.scale].id.clone(),
+            item: r.item,
+            answer: r.answer,
+        };
+        (answer, r.seconds.map(|seconds| ("seconds", seconds)))
     });
-    let answers: Vec<Answer> = answers.collect();
-    let table = TableBuilder::of(&answers)?;
-    if rows.iter().any(|r| r.seconds.is_some()) {
-        return table
-            .numbers("seconds", rows.iter().map(|r| r.seconds))
-            .write(path);
-    }
-    table.write(path)
+    write_rows(TableName::Answers, path, answers)
 }
 
 /// A participant id as the file has it.

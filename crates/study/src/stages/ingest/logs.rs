@@ -3,7 +3,7 @@
 use super::Ingest;
 use crate::{design::DesignFile, error::StudyError, stage::Files};
 use maveric_domain::{ParticipantId, design::Mappings};
-use maveric_ingest::{IngestSettings, Mapping, log_files, read_log};
+use maveric_ingest::{IngestSettings, Mapping, log_files, log_parts, read_log};
 use std::path::{Path, PathBuf};
 
 /// A log, and how it is read.
@@ -43,11 +43,12 @@ pub(crate) fn logs_of(
         let Ok(drives) = read_log(&log.path, &log.settings) else {
             continue;
         };
+        let files = log_parts(&log.path, log.settings.mapping.as_ref())?;
         let count = drives.iter().filter(|d| d.meta.participant == *id).count();
         if count > 0 && count == drives.len() {
-            theirs.push(log.path);
+            theirs.extend(files);
         } else if count > 0 {
-            shared.push(log.path);
+            shared.extend(files);
         }
     }
     Ok((theirs, shared))
@@ -92,7 +93,7 @@ fn gathered(
             Ok(Vec::new())
         }
     };
-    let mut found = Vec::new();
+    let mut found: Vec<Log> = Vec::new();
     let mapping_of = |path: &Path| match (&options.mapping, study) {
         (Some(given), _) => Some(given.clone()),
         (None, Some(study)) => declared(study, path),
@@ -101,7 +102,14 @@ fn gathered(
     if !options.logs.is_empty() {
         for path in &options.logs {
             let (mapping, settings) = settings(options, mapping_of(path))?;
-            let logs = log_files(path, settings.mapping.as_ref())?;
+            let mut logs = log_files(path, settings.mapping.as_ref())?;
+            // What an earlier call made of them are no logs, and parts of a recording are one log however many are named.
+            let part = |log: &PathBuf| path.is_file() && log != path;
+            let known = |log: &PathBuf| found.iter().any(|other| other.path == *log);
+            logs.retain(|log| !made_in(&options.out, path, log) && !(part(log) && known(log)));
+            if logs.is_empty() && path.is_file() {
+                continue;
+            }
             found.extend(read_by(some(path, logs)?, mapping.as_ref(), &settings));
         }
         return Ok(found);
@@ -139,7 +147,6 @@ fn gathered(
 
 /// The mapping that a design has for a log or a folder of logs: that of the rig in whose folder it lies, where rigs have their own.
 fn declared(study: &DesignFile, path: &Path) -> Option<PathBuf> {
-    let absolute = |path: &Path| std::path::absolute(path).unwrap_or_else(|_| path.to_owned());
     match &study.design.files().mapping {
         Mappings::One(file) => Some(study.resolve(file)).filter(|file| file.is_file()),
         Mappings::Rigs(rigs) => rigs
@@ -149,6 +156,17 @@ fn declared(study: &DesignFile, path: &Path) -> Option<PathBuf> {
             .max_by_key(|(folder, _)| folder.components().count())
             .and_then(|(_, file)| file.as_ref().map(|file| study.resolve(file))),
     }
+}
+
+fn absolute(path: &Path) -> PathBuf {
+    std::path::absolute(path).unwrap_or_else(|_| path.to_owned())
+}
+
+/// Whether a log lies in the folder of the results, which lies below the one that was named.
+fn made_in(out: &Path, named: &Path, log: &Path) -> bool {
+    let (out_of, named) = (absolute(out), absolute(named));
+    let below = !out.as_os_str().is_empty() && out_of != named && out_of.starts_with(named);
+    below && absolute(log).starts_with(out_of)
 }
 
 fn settings(
@@ -181,26 +199,19 @@ fn refuse_none(folder: &Path, logs: Vec<PathBuf>) -> Result<Vec<PathBuf>, StudyE
     Ok(logs)
 }
 
-/// The logs of a folder and of the folders in it, those in `apart` left alone; in the order of their names.
+/// The logs below a folder, without those that lie in another one of `apart`.
 fn below(
     folder: &Path,
     mapping: Option<&Mapping>,
     apart: &[PathBuf],
 ) -> Result<Vec<PathBuf>, StudyError> {
-    let mut found = log_files(folder, mapping)?;
-    let mut folders = Vec::new();
-    for entry in std::fs::read_dir(folder).map_err(StudyError::read(folder))? {
-        let path = entry.map_err(StudyError::read(folder))?.path();
-        let hidden = path
-            .file_name()
-            .is_some_and(|n| n.to_string_lossy().starts_with('.'));
-        if path.is_dir() && !hidden && !found.contains(&path) && !apart.contains(&path) {
-            folders.push(path);
-        }
-    }
-    folders.sort();
-    for folder in folders {
-        found.extend(below(&folder, mapping, apart)?);
-    }
-    Ok(found)
+    let inner = |other: &&PathBuf| *other != folder && other.starts_with(folder);
+    let mut logs = log_files(folder, mapping)?;
+    logs.retain(|log| {
+        !apart
+            .iter()
+            .filter(inner)
+            .any(|other| log.starts_with(other))
+    });
+    Ok(logs)
 }

@@ -1,6 +1,7 @@
 //! `ingest`: raw logs to drives, one Parquet file each.
 
 pub(crate) mod logs;
+mod parts;
 
 pub(crate) use logs::{logs_of, of_study as logs_of_study};
 
@@ -14,6 +15,7 @@ use crate::{
     outputs::{put_in_place, spare_inputs},
     stage::{Files, Stage},
     tables::{
+        TableName,
         drives::{ExclusionRow, refuse_foreign, write_drive_list, write_drive_of},
         write_rows,
     },
@@ -214,6 +216,8 @@ impl Stage for Ingest {
         let out = left_out.iter();
         let out = out.map(|out| (out.meta.drive.to_string(), out.why.to_string()));
         warnings.extend(told_once("drive", out));
+        let parts = parts::maybe_parts(drives.iter().map(|d| &d.meta), &left_out);
+        warnings.extend(told_once("drive", parts));
         let sights = sights(&drives);
         let rows = drives.iter().map(|d| d.rows).sum();
         let list: Vec<(DriveMeta, usize, f64)> = drives
@@ -409,8 +413,8 @@ fn write_exclusions(
         count: 1,
         ..ExclusionRow::default()
     });
-    let rows: Vec<ExclusionRow> = repaired.chain(kept_out).chain(lost).collect();
-    write_rows(&folder.join("exclusions.csv"), &rows)
+    let rows = repaired.chain(kept_out).chain(lost);
+    write_rows(TableName::Exclusions, &folder.join("exclusions.csv"), rows)
 }
 
 #[cfg(test)]
@@ -516,5 +520,65 @@ mod tests {
         assert!(error.to_string().contains("make the drive"), "{error}");
         assert_eq!(names(&out).len(), 5);
         assert_eq!(std::fs::read(out.join("a.parquet")).unwrap(), before);
+    }
+
+    #[test]
+    fn a_folder_is_read_with_those_below_it_but_not_what_an_earlier_call_wrote_there() {
+        let folder = tempfile::tempdir().unwrap();
+        let logs = folder.path().join("logs");
+        let out = logs.join("drives");
+        for (place, log) in [
+            ("day1/morning", "a"),
+            ("day1", "b"),
+            ("day2", "c"),
+            (".old", "d"),
+        ] {
+            std::fs::create_dir_all(logs.join(place)).unwrap();
+            std::fs::write(logs.join(place).join(format!("{log}.csv")), table(100)).unwrap();
+        }
+        for _ in 0..2 {
+            let made = run(vec![logs.clone()], &out).unwrap();
+            let drives = made.value.drives.iter().map(|d| d.drive.as_str());
+            assert_eq!(drives.collect::<Vec<_>>(), ["a", "b", "c"]);
+            assert!(made.value.failed.is_empty(), "{:?}", made.value.failed);
+        }
+    }
+
+    #[test]
+    fn parts_of_a_recording_that_are_named_one_by_one_are_one_drive() {
+        let folder = tempfile::tempdir().unwrap();
+        let mappings = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../study_data/mappings");
+        let text = std::fs::read_to_string(mappings.join("ours.toml")).unwrap();
+        let mapping = folder.path().join("mapping.toml");
+        std::fs::write(
+            &mapping,
+            text.replace("[names]", "[names]\nparts = \"_{n}\""),
+        )
+        .unwrap();
+        let parts = ["a.csv", "a_2.csv"].map(|name| folder.path().join(name));
+        let later = table(200)
+            .lines()
+            .skip(101)
+            .fold(LOG.to_owned(), |text, row| text + row + "\n");
+        std::fs::write(&parts[0], table(100)).unwrap();
+        std::fs::write(&parts[1], later).unwrap();
+        for logs in [parts.to_vec(), vec![parts[1].clone()]] {
+            let options = Ingest {
+                logs,
+                out: folder.path().join("drives"),
+                mapping: Some(mapping.clone()),
+                jobs: 1,
+                ..Ingest::default()
+            };
+            let (quiet, go_on) = (|_: usize, _: usize, _: &str| (), AtomicBool::new(false));
+            let made = options.run(Watch::new(&quiet, &go_on)).unwrap();
+            assert_eq!((made.value.drives.len(), made.value.rows), (1, 200));
+            assert_eq!(made.value.drives[0].drive.as_str(), "a");
+            let told = made
+                .warnings
+                .iter()
+                .any(|w| w.contains("a.csv goes on in a_2.csv, 0.050 s later"));
+            assert!(told, "{:?}", made.warnings);
+        }
     }
 }

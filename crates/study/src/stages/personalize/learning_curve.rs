@@ -6,7 +6,7 @@ use crate::{
     error::StudyError,
     mean::{mean, mean_interval},
     outcome::{Outcome, Watch, for_each_on},
-    tables::TableBuilder,
+    tables::{TableName, write_rows},
 };
 use maveric_domain::{Drive, stream_seed};
 use maveric_model::{
@@ -49,9 +49,6 @@ pub(super) struct CurveOfDrives {
     pub(super) drives: usize,
     pub(super) rows: Vec<CurveRow>,
 }
-
-/// Name and value of a column.
-type Column = (&'static str, fn(&CurveRow) -> &MeanWithInterval);
 
 /// A file of a learning curve: the means, and every drive.
 #[derive(Serialize)]
@@ -180,22 +177,20 @@ fn write(path: &Path, rows: &[CurveRow], curves: &[LearningCurve]) -> Result<(),
         };
         return write_json(path, &file);
     }
-    let whole = |n: usize| i64::try_from(n).ok();
-    let mut builder = TableBuilder::default()
-        .numbers("minutes", rows.iter().map(|r| r.minutes))
-        .integers("drives", rows.iter().map(|r| whole(r.drives)));
-    let columns: [Column; 3] = [
-        ("held_out", |r| &r.held_out),
-        ("distance_to_full_sd", |r| &r.distance_to_full_sd),
-        ("standard_error", |r| &r.standard_error),
-    ];
-    for (name, of) in columns {
-        builder = builder
-            .numbers(name, rows.iter().map(|r| of(r).mean))
-            .numbers(&format!("{name}_low"), rows.iter().map(|r| of(r).low))
-            .numbers(&format!("{name}_high"), rows.iter().map(|r| of(r).high));
-    }
-    builder.write(path)
+    let columns = rows.iter().map(|row| {
+        let named = |name: &str, m: &MeanWithInterval| {
+            let ends = [("", m.mean), ("_low", m.low), ("_high", m.high)];
+            ends.map(|(end, value)| (format!("{name}{end}"), value))
+        };
+        (
+            ("minutes", row.minutes),
+            ("drives", row.drives),
+            named("held_out", &row.held_out),
+            named("distance_to_full_sd", &row.distance_to_full_sd),
+            named("standard_error", &row.standard_error),
+        )
+    });
+    write_rows(TableName::LearningCurve, path, columns)
 }
 
 #[cfg(test)]

@@ -16,9 +16,11 @@ use crate::{
     stage::{Files, Stage},
     style_scale::{OffTheScale, StyleScale, style_scores},
     tables::{
+        TableName,
         embeddings::{EmbeddingRow, write_embeddings},
         surveys::read_scores,
-        variability::{VariabilityRow, write_variability},
+        variability::VariabilityRow,
+        write_rows,
     },
 };
 use maveric_domain::{AdbScore, Drive, Score};
@@ -229,7 +231,7 @@ impl Stage for Personalize {
             let measured = for_each_on(self.jobs, &drives, watch, "variability", |drive| {
                 Ok(VariabilityRow::of(drive))
             })?;
-            write_variability(path, &measured)?;
+            write_rows(TableName::Variability, path, &measured)?;
         }
         let scale = scale.unwrap_or(StyleScale::ADB);
         let off_the_scale = scale.outward_rows(&mut rows);

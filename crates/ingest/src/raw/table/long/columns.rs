@@ -1,15 +1,16 @@
 //! The columns of a long table, in SI units.
 
 use super::super::{
-    named,
+    TableLog,
     open::{Kind, Table},
-    time::{Clock, stamps},
+    parts::stamps,
+    time::Clock,
 };
 use crate::{
     error::IngestError,
-    mapping::{Columns, Forward, TableMapping},
+    mapping::{Long, LongColumns, TableMapping},
 };
-use std::{collections::BTreeMap, path::Path};
+use std::collections::BTreeMap;
 
 /// One row, in SI units and the table's own frame; NaN stands for an empty cell.
 #[derive(Debug, Clone, Copy)]
@@ -20,6 +21,8 @@ pub(super) struct LongRow {
     pub(super) x_m: f64,
     pub(super) y_m: f64,
     pub(super) lane: f64,
+    /// As the table says it.
+    pub(super) offset: f64,
     pub(super) speed_mps: f64,
     pub(super) speed_x_mps: f64,
     pub(super) yaw_rad: f64,
@@ -52,7 +55,7 @@ impl Groups {
 
 /// A long table's rows.
 #[derive(Debug)]
-pub(super) struct LongColumns {
+pub(super) struct LongTable {
     pub(super) rows: Vec<LongRow>,
     /// Names of vehicles, sorted, and after them those of leaders; rows hold their places.
     pub(super) ids: Vec<String>,
@@ -67,89 +70,73 @@ pub(super) struct LongColumns {
 ///
 /// # Errors
 /// As [`crate::read_log`].
-pub(super) fn read_columns(
-    path: &Path,
-    bytes: Vec<u8>,
-    mapping: &TableMapping,
+pub(super) fn read_rows(
+    log: &mut TableLog<'_>,
+    long: &Long,
     clock: Clock<'_>,
-) -> Result<LongColumns, IngestError> {
-    let c = &mapping.columns;
-    let time = named(path, "time", c.time.as_ref())?;
-    named(path, "x", c.x.as_ref())?;
-    let around = match c.around_id() {
-        Some(around) => Some((around, Table::names(path, &bytes, mapping.into(), time)?)),
-        None => None,
-    };
-    // Names of vehicles that have columns of their own, and those columns.
-    let wide: Option<Vec<(String, Columns)>> = around.map(|((before, behind), names)| {
-        let id = |name: &String| {
-            name.strip_prefix(before)?
-                .strip_suffix(behind)
-                .map(str::to_owned)
-        };
-        let mut ids: Vec<String> = names
-            .iter()
-            .filter_map(id)
-            .filter(|id| !id.is_empty())
-            .collect();
+) -> Result<LongTable, IngestError> {
+    let (mapping, c) = (log.mapping, &long.columns);
+    // Names of vehicles that have columns of their own.
+    let mut wide: Option<Vec<String>> = None;
+    if let Some((before, behind)) = c.around_id() {
+        let ids = wide.insert(Vec::new());
+        for (path, bytes) in &log.files {
+            let names = Table::names(path, bytes, mapping.into(), &c.time)?;
+            let id =
+                |name: &String| Some(name.strip_prefix(before)?.strip_suffix(behind)?.to_owned());
+            ids.extend(names.iter().filter_map(id).filter(|id| !id.is_empty()));
+        }
         ids.sort();
         ids.dedup();
-        ids.into_iter()
-            .map(|id| (id.clone(), c.of_vehicle(&id)))
-            .collect()
-    });
-    // Without any the error names the column that is wanted.
-    let of: Vec<&Columns> = match &wide {
-        Some(vehicles) if !vehicles.is_empty() => vehicles.iter().map(|(_, c)| c).collect(),
-        _ => vec![c],
-    };
-    let mut wanted = vec![(time, clock.kind())];
-    for columns in &of {
-        wanted.extend(
-            columns
-                .given()
-                .into_iter()
-                .filter(|(key, _)| *key != "time")
-                .map(|(key, name)| {
-                    let word = ["id", "groups", "lead_id"].contains(&key);
-                    (name, if word { Kind::Word } else { Kind::Number })
-                }),
-        );
     }
-    let table = Table::open(path, bytes, mapping.into(), &wanted)?;
-    let stamp_ns = stamps(&table, time, clock)?;
+    // Without any the error names the column that is wanted.
+    let ids = wide
+        .clone()
+        .filter(|ids| !ids.is_empty())
+        .unwrap_or_else(|| vec![LongColumns::ID.to_owned()]);
+    let given = mapping.layout.columns();
+    let named = ids.iter().flat_map(|id| {
+        given
+            .iter()
+            .map(move |(key, name)| (key, LongColumns::of_vehicle(name, id)))
+    });
+    let named: Vec<(&String, String)> = named.filter(|(key, _)| *key != "time").collect();
+    let mut wanted = vec![(c.time.as_str(), clock.kind())];
+    wanted.extend(named.iter().map(|(key, name)| {
+        let word = ["id", "groups", "lead_id"].contains(&key.as_str());
+        (name.as_str(), if word { Kind::Word } else { Kind::Number })
+    }));
+    let table = log.open(&wanted)?;
+    let stamp_ns = stamps(&table, &c.time, clock)?;
     let (group_codes, groups) = groups(&table, &c.groups)?;
-    let mut found = LongColumns {
-        rows: Vec::with_capacity(table.rows() * of.len()),
+    let mut found = LongTable {
+        rows: Vec::with_capacity(table.rows() * ids.len()),
         ids: Vec::new(),
         groups,
         vehicles: 0,
         left_out: 0,
     };
-    match wide {
-        None => {
-            let (codes, ids) = table.codes(named(path, "id", c.id.as_ref())?)?;
-            (found.vehicles, found.ids) = (ids.len(), ids);
-            let places = codes.iter().zip(&stamp_ns).zip(&group_codes);
+    if let Some(vehicles) = wide {
+        found.vehicles = vehicles.len();
+        found.ids.clone_from(&vehicles);
+        for (id, name) in (0..).zip(&vehicles) {
+            let places = stamp_ns.iter().zip(&group_codes);
             let places: Vec<Place> = places
-                .map(|((id, ns), group)| Some(((*group)?, (*id)?, (*ns)?)))
+                .map(|(ns, group)| Some(((*group)?, id, (*ns)?)))
                 .collect();
-            found.take(&table, mapping, c, &places)?;
-            found.left_out = table.rows() - found.rows.len();
+            // Where its columns are empty the vehicle is not there.
+            found.take(&table, mapping, long, name, &places)?;
         }
-        Some(vehicles) => {
-            found.vehicles = vehicles.len();
-            found.ids = vehicles.iter().map(|(id, _)| id.clone()).collect();
-            for (id, (_, columns)) in (0..).zip(&vehicles) {
-                let places = stamp_ns.iter().zip(&group_codes);
-                let places: Vec<Place> = places
-                    .map(|(ns, group)| Some(((*group)?, id, (*ns)?)))
-                    .collect();
-                // Where its columns are empty the vehicle is not there.
-                found.take(&table, mapping, columns, &places)?;
-            }
-            found.left_out = stamp_ns.iter().filter(|ns| ns.is_none()).count();
-        }
+        found.left_out = stamp_ns.iter().filter(|ns| ns.is_none()).count();
+    } else if let Some(id) = &c.id {
+        let (codes, ids) = table.codes(id)?;
+        (found.vehicles, found.ids) = (ids.len(), ids);
+        let places = codes.iter().zip(&stamp_ns).zip(&group_codes);
+        let places: Vec<Place> = places
+            .map(|((id, ns), group)| Some(((*group)?, (*id)?, (*ns)?)))
+            .collect();
+        found.take(&table, mapping, long, "", &places)?;
+        found.left_out = table.rows() - found.rows.len();
     }
     Ok(found)
 }
@@ -157,8 +144,8 @@ pub(super) fn read_columns(
 /// Group, vehicle and time of a row.
 type Place = Option<(u32, u32, i64)>;
 
-impl LongColumns {
-    /// Takes the rows of one set of columns; those without place or position are passed over.
+impl LongTable {
+    /// Takes the rows of the columns of `vehicle`, or of all; those without place or position are passed over.
     ///
     /// # Errors
     /// As [`crate::read_log`].
@@ -166,34 +153,40 @@ impl LongColumns {
         &mut self,
         table: &Table,
         mapping: &TableMapping,
-        c: &Columns,
+        long: &Long,
+        vehicle: &str,
         places: &[Place],
     ) -> Result<(), IngestError> {
         let length = mapping.units.length.metres();
         let speed = mapping.units.speed.metres_per_second();
-        let column = |name: &Option<String>, unit| table.scaled(name.as_ref(), unit);
-        let lead_ids = match &c.lead_id {
-            Some(name) if table.has(name) => {
-                Some(leads(table, name, &mut self.ids, self.vehicles)?)
+        let c = &long.columns;
+        let named = |name: &String| LongColumns::of_vehicle(name, vehicle);
+        let column =
+            |name: &Option<String>, unit| table.scaled(name.as_ref().map(named).as_ref(), unit);
+        let lead_ids = match c.lead_id.as_ref().map(named) {
+            Some(name) if table.has(&name) => {
+                Some(leads(table, &name, &mut self.ids, self.vehicles)?)
             }
             _ => None,
         };
-        let x = column(&c.x, length)?;
+        let x = table.times(&named(&c.x), length)?;
         let y = column(&c.y, length)?;
-        let lane = column(&c.lane, 1.0)?;
+        let (lane, offset) = (column(&c.lane, 1.0)?, column(&c.offset, 1.0)?);
         let (speed_x, speed_y) = (column(&c.speed_x, speed)?, column(&c.speed_y, speed)?);
         let speeds = column(&c.speed, speed)?;
         let angle = mapping.units.angle;
         let yaw = column(&c.heading, 1.0)?;
         let yaw = yaw.map(|yaw| yaw.into_iter().map(|a| angle.radians(a)).collect());
-        let (long, wide) = (column(&c.length, length)?, column(&c.width, length)?);
+        let (lengths, widths) = (column(&c.length, length)?, column(&c.width, length)?);
         let ahead = column(&c.centre_ahead, length)?;
         let (gap, lead_x) = (column(&c.gap, length)?, column(&c.lead_x, length)?);
         let lead_speed = column(&c.lead_speed, speed)?;
         let lead_length = column(&c.lead_length, length)?;
-        let (along, turned) = match mapping.forward {
-            Forward::AlongX => (1.0, 0.0),
-            Forward::AgainstX => (-1.0, std::f64::consts::PI),
+        let along = long.forward.sign();
+        let turned = if along < 0.0 {
+            std::f64::consts::PI
+        } else {
+            0.0
         };
         // A row without the y or the lane that its table has stands nowhere.
         let by_lane = y.is_none() && lane.is_some();
@@ -211,10 +204,11 @@ impl LongColumns {
                 group,
                 id,
                 stamp_ns,
-                x_m: along * at(&x, row),
+                x_m: along * x[row],
                 // Without a y everybody is on one line, until lanes say otherwise.
                 y_m: y.as_ref().map_or(0.0, |y| along * y[row]),
                 lane: at(&lane, row),
+                offset: at(&offset, row),
                 speed_mps: if v.is_nan() {
                     libm::hypot(vx, across)
                 } else {
@@ -222,8 +216,8 @@ impl LongColumns {
                 },
                 speed_x_mps: along * vx,
                 yaw_rad: at(&yaw, row) + turned,
-                length_m: at(&long, row),
-                width_m: at(&wide, row),
+                length_m: at(&lengths, row),
+                width_m: at(&widths, row),
                 centre_ahead_m: at(&ahead, row),
                 lead_id: lead_ids.as_ref().and_then(|l| l[row]),
                 gap_m: at(&gap, row),
@@ -234,6 +228,7 @@ impl LongColumns {
             if found.x_m.is_finite()
                 && found.y_m.is_finite()
                 && (!by_lane || found.lane.is_finite())
+                && (offset.is_none() || found.offset.is_finite())
             {
                 self.rows.push(found);
             }

@@ -4,15 +4,15 @@ mod columns;
 mod surroundings;
 mod vehicles;
 
-use super::{Gaps, TableDrive, clock, ids::numbers, recording_meta, report};
+use super::{Gaps, TableDrive, TableLog, ids::numbers, lane::Lanes, recording_meta, report};
 use crate::{
     error::IngestError,
-    mapping::{RoadMapping, Side, TableMapping},
+    mapping::{Long, Side},
     quality::{Warning, WarningKind},
     raw::RawDrive,
     source::Source,
 };
-use columns::{LongColumns, read_columns};
+use columns::{LongTable, read_rows};
 use maveric_domain::Sees;
 use std::path::Path;
 use surroundings::{Surroundings, View};
@@ -26,43 +26,43 @@ use vehicles::{Frame, Vehicle, vehicles};
 /// # Errors
 /// As [`crate::read_log`].
 pub(super) fn read(
-    path: &Path,
-    bytes: Vec<u8>,
-    mapping: &TableMapping,
-    road: &RoadMapping,
-    max_gap_s: f64,
+    mut log: TableLog<'_>,
+    long: &Long,
     sources: &mut Vec<Source>,
 ) -> Result<Vec<TableDrive>, IngestError> {
-    let meta = match &mapping.recording_meta {
+    let (path, mapping, road) = (log.path, log.mapping, log.road);
+    let meta = match &long.recording_meta {
         Some(columns) => Some(recording_meta::read(path, columns, mapping, sources)?),
         None => None,
     };
-    let mut clock = clock(mapping);
+    let mut clock = log.clock();
     if let Some(rate) = meta.as_ref().and_then(|m| m.frames_per_s) {
         clock.frames_per_s = rate;
     }
-    let LongColumns {
+    let LongTable {
         rows,
         ids,
         groups,
         left_out,
         ..
-    } = read_columns(path, bytes, mapping, clock)?;
+    } = read_rows(&mut log, long, clock)?;
     let frame = Frame {
-        y_left: match mapping.y_grows {
+        y_left: match long.y_grows {
             Some(Side::Right) => -1.0,
             _ => 1.0,
         },
-        road: *road,
+        lanes: Lanes::new(mapping, road, long.offset_grows),
+        mapping,
+        long,
     };
-    let fleet = vehicles(rows, mapping, &frame, max_gap_s);
-    let c = &mapping.columns;
+    let fleet = vehicles(rows, &frame, log.max_gap_s);
+    let c = &long.columns;
     let view = match (c.lead_id.is_some(), c.heading.is_some()) {
         (true, true) => View::LeaderInBends,
         (true, false) if c.y.is_none() && c.lane.is_none() => View::Leader,
         _ => View::All,
     };
-    let ego = match &mapping.ego {
+    let ego = match &long.ego {
         None => None,
         Some(name) => Some(ids.iter().position(|id| id == name).ok_or_else(|| {
             let shown = ids[..ids.len().min(20)].join(", ");
@@ -71,7 +71,7 @@ pub(super) fn read(
         })?),
     };
     let across = c.y.is_some() || c.lane.is_some();
-    let surroundings = Surroundings::new(&fleet.vehicles, max_gap_s);
+    let surroundings = Surroundings::new(&fleet.vehicles, log.max_gap_s);
     let numbers = numbers(&ids);
     let mut drives = Vec::new();
     let mut alone = 0;

@@ -3,21 +3,20 @@
 use super::columns::LongRow;
 use crate::{
     differentiate::fill_speeds,
-    mapping::{Directions, GapKind, Point, RoadMapping, Side, TableMapping},
+    mapping::{Directions, GapKind, Long, Point, TableMapping},
     median::median,
-    raw::EgoSample,
+    raw::{EgoSample, table::lane::Lanes},
 };
 use std::collections::BTreeMap;
 
-/// Largest offset from a lane's centre, in lanes, that keeps a vehicle in the lane that its row names.
-const WITHIN_LANE: f64 = 0.49;
-
-/// How the table's frame lies to the road.
+/// What the columns mean, and how the table's frame lies to the road.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Frame {
+pub(super) struct Frame<'a> {
     /// 1 where y grows to the left of x, -1 where it grows to the right.
     pub(super) y_left: f64,
-    pub(super) road: RoadMapping,
+    pub(super) lanes: Lanes,
+    pub(super) mapping: &'a TableMapping,
+    pub(super) long: &'a Long,
 }
 
 /// What a row says of the vehicle ahead; positions in the frame of the road.
@@ -60,48 +59,37 @@ pub(super) struct Fleet {
 }
 
 /// Sorts rows into vehicles.
-pub(super) fn vehicles(
-    mut rows: Vec<LongRow>,
-    mapping: &TableMapping,
-    frame: &Frame,
-    max_gap_s: f64,
-) -> Fleet {
-    let lane_y = LaneCentres::of(&rows, mapping, frame);
+pub(super) fn vehicles(mut rows: Vec<LongRow>, frame: &Frame<'_>, max_gap_s: f64) -> Fleet {
+    let lane_y = LaneCentres::of(&rows, frame);
     // Stable: of two rows at one time the first stays first.
     rows.sort_by_key(|r| (r.group, r.id, r.stamp_ns));
     let mut vehicles = Vec::new();
     for same in rows.chunk_by(|a, b| (a.group, a.id) == (b.group, b.id)) {
         let renewed = |a: &LongRow, b: &LongRow| {
             let hole_s = b.stamp_ns.saturating_sub(a.stamp_ns) as f64 / 1e9;
-            mapping
+            frame
+                .long
                 .new_vehicle_after_s
                 .is_some_and(|most| hole_s > most)
         };
         for (generation, rows) in (0..).zip(same.chunk_by(|a, b| !renewed(a, b))) {
-            vehicles.push(vehicle(
-                rows,
-                generation,
-                mapping,
-                frame,
-                lane_y.as_ref(),
-                max_gap_s,
-            ));
+            vehicles.push(vehicle(rows, generation, frame, lane_y.as_ref(), max_gap_s));
         }
     }
     Fleet {
         vehicles,
-        lane_steps: lane_y.is_some_and(|lanes| lanes.medians.is_none()),
+        lane_steps: lane_y.is_some_and(|lanes| lanes.steps()),
     }
 }
 
 fn vehicle(
     rows: &[LongRow],
     generation: u32,
-    mapping: &TableMapping,
-    frame: &Frame,
+    frame: &Frame<'_>,
     lane_y: Option<&LaneCentres>,
     max_gap_s: f64,
 ) -> Vehicle {
+    let (mapping, long) = (frame.mapping, frame.long);
     let known = rows.iter().map(|r| r.length_m).find(|l| *l > 0.0);
     let length_m = known.unwrap_or(mapping.ego_length_m);
     let width_m = rows
@@ -109,8 +97,8 @@ fn vehicle(
         .map(|r| r.width_m)
         .find(|w| *w > 0.0)
         .unwrap_or(0.0);
-    let sign = sign(rows, mapping);
-    let headed = mapping.columns.heading.is_some();
+    let sign = sign(rows, long);
+    let headed = long.columns.heading.is_some();
     // With headings the frame is the world's, and is turned to the road later on.
     let turn = if headed { 1.0 } else { sign };
     let sample = |row: &LongRow| {
@@ -121,19 +109,19 @@ fn vehicle(
             (1.0, 0.0)
         };
         let (mut x, mut y) = (turn * row.x_m, turn * frame.y_left * row.y_m);
-        match mapping.point {
-            Some(Point::Front) => (x, y) = (x - 0.5 * length_m * cos, y - 0.5 * length_m * sin),
-            Some(Point::Rear) => (x, y) = (x + 0.5 * length_m * cos, y + 0.5 * length_m * sin),
-            Some(Point::Corner) => {
+        match long.point {
+            Point::Front => (x, y) = (x - 0.5 * length_m * cos, y - 0.5 * length_m * sin),
+            Point::Rear => (x, y) = (x + 0.5 * length_m * cos, y + 0.5 * length_m * sin),
+            Point::Corner => {
                 x = turn * (row.x_m + 0.5 * length_m);
                 y = turn * frame.y_left * (row.y_m + 0.5 * width_m);
             }
-            Some(Point::Reference) => {
+            Point::Reference => {
                 let ahead = Some(row.centre_ahead_m).filter(|a| a.is_finite());
-                let ahead = ahead.or(mapping.centre_ahead_m).unwrap_or(0.0);
+                let ahead = ahead.or(long.centre_ahead_m).unwrap_or(0.0);
                 (x, y) = (x + ahead * cos, y + ahead * sin);
             }
-            Some(Point::Centre) | None => {}
+            Point::Centre => {}
         }
         let speed = row.speed_mps.is_finite().then_some(row.speed_mps.abs());
         EgoSample {
@@ -141,7 +129,7 @@ fn vehicle(
             log_ns: row.stamp_ns,
             nth: 0,
             x_m: x,
-            y_m: lane_y.map_or(y, |lanes| lanes.place(row, y, frame)),
+            y_m: lane_y.map_or(y, |lanes| lanes.place(row, y, &frame.lanes)),
             yaw_rad: if headed {
                 yaw.is_finite().then_some(yaw)
             } else {
@@ -157,7 +145,7 @@ fn vehicle(
     let leads = rows
         .iter()
         .zip(&samples)
-        .map(|(row, sample)| lead(row, sample, sign, length_m, mapping));
+        .map(|(row, sample)| lead(row, sample, sign, length_m, frame));
     Vehicle {
         group: rows[0].group,
         id: rows[0].id,
@@ -172,8 +160,8 @@ fn vehicle(
 }
 
 /// Which way a vehicle drives along the table's x.
-fn sign(rows: &[LongRow], mapping: &TableMapping) -> f64 {
-    if mapping.directions == Directions::Along {
+fn sign(rows: &[LongRow], long: &Long) -> f64 {
+    if long.directions == Directions::Along {
         return 1.0;
     }
     let velocity: f64 = rows
@@ -196,9 +184,10 @@ fn lead(
     ego: &EgoSample,
     sign: f64,
     ego_length_m: f64,
-    mapping: &TableMapping,
+    frame: &Frame<'_>,
 ) -> Option<Lead> {
-    let nobody = mapping.columns.lead_id.is_some() && row.lead_id.is_none();
+    let (mapping, long) = (frame.mapping, frame.long);
+    let nobody = long.columns.lead_id.is_some() && row.lead_id.is_none();
     if nobody || !row.lead_speed_mps.is_finite() {
         return None;
     }
@@ -210,12 +199,12 @@ fn lead(
     };
     let x_m = if row.lead_x_m.is_finite() {
         let x = sign * row.lead_x_m;
-        match mapping.point {
-            Some(Point::Front) => x - 0.5 * length_m,
-            Some(Point::Rear) => x + 0.5 * length_m,
-            Some(Point::Corner) => x + 0.5 * sign * length_m,
-            Some(Point::Reference) => x + mapping.centre_ahead_m.unwrap_or(0.0),
-            Some(Point::Centre) | None => x,
+        match long.point {
+            Point::Front => x - 0.5 * length_m,
+            Point::Rear => x + 0.5 * length_m,
+            Point::Corner => x + 0.5 * sign * length_m,
+            Point::Reference => x + long.centre_ahead_m.unwrap_or(0.0),
+            Point::Centre => x,
         }
     } else {
         // 0 stands for no leader in tables of headways.
@@ -236,49 +225,53 @@ fn lead(
     })
 }
 
-/// Where numbered lanes lie across the road.
+/// Where vehicles are in numbered lanes.
 #[derive(Debug)]
-struct LaneCentres {
-    /// The side from which lanes are numbered, and the number of the first.
-    numbered: (Side, i64),
-    /// The median y of each group's lanes, which is its centre; none where the number alone says where a vehicle is.
-    medians: Option<BTreeMap<(u32, i64), f64>>,
+enum LaneCentres {
+    /// In their lane's centre: its number alone says where a vehicle is.
+    Number,
+    /// As far from their lane's centre as a column says.
+    Offset,
+    /// As far from the median y of each group's lanes, which is their centre, as their y.
+    Medians(BTreeMap<(u32, i64), f64>),
 }
 
 impl LaneCentres {
     /// None where y alone says it.
-    fn of(rows: &[LongRow], mapping: &TableMapping, frame: &Frame) -> Option<Self> {
+    fn of(rows: &[LongRow], frame: &Frame<'_>) -> Option<Self> {
         let mut ys: BTreeMap<(u32, i64), Vec<f64>> = BTreeMap::new();
         for row in rows.iter().filter(|r| r.lane.is_finite()) {
             let y = frame.y_left * row.y_m;
             ys.entry((row.group, row.lane as i64)).or_default().push(y);
         }
-        let from = mapping.lanes_from.filter(|_| !ys.is_empty())?;
+        frame.mapping.lanes_from.filter(|_| !ys.is_empty())?;
         let median = |(lane, mut ys): (_, Vec<f64>)| Some((lane, median(&mut ys)?));
-        let medians = || ys.into_iter().filter_map(median).collect();
-        Some(Self {
-            numbered: (from, mapping.first_lane),
-            medians: mapping.columns.y.is_some().then(medians),
+        let columns = &frame.long.columns;
+        Some(match (columns.y.is_some(), columns.offset.is_some()) {
+            (true, _) => Self::Medians(ys.into_iter().filter_map(median).collect()),
+            (false, true) => Self::Offset,
+            (false, false) => Self::Number,
         })
     }
 
+    /// Whether y moves in steps.
+    fn steps(&self) -> bool {
+        matches!(self, Self::Number)
+    }
+
     /// Across the road before its right lane is taken off, in m.
-    fn place(&self, row: &LongRow, y_m: f64, frame: &Frame) -> f64 {
+    fn place(&self, row: &LongRow, y_m: f64, lanes: &Lanes) -> f64 {
         if !row.lane.is_finite() {
             return y_m;
         }
-        let (lane, road) = (row.lane as i64, &frame.road);
-        let from_edge = lane - self.numbered.1;
-        let number = match self.numbered.0 {
-            Side::Right => from_edge,
-            Side::Left => i64::from(road.lanes) - 1 - from_edge,
+        let in_lane_m = match self {
+            Self::Number => 0.0,
+            Self::Offset => lanes.within_m(row.offset),
+            Self::Medians(medians) => {
+                let median = medians.get(&(row.group, row.lane as i64));
+                lanes.kept_m(y_m - median.copied().unwrap_or(y_m))
+            }
         };
-        let centre_m = road.right_lane_centre_y_m + number as f64 * road.lane_width_m;
-        let Some(medians) = &self.medians else {
-            return centre_m;
-        };
-        let median = medians.get(&(row.group, lane)).copied().unwrap_or(y_m);
-        let most = WITHIN_LANE * road.lane_width_m;
-        centre_m + (y_m - median).clamp(-most, most)
+        lanes.centre_m(row.lane) + in_lane_m
     }
 }

@@ -1,13 +1,16 @@
 //! Where ego is across the road: its lane, and its place in it.
 
 use super::{
-    super::{open::Kind, report},
-    road::lane_from_right,
+    super::{
+        lane::{Lanes, WITHIN_LANE},
+        open::Kind,
+        report,
+    },
     rows::Files,
 };
 use crate::{
     error::IngestError,
-    mapping::{LaneChangesSignal, LaneSignal, Side, TableMapping},
+    mapping::{LaneChangesSignal, LaneSignal, RoadMapping, Side, TableMapping},
     quality::{Warning, WarningKind},
 };
 use maveric_domain::Road;
@@ -20,8 +23,6 @@ const JOINED_S: f64 = 4.0;
 const HALF_CHANGE_S: f64 = 2.0;
 /// Time between the places that stand in where none was seen, in s.
 const STEP_S: f64 = 0.5;
-/// Largest place in a lane that is still in it, in lane widths: which lane it is, its number or the changes say.
-const WITHIN_LANE: f64 = 0.49;
 
 /// A lane change: when ego crossed the marking, and by how many lanes to the left.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -59,7 +60,7 @@ pub(super) struct Across {
 }
 
 impl Across {
-    /// Takes in the signal of the lane, on a road of so many lanes.
+    /// Takes in the signal of the lane, on this road.
     ///
     /// # Errors
     /// As [`Files::rows`].
@@ -68,7 +69,7 @@ impl Across {
         files: &mut Files<'_>,
         signal: &LaneSignal,
         mapping: &TableMapping,
-        lanes: u8,
+        road: &RoadMapping,
         warnings: &mut Vec<Warning>,
     ) -> Result<(), IngestError> {
         let columns = [&signal.number, &signal.offset].into_iter().flatten();
@@ -78,10 +79,11 @@ impl Across {
         if let Some(name) = &signal.number {
             let numbers = rows.numbers(name, &signal.missing, 1.0)?;
             let (mut beside, mut last) = (0, None);
+            let numbering = Lanes::new(mapping, road, None);
             for (&stamp_ns, number) in rows.stamp_ns.iter().zip(numbers) {
                 let Some(number) = number else { continue };
-                let lane = lane_from_right(number, mapping, lanes);
-                let on_road = lane.clamp(0, i64::from(lanes) - 1);
+                let lane = numbering.from_right(number);
+                let on_road = lane.clamp(0, i64::from(road.lanes) - 1);
                 beside += usize::from(lane != on_road);
                 if let Some(to_left) = last.map(|last| on_road - last).filter(|d| *d != 0) {
                     self.changes.push(Change { stamp_ns, to_left });
@@ -90,7 +92,8 @@ impl Across {
                 self.numbers.push((stamp_ns, on_road));
             }
             let what = format!(
-                "numbers of lanes lie beside the road of {lanes} lanes: its outer lane stands in"
+                "numbers of lanes lie beside the road of {} lanes: its outer lane stands in",
+                road.lanes
             );
             report(warnings, &rows.path, WarningKind::Unit, beside, &what);
         }

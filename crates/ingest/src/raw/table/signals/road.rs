@@ -1,12 +1,12 @@
 //! The road along a drive: what holds for most of it.
 
 use super::{
-    super::open::Kind,
+    super::{lane::Lanes, open::Kind},
     rows::{Files, SignalRows},
 };
 use crate::{
     error::IngestError,
-    mapping::{RoadMapping, RoadSignal, Side, TableMapping},
+    mapping::{RoadMapping, RoadSignal, TableMapping},
     quality::{Warning, WarningKind},
 };
 
@@ -62,21 +62,20 @@ pub(super) fn read(
     }
     if let Some(name) = &signal.lane {
         let lanes = road.lanes.unwrap_or(otherwise.lanes);
+        let lanes = Lanes::new(
+            mapping,
+            &RoadMapping {
+                lanes,
+                ..*otherwise
+            },
+            None,
+        );
         let values = rows.numbers(name, &signal.missing, 1.0)?;
         let known = rows.stamp_ns.iter().zip(values);
-        let lane = |v: f64| lane_from_right(v, mapping, lanes);
+        let lane = |v: f64| lanes.from_right(v);
         road.lane = known.filter_map(|(t, v)| Some((*t, lane(v?)))).collect();
     }
     Ok(road)
-}
-
-/// A lane's number in a table as one from the right, where 0 is the right lane.
-pub(super) fn lane_from_right(number: f64, mapping: &TableMapping, lanes: u8) -> i64 {
-    let nth = number.round() as i64 - mapping.first_lane;
-    match mapping.lanes_from {
-        Some(Side::Left) => i64::from(lanes) - 1 - nth,
-        Some(Side::Right) | None => nth,
-    }
 }
 
 /// A column of which every number has to be possible.

@@ -1,14 +1,16 @@
 //! The files of signals: the rows of each that count, in the order of time.
 
 use super::super::{
+    TableLog,
     open::{Kind, Table},
+    parts::stamps,
     report, take,
     text::Style,
-    time::{Clock, stamps},
+    time::Clock,
 };
 use crate::{
     error::IngestError,
-    mapping::{Only, TableMapping},
+    mapping::Only,
     quality::{Warning, WarningKind},
     source::Source,
 };
@@ -20,20 +22,18 @@ pub(super) struct Files<'a> {
     pub(super) log: &'a Path,
     pub(super) clock: Clock<'a>,
     style: Style,
+    /// The files of the one table, with their bytes.
+    table: Vec<(PathBuf, Vec<u8>)>,
     sources: &'a mut Vec<Source>,
 }
 
 impl<'a> Files<'a> {
-    pub(super) fn new(
-        log: &'a Path,
-        mapping: &'a TableMapping,
-        clock: Clock<'a>,
-        sources: &'a mut Vec<Source>,
-    ) -> Self {
+    pub(super) fn new(log: TableLog<'a>, sources: &'a mut Vec<Source>) -> Self {
         Self {
-            log,
-            clock,
-            style: mapping.into(),
+            log: log.path,
+            clock: log.clock(),
+            style: log.mapping.into(),
+            table: log.files,
             sources,
         }
     }
@@ -50,12 +50,15 @@ impl<'a> Files<'a> {
     /// Opens the file of a signal.
     ///
     /// # Errors
-    /// As [`Table::open`], and where there is no such file.
+    /// As [`Table::open_all`], and where there is no such file.
     pub(super) fn open(
         &mut self,
         file: &str,
         wanted: &[(&str, Kind)],
     ) -> Result<Table, IngestError> {
+        if file.is_empty() {
+            return Table::open_all(self.table.clone(), self.style, wanted);
+        }
         let path = self.path(file);
         let mut read = Vec::new();
         let bytes = take(&path, &mut read)?;

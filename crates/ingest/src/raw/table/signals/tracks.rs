@@ -4,8 +4,9 @@ use super::{
     super::{
         open::{Kind, Table},
         pair::bumper_gap_m,
+        parts::stamps,
         report,
-        time::{Clock, stamps},
+        time::Clock,
     },
     path::DrivenPath,
     rows::Files,

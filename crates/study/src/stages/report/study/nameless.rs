@@ -1,7 +1,8 @@
 //! Whom a page counts and does not name: who is left out by name, was forgotten or is nobody of the study's people.
 
 use crate::{
-    design::DesignFile, error::StudyError, named::without, run_folder::lists, tables::Table,
+    design::DesignFile, error::StudyError, named::without, run_folder::lists,
+    tables::drives::exclusions,
 };
 use maveric_domain::ParticipantId;
 use maveric_report::{html::ParameterFile, tables::Exclusion};
@@ -44,28 +45,14 @@ impl Nameless {
         let drives = exclude.drives.keys().map(ToString::to_string);
         let mut ids: BTreeSet<String> = people.chain(drives).collect();
         for list in lists(folder) {
-            let path = list.with_file_name("exclusions.csv");
-            if !path.is_file() {
-                continue;
-            }
-            let table = Table::read(&path)?;
-            if !table.has("rule") || !table.has("participant") {
-                continue;
-            }
-            let (rule, drive) = (table.text("rule")?, table.text("drive")?);
-            let participant = table.text("participant")?;
-            for (row, rule) in rule.iter().enumerate() {
-                let rule = rule.as_deref().unwrap_or_default();
-                if BY_NAME.contains(&rule) {
-                    ids.extend(drive[row].clone());
-                    ids.extend(
-                        participant[row]
-                            .clone()
-                            .filter(|_| rule != "exclude.drives"),
-                    );
+            for row in exclusions(list.parent().unwrap_or(folder))? {
+                if BY_NAME.contains(&row.rule.as_str()) {
+                    ids.insert(row.drive);
+                    ids.extend(Some(row.participant).filter(|_| row.rule != "exclude.drives"));
                 }
             }
         }
+        ids.remove("");
         let mut ids: Vec<String> = ids.into_iter().collect();
         ids.sort_by_key(|id| std::cmp::Reverse(id.len()));
         let people = study.people_of(folder, Some(participants))?.enrolled;

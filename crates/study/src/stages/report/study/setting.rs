@@ -7,8 +7,9 @@ use crate::{
     run_folder::lists,
     stages::score,
     tables::{
-        Table as File,
+        drives::exclusions,
         embeddings::{EmbeddingRow, read_embeddings},
+        read_rows,
     },
 };
 use maveric_domain::Scale;
@@ -31,8 +32,7 @@ pub(super) fn reliabilities(
         } else {
             ""
         };
-        let all = |path: &Path| File::read(path)?.records::<score::Reliability>();
-        let all = if_there(&folder.join(file), all)?;
+        let all: Vec<score::Reliability> = if_there(&folder.join(file), read_rows)?;
         rows.extend(all.into_iter().map(|row| Reliability {
             id: format!("{}.{}{when}", row.scale, row.subscale),
             title: format!("{}{when}", titled(scales, &row.scale, &row.subscale)),
@@ -62,31 +62,18 @@ fn titled(scales: &[Scale], scale: &str, subscale: &str) -> String {
 pub(super) fn listed_exclusions(folder: &Path) -> Result<Vec<Exclusion>, StudyError> {
     let mut found = Vec::new();
     for list in lists(folder) {
-        let path = list.with_file_name("exclusions.csv");
-        if !path.exists() {
-            continue;
-        }
-        let stage = if path.starts_with(folder.join("av")) {
+        let drives = list.parent().unwrap_or(folder);
+        let stage = if drives.starts_with(folder.join("av")) {
             "simulate"
         } else {
             "ingest"
         };
-        let table = File::read(&path)?;
-        let (drive, what) = (table.text("drive")?, table.text("what")?);
-        // A log that could not be ingested is no drive, and has its own name alone.
-        let log = if table.has("log") {
-            table.text("log")?
-        } else {
-            vec![None; table.rows()]
-        };
-        for i in 0..table.rows() {
-            let who = drive[i].as_ref().or(log[i].as_ref());
-            found.push(Exclusion {
-                who: who.cloned().unwrap_or_default(),
-                what: stage.to_owned(),
-                why: what[i].clone().unwrap_or_default(),
-            });
-        }
+        found.extend(exclusions(drives)?.into_iter().map(|row| Exclusion {
+            // A log that could not be ingested is no drive, and has its own name alone.
+            who: Some(row.drive).filter(|d| !d.is_empty()).unwrap_or(row.log),
+            what: stage.to_owned(),
+            why: row.what,
+        }));
     }
     let rows = if_there(&folder.join("embeddings.csv"), read_embeddings)?;
     let why = |row: &EmbeddingRow| {
@@ -108,8 +95,8 @@ pub(super) fn listed_exclusions(folder: &Path) -> Result<Vec<Exclusion>, StudyEr
         "scores_exclusions.csv",
         "rating_scores_exclusions.csv",
     ] {
-        let listed = |path: &Path| File::read(path)?.records::<Exclusion>();
-        found.extend(if_there(&folder.join(file), listed)?);
+        let listed: Vec<Exclusion> = if_there(&folder.join(file), read_rows)?;
+        found.extend(listed);
     }
     Ok(found)
 }

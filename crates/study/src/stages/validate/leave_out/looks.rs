@@ -8,7 +8,7 @@ use crate::{
     error::StudyError,
     recordings::Recordings,
     stages::validate::Validate,
-    tables::{Table as File, write_rows},
+    tables::{Table as File, TableName, write_rows},
 };
 use serde::{Deserialize, Serialize};
 use std::{
@@ -16,22 +16,15 @@ use std::{
     path::{Path, PathBuf},
 };
 
-/// One look at recordings.
+/// One look at recordings; `columns.toml` says what its fields are.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Look {
-    /// The day, as `2026-11-22`.
     pub date: String,
-    /// Version of the program, with its commit where it was built from one.
     pub program: String,
-    /// The commit in which the file of rules stands so; `unknown` where that cannot be told.
     pub commit: String,
-    /// BLAKE3 of the file of rules.
     pub rules: String,
-    /// Which part was opened.
     pub part: Part,
-    /// The people whose drives were read.
     pub people: String,
-    /// The roles in which they were driven, which name the road.
     pub roles: String,
 }
 
@@ -148,7 +141,7 @@ pub(super) fn look(
     };
     if !look.people.is_empty() && !looks.iter().any(same) {
         looks.push(look);
-        write_rows(&path, &looks)?;
+        write_rows(TableName::Looks, &path, &looks)?;
     }
     Ok(looks)
 }

@@ -1,0 +1,154 @@
+//! A table that was split over several files: how their times follow one another.
+
+use super::{
+    open::Table,
+    time::{Clock, as_written},
+};
+use crate::{
+    error::IngestError,
+    mapping::TableMapping,
+    quality::{Warning, WarningKind},
+};
+use std::{
+    ops::Range,
+    path::{Path, PathBuf},
+};
+
+/// A part that begins within this share of the one above it, counted from that one's beginning, has a clock that begins anew.
+const ANEW: f64 = 0.1;
+
+/// One file of a table.
+struct Part<'a> {
+    path: &'a Path,
+    rows: Range<usize>,
+    /// First and last time as its clock says them, in ns.
+    first_ns: i64,
+    last_ns: i64,
+    /// How far its times are put off so that it follows the parts above, in ns.
+    put_off_ns: i64,
+    /// Whether its clock begins anew.
+    anew: bool,
+}
+
+/// The files of a table and how they follow one another, `hole_ns` before each whose clock begins anew; those without a time are passed over.
+///
+/// # Errors
+/// [`IngestError::BadTable`] for a part that begins before the one above it ends, and not with it.
+fn parts<'a>(
+    table: &'a Table,
+    stamps: &[Option<i64>],
+    hole_ns: i64,
+) -> Result<Vec<Part<'a>>, IngestError> {
+    let mut parts: Vec<Part> = Vec::new();
+    for (path, rows) in table.parts() {
+        let times = || stamps[rows.clone()].iter().flatten().copied();
+        let (Some(first_ns), Some(last_ns)) = (times().min(), times().max()) else {
+            continue;
+        };
+        let (mut put_off_ns, mut anew) = (0, false);
+        if let Some(above) = parts.last() {
+            let length_ns = above.last_ns.saturating_sub(above.first_ns) as f64;
+            let into_ns = first_ns.saturating_sub(above.first_ns) as f64;
+            anew = first_ns <= above.last_ns;
+            if anew && into_ns > ANEW * length_ns {
+                let (begins, ends) = (first_ns as f64 / 1e9, above.last_ns as f64 / 1e9);
+                return Err(IngestError::bad_table(
+                    path,
+                    format!(
+                        "it begins at {begins:.3} s, but {} above it ends at {ends:.3} s: parts of one recording are expected to \
+                         follow one another. Is `parts` of the mapping's `[names]` right?",
+                        file_name(above.path)
+                    ),
+                ));
+            }
+            let end_ns = above.last_ns.saturating_add(above.put_off_ns);
+            put_off_ns = if anew {
+                end_ns.saturating_add(hole_ns).saturating_sub(first_ns)
+            } else {
+                above.put_off_ns
+            };
+        }
+        parts.push(Part {
+            path,
+            rows,
+            first_ns,
+            last_ns,
+            put_off_ns,
+            anew,
+        });
+    }
+    Ok(parts)
+}
+
+/// A column as nanoseconds, shape `(rows,)`; an empty cell is none. A part whose clock begins anew follows the others after a hole.
+///
+/// # Errors
+/// As [`as_written`] and [`parts`].
+pub(super) fn stamps(
+    table: &Table,
+    name: &str,
+    clock: Clock<'_>,
+) -> Result<Vec<Option<i64>>, IngestError> {
+    let mut stamps = as_written(table, name, clock)?;
+    if table.is_split() {
+        for Part {
+            rows, put_off_ns, ..
+        } in parts(table, &stamps, clock.hole_ns)?
+        {
+            for stamp_ns in stamps[rows].iter_mut().flatten() {
+                *stamp_ns = stamp_ns.saturating_add(put_off_ns);
+            }
+        }
+    }
+    Ok(stamps)
+}
+
+fn file_name(path: &Path) -> String {
+    path.file_name()
+        .unwrap_or_default()
+        .to_string_lossy()
+        .into_owned()
+}
+
+/// Says which files were joined, and how long the hole between each two is.
+///
+/// # Errors
+/// As [`Table::open_all`] and [`parts`].
+pub(super) fn joined(
+    log: &Path,
+    files: Vec<(PathBuf, Vec<u8>)>,
+    mapping: &TableMapping,
+    clock: Clock<'_>,
+) -> Result<Vec<Warning>, IngestError> {
+    // Of signals that of ego's speed.
+    let time = mapping.layout.column(&["time"]).unwrap_or_default();
+    let table = Table::open_all(files, mapping.into(), &[(&time, clock.kind())])?;
+    let parts = parts(&table, &as_written(&table, &time, clock)?, clock.hole_ns)?;
+    let start_ns = parts.first().map_or(0, |p| p.first_ns);
+    let since_s = |ns: i64, part: &Part<'_>| {
+        (ns.saturating_add(part.put_off_ns).saturating_sub(start_ns)) as f64 / 1e9
+    };
+    let join = |pair: &[Part<'_>]| {
+        let (above, below) = (&pair[0], &pair[1]);
+        let (from_s, to_s) = (
+            since_s(above.last_ns, above),
+            since_s(below.first_ns, below),
+        );
+        let goes_on = format!(
+            "{} goes on in {}",
+            file_name(above.path),
+            file_name(below.path)
+        );
+        let warning = if below.anew {
+            let what = format!(
+                "{goes_on}, whose times begin anew: how long the hole between them was is not known, and a segment begins"
+            );
+            Warning::new(log, WarningKind::ClockRestart, 1, what)
+        } else {
+            let what = format!("{goes_on}, {:.3} s later", to_s - from_s);
+            Warning::new(log, WarningKind::Noted, 1, what)
+        };
+        warning.with_spans([(from_s, to_s)])
+    };
+    Ok(parts.windows(2).map(join).collect())
+}

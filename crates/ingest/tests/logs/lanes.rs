@@ -1,0 +1,416 @@
+//! The number of the lane and the place in it, in every layout; and a place in the lane that is taken for one across the road.
+
+use maveric_domain::Drive;
+use maveric_ingest::{
+    IngestError, IngestSettings, Ingested, Mapping, WarningKind, inspect_with, read_log,
+    suggest_mapping,
+};
+use std::{fmt::Write as _, path::Path};
+
+const WIDTH_M: f64 = 3.5;
+
+/// Where ego is across three lanes at a time, in m: a lane to the left around 20 s, another one around 40 s.
+fn across_m(t: f64) -> f64 {
+    let change = |at: f64| WIDTH_M / (1.0 + (2.0 * (at - t)).exp());
+    change(20.0) + change(40.0)
+}
+
+/// The lane from the right, and the place in it to the left.
+fn in_lane(t: f64) -> (u32, f64) {
+    let y = across_m(t);
+    let lane = (y / WIDTH_M).round();
+    (lane as u32, y - lane * WIDTH_M)
+}
+
+fn mapping(layout: &str, columns: &str) -> String {
+    format!(
+        "[road]\nlanes = 3\nlane_width_m = {WIDTH_M}\nposted_speed_mps = 33.0\nframe = \"map\"\n[table]\nlayout = \"{layout}\"\n\
+         [table.units]\ntime = \"s\"\nlength = \"m\"\nspeed = \"m/s\"\n[table.columns]\ntime = \"t\"\n{columns}"
+    )
+}
+
+fn read(mapping: &str, text: &str) -> Result<Vec<Ingested>, IngestError> {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("P01.csv");
+    std::fs::write(&path, text).unwrap();
+    let settings = IngestSettings {
+        mapping: Some(Mapping::from_toml(mapping, Path::new("m.toml"))?),
+        ..IngestSettings::default()
+    };
+    read_log(&path, &settings)
+}
+
+/// Sixty seconds at 20 Hz of whatever a row is.
+fn table(header: &str, row: impl Fn(f64) -> String) -> String {
+    let mut text = format!("{header}\n");
+    for i in 0..1200 {
+        let t = f64::from(i) / 20.0;
+        writeln!(text, "{t},{}", row(t)).unwrap();
+    }
+    text
+}
+
+/// Two lane changes to the left, seen in each row.
+fn changes_lanes(found: &Ingested) {
+    assert!(found.recording.sees().lanes);
+    let drive = Drive::from_recording(found.meta.clone(), &found.recording).unwrap();
+    let rows = drive.rows();
+    assert_eq!(drive.len(), 1200);
+    for (time_s, y_m) in rows.time_s.iter().zip(&rows.ego_y_m) {
+        // A place beyond .49 of a lane is kept in it.
+        assert!(
+            (y_m - across_m(*time_s)).abs() < 0.02 * WIDTH_M,
+            "{y_m} at {time_s} s"
+        );
+    }
+    assert_eq!(drive.lane_changes().len(), 2);
+    assert!(drive.lane_changes().iter().all(|c| c.completed));
+}
+
+const PAIR: &str = "ego_speed = \"v\"\ngap = \"gap\"\nlead_speed = \"w\"\n";
+
+/// A pair whose lanes are numbered from the left, from 1, and whose place grows to the right, in cm.
+fn pair(columns: &str, keys: &str) -> String {
+    let text = mapping("pair", &format!("{PAIR}{columns}"));
+    text.replace(
+        "layout = \"pair\"\n",
+        &format!("layout = \"pair\"\ngap_kind = \"bumper_to_bumper\"\n{keys}"),
+    )
+}
+
+fn pair_table() -> String {
+    table("t,v,gap,w,lane,offset", |t| {
+        let (lane, offset) = in_lane(t);
+        format!("25,40,25,{},{}", 3 - lane, -offset)
+    })
+}
+
+const NUMBERED: &str = "lanes_from = \"left\"\noffset_grows = \"right\"\n";
+const LANE: &str = "lane = \"lane\"\noffset = \"offset\"\n";
+
+#[test]
+fn a_pair_a_platoon_and_a_long_table_have_lanes_by_number_and_place() {
+    let found = read(&pair(LANE, NUMBERED), &pair_table()).unwrap();
+    changes_lanes(&found[0]);
+    let lead = &found[0].recording.others()[0];
+    assert!(
+        lead.x_m.len() == 1200,
+        "one leader, in ego's lane throughout"
+    );
+
+    let platoon = mapping("platoon", "speed = \"v{n}\"\ngap = \"gap{n}\"\nlane = \"lane{n}\"\noffset = \"off{n}\"\n").replace(
+        "layout = \"platoon\"\n",
+        "layout = \"platoon\"\ngap_kind = \"bumper_to_bumper\"\nlanes_from = \"right\"\nfirst_lane = 0\noffset_grows = \"left\"\n",
+    );
+    let text = table("t,v1,v2,gap1,lane1,off1,lane2,off2", |t| {
+        let (lane, offset) = in_lane(t);
+        // The car ahead stays in the right lane.
+        format!("25,25,40,0,0.1,{lane},{offset}")
+    });
+    let found = read(&platoon, &text).unwrap();
+    changes_lanes(&found[0]);
+    let lead = &found[0].recording.others()[0];
+    assert!(
+        lead.y_m.iter().all(|y| (y - 0.1).abs() < 1e-9),
+        "{:?}",
+        &lead.y_m[..3]
+    );
+
+    let long = mapping(
+        "long",
+        "id = \"id\"\nx = \"x\"\nspeed = \"v\"\nlane = \"lane\"\noffset = \"offset\"\n",
+    )
+    .replace(
+        "layout = \"long\"\n",
+        "layout = \"long\"\npoint = \"centre\"\nlanes_from = \"right\"\noffset_grows = \"left\"\n",
+    );
+    let text = table("t,id,x,v,lane,offset", |t| {
+        let (lane, offset) = in_lane(t);
+        format!(
+            "a,{},25,{},{offset}\n{t},b,{},25,1,-0.2",
+            25.0 * t,
+            lane + 1,
+            60.0 + 25.0 * t
+        )
+    });
+    let found = read(&long, &text).unwrap();
+    changes_lanes(&found[0]);
+    let other = &found[0].recording.others()[0];
+    assert!(other.y_m.iter().all(|y| (y + 0.2).abs() < 1e-9));
+}
+
+#[test]
+fn a_number_alone_steps_from_lane_to_lane_and_a_place_alone_makes_no_lane_change() {
+    let steps = read(
+        &pair("lane = \"lane\"\n", "lanes_from = \"left\"\n"),
+        &pair_table(),
+    )
+    .unwrap()
+    .remove(0);
+    let centre = |y: &f64| {
+        [0.0, WIDTH_M, 2.0 * WIDTH_M]
+            .iter()
+            .any(|c| (y - c).abs() < 1e-9)
+    };
+    assert!(steps.recording.sees().lanes && steps.recording.ego().y_m.iter().all(centre));
+    let alone = read(
+        &pair("offset = \"offset\"\n", "offset_grows = \"right\"\n"),
+        &pair_table(),
+    )
+    .unwrap()
+    .remove(0);
+    assert!(!alone.recording.sees().lanes);
+    assert!(
+        alone
+            .recording
+            .ego()
+            .y_m
+            .iter()
+            .all(|y| y.abs() < 0.5 * WIDTH_M)
+    );
+}
+
+#[test]
+fn what_says_where_ego_is_twice_or_lacks_a_side_is_asked_about() {
+    let refused = |columns: &str, keys: &str| {
+        Mapping::from_toml(&pair(columns, keys), Path::new("m.toml"))
+            .unwrap_err()
+            .to_string()
+    };
+    for (columns, keys, said) in [
+        (
+            LANE,
+            "offset_grows = \"left\"\n",
+            "`table.lanes_from` is not given: are lanes numbered from the `left`",
+        ),
+        (
+            LANE,
+            "lanes_from = \"left\"\n",
+            "`table.offset_grows` is not given: does the place in the lane grow to the `left`",
+        ),
+        ("", NUMBERED, "does nothing without"),
+        (
+            "lane = \"lane\"\n",
+            NUMBERED,
+            "`table.offset_grows` does nothing without `table.columns.offset`",
+        ),
+        (
+            "ego_y = \"y\"\nlane = \"lane\"\n",
+            "lanes_from = \"left\"\n",
+            "both say where ego is across the road",
+        ),
+    ] {
+        let error = refused(columns, keys);
+        assert!(error.contains(said), "{error}");
+    }
+    let long = |columns: &str, keys: &str| {
+        let text = mapping("long", &format!("id = \"id\"\nx = \"x\"\n{columns}"));
+        let text = text.replace(
+            "layout = \"long\"\n",
+            &format!("layout = \"long\"\npoint = \"centre\"\noffset_grows = \"left\"\n{keys}"),
+        );
+        Mapping::from_toml(&text, Path::new("m.toml"))
+            .unwrap_err()
+            .to_string()
+    };
+    let error = long("offset = \"offset\"\n", "");
+    assert!(
+        error.contains("`table.columns.lane` is not given: in which lane"),
+        "{error}"
+    );
+    let error = long(
+        "y = \"y\"\nlane = \"l\"\noffset = \"o\"\n",
+        "y_grows = \"left\"\nlanes_from = \"left\"\n",
+    );
+    assert!(
+        error.contains("`y` is for a position across the road"),
+        "{error}"
+    );
+}
+
+#[test]
+fn lanes_that_the_road_has_not_are_refused_and_a_row_without_a_lane_is_counted() {
+    let beside = pair_table()
+        .replace(",3,", ",9,")
+        .replace(",2,", ",8,")
+        .replace(",1,", ",7,");
+    let error = read(&pair(LANE, NUMBERED), &beside)
+        .unwrap_err()
+        .to_string();
+    assert!(
+        error.contains("beside the road of 3 lanes") && error.contains("`first_lane`"),
+        "{error}"
+    );
+    let text = table("t,v,gap,w,lane,offset", |t| {
+        let (lane, offset) = in_lane(t);
+        let lane = if (10.0..10.2).contains(&t) {
+            String::new()
+        } else {
+            (3 - lane).to_string()
+        };
+        format!("25,40,25,{lane},{}", -offset)
+    });
+    let found = read(&pair(LANE, NUMBERED), &text).unwrap().remove(0);
+    let left_out = found
+        .warnings
+        .iter()
+        .find(|w| w.kind == WarningKind::MissingValue);
+    assert_eq!(left_out.map(|w| w.count), Some(4), "{:?}", found.warnings);
+}
+
+#[test]
+fn a_place_in_the_lane_that_is_mapped_across_the_road_is_told_with_what_to_write() {
+    let wrong = pair("ego_y = \"offset\"\n", "");
+    let found = read(&wrong, &pair_table()).unwrap().remove(0);
+    let told = |found: &Ingested| {
+        found
+            .warnings
+            .iter()
+            .find(|w| w.what.contains("place in the lane"))
+            .cloned()
+    };
+    let warning = told(&found).unwrap();
+    assert_eq!((warning.kind, warning.count), (WarningKind::Unit, 2));
+    for word in [
+        "`offset` jumps by a lane's width",
+        "`offset = \"offset\"` in the place of `ego_y`",
+        "`offset_grows`",
+        "`lane`",
+    ] {
+        assert!(warning.what.contains(word), "{}", warning.what);
+    }
+    assert!((warning.spans_s[0].0 - 20.0).abs() < 0.2 && (warning.spans_s[1].0 - 40.0).abs() < 0.2);
+    // One across the road, and one that is mapped as what it is, are not.
+    let right = table("t,v,gap,w,y", |t| format!("25,40,25,{}", across_m(t)));
+    assert_eq!(
+        told(&read(&pair("ego_y = \"y\"\n", ""), &right).unwrap()[0]),
+        None
+    );
+    assert_eq!(
+        told(&read(&pair(LANE, NUMBERED), &pair_table()).unwrap()[0]),
+        None
+    );
+    // Every vehicle of a long table is looked at.
+    let long = mapping(
+        "long",
+        "id = \"id\"\nx = \"x\"\nspeed = \"v\"\ny = \"offset\"\n",
+    )
+    .replace(
+        "layout = \"long\"\n",
+        "layout = \"long\"\npoint = \"centre\"\ny_grows = \"left\"\n",
+    );
+    let text = table("t,id,x,v,offset", |t| {
+        format!(
+            "a,{},25,{}\n{t},b,{},25,0.1",
+            25.0 * t,
+            in_lane(t).1,
+            60.0 + 25.0 * t
+        )
+    });
+    let found = read(&long, &text).unwrap();
+    assert!(told(&found[0]).is_some() && told(&found[1]).is_none());
+}
+
+#[test]
+fn inspect_and_the_proposal_say_that_a_column_is_a_place_in_the_lane() {
+    let folder = tempfile::tempdir().unwrap();
+    let proposed = |text: &str| {
+        let path = folder.path().join("P01.csv");
+        std::fs::write(&path, text).unwrap();
+        let summary = inspect_with(&path, &IngestSettings::default()).unwrap();
+        (suggest_mapping(&path).unwrap(), summary)
+    };
+    // Its name says nothing, its numbers do.
+    let text = table("t,ego_speed,gap,lead_speed,lane,lateral", |t| {
+        let (lane, offset) = in_lane(t);
+        format!("{},40,25,{},{offset}", 25.0 + (0.3 * t).sin(), lane + 1)
+    });
+    let (toml, summary) = proposed(&text);
+    for line in [
+        "offset = \"lateral\"",
+        "offset_grows = \"left\"",
+        "lane = \"lane\"",
+        "lanes_from = \"right\"",
+        "lanes = 3",
+    ] {
+        assert!(toml.contains(&format!("{line}\n")), "{toml}");
+    }
+    assert!(
+        toml.contains("`lateral` jumps by a lane's width 2 times")
+            && toml.contains("Read by it: 1 drives"),
+        "{toml}"
+    );
+    assert!(
+        summary
+            .warnings
+            .iter()
+            .any(|w| w.what.contains("it is a place in the lane")),
+        "{:?}",
+        summary.warnings
+    );
+    let text = table("t,ego_speed,gap,lead_speed,lateral", |t| {
+        format!("{},40,25,{}", 25.0 + (0.3 * t).sin(), across_m(t))
+    });
+    let (toml, summary) = proposed(&text);
+    assert!(
+        toml.contains("ego_y = \"lateral\"\n") && !toml.contains("\noffset"),
+        "{toml}"
+    );
+    assert!(summary.warnings.is_empty(), "{:?}", summary.warnings);
+}
+
+#[test]
+fn a_time_is_known_by_its_cells_whatever_its_header_is_called() {
+    let folder = tempfile::tempdir().unwrap();
+    let proposed = |text: &str| {
+        let path = folder.path().join("P01.csv");
+        std::fs::write(&path, text).unwrap();
+        suggest_mapping(&path).unwrap()
+    };
+    let speed = |t: f64| 25.0 + 3.0 * (0.3 * t).sin();
+    let way = |t: f64| 25.0 * t - 10.0 * (0.3 * t).cos();
+    for name in ["Zeit", "Uhrzeit", "temps", "t[s]", "čas"] {
+        // Beside a number of the row and a way, which rise as well.
+        let mut text = format!("Nr,Weg,{name},speed,gap,lead_speed\n");
+        for i in 0..600 {
+            let t = f64::from(i) / 20.0;
+            writeln!(text, "{i},{},{t},{},40,25", way(t), speed(t)).unwrap();
+        }
+        let toml = proposed(&text);
+        assert!(toml.contains(&format!("time = \"{name}\"\n")), "{toml}");
+        assert!(
+            toml.contains("[table.units]\n") && toml.contains("\ntime = \"s\"\n"),
+            "{toml}"
+        );
+        assert_eq!(
+            name != "t[s]",
+            toml.contains("doubt: the cells of"),
+            "{toml}"
+        );
+    }
+    let mut text = "Uhrzeit,speed,gap,lead_speed\n".to_owned();
+    for i in 0..600 {
+        writeln!(
+            text,
+            "14:{:02}:{:02}.{:02},{},40,25",
+            i / 1200,
+            i / 20 % 60,
+            i % 20 * 5,
+            speed(f64::from(i) / 20.0)
+        )
+        .unwrap();
+    }
+    let toml = proposed(&text);
+    assert!(
+        toml.contains("time = \"Uhrzeit\"\n") && toml.contains("time_pattern = \"%H:%M:%S.%f\""),
+        "{toml}"
+    );
+    // A way and a number of the row alone are no times.
+    let mut text = "Weg,speed,gap,lead_speed\n".to_owned();
+    for i in 0..600 {
+        let t = f64::from(i) / 20.0;
+        writeln!(text, "{},{},40,25", way(t), speed(t)).unwrap();
+    }
+    let toml = proposed(&text);
+    assert!(toml.contains("no column looks like a time"), "{toml}");
+}

@@ -1,0 +1,136 @@
+//! Rows of a table picked out, told apart and put under each other.
+
+use super::Table;
+use crate::error::StudyError;
+use path_slash::PathExt as _;
+use polars::prelude::*;
+use std::collections::{BTreeMap, BTreeSet};
+
+impl Table {
+    /// Refuses two rows that say the same of these columns: which of them counted would depend on their order.
+    ///
+    /// # Errors
+    /// [`StudyError::NoColumn`]; [`StudyError::BadCell`] naming the second row and the first.
+    pub(crate) fn each_once(&self, columns: &[&str]) -> Result<(), StudyError> {
+        let cells: Vec<Vec<Option<String>>> = columns
+            .iter()
+            .map(|column| self.text(column))
+            .collect::<Result<_, _>>()?;
+        let mut seen: BTreeMap<Vec<Option<&str>>, usize> = BTreeMap::new();
+        for row in 0..self.rows() {
+            let key: Vec<Option<&str>> = cells.iter().map(|c| c[row].as_deref()).collect();
+            let Some(first) = seen.insert(key.clone(), row) else {
+                continue;
+            };
+            let found: Vec<&str> = key.into_iter().flatten().collect();
+            let expected = format!("each once: row {} says so already", self.origin(first) + 1);
+            return Err(self.bad_cell(row, &columns.join("`, `"), found.join(", "), expected));
+        }
+        Ok(())
+    }
+
+    /// The rows whose cell in `column` is `value`; numbers are compared as numbers.
+    ///
+    /// # Errors
+    /// [`StudyError::NoColumn`]; [`StudyError::NotPossible`] if no row is left.
+    pub(crate) fn keeping(&self, column: &str, value: &str) -> Result<Self, StudyError> {
+        let cells = self.text(column)?;
+        let wanted = value.trim();
+        let number: Option<f64> = wanted.parse().ok();
+        let same = |cell: &str| {
+            let both = number.zip(cell.trim().parse::<f64>().ok());
+            cell.trim() == wanted
+                || both.is_some_and(|(a, b)| (a - b).abs() <= f64::EPSILON * a.abs())
+        };
+        let mask: Vec<bool> = cells
+            .iter()
+            .map(|cell| cell.as_deref().is_some_and(same))
+            .collect();
+        let kept: Vec<usize> = (0..mask.len()).filter(|&row| mask[row]).collect();
+        if kept.is_empty() {
+            let seen: BTreeSet<&str> = cells.iter().flatten().map(String::as_str).collect();
+            let shown: Vec<&str> = seen.iter().take(8).copied().collect();
+            let more = if seen.len() > 8 { ", …" } else { "" };
+            return Err(StudyError::NotPossible {
+                problem: format!(
+                    "{}: no row has `{wanted}` in column `{column}`",
+                    self.path.to_slash_lossy()
+                ),
+                help: Some(format!("its values are {}{more}", shown.join(", "))),
+            });
+        }
+        let mask = BooleanChunked::from_slice("kept".into(), &mask);
+        let frame = self
+            .frame
+            .filter(&mask)
+            .map_err(|e| self.bad_column(column, &e))?;
+        let origin = kept.iter().map(|&row| self.origin(row)).collect();
+        Ok(Self {
+            path: self.path.clone(),
+            frame,
+            decimal_comma: self.decimal_comma,
+            origin: Some(origin),
+        })
+    }
+
+    /// A row a cell: the columns of conditions under each other, named in `within` with their numbers in `value`; the other columns
+    /// are repeated. `subject` names a column to be added that numbers the rows of before from 1.
+    ///
+    /// # Errors
+    /// As [`Table::numbers`].
+    pub(crate) fn melted(
+        &self,
+        conditions: &[String],
+        within: &str,
+        value: &str,
+        subject: Option<&str>,
+    ) -> Result<Self, StudyError> {
+        let (rows, k) = (self.rows(), conditions.len());
+        let values: Vec<Vec<Option<f64>>> = conditions
+            .iter()
+            .map(|name| self.numbers(name))
+            .collect::<Result<_, _>>()?;
+        let mut columns = Vec::new();
+        for name in self
+            .columns()
+            .iter()
+            .filter(|name| !conditions.contains(name))
+        {
+            let cells = self.text(name)?;
+            let repeated: Vec<Option<String>> =
+                (0..rows * k).map(|i| cells[i / k].clone()).collect();
+            columns.push(Column::new(name.as_str().into(), repeated));
+        }
+        if let Some(subject) = subject {
+            let numbers: Vec<String> = (0..rows * k).map(|i| (i / k + 1).to_string()).collect();
+            columns.push(Column::new(subject.into(), numbers));
+        }
+        let names: Vec<&str> = (0..rows * k).map(|i| conditions[i % k].as_str()).collect();
+        columns.push(Column::new(within.into(), names));
+        let numbers: Vec<Option<f64>> = (0..rows * k).map(|i| values[i % k][i / k]).collect();
+        columns.push(Column::new(value.into(), numbers));
+        let frame = DataFrame::new(rows * k, columns).map_err(|e| self.bad_column(value, &e))?;
+        Ok(Self {
+            path: self.path.clone(),
+            frame,
+            decimal_comma: self.decimal_comma,
+            origin: Some((0..rows * k).map(|i| self.origin(i / k)).collect()),
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::path::Path;
+
+    #[test]
+    fn two_rows_of_one_key_are_refused_by_both_their_numbers() {
+        let text = "who,when,x\nA,1,3\nA,2,4\nA,1,5\n";
+        let table = Table::parse(Path::new("t.csv"), text.as_bytes().to_vec()).unwrap();
+        let error = table.each_once(&["who", "when"]).unwrap_err().to_string();
+        let expected = "t.csv: row 3, column `who`, `when`: found `A, 1`, expected each once: row 1 says so already";
+        assert_eq!(error, expected);
+        table.each_once(&["who", "x"]).unwrap();
+    }
+}
