@@ -236,8 +236,8 @@ struct Changes<'a> {
 struct Change<'a> {
     what: &'a str,
     key: &'a str,
-    was: Option<&'a String>,
-    is: Option<&'a String>,
+    before: Option<&'a String>,
+    now: Option<&'a String>,
     why: Option<&'a String>,
 }
 
@@ -261,8 +261,8 @@ impl Changes<'_> {
             let change = Change {
                 what,
                 key,
-                was: before.get(key),
-                is: now.get(key),
+                before: before.get(key),
+                now: now.get(key),
                 why: reason.map(|(_, why)| why),
             };
             self.sentences
