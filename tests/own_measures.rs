@@ -76,7 +76,7 @@ fn a_measure_of_ones_own_is_an_outcome_like_ours() {
     let own = read(&study, "mine/results/measurements_own.csv");
     assert_eq!(own.lines().count(), 1 + 2 * 2 * PEOPLE.len(), "{own}");
     assert!(
-        own.contains("\nP02,calm,tor_s,2.1,2\n") && own.contains("\nP02,calm,glances,4.0,2\n"),
+        own.contains("\nP01,calm,tor_s,2.0,2\n") && own.contains("\nP02,calm,glances,4.0,2\n"),
         "{own}"
     );
     let analysis = analysis(&study);
@@ -253,7 +253,7 @@ fn own_measures_alone_are_a_study_and_nothing_at_all_is_none() {
     std::fs::remove_file(study.path("mine/measures.csv")).unwrap();
     study
         .maveric_in("mine", &["run"])
-        .failed(1, &["logs", "holds no logs"]);
+        .failed(1, &["`surveys/answers.csv`, which does not exist"]);
 }
 
 #[test]

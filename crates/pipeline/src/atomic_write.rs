@@ -37,15 +37,13 @@ pub fn atomic_write<E: From<PipelineError>>(
     durability: Durability,
     fill: impl FnOnce(&mut File) -> Result<(), E>,
 ) -> Result<(), E> {
-    let folder = match path.parent() {
-        Some(parent) if !parent.as_os_str().is_empty() => parent,
-        _ => Path::new("."),
-    };
+    let folder = folder_of(path);
     fs::create_dir_all(folder).map_err(PipelineError::io("create", folder))?;
     remove_left_behind(folder);
     let failed = || PipelineError::io("write", path);
     let mut builder = tempfile::Builder::new();
-    builder.prefix(FRESH.0).suffix(FRESH.1);
+    let prefix = named_after(path);
+    builder.prefix(&prefix).suffix(FRESH.1);
     #[cfg(unix)]
     builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
     let mut file = builder.tempfile_in(folder).map_err(failed())?;
@@ -95,6 +93,35 @@ pub fn while_held<T>(
         }
         std::thread::sleep(pause);
         (fresh, pause) = (back, 2 * pause);
+    }
+}
+
+fn folder_of(path: &Path) -> &Path {
+    match path.parent() {
+        Some(parent) if !parent.as_os_str().is_empty() => parent,
+        _ => Path::new("."),
+    }
+}
+
+/// How a file that is being written for this one begins; of a long name its first part, since names have an end.
+fn named_after(path: &Path) -> String {
+    let name = path.file_name().unwrap_or_default().to_string_lossy();
+    let name: String = name.chars().take(50).collect();
+    format!("{}{name}", FRESH.0)
+}
+
+/// Removes what killed writers of a file, and of those named after it, left beside it: whoever calls this knows that nobody else writes it.
+pub(crate) fn remove_unfinished(path: &Path) {
+    let prefix = named_after(path);
+    for entry in fs::read_dir(folder_of(path))
+        .into_iter()
+        .flatten()
+        .flatten()
+    {
+        let name = entry.file_name().to_string_lossy().into_owned();
+        if name.starts_with(&prefix) && is_unfinished(&name) {
+            let _ = fs::remove_file(entry.path());
+        }
     }
 }
 

@@ -4,6 +4,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::PathBuf;
 
 use super::{Ledger, Loaded, Record};
+use crate::atomic_write;
 use crate::journal::{Entry, Journal, journal_of};
 use crate::paths::{below, with_ancestors};
 use crate::{PipelineError, Place, Stage};
@@ -26,6 +27,7 @@ impl OpenLedger {
     /// # Errors
     /// If what a killed run had noted cannot be written into the ledger.
     pub(crate) fn new(path: PathBuf, loaded: Loaded) -> Result<Self, PipelineError> {
+        atomic_write::remove_unfinished(&path);
         let mut open = Self {
             path,
             ledger: loaded.ledger,

@@ -84,12 +84,15 @@ fn plan(input: &Completeness) -> Plan {
         let of = |f: fn(&(usize, usize)) -> usize| panel.counts.iter().map(f).sum::<usize>();
         format!("{}: {} of {}.", panel.title, of(|c| c.0), of(|c| c.1))
     });
+    let awaited = input.panels.iter().flat_map(|panel| &panel.counts);
+    let most = awaited.map(|counts| counts.1).max().unwrap_or(0);
     Plan {
         name: NAME.to_owned(),
         size_mm: (TWO_COLUMNS_MM, ROW_MM * input.rows.len() as f64 + 20.0),
         title: "What is there".to_owned(),
-        caption: "Blue: people of whom it is there; pale: people of whom it is missing. A dash: nothing is awaited. Counts; no test."
-            .to_owned(),
+        caption: format!(
+            "Blue: people of whom it is there; pale: people of whom it is missing. A dash: nothing is awaited. *n* = {most} people at most; counts, no test."
+        ),
         alt: sentences(said),
         shows: Shows::Participants,
     }
