@@ -78,6 +78,7 @@ impl TableText {
     ///
     /// # Errors
     /// [`ReportError::Template`] naming the place, for a value that is not given or is not what the column shows.
+    #[expect(clippy::needless_pass_by_value, reason = "rows are made for their table")]
     pub(crate) fn table(
         &self,
         place: &str,
@@ -126,7 +127,7 @@ impl TableText {
                     let row = context! { ..row.clone(), ..values.clone() };
                     let found = expression.eval(row.clone());
                     let cell = found
-                        .and_then(|found| column.cell(found, column.decimals(&environment, row)?));
+                        .and_then(|found| column.cell(&found, column.decimals(&environment, row)?));
                     let named = head
                         .as_deref()
                         .or(column.key.as_deref())
@@ -216,7 +217,7 @@ impl ColumnText {
         }
     }
 
-    fn cell(&self, found: Value, decimals: usize) -> Result<Cell, minijinja::Error> {
+    fn cell(&self, found: &Value, decimals: usize) -> Result<Cell, minijinja::Error> {
         if found.is_undefined() {
             return Err(undefined(&self.value));
         }
@@ -233,8 +234,8 @@ impl ColumnText {
             Show::Percent => Cell::number(Some(number(100.0)?), decimals),
             Show::Bounded => Cell::bounded(Some(number(1.0)?), decimals),
             Show::P => Cell::P(number(1.0)?),
-            Show::Range => range(&found, 1.0, decimals)?,
-            Show::PercentRange => range(&found, 100.0, decimals)?,
+            Show::Range => range(found, 1.0, decimals)?,
+            Show::PercentRange => range(found, 100.0, decimals)?,
         })
     }
 }

@@ -24,11 +24,11 @@ enum What {
     /// Write study.lock beside the design: what was declared, and when
     Freeze(Args),
     /// Write a table of people with the order in which each meets the conditions, balanced by a Williams or Latin square
-    Orders(Orders),
+    Orders(WriteOrders),
 }
 
 #[derive(Debug, clap::Args)]
-struct Orders {
+struct WriteOrders {
     #[command(flatten)]
     args: Args,
     #[command(flatten)]
@@ -62,7 +62,7 @@ impl Design {
                     declare::describe(a.design.as_deref(), power.as_deref())
                 })
             }
-            What::Orders(Orders { args: a, asked }) => {
+            What::Orders(WriteOrders { args: a, asked }) => {
                 print_outcome(a.format, "could not write the orders", |_| {
                     orders::orders(a.design.as_deref(), &asked)
                 })

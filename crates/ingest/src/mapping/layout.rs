@@ -17,6 +17,7 @@ pub(super) const OF_EVERY_TABLE: &str = "`separator`, `header`, `decimal_comma`,
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(tag = "layout", rename_all = "snake_case", try_from = "toml::Table")]
 #[non_exhaustive]
+#[expect(clippy::large_enum_variant, reason = "there is one a mapping")]
 pub enum Layout {
     /// A file is one follower (ego) behind one leader, a row is one time.
     Pair(Pair),

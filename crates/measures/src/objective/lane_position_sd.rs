@@ -42,8 +42,8 @@ fn value(drive: &Drive) -> Option<f64> {
     let place_m = |row: usize| rows.ego_y_m[row] - drive.road().lane_centre_m(rows.lane[row]);
     let mut stretches: Vec<Vec<f64>> = Vec::new();
     let mut goes_on = false;
-    for row in 0..drive.len() {
-        if !keeps[row] {
+    for (row, keeps) in keeps.into_iter().enumerate() {
+        if !keeps {
             goes_on = false;
             continue;
         }

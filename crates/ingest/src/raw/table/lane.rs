@@ -35,7 +35,7 @@ impl Lanes {
     }
 
     /// A lane's number as one from the right, where 0 is the right lane.
-    pub(super) fn from_right(&self, number: f64) -> i64 {
+    pub(super) fn counted_from_right(&self, number: f64) -> i64 {
         let nth = number.round() as i64 - self.first;
         match self.from {
             Side::Left => i64::from(self.road.lanes) - 1 - nth,
@@ -48,7 +48,7 @@ impl Lanes {
         if number.is_nan() {
             return f64::NAN;
         }
-        self.road.right_lane_centre_y_m + self.from_right(number) as f64 * self.road.lane_width_m
+        self.road.right_lane_centre_y_m + self.counted_from_right(number) as f64 * self.road.lane_width_m
     }
 
     /// How far left of its lane's centre a vehicle is, in m, by the place that the table says: no place leads out of the lane.

@@ -82,7 +82,7 @@ impl Across {
             let numbering = Lanes::new(mapping, road, None);
             for (&stamp_ns, number) in rows.stamp_ns.iter().zip(numbers) {
                 let Some(number) = number else { continue };
-                let lane = numbering.from_right(number);
+                let lane = numbering.counted_from_right(number);
                 let on_road = lane.clamp(0, i64::from(road.lanes) - 1);
                 beside += usize::from(lane != on_road);
                 if let Some(to_left) = last.map(|last| on_road - last).filter(|d| *d != 0) {

@@ -72,7 +72,7 @@ pub(super) fn read(
         );
         let values = rows.numbers(name, &signal.missing, 1.0)?;
         let known = rows.stamp_ns.iter().zip(values);
-        let lane = |v: f64| lanes.from_right(v);
+        let lane = |v: f64| lanes.counted_from_right(v);
         road.lane = known.filter_map(|(t, v)| Some((*t, lane(v?)))).collect();
     }
     Ok(road)
