@@ -78,7 +78,10 @@ impl TableText {
     ///
     /// # Errors
     /// [`ReportError::Template`] naming the place, for a value that is not given or is not what the column shows.
-    #[expect(clippy::needless_pass_by_value, reason = "rows are made for their table")]
+    #[expect(
+        clippy::needless_pass_by_value,
+        reason = "rows are made for their table"
+    )]
     pub(crate) fn table(
         &self,
         place: &str,

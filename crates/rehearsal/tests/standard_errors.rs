@@ -15,7 +15,7 @@ const SIZES: (usize, usize) = (30, 60);
 /// Whether 68.3 and 95.4 % lie within what 60 people leave open (SD of a share some 3.5 and 1.7 %).
 fn hold(held: &Held) -> bool {
     let near = |share: Option<ShareOfPeople>, right: f64, open: f64| {
-        (share.unwrap().estimate - right).abs() < open
+        share.is_some_and(|share| (share.estimate - right).abs() < open)
     };
     near(held.within_1, 0.683, 0.11) && near(held.within_2, 0.954, 0.055)
 }

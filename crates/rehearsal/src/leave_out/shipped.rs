@@ -171,7 +171,11 @@ mod tests {
             person("unknown", -0.9, 0.1, None),
         ];
         let found = shipped(people, None, Vec::new()).unwrap();
-        let named: Vec<&str> = found.wrong_and_sure.iter().map(|p| p.as_str()).collect();
+        let named: Vec<&str> = found
+            .wrong_and_sure
+            .iter()
+            .map(ParticipantId::as_str)
+            .collect();
         assert_eq!(named, ["sure", "unknown"]);
     }
 }

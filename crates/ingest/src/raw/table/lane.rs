@@ -48,7 +48,8 @@ impl Lanes {
         if number.is_nan() {
             return f64::NAN;
         }
-        self.road.right_lane_centre_y_m + self.counted_from_right(number) as f64 * self.road.lane_width_m
+        self.road.right_lane_centre_y_m
+            + self.counted_from_right(number) as f64 * self.road.lane_width_m
     }
 
     /// How far left of its lane's centre a vehicle is, in m, by the place that the table says: no place leads out of the lane.
