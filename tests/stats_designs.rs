@@ -238,7 +238,7 @@ fn each_analysis_has_its_sentence_its_tables_and_its_figure() {
         let said = call(&study, words, &["--apa"]).ok().stdout;
         assert!(said.starts_with(sentence), "{words}: {said}");
         let latex = call(&study, words, &["--latex"]).ok().stdout;
-        assert!(latex.contains("\\begin{tabular}"), "{words}: {latex}");
+        assert!(latex.contains("\\begin{tabularx}"), "{words}: {latex}");
         let markdown = call(&study, words, &["--markdown"]).ok().stdout;
         assert!(markdown.contains("| --"), "{words}: {markdown}");
         let text = call(&study, words, &[]).ok().stdout;
