@@ -353,7 +353,8 @@ fn the_sentence_alone_and_the_tables_of_a_paper() {
     );
     let latex = with("--latex");
     assert!(
-        latex.contains("\\begin{tabularx}{\\linewidth}{>{\\raggedright\\arraybackslash}Xrrrrr}") && latex.contains("\\textit{F}(2, 8) = "),
+        latex.contains("\\begin{tabularx}{\\linewidth}{>{\\raggedright\\arraybackslash}Xrrrrr}")
+            && latex.contains("\\textit{F}(2, 8) = "),
         "{latex}"
     );
     let markdown = with("--markdown");
