@@ -78,7 +78,17 @@ fn section(entry: &FileEntry) -> String {
         let unit = column.unit.as_deref().unwrap_or_default();
         let when = column.when.as_ref().map(|w| format!("; only when {w}"));
         let when = when.unwrap_or_default();
-        text += &format!("| `{}` | {unit} | {}{when} |", column.name, column.means);
+        text += &[
+            "| `",
+            &column.name,
+            "` | ",
+            unit,
+            " | ",
+            &column.means,
+            &when,
+            " |",
+        ]
+        .concat();
         if elsewhere {
             let path = column.made_in.as_ref().map(|path| format!(" `{path}` |"));
             text += &path.unwrap_or_else(|| " |".to_owned());
@@ -231,7 +241,9 @@ fn numbers_in(value: &Value, found: &mut Vec<f64>) {
         Value::Number(number) => found.extend(number.as_f64()),
         Value::Array(all) => {
             found.push(all.len() as f64);
-            all.iter().for_each(|value| numbers_in(value, found));
+            for value in all {
+                numbers_in(value, found);
+            }
         }
         Value::Object(all) => all.values().for_each(|value| numbers_in(value, found)),
         _ => {}

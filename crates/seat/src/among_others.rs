@@ -19,6 +19,10 @@ pub(crate) struct AmongOthers {
 }
 
 /// What is known of somebody's score: none without any, inside none where their drive is beyond what the model has learned from.
+#[expect(
+    clippy::option_option,
+    reason = "nothing to say, and a score that nobody can say, are two"
+)]
 fn score(person: &Person) -> Option<Option<f64>> {
     let style = person.style()?;
     if style.beyond.is_some() {

@@ -54,6 +54,7 @@ impl Folder {
     }
 }
 
+#[expect(clippy::panic, reason = "a test says what it looked for")]
 fn warning<'a>(drive: &'a Ingested, words: &str) -> &'a Warning {
     let found = drive.warnings.iter().find(|w| w.what.contains(words));
     found.unwrap_or_else(|| panic!("no warning says `{words}`: {:?}", drive.warnings))

@@ -176,7 +176,7 @@ impl Stage for Ablate {
             .any(|(d, _)| d.meta().driven_by == DrivenBy::Synthetic);
         let context = Context::of(synthetic, self.seed);
         let words = Words {
-            preface: &context.preface(),
+            preface: context.preface(),
             drives: found.drives.len(),
             folds: found.settings.folds,
             people: self.leave_out.is_some(),

@@ -82,7 +82,8 @@ mod tests {
     }
 
     fn found(places_m: &[f64]) -> Vec<(f64, f64)> {
-        let times_ns: Vec<i64> = (0..places_m.len() as i64)
+        let times_ns: Vec<i64> = (0..)
+            .take(places_m.len())
             .map(|i| i * 100_000_000)
             .collect();
         let jumps = jumps(&times_ns, places_m).into_iter();

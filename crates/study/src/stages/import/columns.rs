@@ -119,13 +119,13 @@ impl<'a> Columns<'a> {
                 continue;
             };
             let when = match (parts.moment, parts.trial) {
-                (Some(word), _) => match self.moment_by_word(word) {
-                    Some(moment) => When::Known(moment),
-                    None => {
+                (Some(word), _) => {
+                    let Some(moment) = self.moment_by_word(word) else {
                         stranger = Some(Err(word));
                         continue;
-                    }
-                },
+                    };
+                    When::Known(moment)
+                }
                 (None, Some(trial)) => When::Trial(trial),
                 (None, None) => {
                     let fixed = self.mapped(scale).and_then(|c| c.moment);

@@ -131,7 +131,7 @@ fn unknown(bytes: &[u8], encoding: &'static Encoding) -> String {
         return format!("begins like {} and cannot be read as that", encoding.name());
     }
     let place = std::str::from_utf8(bytes).map_or_else(|e| e.valid_up_to(), |_| 0);
-    let line = 1 + bytes[..place].iter().filter(|b| **b == b'\n').count();
+    let line = bytes[..place].split(|byte| *byte == b'\n').count();
     let byte = bytes.get(place).copied().unwrap_or_default();
     let word: Cow<'_, str> = WINDOWS_1252
         .decode(&bytes[place.saturating_sub(6)..(place + 6).min(bytes.len())])

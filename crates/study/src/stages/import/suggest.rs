@@ -84,19 +84,14 @@ fn participant(grid: &Grid, format: &Format, columns: &Columns<'_>) -> String {
         cells.len() == grid.rows() && cells.iter().all(|cell| ParticipantId::new(*cell).is_ok())
     };
     let possible: Vec<usize> = (0..grid.columns.len()).filter(is_id).collect();
-    match possible.as_slice() {
-        [only] => format!("participant = {:?}", grid.columns[*only]),
-        _ => {
-            let names: Vec<&str> = possible
-                .iter()
-                .map(|at| grid.columns[*at].as_str())
-                .collect();
-            format!(
-                "# participant = \"?\"   # no column is known to say whose row it is; different in each row: {}",
-                list(&names)
-            )
-        }
+    if let [only] = possible[..] {
+        return format!("participant = {:?}", grid.columns[only]);
     }
+    let names = possible.iter().map(|at| grid.columns[*at].as_str());
+    format!(
+        "# participant = \"?\"   # no column is known to say whose row it is; different in each row: {}",
+        list(&names.collect::<Vec<&str>>())
+    )
 }
 
 /// The line that says which column tells the moment.

@@ -106,7 +106,7 @@ fn gathered(
             // What an earlier call made of them are no logs, and parts of a recording are one log however many are named.
             let part = |log: &PathBuf| path.is_file() && log != path;
             let known = |log: &PathBuf| found.iter().any(|other| other.path == *log);
-            logs.retain(|log| !made_in(&options.out, path, log) && !(part(log) && known(log)));
+            logs.retain(|log| !(made_in(&options.out, path, log) || part(log) && known(log)));
             if logs.is_empty() && path.is_file() {
                 continue;
             }

@@ -222,7 +222,7 @@ impl Stage for Ingest {
         let out = left_out.iter();
         let out = out.map(|out| (out.meta.drive.to_string(), out.why.to_string()));
         warnings.extend(told_once("drive", out));
-        let parts = parts::maybe_parts(drives.iter().map(|d| &d.meta), &left_out);
+        let parts = parts::maybe_parts(&drives.iter().map(|d| &d.meta), &left_out);
         warnings.extend(told_once("drive", parts));
         let sights = sights(&drives);
         let rows = drives.iter().map(|d| d.rows).sum();

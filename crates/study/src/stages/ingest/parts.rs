@@ -6,7 +6,7 @@ use maveric_domain::DriveMeta;
 
 /// Says of drives that are left out which of the others they may be a part of, and what to write.
 pub(super) fn maybe_parts<'a>(
-    drives: impl Iterator<Item = &'a DriveMeta> + Clone,
+    drives: &(impl Iterator<Item = &'a DriveMeta> + Clone),
     left_out: &[LeftOutDrive],
 ) -> Vec<(String, String)> {
     let unknown = left_out

@@ -251,7 +251,7 @@ fn warnings(
     texts: &PageTexts,
 ) -> Result<Vec<String>, StudyError> {
     #[derive(Serialize)]
-    struct Missing {
+    struct Gap {
         missing: usize,
         drives: usize,
         title: &'static str,
@@ -259,7 +259,7 @@ fn warnings(
     let mut warnings = Vec::new();
     for k in 0..MEASURES.len() {
         let drives = people.test.iter().flat_map(|p| [&p.first, &p.again]);
-        let missing = Missing {
+        let missing = Gap {
             missing: drives.filter(|d| values(d)[k].is_none()).count(),
             drives: 2 * people.test.len(),
             title: title(k),

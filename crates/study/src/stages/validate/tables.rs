@@ -92,10 +92,11 @@ fn rows<'a, T, More>(
 }
 
 /// Nothing more of a row.
-type Nothing = BTreeMap<String, ()>;
+#[derive(Serialize)]
+struct Nothing {}
 
 fn nothing<T>(_: &[&T]) -> Nothing {
-    Nothing::new()
+    Nothing {}
 }
 
 /// All tables over `models`, which were examined on the same people.
