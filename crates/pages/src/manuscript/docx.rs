@@ -138,7 +138,7 @@ mod tests {
             assert!(read.contains(part), "{part} in {read}");
         }
         assert!(
-            read.contains("\"width\":5000") && read.contains("pct"),
+            read.contains("\"width\": 5000") && read.contains("pct"),
             "{read}"
         );
     }
