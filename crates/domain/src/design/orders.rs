@@ -118,6 +118,7 @@ mod tests {
     use super::*;
     use std::collections::BTreeMap;
 
+    #[expect(clippy::format_push_string, reason = "a small table, put together")]
     fn crossed() -> Design {
         let mut text = "[study]\ntitle = \"t\"\n".to_owned();
         for traffic in ["dense", "light"] {

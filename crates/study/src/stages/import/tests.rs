@@ -537,6 +537,7 @@ fn a_proposal_counts_from_zero_lists_words_and_abstains_where_several_columns_fi
 }
 
 /// A workbook of sheets: what a spreadsheet writes at least (ECMA-376, part 1: 18.2 and 18.3), numbers as numbers and texts in line.
+#[expect(clippy::format_push_string, reason = "a small file, put together")]
 fn workbook(sheets: &[(&str, &[&[&str]])]) -> Vec<u8> {
     let mut zip: Vec<(String, String)> = Vec::new();
     let mut add = |name: &str, text: String| zip.push((name.to_owned(), text));
