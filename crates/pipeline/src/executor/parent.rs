@@ -32,20 +32,55 @@ fn follow(run: i32, started: &str) -> bool {
         sys::{prctl::set_pdeathsig, signal::Signal},
         unistd::{Pid, getpgrp, getpid, getppid},
     };
-    let is_alive = std::path::Path::new(&format!("/proc/{run}")).exists();
+    let process = run;
     let run = Pid::from_raw(run);
     // Whatever a stage starts inherits the word: through a shell, on another machine, or left running on purpose. That is not ours to end.
     if getppid() != run {
         // What a run itself starts leads a group: then the run was killed before this line.
         let is_stage = getpgrp() == getpid() && started == boot();
-        return is_alive || !is_stage;
+        return is_alive(process) || !is_stage;
     }
     let _ = set_pdeathsig(Signal::SIGTERM);
     // It may have died before it was asked for.
     getppid() == run
 }
 
+/// Whether the process is there and not dead: a dead one stays in the list (`Z`, then `X`) until its own parent has asked how it ended.
+#[cfg(target_os = "linux")]
+fn is_alive(process: i32) -> bool {
+    let stat = std::fs::read_to_string(format!("/proc/{process}/stat")).unwrap_or_default();
+    // "id (name) state ...": a name may hold brackets and spaces.
+    let state = stat
+        .rsplit_once(") ")
+        .and_then(|(_, rest)| rest.bytes().next());
+    state.is_some_and(|state| !matches!(state, b'Z' | b'X'))
+}
+
 #[cfg(not(target_os = "linux"))]
 fn follow(_: i32, _: &str) -> bool {
     true
+}
+
+#[cfg(all(test, target_os = "linux"))]
+mod tests {
+    use super::is_alive;
+
+    #[test]
+    fn a_process_that_has_ended_and_was_not_asked_how_is_not_alive() {
+        assert!(is_alive(std::process::id().cast_signed()));
+        let mut child = std::process::Command::new("sleep")
+            .arg("60")
+            .spawn()
+            .unwrap();
+        let id = child.id().cast_signed();
+        assert!(is_alive(id));
+        child.kill().unwrap();
+        while is_alive(id) {
+            std::thread::yield_now();
+        }
+        // It is still in the list, as nobody has asked for its end.
+        assert!(std::path::Path::new(&format!("/proc/{id}")).exists());
+        child.wait().unwrap();
+        assert!(!is_alive(id));
+    }
 }
