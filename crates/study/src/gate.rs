@@ -19,7 +19,7 @@ use std::{collections::BTreeMap, path::Path};
 pub struct Gate {
     design: Design,
     people: People,
-    /// Whether there is a table of people with rows: then nobody else is let in.
+    /// Whether there is a table of people: then nobody else is let in.
     listed: bool,
     forgotten: ForgottenList,
     left_out: LeftOut,
@@ -58,12 +58,22 @@ pub(crate) fn analysed(design: &Design, results: &Path) -> Result<LeftOut, Study
 impl Gate {
     /// The gate of a design; people are `given`, or the design's own table.
     ///
+    /// A table without a row lets nobody in, which is refused: whoever was taken out of it, the last one too, stays out.
+    ///
     /// # Errors
-    /// As [`DesignFile::people`].
+    /// As [`DesignFile::people`]; [`StudyError::BadFile`] for a table without a row.
     pub fn of(study: &DesignFile, given: Option<&Path>) -> Result<Self, StudyError> {
         let people = study.people(given)?;
+        if people.enrolled.is_empty() {
+            let own = study.resolve(&study.design.people().file);
+            return Err(StudyError::BadFile {
+                path: given.map_or(own, Path::to_owned),
+                problem: "has no row: nobody takes part".to_owned(),
+                help: Some("write a row for each who takes part, with the id of their logs and answers; `maveric design orders --people 24` writes P01 to P24".to_owned()),
+            });
+        }
         Ok(Self {
-            listed: people.is_filled_in(&study.design),
+            listed: true,
             people,
             design: study.design.clone(),
             forgotten: study.forgotten()?,

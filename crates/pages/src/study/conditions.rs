@@ -118,6 +118,7 @@ impl StudyPage<'_> {
     fn panel(&self, panel: &Panel) -> Result<DifferencePanel, ReportError> {
         let axis = match (panel.differences_from, panel.unit.as_str()) {
             (None, "") => panel.title.clone(),
+            (None, unit) if panel.measured => with_unit(&panel.title, unit),
             (None, unit) => capital(unit),
             (Some(from), unit) => with_unit(&self.axis("difference_axis", from)?, unit),
         };

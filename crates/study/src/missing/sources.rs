@@ -235,7 +235,7 @@ impl<'a> Sources<'a> {
         let failed = file.and_then(|name| self.drives.failed.get(name));
         let why = match (kept_out.or(failed), file) {
             (Some(why), _) => why.clone(),
-            (None, Some(name)) => format!("{name} is not ingested yet"),
+            (None, Some(_)) => "its log is not ingested yet".to_owned(),
             (None, None) => "no log".to_owned(),
         };
         [log, Awaited::Missing(why)]
