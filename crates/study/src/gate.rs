@@ -12,15 +12,18 @@ use maveric_analysis::{
     exclusions::{too_short, unknown_condition},
 };
 use maveric_domain::{Answer, Design, DriveId, DriveMeta, Moment, ParticipantId, Scale};
-use std::{collections::BTreeMap, path::Path};
+use std::{
+    collections::{BTreeMap, BTreeSet},
+    path::Path,
+};
 
 /// What lets drives and answers into a study.
 #[derive(Debug, Clone)]
 pub struct Gate {
     design: Design,
     people: People,
-    /// Whether there is a table of people: then nobody else is let in.
-    listed: bool,
+    /// Whom the table of people lists, where there is one: then nobody else is let in.
+    listed: Option<BTreeSet<ParticipantId>>,
     forgotten: ForgottenList,
     left_out: LeftOut,
 }
@@ -73,7 +76,7 @@ impl Gate {
             });
         }
         Ok(Self {
-            listed: true,
+            listed: Some(people.enrolled.iter().map(|p| p.id.clone()).collect()),
             people,
             design: study.design.clone(),
             forgotten: study.forgotten()?,
@@ -93,7 +96,7 @@ impl Gate {
         Ok(Self {
             people: People::default(),
             design: study.design.clone(),
-            listed: false,
+            listed: None,
             forgotten: study.forgotten()?,
             left_out: LeftOut::named(&study.design),
         })
@@ -164,7 +167,7 @@ impl Gate {
         if self.forgotten.has(id) {
             return Some(Why::by(Rule::Forgotten, "the person was forgotten"));
         }
-        let stranger = self.listed && self.people.find(id).is_none();
+        let stranger = self.listed.as_ref().is_some_and(|ids| !ids.contains(id));
         let unknown = || {
             let reason = format!("{id} is not in the table of people");
             stranger.then(|| Why::by(Rule::UnknownParticipant, reason))

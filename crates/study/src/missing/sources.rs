@@ -103,15 +103,16 @@ impl<'a> Sources<'a> {
         } else {
             People::default()
         };
-        sources.people = if people.is_filled_in(&study.design) {
+        // Before anybody is listed: whoever drove, answered or was measured.
+        sources.people = if people.enrolled.is_empty() {
+            sources.everybody()
+        } else {
             let awaited = |p: &&Enrolled| p.excluded.is_none() && (p.tested || p.learned_from);
             let person = |p: &Enrolled| Person {
                 id: p.id.clone(),
                 tested: p.tested,
             };
             people.enrolled.iter().filter(awaited).map(person).collect()
-        } else {
-            sources.everybody()
         };
         sources.ask();
         Ok(sources)

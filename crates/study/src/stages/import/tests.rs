@@ -404,13 +404,32 @@ fn limesurveys_proposal_abstains_where_a_letter_may_be_a_condition() {
     let text = suggest(LIMESURVEY.replace("TLX", "calm").as_bytes(), DESIGN);
     assert!(
         text.contains("# column = \"{condition}calm[SQ{item}]\"")
-            && text.contains("#     K = \"?\""),
+            && text.contains("# [moments]   # ?")
+            && text.contains("\n# K = \"?\"\n# S = \"?\"\n"),
         "{text}"
     );
     let sure = text
         .lines()
         .filter(|line| !line.starts_with('#') && !line.is_empty());
     assert_eq!(sure.count(), 0, "{text}");
+    // Filled in, its comments are the map.
+    let map = text
+        .replace("K = \"?\"", "K = \"calm\"")
+        .replace("S = \"?\"", "S = \"sporty\"");
+    let meant = |line: &&str| {
+        ["# [", "# K", "# S", "# column = \"{"]
+            .iter()
+            .any(|start| line.starts_with(start))
+            && !line.contains("[files]")
+    };
+    let map: String = map
+        .lines()
+        .filter(meant)
+        .map(|line| line[2..].to_owned() + "\n")
+        .collect();
+    let answers = LIMESURVEY.replace("TLX", "calm");
+    let (_, table) = read(None, answers.as_bytes(), Some(&map), DESIGN).unwrap();
+    assert!(table.contains("P01,sporty,calm,1,4"), "{table}");
     // Headings by the texts of the questions name no item.
     let texts = "Response ID,Date submitted,Was it calm? [1]\n1,2026-01-01,3\n";
     let error = read(None, texts.as_bytes(), None, DESIGN).unwrap_err();
