@@ -73,7 +73,9 @@ impl Grid {
             .rev()
             .find(is_filled)
             .map_or(0, |last| last + 1);
-        cells.iter_mut().for_each(|column| column.truncate(rows));
+        for column in &mut cells {
+            column.truncate(rows);
+        }
         Ok(Self {
             path: path.to_owned(),
             columns: frame
