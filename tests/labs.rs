@@ -728,8 +728,11 @@ fn split_logs_of_lane_and_offset_with_german_heads() {
             study.write(&format!("{name}_2.csv"), second);
         }
     }
-    let people: String = (1..=6).map(|who| format!("VP{who:02}\n")).collect();
-    study.write("mine/participants.csv", format!("participant\n{people}"));
+    let people: Vec<String> = (1..=6).map(|who| format!("VP{who:02}\n")).collect();
+    study.write(
+        "mine/participants.csv",
+        format!("participant\n{}", people.concat()),
+    );
     let names = (
         "{participant}_{condition}\"\n",
         "{participant}-{condition}\"\nparts = \"_{n}\"\n",
