@@ -33,7 +33,7 @@ pub(super) fn write(folder: &Path, observed: &[Observed]) -> Result<(), StudyErr
                 let outcome = outcome.flatten();
                 let unit = outcome
                     .as_ref()
-                    .map_or(known.unit.clone(), |(unit, _)| Some(unit.clone()));
+                    .map_or(known.unit.clone(), |(unit, _)| unit.clone());
                 let means = outcome.map_or(known.means.clone(), |(_, means)| means);
                 let place = (("file", file), ("column", column));
                 (
@@ -48,16 +48,17 @@ pub(super) fn write(folder: &Path, observed: &[Observed]) -> Result<(), StudyErr
     write_rows(TableName::Dictionary, &folder.join(DICTIONARY), rows)
 }
 
-/// Unit and meaning of a column `OUTCOME` or `OUTCOME.CONDITION`.
-fn outcome(column: &str, observed: &[Observed]) -> Option<(String, String)> {
+/// Unit, if it has one, and meaning of a column `OUTCOME` or `OUTCOME.CONDITION`.
+fn outcome(column: &str, observed: &[Observed]) -> Option<(Option<String>, String)> {
     observed.iter().find_map(|seen| {
         let rest = column.strip_prefix(seen.outcome.as_str())?;
         let mut conditions = seen.conditions.iter().map(|(id, _)| id.to_string());
         let condition = rest.strip_prefix('.');
         let known = rest.is_empty() || condition.is_some_and(|c| conditions.any(|id| id == c));
         let measure = objective::find(&seen.outcome);
-        let unit = measure.map_or(seen.unit.as_str(), |m| m.unit);
+        let unit = measure.map_or(seen.unit.as_str(), |m| m.unit).to_owned();
+        let unit = Some(unit).filter(|unit| !unit.is_empty() && unit != "1");
         let within = condition.map_or_else(String::new, |c| format!(", in `{c}`"));
-        known.then(|| (unit.to_owned(), format!("{}{within}", seen.title)))
+        known.then(|| (unit, format!("{}{within}", seen.title)))
     })
 }

@@ -124,8 +124,13 @@ fn reference(id: &str) -> Value {
     json!({ "@id": id })
 }
 
+/// One reference stands alone, as the standard has it; several are a list.
 fn references<'a>(ids: impl IntoIterator<Item = &'a str>) -> Value {
-    ids.into_iter().map(reference).collect()
+    let mut all: Vec<Value> = ids.into_iter().map(reference).collect();
+    match all.len() {
+        1 => all.remove(0),
+        _ => all.into(),
+    }
 }
 
 /// The metadata of an export with these files.
@@ -258,6 +263,9 @@ fn entity(given: &Given, about: &About, licence: &str) -> Value {
         "encodingFormat": format,
         "identifier": format!("blake3:{}", given.blake3),
     });
+    if path == "README.md" {
+        file["about"] = reference("./");
+    }
     if let (true, Some(run)) = (path == PIPELINE, &about.run) {
         file["@type"] = json!(["File", "SoftwareSourceCode", "ComputationalWorkflow"]);
         file["name"] = json!(format!("Pipeline {}", run.name));
@@ -281,6 +289,10 @@ fn actions(run: &PipelineRun, mentioned: &mut Vec<String>) -> Vec<Value> {
     })];
     let mut files: BTreeMap<&str, &str> = BTreeMap::new();
     let mut made = Vec::new();
+    let here = |paths: std::collections::btree_map::Keys<'_, String, String>| {
+        let ids: Vec<String> = paths.map(|path| format!("#{path}")).collect();
+        references(ids.iter().map(String::as_str))
+    };
     for step in &run.steps {
         let id = format!("#stage-{}", step.name);
         for (path, hash) in step.inputs.iter().chain(&step.outputs) {
@@ -294,8 +306,8 @@ fn actions(run: &PipelineRun, mentioned: &mut Vec<String>) -> Vec<Value> {
             "description": step.command,
             "instrument": reference("#maveric"),
             "actionStatus": "http://schema.org/CompletedActionStatus",
-            "object": step.inputs.keys().map(|p| reference(&format!("#{p}"))).collect::<Value>(),
-            "result": step.outputs.keys().map(|p| reference(&format!("#{p}"))).collect::<Value>(),
+            "object": here(step.inputs.keys()),
+            "result": here(step.outputs.keys()),
         }));
         mentioned.push(id);
     }
@@ -303,6 +315,7 @@ fn actions(run: &PipelineRun, mentioned: &mut Vec<String>) -> Vec<Value> {
         "@id": "#run",
         "@type": "CreateAction",
         "name": format!("Run of pipeline {}", run.name),
+        "description": "All stages, in the order in which each needs the others.",
         "instrument": reference(PIPELINE),
         "actionStatus": "http://schema.org/CompletedActionStatus",
         "result": references(made.iter().map(String::as_str)),
