@@ -12,7 +12,7 @@ mod tested;
 
 pub use line::{line_panels, steps};
 pub use methods::Paragraph;
-pub use people::Reliability;
+pub use people::{ParticipantGroup, Reliability};
 
 use crate::{
     page_texts::{METHODS, PageTexts, RESULTS, STUDY},
