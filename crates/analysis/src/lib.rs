@@ -2,9 +2,11 @@
 
 mod analyse;
 mod balance;
+mod by_factor;
 mod compare;
 mod contrast;
 mod correlations;
+mod crossed;
 mod data;
 mod describe;
 mod design_test;
@@ -46,9 +48,9 @@ pub use recommendation::{
     SETTINGS, Standard,
 };
 pub use result::{
-    Above, AggressionLine, Analysis, Bias, Contrast, Correlation, Described, Exclusion, Group,
-    HomophilyRow, Judged, Kept, LineRow, MixedRow, Nearer, Panel, Preference, Reproduction,
-    SimilarityRow,
+    Above, AggressionLine, Analysis, Bias, ByFactor, Contrast, Correlation, Described, Exclusion,
+    FactorContrast, Group, HomophilyRow, Judged, Kept, LevelMean, LineRow, MixedRow, Nearer, Panel,
+    Preference, Reproduction, SimilarityRow, TestedFactor,
 };
 pub use turned::{Settled, Turns};
 pub use verdict::Verdict;

@@ -131,6 +131,7 @@ impl DesignRows {
             with: (self.products.iter())
                 .map(|(covariate, effect)| (covariate.as_str(), vec![effect.as_str()]))
                 .collect(),
+            labels: Vec::new(),
             values: &self.values,
         }
     }
