@@ -548,9 +548,10 @@ fn an_export_says_what_it_holds_and_is_whole_or_not_there() {
     }
     let factors = read(&study, "a/shared/factors.csv");
     for row in [
-        "condition,within,calm,",
-        "seat,between,high,\"Seat, of … unknown\",,3",
-        "years,covariate,,,,6",
+        "condition,within,",
+        ",sporty,Sporty,",
+        "seat,between,\"Seat, of … unknown\",high,high,,3",
+        "years,covariate,years,,,,6",
     ] {
         assert!(factors.contains(row), "no {row} in {factors}");
     }

@@ -1,6 +1,6 @@
 //! What a study declares: its design, its questionnaires, and what is compared.
 
-use super::{outcomes::crossed, people::cell, pseudonym::Ids};
+use super::{people::cell, pseudonym::Ids};
 use crate::{
     atomic_write::{atomic_write_bytes, read_text},
     design::{DESIGN_FILE, DesignFile},
@@ -10,7 +10,7 @@ use crate::{
     stages::codebook::write_codebook,
     tables::{TableName, participants::Enrolled, write_rows},
 };
-use maveric_domain::{ConditionId, Design};
+use maveric_domain::{Design, design::CONDITION};
 use path_slash::PathExt as _;
 use serde::Serialize;
 use std::{
@@ -182,65 +182,58 @@ fn cleared(value: &mut Value, ids: &Ids) -> bool {
 
 /// A level of a factor: a row of `factors.csv`.
 #[derive(Serialize)]
-struct FactorRow<'a> {
-    factor: &'a str,
+struct FactorRow {
+    factor: String,
     kind: &'static str,
+    title: String,
     level: Option<String>,
     label: Option<String>,
     conditions: Option<String>,
     people: Option<usize>,
 }
 
-/// The conditions, the factors that they cross, the factors of people with how many have each level, and the covariates.
-fn factors<'a>(design: &'a Design, people: &[Enrolled]) -> Vec<FactorRow<'a>> {
-    let within = |factor, level: String, label, conditions: &[ConditionId]| FactorRow {
-        factor,
-        kind: "within",
-        level: Some(level),
-        label,
-        conditions: Some(ConditionId::listed(conditions).replace(", ", " ")),
+/// The baseline and the conditions, the factors that these cross, the factors of people with how many have each level, and the covariates.
+fn factors(design: &Design, people: &[Enrolled]) -> Vec<FactorRow> {
+    let row = |factor: &str, kind, level: Option<String>| FactorRow {
+        title: design.factor_label(factor),
+        label: level.as_ref().map(|l| design.level_label(factor, l)),
+        factor: factor.to_owned(),
+        kind,
+        level,
+        conditions: None,
         people: None,
     };
-    let ids = design.baseline_id().into_iter();
-    let mut ids: Vec<ConditionId> = ids
-        .chain(design.conditions().iter().map(|c| c.id))
-        .collect();
-    ids.dedup();
-    let one = |id: ConditionId| within("condition", id.to_string(), Some(design.label(id)), &[id]);
-    let mut rows: Vec<FactorRow<'_>> = ids.into_iter().map(one).collect();
-    for factor in crossed(design) {
-        let mut levels: Vec<(&String, Vec<ConditionId>)> = Vec::new();
-        for condition in design.conditions() {
-            let Some(level) = condition.levels.get(factor) else {
-                continue;
-            };
-            match levels.iter_mut().find(|(known, _)| *known == level) {
-                Some((_, ids)) => ids.push(condition.id),
-                None => levels.push((level, vec![condition.id])),
-            }
+    let conditions = design.conditions().iter().map(|c| c.id);
+    let baseline = design.baseline_id().into_iter();
+    let ids = baseline.chain(conditions).map(|id| id.to_string());
+    let mut rows: Vec<FactorRow> = ids.map(|id| row(CONDITION, "within", Some(id))).collect();
+    for (factor, levels) in design.factors_within() {
+        for level in levels.into_iter().filter(|_| factor != CONDITION) {
+            let with = design.conditions().iter();
+            let with = with.filter(|c| c.levels.get(&factor) == Some(&level));
+            let ids: Vec<String> = with.map(|c| c.id.to_string()).collect();
+            rows.push(FactorRow {
+                conditions: Some(ids.join(" ")),
+                ..row(&factor, "within", Some(level))
+            });
         }
-        let levels = levels.into_iter();
-        rows.extend(levels.map(|(level, ids)| within(factor, level.clone(), None, &ids)));
     }
-    let of_people = |kind, column: &'a str, label: &Option<String>| {
-        let mut levels: BTreeMap<Option<String>, usize> = BTreeMap::new();
-        for cell in people.iter().filter_map(|p| cell(p, column)) {
-            let level = (kind == "between").then_some(cell);
+    for factor in design.factors() {
+        let mut levels: BTreeMap<String, usize> = BTreeMap::new();
+        for level in people.iter().filter_map(|p| cell(p, &factor.name)) {
             *levels.entry(level).or_default() += 1;
         }
-        let row = |(level, people)| FactorRow {
-            factor: column,
-            kind,
-            level,
-            label: label.clone(),
-            conditions: None,
+        rows.extend(levels.into_iter().map(|(level, people)| FactorRow {
             people: Some(people),
-        };
-        levels.into_iter().map(row).collect::<Vec<_>>()
-    };
-    let between = design.factors().iter();
-    rows.extend(between.flat_map(|f| of_people("between", &f.column, &f.label)));
-    let covariates = design.covariates().iter();
-    rows.extend(covariates.flat_map(|c| of_people("covariate", &c.column, &c.label)));
+            ..row(&factor.name, "between", Some(level))
+        }));
+    }
+    rows.extend(design.covariates().iter().map(|covariate| {
+        let given = people.iter().filter_map(|p| cell(p, &covariate.column));
+        FactorRow {
+            people: Some(given.count()),
+            ..row(&covariate.column, "covariate", None)
+        }
+    }));
     rows
 }

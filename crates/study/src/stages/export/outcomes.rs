@@ -94,14 +94,8 @@ pub(super) fn write(
 /// The level of a condition in each factor that the conditions cross; none of the baseline.
 fn levels(design: &Design, condition: ConditionId) -> Vec<Cell<String>> {
     let known = design.condition(condition).map(|c| &c.levels);
-    let level = |factor: &str| known.and_then(|levels| levels.get(factor)).cloned();
-    let cell = |factor: &str| (factor.to_owned(), level(factor));
-    crossed(design).map(cell).collect()
-}
-
-/// The factors that the conditions cross: each condition has a level of each.
-pub(super) fn crossed(design: &Design) -> impl Iterator<Item = &str> {
-    let first = design.conditions().first();
-    let factors = first.into_iter().flat_map(|c| c.levels.keys());
-    factors.map(String::as_str)
+    let factors = design.conditions().iter().take(1);
+    let factors = factors.flat_map(|first| first.levels.keys());
+    let level = |factor: &String| known.and_then(|levels| levels.get(factor)).cloned();
+    factors.map(|f| (f.clone(), level(f))).collect()
 }

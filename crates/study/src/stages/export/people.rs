@@ -87,7 +87,7 @@ pub(super) fn write(
 
 /// Warns of people whom few others resemble in what the table still says.
 fn alike(people: &[Enrolled], design: &Design) -> Vec<String> {
-    let factors = design.factors().iter().map(|f| f.column.as_str());
+    let factors = design.factors().iter().map(|f| f.name.as_str());
     let factors: Vec<&str> = factors.filter(|f| !ALWAYS.contains(f)).collect();
     let mut groups: BTreeMap<String, usize> = BTreeMap::new();
     for p in people {
