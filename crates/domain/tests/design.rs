@@ -5,7 +5,7 @@
 use maveric_domain::{
     ConditionId, Design, DriveId, ParticipantId,
     design::{
-        Car, Claim, Color, Column, Compare, Condition, Mappings, ProtocolStep, ScoreName, Sign,
+        Car, Claim, Color, Compare, Condition, Factor, Mappings, ProtocolStep, ScoreName, Sign,
         Software,
     },
 };
@@ -147,7 +147,7 @@ file = "rig2.toml"
     assert_eq!(design.protocol().steps, [ProtocolStep::Practice]);
     assert_eq!(design.protocol().practice.passes, 2);
     assert!(matches!(&design.files().mapping, Mappings::Rigs(rigs) if rigs.len() == 1));
-    let columns = |columns: &[Column]| columns.iter().map(|c| c.column.clone()).collect();
+    let columns = |factors: &[Factor]| factors.iter().map(|f| f.name.clone()).collect();
     let covariates = design
         .covariates()
         .iter()

@@ -44,7 +44,7 @@ pub fn preregistration(design: &Design, sample_size: &[String]) -> Result<String
         baseline => design.baseline().map(|b| context! { label => b.label.as_str(), id => b.id.to_string() }),
         learn => cells(&design.people().learn),
         test => cells(&design.people().test),
-        groups => design.factors().iter().map(|f| f.column.clone()).collect::<Vec<_>>(),
+        groups => design.factors().iter().map(|f| design.factor_label(&f.name)).collect::<Vec<_>>(),
         sample_size => sample_size.to_vec(),
         outcomes => design.outcomes().iter().map(|o| outcome(design, o)).collect::<Vec<_>>(),
         own => design.measures().iter().map(|m| m.title.clone()).collect::<Vec<_>>(),

@@ -7,6 +7,7 @@ use super::{
 };
 use crate::words::{capital, omnibus, with_unit};
 use maveric_analysis::{Contrast, Kept, Panel};
+use maveric_domain::design::Compare;
 use maveric_report::{
     ReportError,
     figures::{
@@ -18,6 +19,9 @@ use maveric_report::{
     tables::Table,
 };
 use minijinja::{Value, context};
+
+/// Up to so many conditions every pair has its bracket.
+const MOST_WITH_ALL_PAIRS: usize = 4;
 
 impl StudyPage<'_> {
     /// What the conditions did; `drive` is one of them from above.
@@ -38,6 +42,7 @@ impl StudyPage<'_> {
             };
             figures.push(difference_panels(&panels, self.context)?);
         }
+        figures.extend(self.interaction()?);
         if let Some(drive) = drive {
             figures.push(time_space(drive, self.context)?);
         }
@@ -45,8 +50,9 @@ impl StudyPage<'_> {
             self.texts
                 .table("descriptives", &self.analysis.descriptives)?,
             self.omnibus()?,
-            self.contrasts()?,
         ];
+        tables.extend(self.factor_tables()?);
+        tables.push(self.contrasts()?);
         tables.extend(self.accuracy()?);
         let values = context! { from => from.map(|id| id.to_string()), drawn => drawn.len() };
         self.texts
@@ -56,7 +62,8 @@ impl StudyPage<'_> {
 
     /// Which test answered each effect of each panel, and why.
     fn omnibus(&self) -> Result<Table, ReportError> {
-        let rows = self.analysis.panels.iter().flat_map(tested);
+        let panels = self.analysis.panels.iter();
+        let rows = panels.flat_map(|panel| tested(self.design, panel));
         self.texts.table("omnibus", rows)
     }
 
@@ -129,13 +136,17 @@ impl StudyPage<'_> {
                 effect: p.effect.as_ref().and_then(|e| e.value),
             })
         };
+        // Of many conditions those pairs alone have brackets that somebody asked for.
+        let many = panel.conditions.len() > MOST_WITH_ALL_PAIRS;
+        let undeclared = many && *self.design.compare() == Compare::All;
+        let brackets = panel.contrasts.iter().filter(|_| !undeclared);
         Ok(DifferencePanel {
             title: titled(panel),
             axis,
             conditions: panel.conditions.clone(),
             rows: panel.rows.clone(),
-            omnibus: omnibus(panel, true),
-            pairs: panel.contrasts.iter().filter_map(pair).collect(),
+            omnibus: omnibus(self.design, panel, true),
+            pairs: brackets.filter_map(pair).collect(),
             reference: panel.same,
             range: panel.range,
         })

@@ -55,14 +55,12 @@ impl StudyPage<'_> {
 
     pub(super) fn method_values(&self) -> Value {
         let (design, a) = (self.design, self.analysis);
-        let called = |label: &Option<String>, column: &str| {
-            label.clone().unwrap_or_else(|| column.to_owned())
-        };
-        let factors = design.factors().iter().map(|c| called(&c.label, &c.column));
-        let covariates = design
-            .covariates()
+        let factors = design
+            .factors()
             .iter()
-            .map(|c| called(&c.label, &c.column));
+            .map(|f| design.factor_label(&f.name));
+        let covariates = design.covariates().iter();
+        let covariates = covariates.map(|c| design.factor_label(&c.column));
         let compared = || a.panels.iter().filter_map(|p| p.comparison.as_ref());
         // How contrasts were tested, of those that were.
         let tested = |test: PosthocTest| {

@@ -2,6 +2,7 @@
 
 mod accuracy;
 mod conditions;
+mod factors;
 mod homophily;
 mod line;
 mod manuscript;
@@ -131,7 +132,8 @@ impl<'a> StudyPage<'a> {
             }
         }
         for panel in &a.panels {
-            let values = context! { title => titled(panel), test => omnibus(panel, false) };
+            let values =
+                context! { title => titled(panel), test => omnibus(self.design, panel, false) };
             lines.push(self.texts.with(&values).text("panel")?);
         }
         Ok(lines)

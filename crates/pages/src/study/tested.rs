@@ -3,9 +3,10 @@
 use super::titled;
 use crate::{
     texts::value,
-    words::{effect_words, omnibus, paired},
+    words::{effect_title, omnibus, paired},
 };
 use maveric_analysis::{Contrast, Panel};
+use maveric_domain::Design;
 use maveric_stats::{
     ByDesign, Chosen, ChosenTest, EffectMethod, FactorialFinding, GroupsAnalysis, apa::Statements,
 };
@@ -47,7 +48,7 @@ struct Numbers {
 }
 
 /// The test of each effect that the design crosses; of one factor, of groups and of ordered answers a single one.
-pub(super) fn tested(panel: &Panel) -> Vec<Tested> {
+pub(super) fn tested(design: &Design, panel: &Panel) -> Vec<Tested> {
     let group = panel.group.as_ref();
     let row = |effect: &str, sentence: String, numbers: Numbers| Tested {
         outcome: panel.outcome.clone(),
@@ -60,7 +61,7 @@ pub(super) fn tested(panel: &Panel) -> Vec<Tested> {
         n: panel.n,
         numbers,
     };
-    let alone = |numbers| vec![row("omnibus", omnibus(panel, false), numbers)];
+    let alone = |numbers| vec![row("omnibus", omnibus(design, panel, false), numbers)];
     let found = match &panel.comparison {
         None => return alone(Numbers::default()),
         Some(ByDesign::Factorial(found)) => of_factors(&found.found),
@@ -104,7 +105,7 @@ pub(super) fn tested(panel: &Panel) -> Vec<Tested> {
         let (_, said) = sentences.iter().find(|(said, _)| *said == name)?;
         let mut tested = row(&name, said.markup().to_owned(), numbers);
         if several {
-            tested.title = format!("{}: {}", tested.title, effect_words(&name));
+            tested.title = format!("{}: {}", tested.title, effect_title(design, &name));
         }
         Some(tested)
     });

@@ -50,9 +50,8 @@ pub(crate) fn paint(canvas: &mut Canvas<'_>, place: Place, input: &Panel<'_>) {
     // Ticks only where there are data: what lies above them is room for the brackets.
     let data = Scale::between(low, top, 4);
     let y = Scale::labelled(low, high, data.ticks.into_iter().zip(data.labels).collect());
-    let names = input.slots.iter().enumerate();
-    let names = names.map(|(index, slot)| (index as f64, slot.name.clone()));
-    let x = Scale::labelled(-0.55, k as f64 - 0.4, names.collect());
+    let names = input.slots.iter().map(|slot| slot.name.clone());
+    let x = Scale::of_names(-0.55, k as f64 - 0.4, names);
     let labels = Labels {
         title: input.title,
         subtitle: input.subtitle,
