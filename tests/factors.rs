@@ -245,8 +245,8 @@ fn a_design_of_two_factors_a_group_and_a_covariate_has_its_means_effects_and_con
         .collect();
     assert_eq!(names, ["experience", "style", "traffic"]);
     // Each person's contrast of the style: averaged, in a jam less in free traffic, and in a jam.
-    let cell = |p, style, traffic| crossed_seconds(p, 3 * style + traffic);
-    let sporty = |p, traffic| cell(p, 1, traffic) - cell(p, 0, traffic);
+    let cell = |p: usize, style: usize, traffic: usize| crossed_seconds(p, 3 * style + traffic);
+    let sporty = |p: usize, traffic: usize| cell(p, 1, traffic) - cell(p, 0, traffic);
     let mean = |p: usize| (0..3).map(|t| sporty(p, t)).sum::<f64>() / 3.0;
     let rise = |p: usize| sporty(p, 2) - sporty(p, 0);
     let jam = |p: usize| sporty(p, 2);

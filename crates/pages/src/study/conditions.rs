@@ -23,6 +23,13 @@ use minijinja::{Value, context};
 /// Up to so many conditions every pair has its bracket.
 const MOST_WITH_ALL_PAIRS: usize = 4;
 
+/// The ends of the scale; what was measured and is never below 0 has its lower end there.
+pub(super) fn ends(panel: &Panel) -> Option<(f64, f64)> {
+    let mut values = panel.rows.iter().flatten().flatten();
+    let is_amount = panel.differences_from.is_none() && values.all(|v| *v >= 0.0);
+    panel.range.or(is_amount.then_some((0.0, f64::INFINITY)))
+}
+
 impl StudyPage<'_> {
     /// What the conditions did; `drive` is one of them from above.
     ///
@@ -148,7 +155,7 @@ impl StudyPage<'_> {
             omnibus: omnibus(self.design, panel, true),
             pairs: brackets.filter_map(pair).collect(),
             reference: panel.same,
-            range: panel.range,
+            range: ends(panel),
         })
     }
 }

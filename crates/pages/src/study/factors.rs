@@ -97,7 +97,7 @@ impl StudyPage<'_> {
                         means: along.iter().map(|first| mean(first, second)).collect(),
                     })
                     .collect(),
-                range: panel.range,
+                range: super::conditions::ends(panel),
             }
         };
         splits.into_iter().map(drawn).collect()
