@@ -216,8 +216,10 @@ pub(crate) fn check(data: &StudyData) -> Result<(), AnalysisError> {
                 known,
             };
             if !tested.contains(&factor.as_str()) {
-                let known = tested.iter().map(|name| (*name).to_owned()).collect();
-                return Err(unknown(factor, known));
+                return Err(AnalysisError::UntestedFactor {
+                    factor: factor.clone(),
+                    known: tested.iter().map(|name| (*name).to_owned()).collect(),
+                });
             }
             let of_people = || {
                 let people = data.participants.iter();
@@ -345,7 +347,7 @@ mod tests {
         );
         let refused = refused(&short);
         assert!(
-            matches!(&refused, AnalysisError::UnknownLevel { known, .. } if known == &["group", "condition"])
+            matches!(&refused, AnalysisError::UntestedFactor { known, .. } if known == &["group", "condition"])
         );
         assert!(refused.to_string().contains("names `road`"), "{refused}");
         assert!(refused.suggestion().is_some());

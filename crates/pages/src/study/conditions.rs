@@ -23,6 +23,15 @@ use minijinja::{Value, context};
 /// Up to so many conditions every pair has its bracket.
 const MOST_WITH_ALL_PAIRS: usize = 4;
 
+/// What was measured with its unit; of an answer what its scale is.
+pub(super) fn amount(panel: &Panel, unit: &str) -> String {
+    if panel.measured || unit.is_empty() {
+        with_unit(&panel.title, unit)
+    } else {
+        capital(unit)
+    }
+}
+
 /// The ends of the scale; what was measured and is never below 0 has its lower end there.
 pub(super) fn ends(panel: &Panel) -> Option<(f64, f64)> {
     let mut values = panel.rows.iter().flatten().flatten();
@@ -131,8 +140,7 @@ impl StudyPage<'_> {
 
     fn panel(&self, panel: &Panel) -> Result<DifferencePanel, ReportError> {
         let axis = match (panel.differences_from, panel.unit.as_str()) {
-            (None, "") => panel.title.clone(),
-            (None, unit) => capital(unit),
+            (None, unit) => amount(panel, unit),
             (Some(from), unit) => with_unit(&self.axis("difference_axis", from)?, unit),
         };
         let pair = |p: &Contrast| {
