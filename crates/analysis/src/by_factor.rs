@@ -216,8 +216,10 @@ pub(crate) fn check(data: &StudyData) -> Result<(), AnalysisError> {
                 known,
             };
             if !tested.contains(&factor.as_str()) {
-                let known = tested.iter().map(|name| (*name).to_owned()).collect();
-                return Err(unknown(factor, known));
+                return Err(AnalysisError::UntestedFactor {
+                    factor: factor.clone(),
+                    known: tested.iter().map(|name| (*name).to_owned()).collect(),
+                });
             }
             let of_people = || {
                 let people = data.participants.iter();
@@ -234,4 +236,120 @@ pub(crate) fn check(data: &StudyData) -> Result<(), AnalysisError> {
         }
     }
     Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::{
+        AnalysisError, Friedman, StudyData, analyse,
+        testing::{CONDITIONS, SPEED, design, near, panel, plain, tables},
+    };
+    use maveric_stats::LevelChoice;
+
+    const LEVELS: [(&str, &str); 4] = [
+        ("slow", "town"),
+        ("slow", "land"),
+        ("fast", "town"),
+        ("fast", "land"),
+    ];
+
+    /// Our four conditions as two factors, with these contrasts.
+    fn crossed(contrasts: &str) -> String {
+        let conditions = CONDITIONS.iter().zip(LEVELS).map(|(id, (pace, road))| {
+            format!("[[condition]]\nid = \"{id}\"\nlevels = {{ pace = \"{pace}\", road = \"{road}\" }}\n")
+        });
+        format!(
+            "[study]\ntitle = \"t\"\n[baseline]\nid = \"own\"\n{}[[outcome]]\nmeasure = \"{SPEED}\"\n\
+             [contrasts]\nfactors = [{contrasts}]\n",
+            conditions.collect::<String>()
+        )
+    }
+
+    #[test]
+    fn means_and_contrasts_are_those_of_each_persons_values() {
+        let text = crossed(
+            "{ pace = [\"fast\", \"slow\"], road = [\"town\", \"land\"] }, { pace = [\"slow\", \"fast\"] }",
+        );
+        let data = StudyData::new(&design(&text), tables()).unwrap();
+        let a = analyse(&data, Friedman::Exact).unwrap();
+        let panel = panel(&a, SPEED);
+        let found = panel.by_factor.as_ref().unwrap();
+        let score = |weights: [f64; 4]| -> Vec<f64> {
+            let row =
+                |row: &Vec<Option<f64>>| row.iter().zip(weights).map(|(v, w)| w * v.unwrap()).sum();
+            panel.rows.iter().map(row).collect()
+        };
+        let by_hand = |scores: &[f64]| {
+            let n = scores.len() as f64;
+            let mean = scores.iter().sum::<f64>() / n;
+            let square: f64 = scores.iter().map(|s| (s - mean).powi(2)).sum();
+            (mean, mean / (square / (n - 1.0) / n).sqrt())
+        };
+        for (contrast, weights) in found
+            .contrasts
+            .iter()
+            .zip([[-1.0, 1.0, 1.0, -1.0], [0.5, 0.5, -0.5, -0.5]])
+        {
+            let (mean, t) = by_hand(&score(weights));
+            near(Some(contrast.test.estimate), mean);
+            // Where ranks decided there is no t.
+            if contrast.test.df.is_some() {
+                near(contrast.test.statistic, t);
+            }
+        }
+        assert_eq!(
+            found.contrasts[1].levels.get("pace"),
+            Some(&LevelChoice::Pair(["slow", "fast"].map(str::to_owned)))
+        );
+        let p = found.contrasts.iter().map(|c| c.test.p.unwrap());
+        let least = p.clone().fold(1.0, f64::min);
+        let holm = found
+            .contrasts
+            .iter()
+            .filter_map(|c| c.p_holm)
+            .fold(1.0, f64::min);
+        near(Some(holm), (2.0 * least).min(1.0));
+        let slow = found.means.iter().find(|m| m.levels == ["slow"]).unwrap();
+        near(Some(slow.mean), by_hand(&score([0.5, 0.5, 0.0, 0.0])).0);
+        let cell = found
+            .means
+            .iter()
+            .find(|m| m.levels == ["fast", "land"])
+            .unwrap();
+        near(Some(cell.mean), by_hand(&score([0.0, 0.0, 0.0, 1.0])).0);
+        assert!(cell.within.is_some() && slow.within.is_none());
+        // A rehearsal does without.
+        let quick = analyse(&data, Friedman::Approximate).unwrap();
+        assert!(quick.panels.iter().all(|p| p.by_factor.is_none()));
+    }
+
+    #[test]
+    fn a_contrast_that_no_test_can_have_is_refused_before_anything_is_tested() {
+        let refused = |text: &str| {
+            let data = StudyData::new(&design(text), tables()).unwrap();
+            analyse(&data, Friedman::Exact).unwrap_err()
+        };
+        let one = plain(
+            &["fast", "slow"],
+            "[contrasts]\nfactors = [{ condition = [\"fast\", \"slow\"] }]\n",
+        );
+        assert!(
+            matches!(refused(&one), AnalysisError::OneFactor { factor } if factor == "condition")
+        );
+        // A cell is missing, so that the conditions are tested in one row: nobody has a road.
+        let text = crossed("{ road = [\"town\", \"land\"] }");
+        let at = text.find("[[condition]]\nid = \"across\"").unwrap();
+        let end = text.find("[[outcome]]").unwrap();
+        let short = format!(
+            "{}[[factor]]\ncolumn = \"group\"\n{}",
+            &text[..at],
+            &text[end..]
+        );
+        let refused = refused(&short);
+        assert!(
+            matches!(&refused, AnalysisError::UntestedFactor { known, .. } if known == &["group", "condition"])
+        );
+        assert!(refused.to_string().contains("names `road`"), "{refused}");
+        assert!(refused.suggestion().is_some());
+    }
 }

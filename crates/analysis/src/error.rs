@@ -54,7 +54,7 @@ pub enum AnalysisError {
         /// What stands there.
         found: String,
     },
-    /// A declared contrast of a factor that no test has, or of a level that nobody has.
+    /// A declared contrast of a level that nobody has.
     #[error("`[contrasts] factors` names `{found}` of `{factor}`, expected one of {}", known.join(", "))]
     UnknownLevel {
         /// The factor.
@@ -62,6 +62,14 @@ pub enum AnalysisError {
         /// What the contrast names.
         found: String,
         /// What there is.
+        known: Vec<String>,
+    },
+    /// A declared contrast of a factor that no test has.
+    #[error("`[contrasts] factors` names `{factor}`, which is not tested as a factor, expected one of {}", known.join(", "))]
+    UntestedFactor {
+        /// The factor.
+        factor: String,
+        /// Those that are tested.
         known: Vec<String>,
     },
     /// Contrasts of levels where one factor alone is tested.
@@ -105,6 +113,9 @@ impl AnalysisError {
             ),
             Self::UnknownLevel { .. } => Some(
                 "levels between people are those that stand in their table; within people, those of the conditions",
+            ),
+            Self::UntestedFactor { .. } => Some(
+                "the conditions have to cross two factors completely, each combination of their `levels` once",
             ),
             Self::OneFactor { .. } => Some(
                 "compare conditions by `[contrasts] compare`, or give every condition its `levels` of two factors",

@@ -88,16 +88,13 @@ pub fn omnibus(design: &Design, panel: &Panel, short: bool) -> String {
     // Pairs have a table of their own.
     let effects = found.effects();
     // Of several effects the highest of factors, whatever covariates stand behind it.
-    let factors = panel.by_factor.as_ref().map(|b| {
-        let names: Vec<&str> = b.factors.iter().map(|f| f.name.as_str()).collect();
-        names.join(":")
-    });
-    let highest = |name: &str| !short || factors.as_deref().is_none_or(|all| name == all);
+    let is_covariate = |part: &str| design.covariates().iter().any(|c| c.column == part);
+    let counts = |name: &str| !short || !name.split(':').any(is_covariate);
     let all: Vec<String> = found
         .statements()
         .into_iter()
         .filter(|(name, _)| effects.len() == 1 || effects.iter().any(|(e, _)| e == name))
-        .filter(|(name, _)| highest(name))
+        .filter(|(name, _)| counts(name))
         .map(|(name, said)| match effects.len() {
             1 => said.markup().to_owned(),
             _ => format!(

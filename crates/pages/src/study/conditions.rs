@@ -23,6 +23,22 @@ use minijinja::{Value, context};
 /// Up to so many conditions every pair has its bracket.
 const MOST_WITH_ALL_PAIRS: usize = 4;
 
+/// What was measured with its unit; of an answer what its scale is.
+pub(super) fn amount(panel: &Panel, unit: &str) -> String {
+    if panel.measured || unit.is_empty() {
+        with_unit(&panel.title, unit)
+    } else {
+        capital(unit)
+    }
+}
+
+/// The ends of the scale; what was measured and is never below 0 has its lower end there.
+pub(super) fn ends(panel: &Panel) -> Option<(f64, f64)> {
+    let mut values = panel.rows.iter().flatten().flatten();
+    let is_amount = panel.differences_from.is_none() && values.all(|v| *v >= 0.0);
+    panel.range.or(is_amount.then_some((0.0, f64::INFINITY)))
+}
+
 impl StudyPage<'_> {
     /// What the conditions did; `drive` is one of them from above.
     ///
@@ -124,8 +140,7 @@ impl StudyPage<'_> {
 
     fn panel(&self, panel: &Panel) -> Result<DifferencePanel, ReportError> {
         let axis = match (panel.differences_from, panel.unit.as_str()) {
-            (None, "") => panel.title.clone(),
-            (None, unit) => capital(unit),
+            (None, unit) => amount(panel, unit),
             (Some(from), unit) => with_unit(&self.axis("difference_axis", from)?, unit),
         };
         let pair = |p: &Contrast| {
@@ -148,7 +163,7 @@ impl StudyPage<'_> {
             omnibus: omnibus(self.design, panel, true),
             pairs: brackets.filter_map(pair).collect(),
             reference: panel.same,
-            range: panel.range,
+            range: ends(panel),
         })
     }
 }

@@ -1,7 +1,11 @@
 //! What the factors of a design did: the interaction drawn, means of levels, simple effects, declared contrasts.
 
-use super::{StudyPage, titled};
-use crate::words::{capital, effect_title, with_unit};
+use super::{
+    StudyPage,
+    conditions::{amount, ends},
+    titled,
+};
+use crate::words::{effect_title, with_unit};
 use maveric_analysis::{ByFactor, FactorContrast, LevelMean, Panel, TestedFactor};
 use maveric_report::{
     Figure, ReportError,
@@ -85,8 +89,7 @@ impl StudyPage<'_> {
                 title: names.join(", "),
                 test: test.clone(),
                 axis: match (panel.differences_from, panel.unit.as_str()) {
-                    (None, "") => panel.title.clone(),
-                    (None, unit) => capital(unit),
+                    (None, unit) => amount(panel, unit),
                     (Some(_), unit) => with_unit("Difference", unit),
                 },
                 factor: self.design.factor_label(&by_factor.factors[x].name),
@@ -97,7 +100,7 @@ impl StudyPage<'_> {
                         means: along.iter().map(|first| mean(first, second)).collect(),
                     })
                     .collect(),
-                range: panel.range,
+                range: ends(panel),
             }
         };
         splits.into_iter().map(drawn).collect()

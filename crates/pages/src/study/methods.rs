@@ -77,8 +77,10 @@ impl StudyPage<'_> {
             conditions => design.conditions().iter().map(condition).collect::<Vec<_>>(),
             factors => factors.collect::<Vec<_>>(),
             covariates => covariates.collect::<Vec<_>>(),
+            of_levels => design.level_contrasts().len(),
             used => context! {
                 factorial => compared().any(|f| matches!(f, ByDesign::Factorial(_))),
+                simple => a.panels.iter().any(|p| p.by_factor.is_some()),
                 groups => compared().any(|f| matches!(f, ByDesign::Groups(_))),
                 mixed => compared().any(|f| matches!(f, ByDesign::Mixed(_))),
                 ordinal => compared().any(|f| matches!(f, ByDesign::Ordinal(_))),

@@ -109,7 +109,11 @@ pub(super) fn tested(design: &Design, panel: &Panel) -> Vec<Tested> {
         }
         Some(tested)
     });
-    let rows: Vec<Tested> = rows.collect();
+    let mut rows: Vec<Tested> = rows.collect();
+    // The reasons are those of all effects: the first row has them.
+    for row in rows.iter_mut().skip(1) {
+        row.reasons.clear();
+    }
     if rows.is_empty() {
         return alone(Numbers::default());
     }

@@ -102,6 +102,8 @@ pub fn difference_panels(
         _ => 1,
     };
     let grid = Grid::of(input.panels.len(), columns, (10.0, 11.0));
+    // Many names read upwards.
+    let height = if columns == 1 { 88.0 } else { 64.0 };
     let width = match columns {
         3 => grid.width_mm(),
         2 => TWO_COLUMNS_MM / 2.0 * grid.columns as f64,
@@ -109,7 +111,7 @@ pub fn difference_panels(
     };
     let plan = Plan {
         name: NAME.to_owned(),
-        size_mm: (width, 64.0 * grid.rows() + 3.0),
+        size_mm: (width, height * grid.rows() + 3.0),
         title: match input.from {
             Some(from) => format!(
                 "Difference between each condition and {}",

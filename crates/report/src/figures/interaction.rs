@@ -41,6 +41,18 @@ pub struct InteractionLine {
     pub means: Vec<Option<[f64; 3]>>,
 }
 
+impl InteractionPanel {
+    /// Means and ends of intervals as they are drawn: an interval may reach beyond the scale, its line ends there.
+    fn drawn(&self) -> impl Iterator<Item = [f64; 3]> {
+        let means = self.lines.iter().flat_map(|line| &line.means).flatten();
+        means.map(|ends| ends.map(|end| self.within(end)))
+    }
+
+    fn within(&self, end: f64) -> f64 {
+        self.range.map_or(end, |(low, high)| end.clamp(low, high))
+    }
+}
+
 const NAME: &str = "interaction";
 const MOST_LINES: usize = 12;
 
@@ -77,7 +89,10 @@ pub fn interaction(input: &Interaction, context: &Context) -> Result<Figure, Rep
         shows: Shows::Participants,
     };
     draw_panels(plan, context, grid, &[], |canvas, index, place| {
-        paint(canvas, place, &input.panels[index]);
+        let panel = &input.panels[index];
+        let alike = input.panels.iter().filter(|other| other.axis == panel.axis);
+        let ends = alike.flat_map(InteractionPanel::drawn).flatten();
+        paint(canvas, place, panel, Scale::over(ends, 5));
     })
 }
 
@@ -106,7 +121,8 @@ const APART: f64 = 0.5;
 /// Points between two names.
 const STEP: f64 = 1.25 * size::TICK;
 
-fn paint(canvas: &mut Canvas<'_>, place: Place, input: &InteractionPanel) {
+/// Panels of one axis share its scale `y`.
+fn paint(canvas: &mut Canvas<'_>, place: Place, input: &InteractionPanel, y: Scale) {
     let look = Look::new(size::TICK);
     let room = NAMES * (place.right - place.left);
     let names: Vec<String> = input
@@ -118,10 +134,6 @@ fn paint(canvas: &mut Canvas<'_>, place: Place, input: &InteractionPanel) {
         .iter()
         .map(|name| look.width(name))
         .fold(0.0, f64::max);
-    let means = || input.lines.iter().flat_map(|line| &line.means).flatten();
-    let (least, most) = input.range.unwrap_or((f64::NEG_INFINITY, f64::INFINITY));
-    // An interval of a mean may reach beyond the scale; what is drawn ends there.
-    let y = Scale::over(means().flatten().map(|end| end.clamp(least, most)), 5);
     let k = input.levels.len();
     let levels = input.levels.iter().map(|level| markup::literal(level));
     let x = Scale::of_names(-0.5, k as f64 - 0.5, levels);
@@ -153,7 +165,7 @@ fn paint(canvas: &mut Canvas<'_>, place: Place, input: &InteractionPanel) {
             .iter()
             .enumerate()
             .filter_map(|(at, mean)| {
-                let [mean, low, high] = (*mean)?.map(|end| end.clamp(least, most));
+                let [mean, low, high] = (*mean)?.map(|end| input.within(end));
                 Some([at as f64 + beside(index), mean, low, high])
             })
             .collect();
@@ -166,7 +178,7 @@ fn paint(canvas: &mut Canvas<'_>, place: Place, input: &InteractionPanel) {
         .enumerate()
         .filter_map(|(index, line)| {
             let last = line.means.iter().rev().flatten().next()?;
-            Some((panel.frame.y.at(last[0].clamp(least, most)), index))
+            Some((panel.frame.y.at(input.within(last[0])), index))
         })
         .collect();
     ends.sort_by(|a, b| a.0.total_cmp(&b.0));
@@ -263,6 +275,27 @@ mod tests {
         let mut free = input();
         free.panels[0].range = None;
         assert_ne!(interaction(&free, &Context::real()).unwrap().svg, whole);
+    }
+
+    #[test]
+    fn panels_of_one_axis_share_their_scale() {
+        let mut two = input();
+        let mut higher = two.panels[0].clone();
+        higher.range = None;
+        for mean in higher
+            .lines
+            .iter_mut()
+            .flat_map(|line| &mut line.means)
+            .flatten()
+        {
+            *mean = mean.map(|end| end + 10.0);
+        }
+        two.panels.push(higher);
+        let first = |figure: Figure| figure.panels[0].svg.clone();
+        let shared = first(interaction(&two, &Context::real()).unwrap());
+        assert!(shared.contains(">15<"), "{shared}");
+        two.panels[1].axis = "Another".into();
+        assert!(!first(interaction(&two, &Context::real()).unwrap()).contains(">15<"));
     }
 
     #[test]

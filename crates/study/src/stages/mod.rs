@@ -53,9 +53,9 @@ pub fn versions() -> BTreeMap<String, String> {
         ("ablate", 8),
         ("validate", 10),
         ("recommend", 4),
-        ("rehearse", 6),
+        ("rehearse", 7),
         ("rehearse-dial", 5),
-        ("report", 13),
+        ("report", 14),
     ]
     .map(|(command, version)| (command.to_owned(), version.to_string()))
     .into()
