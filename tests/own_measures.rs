@@ -234,14 +234,7 @@ fn answers_alone_make_a_page_that_says_what_is_not_there() {
     assert!(missing.contains("\nP01,own,no log,no log,,\n"), "{missing}");
     let again = study.maveric_in("mine", &["run"]).ok();
     assert!(again.stdout.contains("nothing was run"), "{}", again.stdout);
-    // Nobody filled in who takes part: whoever answered does.
-    study.write(
-        "mine/participants.csv",
-        "participant,population,age,gender,order\n",
-    );
-    study.maveric_in("mine", &["run"]).ok();
-    assert_eq!(analysis(&study)["participants"], 4);
-    // And with a table that lists three of them, the fourth is a stranger.
+    // With a table that lists three of them, the fourth is a stranger.
     study.write("mine/participants.csv", "participant\nP01\nP02\nP03\n");
     study.maveric_in("mine", &["run"]).ok();
     assert_eq!(analysis(&study)["participants"], 3);
@@ -293,15 +286,13 @@ fn each_thing_that_is_missing_is_listed_with_its_reason_before_a_run_and_after()
         rows
     };
     let before = list();
-    let waits = "is not ingested yet";
+    let waits = "its log is not ingested yet";
     assert!(
-        before.contains(&format!("P01,calm,,P01-calm.csv {waits},,")),
+        before.contains(&format!("P01,calm,,{waits},,")),
         "{before:#?}"
     );
     assert!(
-        before.contains(&format!(
-            "P04,calm,,P04-calm.csv {waits},not answered: hurry,"
-        )),
+        before.contains(&format!("P04,calm,,{waits},not answered: hurry,")),
         "{before:#?}"
     );
     // Every drive is waited for, before the drives one person’s answers.

@@ -6,7 +6,9 @@ use maveric_domain::{Drive, design::Sign};
 /// The least time to collision with a vehicle ahead.
 ///
 /// # Source
-/// Hayward (1972) (?): the gap over the speed at which it closes. Ours: only above 0.5 m/s of closing speed, below which noise in the
+/// Hayward (1972), Near-miss determination through use of a scale of danger, by its abstract (the time measured until two vehicles
+/// collide) and as others quote it (the time required for two vehicles to collide if they continue at their present speeds and on the
+/// same path): the gap over the speed at which it closes. Ours: only above 0.5 m/s of closing speed, below which noise in the
 /// speeds makes any number of it, and only while ego keeps its lane.
 pub(super) const LEAST: Measure = Measure {
     name: "min_time_to_collision_s",

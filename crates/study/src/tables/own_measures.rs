@@ -122,10 +122,11 @@ fn known_people(
         return Ok(ids);
     }
     let people = study.people(participants)?;
-    if !people.is_filled_in(&study.design) {
+    let enrolled = people.enrolled;
+    // That nobody takes part then is for the gate to say.
+    if enrolled.is_empty() {
         return Ok(ids);
     }
-    let enrolled = people.enrolled;
     let known: BTreeSet<&ParticipantId> = enrolled.iter().map(|p| &p.id).collect();
     let Some(row) = ids.iter().position(|id| !known.contains(id)) else {
         return Ok(ids);
