@@ -1,9 +1,9 @@
 //! Every analysis of a study.
 
 use crate::{
-    Analysis, AnalysisError, Exclusion, Panel, Reproduction, StudyData, compare, describe,
-    design_test::{Friedman, crossed},
-    findings, homophily, hypotheses, line, mixed, reproduction,
+    Analysis, AnalysisError, Exclusion, Panel, Reproduction, StudyData, by_factor, compare,
+    crossed::crossed, describe, design_test::Friedman, findings, homophily, hypotheses, line,
+    mixed, reproduction,
 };
 use maveric_domain::design::{Condition, Outcome, Quantity};
 use maveric_measures::objective;
@@ -21,6 +21,7 @@ pub fn analyse(data: &StudyData, friedman: Friedman) -> Result<Analysis, Analysi
             outcome: outcome.id(),
         });
     }
+    by_factor::check(data)?;
     let panels = compare::panels(data, friedman)?;
     let reproduction = reproduction::reproduction(data, &panels)?;
     let nearer = reproduction::nearer(data, &panels)?;

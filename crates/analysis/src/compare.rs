@@ -9,7 +9,7 @@ use crate::{
     result::{Contrast, Group, Panel},
     verdict::ALPHA,
 };
-use maveric_domain::{ConditionId, ParticipantId, design::Column};
+use maveric_domain::{ConditionId, ParticipantId, design::Factor};
 use maveric_measures::{difference_from_own, objective};
 use maveric_stats::{
     Adjustment, ByDesign, ChosenTest, PosthocTest, WithinSubjects, adjust, posthoc,
@@ -44,17 +44,23 @@ fn groups(data: &StudyData) -> Vec<(Group, Vec<ParticipantId>)> {
     let factors = data.design.factors();
     let mut found: BTreeMap<Vec<String>, Vec<ParticipantId>> = BTreeMap::new();
     for p in data.participants.iter().filter(|_| !factors.is_empty()) {
-        let level = |f: &Column| {
-            let level = data.column(p, &f.column);
+        let level = |f: &Factor| {
+            let level = data.column(p, &f.name);
             level.unwrap_or("not given").to_owned()
         };
         let levels = factors.iter().map(level).collect();
         found.entry(levels).or_default().push(p.clone());
     }
-    let title = |f: &Column| f.label.clone().unwrap_or_else(|| f.column.clone());
+    let title = |f: &Factor| data.design.factor_label(&f.name);
     let factor = factors.iter().map(title).collect::<Vec<_>>().join(" × ");
     let group = |levels: Vec<String>| Group {
         factor: factor.clone(),
+        label: factors
+            .iter()
+            .zip(&levels)
+            .map(|(f, level)| data.design.level_label(&f.name, level))
+            .collect::<Vec<_>>()
+            .join(", "),
         level: levels.join(", "),
     };
     let groups = found.into_iter();
@@ -112,6 +118,7 @@ fn panel(
         reasons: Vec::new(),
         comparison: None,
         contrasts: Vec::new(),
+        by_factor: None,
     };
     let (mut subjects, mut values) = (Vec::new(), Vec::new());
     for (who, row) in panel.participants.iter().zip(&panel.rows) {
@@ -133,8 +140,15 @@ fn panel(
         friedman,
     };
     match by_design(&tested)? {
-        Ok(found) => {
+        Ok((found, by_factor)) => {
             panel.reasons = found.reasons().to_vec();
+            if let Some((by_factor, untested)) = by_factor {
+                panel.reasons.extend(untested);
+                panel.by_factor = Some(by_factor);
+            } else if panel.group.is_none() && !data.design.level_contrasts().is_empty() {
+                let why = "the declared contrasts of factors have no test: this test is not one of several factors";
+                panel.reasons.push(why.to_owned());
+            }
             panel.comparison = Some(found);
         }
         Err(why) => panel.reasons.push(why),

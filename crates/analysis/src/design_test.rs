@@ -1,9 +1,17 @@
 //! The test of an outcome that the study's design calls for.
 
-use crate::{AnalysisError, data::StudyData, outcomes::Asked, result::Panel, verdict::ALPHA};
+use crate::{
+    AnalysisError,
+    by_factor::by_factor,
+    crossed::{MOST_FACTORS, Within, factors_within},
+    data::StudyData,
+    outcomes::Asked,
+    result::{ByFactor, Panel},
+    verdict::ALPHA,
+};
 use maveric_domain::{
-    ConditionId, Design, ParticipantId,
-    design::{Column, Condition, Covariate, Quantity},
+    ParticipantId,
+    design::{Covariate, Factor, Quantity},
 };
 use maveric_stats::{
     ByDesign, DesignChoice, DesignColumns, MissingCells, OutcomeScale, compare_by_design,
@@ -18,12 +26,6 @@ pub enum Friedman {
     Approximate,
 }
 
-/// The factor whose levels are the conditions, where those cross no others.
-const CONDITION: &str = "condition";
-
-/// Factors of a kind that a test can take.
-pub(crate) const MOST_FACTORS: usize = 2;
-
 /// One outcome of some people.
 pub(crate) struct Tested<'a> {
     pub(crate) data: &'a StudyData,
@@ -34,38 +36,13 @@ pub(crate) struct Tested<'a> {
     pub(crate) friedman: Friedman,
 }
 
-/// A factor within people: its name, and its level in each condition.
-pub(crate) type Within = (String, Vec<String>);
-
-/// The two factors that the conditions cross, if they do so completely.
-pub(crate) fn crossed(conditions: &[&Condition]) -> Option<Vec<Within>> {
-    let names: Vec<&String> = conditions.first()?.levels.keys().collect();
-    if names.len() != MOST_FACTORS {
-        return None;
-    }
-    let mut factors = Vec::new();
-    let mut cells = 1;
-    for name in names {
-        let of = conditions.iter().map(|c| c.levels.get(name).cloned());
-        let levels: Vec<String> = of.collect::<Option<_>>()?;
-        let mut different = levels.clone();
-        different.sort_unstable();
-        different.dedup();
-        if different.len() < 2 {
-            return None;
-        }
-        cells *= different.len();
-        factors.push((name.clone(), levels));
-    }
-    let cell = |at: usize| [&factors[0].1[at], &factors[1].1[at]];
-    let twice = (1..conditions.len()).any(|b| (0..b).any(|a| cell(a) == cell(b)));
-    (cells == conditions.len() && !twice).then_some(factors)
-}
+/// The test of a design, and what its factors did with the reasons of what was not tested.
+pub(crate) type Compared = (ByDesign, Option<(ByFactor, Vec<String>)>);
 
 /// Runs the test; else why there is none.
-pub(crate) fn by_design(tested: &Tested) -> Result<Result<ByDesign, String>, AnalysisError> {
+pub(crate) fn by_design(tested: &Tested) -> Result<Result<Compared, String>, AnalysisError> {
     let (data, panel) = (tested.data, tested.panel);
-    let between: &[Column] = if panel.group.is_some() {
+    let between: &[Factor] = if panel.group.is_some() {
         // These people are of one level.
         &[]
     } else {
@@ -91,50 +68,8 @@ pub(crate) fn by_design(tested: &Tested) -> Result<Result<ByDesign, String>, Ana
     } else {
         factors_within(&data.design, &panel.conditions)
     };
-    let rows = || {
-        let people = tested.people.iter().zip(&panel.rows);
-        people.flat_map(|(p, row)| (0..row.len()).map(move |at| (p, at, row[at])))
-    };
-    let subjects: Vec<String> = rows().map(|(p, ..)| p.to_string()).collect();
-    let values: Vec<Option<f64>> = rows().map(|(.., value)| value).collect();
-    let within: Vec<Within> = within
-        .into_iter()
-        .map(|(name, of)| (name, rows().map(|(_, at, _)| of[at].clone()).collect()))
-        .collect();
-    let level = |p, f: &Column| data.column(p, &f.column).map(str::to_owned);
-    let between: Vec<(&str, Vec<Option<String>>)> = between
-        .iter()
-        .map(|f| {
-            (
-                f.column.as_str(),
-                rows().map(|(p, ..)| level(p, f)).collect(),
-            )
-        })
-        .collect();
-    let mut covariates = Vec::new();
-    for covariate in data.design.covariates() {
-        let cells: Result<Vec<Option<f64>>, AnalysisError> =
-            rows().map(|(p, ..)| number(data, p, covariate)).collect();
-        covariates.push((covariate.column.as_str(), cells?));
-    }
-    let columns = DesignColumns {
-        subjects: &subjects,
-        within: within.iter().map(|(n, c)| (n.as_str(), &c[..])).collect(),
-        between: between.iter().map(|(n, c)| (*n, &c[..])).collect(),
-        covariates: covariates.iter().map(|(n, c)| (*n, &c[..])).collect(),
-        with: data
-            .design
-            .covariates()
-            .iter()
-            .map(|c| {
-                (
-                    c.column.as_str(),
-                    c.with.iter().map(String::as_str).collect(),
-                )
-            })
-            .collect(),
-        values: &values,
-    };
+    let table = DesignTable::of(tested, within, between)?;
+    let columns = table.columns();
     let choice = DesignChoice {
         scale: match tested.asked.quantity {
             Quantity::Measure(_) => OutcomeScale::Measure,
@@ -145,17 +80,95 @@ pub(crate) fn by_design(tested: &Tested) -> Result<Result<ByDesign, String>, Ana
         exact: tested.friedman == Friedman::Exact,
     };
     // What one outcome lacks is no fault of the study.
-    Ok(compare_by_design(&columns, &choice).map_err(|refused| refused.to_string()))
+    let found = match compare_by_design(&columns, &choice) {
+        Ok(found) => found,
+        Err(refused) => return Ok(Err(refused.to_string())),
+    };
+    // A simulation of many studies asks for the omnibus tests alone.
+    if tested.friedman == Friedman::Approximate || panel.group.is_some() {
+        return Ok(Ok((found, None)));
+    }
+    let by_factor = match &found {
+        ByDesign::Factorial(tests) if tests.found.anova.levels.len() > 1 => {
+            Some(by_factor(&data.design, &columns, tests)?)
+        }
+        _ => None,
+    };
+    Ok(Ok((found, by_factor)))
 }
 
-/// The factors that these conditions cross; else the conditions themselves are one.
-pub(crate) fn factors_within(design: &Design, conditions: &[ConditionId]) -> Vec<Within> {
-    let found: Option<Vec<&Condition>> =
-        conditions.iter().map(|id| design.condition(*id)).collect();
-    found.and_then(|all| crossed(&all)).unwrap_or_else(|| {
-        let names = conditions.iter().map(ToString::to_string).collect();
-        vec![(CONDITION.to_owned(), names)]
-    })
+/// The rows of a test: one of each person in each condition.
+struct DesignTable {
+    subjects: Vec<String>,
+    within: Vec<Within>,
+    between: Vec<(String, Vec<Option<String>>)>,
+    covariates: Vec<(String, Vec<Option<f64>>)>,
+    with: Vec<(String, Vec<String>)>,
+    values: Vec<Option<f64>>,
+    labels: Vec<(String, String)>,
+}
+
+impl DesignTable {
+    fn of(tested: &Tested, within: Vec<Within>, between: &[Factor]) -> Result<Self, AnalysisError> {
+        let (data, panel) = (tested.data, tested.panel);
+        let design = &data.design;
+        let rows = || {
+            let people = tested.people.iter().zip(&panel.rows);
+            people.flat_map(|(p, row)| (0..row.len()).map(move |at| (p, at, row[at])))
+        };
+        let within: Vec<Within> = within
+            .into_iter()
+            .map(|(name, of)| (name, rows().map(|(_, at, _)| of[at].clone()).collect()))
+            .collect();
+        let level = |p, f: &Factor| data.column(p, &f.name).map(str::to_owned);
+        let between: Vec<(String, Vec<Option<String>>)> = between
+            .iter()
+            .map(|f| (f.name.clone(), rows().map(|(p, ..)| level(p, f)).collect()))
+            .collect();
+        let mut covariates = Vec::new();
+        for covariate in design.covariates() {
+            let cells: Result<Vec<Option<f64>>, AnalysisError> =
+                rows().map(|(p, ..)| number(data, p, covariate)).collect();
+            covariates.push((covariate.column.clone(), cells?));
+        }
+        let names = within.iter().map(|(name, _)| name);
+        let names = names.chain(between.iter().map(|(name, _)| name));
+        let names = names.chain(covariates.iter().map(|(name, _)| name));
+        let labels = names.map(|name| (name.clone(), design.factor_label(name)));
+        let with = design.covariates().iter();
+        Ok(Self {
+            labels: labels.filter(|(name, label)| name != label).collect(),
+            subjects: rows().map(|(p, ..)| p.to_string()).collect(),
+            with: with.map(|c| (c.column.clone(), c.with.clone())).collect(),
+            values: rows().map(|(.., value)| value).collect(),
+            within,
+            between,
+            covariates,
+        })
+    }
+
+    fn columns(&self) -> DesignColumns<'_> {
+        let with = self.with.iter();
+        DesignColumns {
+            subjects: &self.subjects,
+            within: named(&self.within),
+            between: named(&self.between),
+            covariates: named(&self.covariates),
+            with: with
+                .map(|(n, with)| (n.as_str(), with.iter().map(String::as_str).collect()))
+                .collect(),
+            values: &self.values,
+            labels: self
+                .labels
+                .iter()
+                .map(|(n, label)| (n.as_str(), label.as_str()))
+                .collect(),
+        }
+    }
+}
+
+fn named<T>(columns: &[(String, Vec<T>)]) -> Vec<(&str, &[T])> {
+    columns.iter().map(|(n, c)| (n.as_str(), &c[..])).collect()
 }
 
 /// A covariate of a person, as a number.

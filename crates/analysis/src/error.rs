@@ -54,6 +54,30 @@ pub enum AnalysisError {
         /// What stands there.
         found: String,
     },
+    /// A declared contrast of a level that nobody has.
+    #[error("`[contrasts] factors` names `{found}` of `{factor}`, expected one of {}", known.join(", "))]
+    UnknownLevel {
+        /// The factor.
+        factor: String,
+        /// What the contrast names.
+        found: String,
+        /// What there is.
+        known: Vec<String>,
+    },
+    /// A declared contrast of a factor that no test has.
+    #[error("`[contrasts] factors` names `{factor}`, which is not tested as a factor, expected one of {}", known.join(", "))]
+    UntestedFactor {
+        /// The factor.
+        factor: String,
+        /// Those that are tested.
+        known: Vec<String>,
+    },
+    /// Contrasts of levels where one factor alone is tested.
+    #[error("`[contrasts] factors` needs two factors, and the design has one: {factor}")]
+    OneFactor {
+        /// The one.
+        factor: String,
+    },
     /// Too little to learn a recommendation from.
     #[error("{problem}")]
     NothingToLearn {
@@ -86,6 +110,15 @@ impl AnalysisError {
             ),
             Self::NoNumber { .. } => Some(
                 "mend the table of people, or declare the column under `[[factor]]`: it divides people by its words",
+            ),
+            Self::UnknownLevel { .. } => Some(
+                "levels between people are those that stand in their table; within people, those of the conditions",
+            ),
+            Self::UntestedFactor { .. } => Some(
+                "the conditions have to cross two factors completely, each combination of their `levels` once",
+            ),
+            Self::OneFactor { .. } => Some(
+                "compare conditions by `[contrasts] compare`, or give every condition its `levels` of two factors",
             ),
             Self::NothingToLearn { .. } => Some(
                 "a recommendation needs a study with at least 6 people, own drives, all conditions and ratings",

@@ -2,9 +2,11 @@
 
 mod analyse;
 mod balance;
+mod by_factor;
 mod compare;
 mod contrast;
 mod correlations;
+mod crossed;
 mod data;
 mod describe;
 mod design_test;
@@ -33,6 +35,7 @@ pub mod verdict;
 pub use analyse::analyse;
 pub use balance::{Balance, OrderBalance, PlacesOf};
 pub use data::{StudyData, Tables};
+pub use describe::{Observed, observed};
 pub use design_test::Friedman;
 pub use error::AnalysisError;
 pub use exclusions::{Driven, LeftOut, Rule, Why};
@@ -45,9 +48,9 @@ pub use recommendation::{
     SETTINGS, Standard,
 };
 pub use result::{
-    Above, AggressionLine, Analysis, Bias, Contrast, Correlation, Described, Exclusion, Group,
-    HomophilyRow, Judged, Kept, LineRow, MixedRow, Nearer, Panel, Preference, Reproduction,
-    SimilarityRow,
+    Above, AggressionLine, Analysis, Bias, ByFactor, Contrast, Correlation, Described, Exclusion,
+    FactorContrast, Group, HomophilyRow, Judged, Kept, LevelMean, LineRow, MixedRow, Nearer, Panel,
+    Preference, Reproduction, SimilarityRow, TestedFactor,
 };
 pub use turned::{Settled, Turns};
 pub use verdict::Verdict;

@@ -1,6 +1,6 @@
 //! Which test a design calls for, before any data: what a preregistration says and what is run.
 
-use crate::design_test::{MOST_FACTORS, factors_within};
+use crate::crossed::{MOST_FACTORS, factors_within};
 use maveric_domain::{ConditionId, Design};
 use maveric_stats::{DesignPlan, DesignShape};
 
@@ -57,7 +57,7 @@ pub fn planned(design: &Design) -> PlannedTest {
             }
             let shape = DesignShape {
                 within,
-                between: between.iter().map(|f| (f.column.clone(), 2)).collect(),
+                between: between.iter().map(|f| (f.name.clone(), 2)).collect(),
                 covariates: covariates
                     .iter()
                     .map(|c| (c.column.clone(), c.with.clone()))

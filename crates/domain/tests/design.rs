@@ -5,7 +5,7 @@
 use maveric_domain::{
     ConditionId, Design, DriveId, ParticipantId,
     design::{
-        Car, Claim, Color, Column, Compare, Condition, Mappings, ProtocolStep, ScoreName, Sign,
+        Car, Claim, Color, Compare, Condition, Factor, Mappings, ProtocolStep, ScoreName, Sign,
         Software,
     },
 };
@@ -147,7 +147,7 @@ file = "rig2.toml"
     assert_eq!(design.protocol().steps, [ProtocolStep::Practice]);
     assert_eq!(design.protocol().practice.passes, 2);
     assert!(matches!(&design.files().mapping, Mappings::Rigs(rigs) if rigs.len() == 1));
-    let columns = |columns: &[Column]| columns.iter().map(|c| c.column.clone()).collect();
+    let columns = |factors: &[Factor]| factors.iter().map(|f| f.name.clone()).collect();
     let covariates = design
         .covariates()
         .iter()
@@ -690,5 +690,80 @@ fn a_measure_of_the_studys_own_has_a_unit_a_name_and_perhaps_a_direction() {
     ] {
         let error = refused(more);
         assert!(error.contains(said), "{error}");
+    }
+}
+
+const CROSSED: &str = "[study]\ntitle = \"t\"\n[[condition]]\nid = \"a\"\nlevels = { style = \"sporty\", road = \"town\" }\n\
+    [[condition]]\nid = \"b\"\nlevels = { style = \"sporty\", road = \"land\" }\n[[condition]]\nid = \"c\"\nlevels = { style = \"calm\", road = \"town\" }\n\
+    [[condition]]\nid = \"d\"\nlevels = { style = \"calm\", road = \"land\" }\n";
+
+#[test]
+fn factors_and_levels_are_called_by_their_labels_and_stand_in_the_order_of_the_conditions() {
+    let labels = "[[factor]]\nwithin = \"style\"\nlabel = \"Driving style\"\nlevels = { calm = \"Calm\" }\n\
+        [[factor]]\ncolumn = \"group\"\n[[covariate]]\ncolumn = \"age\"\nlabel = \"Age\"\n";
+    let design = Design::from_toml(&format!("{CROSSED}{labels}")).unwrap();
+    let within = design.factors_within();
+    let levels = |factor: &str| {
+        within
+            .iter()
+            .find(|(name, _)| name == factor)
+            .unwrap()
+            .1
+            .clone()
+    };
+    assert_eq!(levels("style"), ["sporty", "calm"]);
+    assert_eq!(levels("road"), ["town", "land"]);
+    let label = |name| design.factor_label(name);
+    assert_eq!(
+        [label("style"), label("group"), label("age")],
+        ["Driving style", "group", "Age"]
+    );
+    let level = |level| design.level_label("style", level);
+    assert_eq!([level("calm"), level("sporty")], ["Calm", "sporty"]);
+    // A label of a factor within people makes no group of people.
+    assert_eq!(design.factors().len(), 1);
+    let plain = Design::from_toml(
+        "[study]\ntitle = \"t\"\n[[condition]]\nid = \"a\"\nlabel = \"First\"\n[[condition]]\nid = \"b\"\n",
+    );
+    let plain = plain.unwrap();
+    assert_eq!(plain.factors_within()[0].0, "condition");
+    assert_eq!(plain.level_label("condition", "a"), "First");
+}
+
+#[test]
+fn a_contrast_of_levels_names_what_is_there_and_holds_at_least_one_pair() {
+    let with = |contrast: &str| {
+        let text = format!(
+            "{CROSSED}[[factor]]\ncolumn = \"group\"\n[contrasts]\nfactors = [{contrast}]\n"
+        );
+        Design::from_toml(&text)
+    };
+    let sound = "{ style = [\"calm\", \"sporty\"], group = [\"x\", \"y\"], road = \"town\" }";
+    assert_eq!(with(sound).unwrap().level_contrasts().len(), 1);
+    for (contrast, words) in [
+        ("{ road = \"town\" }", "no pair of levels"),
+        ("{ style = [\"calm\", \"calm\"] }", "`calm` with itself"),
+        (
+            "{ style = [\"calm\", \"brisk\"] }",
+            "one of `sporty`, `calm`",
+        ),
+        ("{ colour = [\"red\", \"blue\"] }", "`group`"),
+        (&format!("{sound}, {sound}"), "stands above"),
+    ] {
+        let refused = with(contrast).unwrap_err().to_string();
+        assert!(refused.contains(words), "{contrast}: {refused}");
+    }
+    for (factor, words) in [
+        ("label = \"x\"", "neither `column` nor `within`"),
+        (
+            "column = \"a\"\nwithin = \"road\"",
+            "both `column` and `within`",
+        ),
+        ("within = \"rode\"", "did you mean `road`?"),
+    ] {
+        let refused = Design::from_toml(&format!("{CROSSED}[[factor]]\n{factor}\n"));
+        let refused = refused.unwrap_err();
+        let said = format!("{refused} {}", refused.suggestion().unwrap_or_default());
+        assert!(said.contains(words), "{factor}: {said}");
     }
 }

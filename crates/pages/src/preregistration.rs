@@ -4,7 +4,7 @@ use crate::texts::document;
 use maveric_analysis::{PlannedTest, planned};
 use maveric_domain::{
     Design,
-    design::{Car, Claim, Compare, Condition, Hypothesis, Outcome, Sign},
+    design::{Car, Claim, Compare, Condition, Hypothesis, LevelContrast, Levels, Outcome, Sign},
 };
 use maveric_measures::objective;
 use maveric_report::ReportError;
@@ -44,13 +44,14 @@ pub fn preregistration(design: &Design, sample_size: &[String]) -> Result<String
         baseline => design.baseline().map(|b| context! { label => b.label.as_str(), id => b.id.to_string() }),
         learn => cells(&design.people().learn),
         test => cells(&design.people().test),
-        groups => design.factors().iter().map(|f| f.column.clone()).collect::<Vec<_>>(),
+        groups => design.factors().iter().map(|f| design.factor_label(&f.name)).collect::<Vec<_>>(),
         sample_size => sample_size.to_vec(),
         outcomes => design.outcomes().iter().map(|o| outcome(design, o)).collect::<Vec<_>>(),
         own => design.measures().iter().map(|m| m.title.clone()).collect::<Vec<_>>(),
         compare,
         against,
         pairs => design.contrasts().into_iter().map(pair).collect::<Vec<_>>(),
+        of_levels => design.level_contrasts().iter().map(|c| levels(design, c)).collect::<Vec<_>>(),
         tests => tests(design),
         homophily,
         exclude => exclude(design),
@@ -60,6 +61,16 @@ pub fn preregistration(design: &Design, sample_size: &[String]) -> Result<String
         include_str!("../texts/preregistration.md"),
         values,
     )
+}
+
+/// A contrast of levels by the labels of its factors.
+fn levels(design: &Design, contrast: &LevelContrast) -> String {
+    let part = |(factor, levels): (&String, &Levels)| {
+        let labels = levels.named().iter().map(|l| design.level_label(factor, l));
+        let labels: Vec<String> = labels.collect();
+        format!("{} ({})", design.factor_label(factor), labels.join(" − "))
+    };
+    contrast.iter().map(part).collect::<Vec<_>>().join(" × ")
 }
 
 fn hypothesis(design: &Design, h: &Hypothesis) -> Value {

@@ -75,7 +75,7 @@ pub fn correlation(c: &Correlation) -> String {
 
 /// The test over the conditions, and over what else the design crosses with them, in words with marks; `short` is for a panel's width: without
 /// interval and ε, and of several effects the highest.
-pub fn omnibus(panel: &Panel, short: bool) -> String {
+pub fn omnibus(design: &Design, panel: &Panel, short: bool) -> String {
     let Some(found) = &panel.comparison else {
         let reason = panel.reasons.first().map_or("", String::as_str);
         return if short {
@@ -101,15 +101,19 @@ pub fn omnibus(panel: &Panel, short: bool) -> String {
     }
     // Pairs have a table of their own.
     let effects = found.effects();
+    // Of several effects the highest of factors, whatever covariates stand behind it.
+    let is_covariate = |part: &str| design.covariates().iter().any(|c| c.column == part);
+    let counts = |name: &str| !short || !name.split(':').any(is_covariate);
     let all: Vec<String> = found
         .statements()
         .into_iter()
         .filter(|(name, _)| effects.len() == 1 || effects.iter().any(|(e, _)| e == name))
+        .filter(|(name, _)| counts(name))
         .map(|(name, said)| match effects.len() {
             1 => said.markup().to_owned(),
             _ => format!(
                 "{}: {}",
-                markup::literal(&effect_words(&name)),
+                markup::literal(&effect_title(design, &name)),
                 said.markup()
             ),
         })
@@ -122,9 +126,10 @@ pub fn omnibus(panel: &Panel, short: bool) -> String {
     }
 }
 
-/// An effect of several factors as a page calls it: `city × condition`.
-pub(crate) fn effect_words(name: &str) -> String {
-    name.replace(':', " × ")
+/// An effect of several factors by the labels of its factors: `City × Condition`.
+pub(crate) fn effect_title(design: &Design, name: &str) -> String {
+    let factors: Vec<String> = name.split(':').map(|f| design.factor_label(f)).collect();
+    factors.join(" × ")
 }
 
 /// A paired test in words; *p* is that of Holm over its family, under its plain name.
@@ -205,5 +210,5 @@ pub fn of_group(panel: &Panel) -> String {
     panel
         .group
         .as_ref()
-        .map_or_else(String::new, |g| format!(" ({}: {})", g.factor, g.level))
+        .map_or_else(String::new, |g| format!(" ({}: {})", g.factor, g.label))
 }

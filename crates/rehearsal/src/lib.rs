@@ -3,6 +3,7 @@
 mod dial_trial;
 mod error;
 pub mod findings;
+mod groups;
 pub mod leave_out;
 mod outcomes;
 mod population;

@@ -2,6 +2,7 @@
 
 use crate::{
     error::RehearsalError,
+    groups,
     population::{CarSetting, PopulationModel},
 };
 use maveric_analysis::{StudyData, Tables};
@@ -134,6 +135,7 @@ impl World {
             scales: self.scales.clone(),
             pre,
             post,
+            people: groups::rows(&self.design, &people),
             ..Tables::default()
         };
         let style = self.style_of(&tables.pre);

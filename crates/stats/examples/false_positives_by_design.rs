@@ -363,6 +363,7 @@ impl Cell {
             } else {
                 Vec::new()
             },
+            labels: Vec::new(),
             values: &values,
         };
         let choice = DesignChoice {

@@ -89,6 +89,16 @@ pub enum StatsError {
         /// Its only level.
         level: String,
     },
+    /// A factor, or a level of one, that the design lacks.
+    #[error("`{name}` is unknown, expected {what}: {}", known.join(", "))]
+    UnknownLevel {
+        /// What it would have to be.
+        what: String,
+        /// What was asked for.
+        name: String,
+        /// What there is.
+        known: Vec<String>,
+    },
     /// A cell of the design, or a group, without a complete subject.
     #[error("cell `{cell}` has no subject with all values, expected at least 1")]
     EmptyCell {

@@ -49,14 +49,15 @@ pub use analysis::{
     within, within_without_exact,
 };
 pub use bayes::{
-    BayesCorrelation, BayesCorrelationAnalysis, BayesT, BayesTAnalysis, bayes_correlation,
+    BayesCorrelation, BayesCorrelationAnalysis, BayesT, BayesTAnalysis, Prior, bayes_correlation,
     bayes_groups, bayes_one, bayes_paired,
 };
 pub use bootstrap::{Bootstrap, BootstrapData, BootstrapSettings, Interval, Statistic, bootstrap};
 pub use by_design::{
     ByDesign, Chosen, ChosenTest, CorrectedTerm, DesignChoice, DesignColumns, DesignPlan,
-    DesignShape, EffectMethod, EffectTest, FactorialFinding, MissingCells, MixedFinding,
-    OrdinalFinding, OutcomeScale, PlannedEffect, RankCheck, SmallSample, compare_by_design,
+    DesignShape, EffectMethod, EffectTest, FactorialFinding, LevelChoice, LevelContrast,
+    MissingCells, MixedFinding, OrdinalFinding, OutcomeScale, PlannedEffect, RankCheck, SimpleTest,
+    SmallSample, compare_by_design, level_contrast, simple_effects,
 };
 pub use cochran_q::{CochranQ, CochranQTest, McNemarPair, cochran_q};
 pub use compare::{

@@ -216,6 +216,7 @@ fn by_design(case: &Value, table: &Table) -> Value {
                 )
             })
             .collect(),
+        labels: Vec::new(),
         values: &values,
     };
     let chosen = stats::compare_by_design(&columns, &stats::DesignChoice::default());

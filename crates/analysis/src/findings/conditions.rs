@@ -108,6 +108,7 @@ mod tests {
         // The panels of groups are a family of their own and decide nothing.
         let group = Group {
             factor: "city".to_owned(),
+            label: String::new(),
             level: "Kyiv".to_owned(),
         };
         for panel in panels.iter_mut().filter(|p| !p.measured) {

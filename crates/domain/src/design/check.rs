@@ -5,20 +5,17 @@ use super::{
     contrast::{Claim, Compare, Hypothesis},
     error::DesignError,
     exclude::Exclude,
+    factors,
     files::ModelFile,
     outcome::{Outcome, Quantity, Style},
     own_measure::own_measures,
     people::{People, Wanted},
     toml_file::{
         CarToml, CellToml, CompareToml, ConditionToml, DesignToml, DialToml, HypothesisToml,
-        ModelToml, OutcomeToml, PeopleToml, RoleToml, StyleToml,
+        ModelToml, OutcomeToml, PeopleToml, RoleToml, StyleToml, Units,
     },
 };
-use crate::{
-    condition::ConditionId,
-    design::{Covariate, Design},
-    nearest,
-};
+use crate::{condition::ConditionId, design::Design, units::SpeedUnit};
 use std::collections::{BTreeMap, BTreeSet};
 
 type Checked<T> = Result<T, DesignError>;
@@ -70,15 +67,39 @@ fn design(raw: DesignToml) -> Checked<Design> {
         .enumerate()
         .map(|(at, h)| hypothesis(at, h, &conditions, &pairs, &outcomes))
         .collect::<Checked<_>>()?;
-    once("factor", raw.factor.iter().map(|c| c.column.clone()))?;
+    let (factors, crossed) = factors::factors(raw.factor, &conditions)?;
+    let named = factors.iter().chain(&crossed);
+    once("factor", named.map(|factor| factor.name.clone()))?;
+    let level_contrasts = raw.contrasts.factors;
+    factors::contrasts(&level_contrasts, &factors, &conditions)?;
+    let of_conditions = conditions
+        .iter()
+        .map(|c| (format!("condition.{}.label", c.id), c.label.as_str()));
+    let of_factors =
+        factors.iter().chain(&crossed).flat_map(|f| {
+            let own = f
+                .label
+                .iter()
+                .map(|label| (format!("factor.{}.label", f.name), label.as_str()));
+            own.chain(f.levels.iter().map(|(level, label)| {
+                (format!("factor.{}.levels.{level}", f.name), label.as_str())
+            }))
+        });
+    factors::printable(of_conditions.chain(of_factors))?;
     once("covariate", raw.covariate.iter().map(|c| c.column.clone()))?;
-    products(&raw.covariate, &conditions)?;
+    factors::products(&raw.covariate, &conditions)?;
     exclude(&raw.exclude)?;
     raw.protocol.check()?;
+    let speed_unit = match raw.study.units {
+        Some(Units::Metric) => SpeedUnit::Kmh,
+        Some(Units::Us) => SpeedUnit::Mph,
+        None => raw.protocol.speed.unwrap_or_default(),
+    };
     Ok(Design {
         title: raw.study.title,
         authors: raw.study.authors,
         synthetic: raw.study.synthetic,
+        speed_unit,
         files: raw.files,
         people,
         model,
@@ -91,7 +112,9 @@ fn design(raw: DesignToml) -> Checked<Design> {
         outcomes,
         hypotheses,
         compare,
-        factors: raw.factor,
+        factors,
+        crossed,
+        level_contrasts,
         covariates: raw.covariate,
         homophily: raw.homophily,
         protocol: raw.protocol,
@@ -169,36 +192,6 @@ fn roles(
         }
     }
     Ok(roles)
-}
-
-/// Refuses a product of a covariate with what is no effect within people.
-fn products(covariates: &[Covariate], conditions: &[Condition]) -> Checked<()> {
-    let crossed: Vec<&str> = conditions
-        .first()
-        .map(|c| c.levels.keys().map(String::as_str).collect())
-        .unwrap_or_default();
-    let known: Vec<String> = match crossed[..] {
-        [] => vec!["condition".to_owned()],
-        _ => (1..1_usize << crossed.len())
-            .map(|mask| {
-                let parts = crossed.iter().enumerate();
-                let parts = parts.filter(|(f, _)| mask >> f & 1 == 1);
-                parts.map(|(_, name)| *name).collect::<Vec<_>>().join(":")
-            })
-            .collect(),
-    };
-    for covariate in covariates {
-        let unknown = covariate.with.iter().find(|name| !known.contains(name));
-        let Some(unknown) = unknown else { continue };
-        let nearest = nearest(unknown, known.iter().map(String::as_str));
-        let meant = nearest.map_or_else(String::new, |n| format!("; did you mean `{n}`?"));
-        return Err(DesignError::key(
-            "covariate.with",
-            format!("`{unknown}` of `{}`", covariate.column),
-            format!("an effect within people: `{}`{meant}", known.join("`, `")),
-        ));
-    }
-    Ok(())
 }
 
 /// Refuses the second of two that are called the same.

@@ -2,6 +2,8 @@
 
 use super::condition::{Condition, Sign};
 use crate::condition::ConditionId;
+use serde::Deserialize;
+use std::collections::BTreeMap;
 
 /// Which conditions are compared with which.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
@@ -32,6 +34,32 @@ impl Compare {
         }
     }
 }
+
+/// What a contrast takes of a factor.
+#[derive(Debug, Clone, PartialEq, Eq, Deserialize)]
+#[serde(
+    untagged,
+    expecting = "two levels, such as [\"calm\", \"sporty\"], or one"
+)]
+pub enum Levels {
+    /// The first less the second.
+    Pair([String; 2]),
+    /// One alone.
+    At(String),
+}
+
+impl Levels {
+    /// Those that it names.
+    pub fn named(&self) -> &[String] {
+        match self {
+            Self::Pair(pair) => pair,
+            Self::At(level) => std::slice::from_ref(level),
+        }
+    }
+}
+
+/// A contrast of levels: factor → what it takes of it; every other factor is averaged.
+pub type LevelContrast = BTreeMap<String, Levels>;
 
 /// What a hypothesis says of its contrast, first minus second.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -8,6 +8,7 @@ mod condition;
 mod contrast;
 mod error;
 mod exclude;
+mod factors;
 mod files;
 mod orders;
 mod outcome;
@@ -18,18 +19,18 @@ mod toml_file;
 mod williams;
 
 pub use condition::{Baseline, By, Car, Color, Condition, Role, Sign};
-pub use contrast::{Claim, Compare, Hypothesis};
+pub use contrast::{Claim, Compare, Hypothesis, LevelContrast, Levels};
 pub use error::DesignError;
 pub use exclude::Exclude;
 pub use files::{BeyondRule, Files, Mappings, ModelFile, RigMapping, Software};
 pub use orders::OrderPlan;
 pub use outcome::{Homophily, Outcome, Quantity, ScoreName, Style};
 pub use own_measure::{ABOUT_A_ROW, OwnMeasure};
-pub use people::{Column, Covariate, People};
-pub use protocol::{Practice, Protocol, ProtocolStep, SeatView, SpeedUnit};
+pub use people::{CONDITION, Covariate, Factor, People};
+pub use protocol::{Practice, Protocol, ProtocolStep, SeatView};
 pub use williams::{Square, williams, williams_rows};
 
-use crate::condition::ConditionId;
+use crate::{condition::ConditionId, units::SpeedUnit};
 use std::collections::BTreeMap;
 
 /// A study: who takes part, in which conditions, what is measured and what is compared.
@@ -57,6 +58,7 @@ pub struct Design {
     title: String,
     authors: Vec<String>,
     synthetic: bool,
+    speed_unit: SpeedUnit,
     files: Files,
     people: People,
     model: Option<ModelFile>,
@@ -69,7 +71,9 @@ pub struct Design {
     outcomes: Vec<Outcome>,
     hypotheses: Vec<Hypothesis>,
     compare: Compare,
-    factors: Vec<Column>,
+    factors: Vec<Factor>,
+    crossed: Vec<Factor>,
+    level_contrasts: Vec<LevelContrast>,
     covariates: Vec<Covariate>,
     homophily: Option<Homophily>,
     protocol: Protocol,
@@ -91,6 +95,11 @@ impl Design {
     /// Whether the people are made up: said on every page, picture and table.
     pub fn synthetic(&self) -> bool {
         self.synthetic
+    }
+
+    /// In which unit people read speeds: metric where the study says nothing.
+    pub fn speed_unit(&self) -> SpeedUnit {
+        self.speed_unit
     }
 
     /// Where the study's files are, from the folder of the design's file.
@@ -193,13 +202,54 @@ impl Design {
     }
 
     /// Columns of the people's table that divide them into groups.
-    pub fn factors(&self) -> &[Column] {
+    pub fn factors(&self) -> &[Factor] {
         &self.factors
+    }
+
+    /// The factors within people, each with its levels in the order of the conditions: those that the conditions cross, else the
+    /// conditions themselves.
+    pub fn factors_within(&self) -> Vec<(String, Vec<String>)> {
+        factors::within(&self.conditions)
+    }
+
+    /// The declared contrasts of levels: one Holm family an outcome.
+    pub fn level_contrasts(&self) -> &[LevelContrast] {
+        &self.level_contrasts
+    }
+
+    /// What pages call a factor or a covariate.
+    pub fn factor_label(&self, name: &str) -> String {
+        let factor = self.factor(name).and_then(|f| f.label.as_ref());
+        let covariate = || {
+            self.covariates
+                .iter()
+                .find(|c| c.column == name)?
+                .label
+                .as_ref()
+        };
+        factor
+            .or_else(covariate)
+            .map_or_else(|| name.to_owned(), Clone::clone)
+    }
+
+    /// What pages call a level of a factor.
+    pub fn level_label(&self, factor: &str, level: &str) -> String {
+        let given = self.factor(factor).and_then(|f| f.levels.get(level));
+        let condition = || Some(self.label(level.parse().ok().filter(|_| factor == CONDITION)?));
+        given
+            .cloned()
+            .or_else(condition)
+            .unwrap_or_else(|| level.to_owned())
+    }
+
+    fn factor(&self, name: &str) -> Option<&Factor> {
+        let mut all = self.factors.iter().chain(&self.crossed);
+        all.find(|factor| factor.name == name)
     }
 
     /// The columns of the people's table that the tests need: of factors, then of covariates.
     pub fn tested_columns(&self) -> impl Iterator<Item = &str> {
-        let factors = self.factors.iter().map(|c| c.column.as_str());
+        let factors = self.factors.iter().map(|f| f.name.as_str());
         factors.chain(self.covariates.iter().map(|c| c.column.as_str()))
     }
 

@@ -56,15 +56,18 @@ fn all_hold<'a>(wanted: &Wanted, cell: impl Fn(&str) -> Option<&'a str>) -> bool
         .all(|(column, value)| cell(column) == Some(value.as_str()))
 }
 
-/// A column of the people's table.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Column {
+/// The factor whose levels are the conditions, where those cross no others.
+pub const CONDITION: &str = "condition";
+
+/// A factor: a column of the people's table, or one that the conditions cross.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub struct Factor {
     /// Its name.
-    pub column: String,
+    pub name: String,
     /// On the page, where it was given.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub label: Option<String>,
+    /// Level → what the page calls it, where that is not the level itself.
+    pub levels: BTreeMap<String, String>,
 }
 
 /// A column of numbers of the people's table that goes along with the outcomes.

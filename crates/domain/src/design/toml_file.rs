@@ -2,10 +2,11 @@
 
 use super::{
     condition::{By, Sign},
+    contrast::LevelContrast,
     exclude::Exclude,
     files::{BeyondRule, Files},
     outcome::{Homophily, ScoreName},
-    people::{Column, Covariate},
+    people::Covariate,
     protocol::Protocol,
 };
 use crate::condition::ConditionId;
@@ -37,7 +38,7 @@ pub(super) struct DesignToml {
     #[serde(default)]
     pub(super) contrasts: ContrastsToml,
     #[serde(default)]
-    pub(super) factor: Vec<Column>,
+    pub(super) factor: Vec<FactorToml>,
     #[serde(default)]
     pub(super) covariate: Vec<Covariate>,
     pub(super) homophily: Option<Homophily>,
@@ -57,6 +58,17 @@ pub(super) struct StudyToml {
     pub(super) authors: Vec<String>,
     #[serde(default)]
     pub(super) synthetic: bool,
+    pub(super) units: Option<Units>,
+}
+
+/// The units in which people read speeds and lengths.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub(super) enum Units {
+    /// km/h and m.
+    Metric,
+    /// mph and m.
+    Us,
 }
 
 #[derive(Debug, Default, Deserialize)]
@@ -211,6 +223,18 @@ pub(super) struct HypothesisToml {
 #[serde(deny_unknown_fields)]
 pub(super) struct ContrastsToml {
     pub(super) compare: Option<CompareToml>,
+    #[serde(default)]
+    pub(super) factors: Vec<LevelContrast>,
+}
+
+#[derive(Debug, Default, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct FactorToml {
+    pub(super) column: Option<String>,
+    pub(super) within: Option<String>,
+    pub(super) label: Option<String>,
+    #[serde(default)]
+    pub(super) levels: BTreeMap<String, String>,
 }
 
 #[derive(Debug, Deserialize)]

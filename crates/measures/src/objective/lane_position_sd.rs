@@ -14,7 +14,7 @@ pub(super) const MEASURE: Measure = Measure {
     name: "lane_position_sd_m",
     title: "Standard deviation of the lane position",
     unit: "m",
-    shown: Shown::in_unit("m"),
+    shown: Shown::In("m"),
     aggression: None,
     description: "Standard deviation of the place in the lane about its mean in each stretch between lane changes, less 2 s on both sides of a change.",
     of_passing: true,

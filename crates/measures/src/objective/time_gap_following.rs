@@ -13,7 +13,7 @@ pub(super) const MEASURE: Measure = Measure {
     name: "time_gap_following_s",
     title: "Time gap while following",
     unit: "s",
-    shown: Shown::in_unit("s"),
+    shown: Shown::In("s"),
     aggression: Some(Sign::Minus),
     description: "Mean over the rows at which ego follows of the gap to the lead vehicle over ego speed.",
     of_passing: false,

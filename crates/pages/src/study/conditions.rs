@@ -7,6 +7,7 @@ use super::{
 };
 use crate::words::{capital, omnibus, with_unit};
 use maveric_analysis::{Contrast, Kept, Panel};
+use maveric_domain::design::Compare;
 use maveric_report::{
     ReportError,
     figures::{
@@ -18,6 +19,25 @@ use maveric_report::{
     tables::Table,
 };
 use minijinja::{Value, context};
+
+/// Up to so many conditions every pair has its bracket.
+const MOST_WITH_ALL_PAIRS: usize = 4;
+
+/// What was measured with its unit; of an answer what its scale is.
+pub(super) fn amount(panel: &Panel, unit: &str) -> String {
+    if panel.measured || unit.is_empty() {
+        with_unit(&panel.title, unit)
+    } else {
+        capital(unit)
+    }
+}
+
+/// The ends of the scale; what was measured and is never below 0 has its lower end there.
+pub(super) fn ends(panel: &Panel) -> Option<(f64, f64)> {
+    let mut values = panel.rows.iter().flatten().flatten();
+    let is_amount = panel.differences_from.is_none() && values.all(|v| *v >= 0.0);
+    panel.range.or(is_amount.then_some((0.0, f64::INFINITY)))
+}
 
 impl StudyPage<'_> {
     /// What the conditions did; `drive` is one of them from above.
@@ -38,6 +58,7 @@ impl StudyPage<'_> {
             };
             figures.push(difference_panels(&panels, self.context)?);
         }
+        figures.extend(self.interaction()?);
         if let Some(drive) = drive {
             figures.push(time_space(drive, self.context)?);
         }
@@ -45,8 +66,9 @@ impl StudyPage<'_> {
             self.texts
                 .table("descriptives", &self.analysis.descriptives)?,
             self.omnibus()?,
-            self.contrasts()?,
         ];
+        tables.extend(self.factor_tables()?);
+        tables.push(self.contrasts()?);
         tables.extend(self.accuracy()?);
         let values = context! { from => from.map(|id| id.to_string()), drawn => drawn.len() };
         self.texts
@@ -56,7 +78,8 @@ impl StudyPage<'_> {
 
     /// Which test answered each effect of each panel, and why.
     fn omnibus(&self) -> Result<Table, ReportError> {
-        let rows = self.analysis.panels.iter().flat_map(tested);
+        let panels = self.analysis.panels.iter();
+        let rows = panels.flat_map(|panel| tested(self.design, panel));
         self.texts.table("omnibus", rows)
     }
 
@@ -117,9 +140,7 @@ impl StudyPage<'_> {
 
     fn panel(&self, panel: &Panel) -> Result<DifferencePanel, ReportError> {
         let axis = match (panel.differences_from, panel.unit.as_str()) {
-            (None, "") => panel.title.clone(),
-            (None, unit) if panel.measured => with_unit(&panel.title, unit),
-            (None, unit) => capital(unit),
+            (None, unit) => amount(panel, unit),
             (Some(from), unit) => with_unit(&self.axis("difference_axis", from)?, unit),
         };
         let pair = |p: &Contrast| {
@@ -130,15 +151,19 @@ impl StudyPage<'_> {
                 effect: p.effect.as_ref().and_then(|e| e.value),
             })
         };
+        // Of many conditions those pairs alone have brackets that somebody asked for.
+        let many = panel.conditions.len() > MOST_WITH_ALL_PAIRS;
+        let undeclared = many && *self.design.compare() == Compare::All;
+        let brackets = panel.contrasts.iter().filter(|_| !undeclared);
         Ok(DifferencePanel {
             title: titled(panel),
             axis,
             conditions: panel.conditions.clone(),
             rows: panel.rows.clone(),
-            omnibus: omnibus(panel, true),
-            pairs: panel.contrasts.iter().filter_map(pair).collect(),
+            omnibus: omnibus(self.design, panel, true),
+            pairs: brackets.filter_map(pair).collect(),
             reference: panel.same,
-            range: panel.range,
+            range: ends(panel),
         })
     }
 }

@@ -55,14 +55,12 @@ impl StudyPage<'_> {
 
     pub(super) fn method_values(&self) -> Value {
         let (design, a) = (self.design, self.analysis);
-        let called = |label: &Option<String>, column: &str| {
-            label.clone().unwrap_or_else(|| column.to_owned())
-        };
-        let factors = design.factors().iter().map(|c| called(&c.label, &c.column));
-        let covariates = design
-            .covariates()
+        let factors = design
+            .factors()
             .iter()
-            .map(|c| called(&c.label, &c.column));
+            .map(|f| design.factor_label(&f.name));
+        let covariates = design.covariates().iter();
+        let covariates = covariates.map(|c| design.factor_label(&c.column));
         let compared = || a.panels.iter().filter_map(|p| p.comparison.as_ref());
         // How contrasts were tested, of those that were.
         let tested = |test: PosthocTest| {
@@ -79,8 +77,10 @@ impl StudyPage<'_> {
             conditions => design.conditions().iter().map(condition).collect::<Vec<_>>(),
             factors => factors.collect::<Vec<_>>(),
             covariates => covariates.collect::<Vec<_>>(),
+            of_levels => design.level_contrasts().len(),
             used => context! {
                 factorial => compared().any(|f| matches!(f, ByDesign::Factorial(_))),
+                simple => a.panels.iter().any(|p| p.by_factor.is_some()),
                 groups => compared().any(|f| matches!(f, ByDesign::Groups(_))),
                 mixed => compared().any(|f| matches!(f, ByDesign::Mixed(_))),
                 ordinal => compared().any(|f| matches!(f, ByDesign::Ordinal(_))),
@@ -138,6 +138,7 @@ impl StudyPage<'_> {
 #[cfg(test)]
 mod tests {
     use crate::{METHODS, PageTexts};
+    use maveric_domain::SpeedUnit;
     use minijinja::{Value, context};
 
     fn said(key: &str, values: &Value) -> String {
@@ -192,7 +193,10 @@ mod tests {
             let road = context! { lanes => 2, lane_width_m => 3.66 };
             said(
                 "driving",
-                &context! { road, posted_mph => 55.0, minutes, by_hand => true },
+                &context! {
+                    road, posted_mps => 24.5872, minutes, by_hand => true,
+                    speed => context! { unit => "mph", per_mps => SpeedUnit::Mph.per_mps() },
+                },
             )
         };
         assert_eq!(

@@ -2,6 +2,7 @@
 
 mod accuracy;
 mod conditions;
+mod factors;
 mod homophily;
 mod line;
 mod manuscript;
@@ -55,8 +56,8 @@ pub struct Facts<'a, Training> {
     pub score_range: Option<(f64, f64)>,
     /// The road, where a drive is there.
     pub road: Option<Road>,
-    /// Posted speed on it, in mph.
-    pub posted_mph: Option<f64>,
+    /// Posted speed on it, in m/s.
+    pub posted_mps: Option<f64>,
     /// Mean length of the baseline drives, in minutes.
     pub minutes: Option<f64>,
 }
@@ -87,6 +88,7 @@ impl<'a> StudyPage<'a> {
             count => in_words(conditions.len()),
             labels,
             preface => context.preface(),
+            speed => context! { unit => context.speed.name(), per_mps => context.speed.per_mps() },
             ..value(facts),
         };
         Ok(Self {
@@ -130,7 +132,8 @@ impl<'a> StudyPage<'a> {
             }
         }
         for panel in &a.panels {
-            let values = context! { title => titled(panel), test => omnibus(panel, false) };
+            let values =
+                context! { title => titled(panel), test => omnibus(self.design, panel, false) };
             lines.push(self.texts.with(&values).text("panel")?);
         }
         Ok(lines)

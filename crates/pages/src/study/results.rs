@@ -79,7 +79,19 @@ impl StudyPage<'_> {
             let values = context! { described => value(&described) };
             paragraphs.push(self.results.with(&values).text("described")?);
         }
-        paragraphs.extend(self.each("tested", tested(panel).iter().map(value))?);
+        paragraphs.extend(self.each("tested", tested(self.design, panel).iter().map(value))?);
+        if let Some(by_factor) = &panel.by_factor {
+            let rows = by_factor.contrasts.iter();
+            let rows = rows.map(|contrast| self.factor_contrast(panel, contrast));
+            let all = self.each("factor_contrast", rows)?;
+            if !all.is_empty() {
+                paragraphs.push(
+                    self.results
+                        .with(&context! { all })
+                        .text("factor_contrasts")?,
+                );
+            }
+        }
         let pairs = panel.contrasts.iter().map(|pair| contrast(panel, pair));
         let all = self.each("contrast", pairs)?;
         if !all.is_empty() {

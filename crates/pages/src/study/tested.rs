@@ -3,9 +3,10 @@
 use super::titled;
 use crate::{
     texts::value,
-    words::{effect_words, omnibus, paired},
+    words::{effect_title, omnibus, paired},
 };
 use maveric_analysis::{Contrast, Panel};
+use maveric_domain::Design;
 use maveric_stats::{
     ByDesign, Chosen, ChosenTest, EffectMethod, FactorialFinding, GroupsAnalysis, apa::Statements,
 };
@@ -47,7 +48,7 @@ struct Numbers {
 }
 
 /// The test of each effect that the design crosses; of one factor, of groups and of ordered answers a single one.
-pub(super) fn tested(panel: &Panel) -> Vec<Tested> {
+pub(super) fn tested(design: &Design, panel: &Panel) -> Vec<Tested> {
     let group = panel.group.as_ref();
     let row = |effect: &str, sentence: String, numbers: Numbers| Tested {
         outcome: panel.outcome.clone(),
@@ -60,7 +61,7 @@ pub(super) fn tested(panel: &Panel) -> Vec<Tested> {
         n: panel.n,
         numbers,
     };
-    let alone = |numbers| vec![row("omnibus", omnibus(panel, false), numbers)];
+    let alone = |numbers| vec![row("omnibus", omnibus(design, panel, false), numbers)];
     let found = match &panel.comparison {
         None => return alone(Numbers::default()),
         Some(ByDesign::Factorial(found)) => of_factors(&found.found),
@@ -104,11 +105,15 @@ pub(super) fn tested(panel: &Panel) -> Vec<Tested> {
         let (_, said) = sentences.iter().find(|(said, _)| *said == name)?;
         let mut tested = row(&name, said.markup().to_owned(), numbers);
         if several {
-            tested.title = format!("{}: {}", tested.title, effect_words(&name));
+            tested.title = format!("{}: {}", tested.title, effect_title(design, &name));
         }
         Some(tested)
     });
-    let rows: Vec<Tested> = rows.collect();
+    let mut rows: Vec<Tested> = rows.collect();
+    // The reasons are those of all effects: the first row has them.
+    for row in rows.iter_mut().skip(1) {
+        row.reasons.clear();
+    }
     if rows.is_empty() {
         return alone(Numbers::default());
     }
@@ -233,6 +238,7 @@ pub(super) fn contrast(panel: &Panel, pair: &Contrast) -> Value {
         group => group.map_or_else(String::new, |g| format!(".{}.{}", g.factor, g.level)),
         level => group.map_or("", |g| g.level.as_str()),
         title => titled(panel),
+        unit => panel.unit.as_str(),
         sentence => paired(panel, pair),
         test => value(&panel.test),
         n => panel.n,

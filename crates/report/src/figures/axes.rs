@@ -1,6 +1,7 @@
 //! Scales, ticks and the frame of a panel.
 
 use super::canvas::{Canvas, Look, Pen, cap_height};
+use super::names::Names;
 use super::theme::{GRID, INK, size, stroke};
 pub(crate) use crate::apa::number;
 
@@ -14,6 +15,8 @@ pub(crate) struct Scale {
     from: f64,
     to: f64,
     logarithmic: bool,
+    /// The labels are names: each gets the room to its neighbour.
+    named: bool,
 }
 
 impl Scale {
@@ -69,6 +72,21 @@ impl Scale {
         Self::of((low, high), ticks, labels, false)
     }
 
+    /// A scale of names at 0, 1, 2 …: they are set so that none overlaps another.
+    pub(crate) fn of_names(low: f64, high: f64, names: impl Iterator<Item = String>) -> Self {
+        let ticks = names.enumerate().map(|(at, name)| (at as f64, name));
+        Self {
+            named: true,
+            ..Self::labelled(low, high, ticks.collect())
+        }
+    }
+
+    /// How its names are set on so many points.
+    fn names(&self, width: f64) -> Option<Names> {
+        let space = width / (self.high - self.low);
+        self.named.then(|| Names::of(&self.labels, space))
+    }
+
     fn of(
         (low, high): (f64, f64),
         ticks: Vec<f64>,
@@ -83,6 +101,7 @@ impl Scale {
             from: 0.0,
             to: 1.0,
             logarithmic,
+            named: false,
         }
     }
 
@@ -262,14 +281,16 @@ impl Frame {
         if !labels.x.is_empty() {
             bottom -= cap_height(size::AXIS) + 6.5;
         }
-        if x.labels.iter().any(|label| !label.is_empty()) {
-            bottom -= cap_height(size::TICK) + TICK_LENGTH + 2.5;
-        }
         let mut left = outer.left;
         if !labels.y.is_empty() {
             left += cap_height(size::AXIS) + 5.0;
         }
         left += y.widest_label().max(labels.numbers) + TICK_LENGTH + 2.0;
+        let names = x.names(outer.right - left);
+        if x.labels.iter().any(|label| !label.is_empty()) {
+            let height = names.as_ref().map_or(cap_height(size::TICK), Names::height);
+            bottom -= height + TICK_LENGTH + 2.5;
+        }
         let place = Place {
             left,
             top,
@@ -279,11 +300,17 @@ impl Frame {
         let x = x.placed(place.left, place.right);
         let y = y.placed(place.bottom, place.top);
         let frame = Self { x, y, place };
-        frame.axes(canvas, outer, labels);
+        frame.axes(canvas, outer, labels, names.as_ref());
         frame
     }
 
-    fn axes(&self, canvas: &mut Canvas<'_>, outer: Place, labels: &Labels<'_>) {
+    fn axes(
+        &self,
+        canvas: &mut Canvas<'_>,
+        outer: Place,
+        labels: &Labels<'_>,
+        names: Option<&Names>,
+    ) {
         let Place {
             left,
             top,
@@ -301,9 +328,13 @@ impl Frame {
                 tick_look.end().centred(),
             );
         }
-        for (&tick, label) in self.x.ticks.iter().zip(&self.x.labels) {
+        for (index, (&tick, label)) in self.x.ticks.iter().zip(&self.x.labels).enumerate() {
             let x = self.x.place(tick);
             canvas.line((x, bottom), (x, bottom + TICK_LENGTH), axis);
+            if let Some(names) = names {
+                names.draw(canvas, index, (x, bottom + TICK_LENGTH + 2.5));
+                continue;
+            }
             let half = tick_look.width(label) / 2.0;
             // The outermost labels stay inside the panel.
             let x = x.clamp(

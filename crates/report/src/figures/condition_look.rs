@@ -32,9 +32,6 @@ impl ConditionLook {
     }
 }
 
-/// Labels longer than this are shortened on an axis.
-const LONGEST: usize = 10;
-
 impl ConditionLook {
     /// The baseline and the conditions of a design, in its order: their own colours, else along a scale from blue over purple to orange
     /// by their place on the dial (by their order where nothing turns a dial), other cars beside it.
@@ -119,15 +116,6 @@ impl ConditionLook {
     pub(crate) fn words(&self) -> String {
         crate::markup::literal(&self.label)
     }
-
-    /// The label as it fits below a column; where it is shortened, the caption says what it stands for.
-    pub(crate) fn short(&self) -> String {
-        if self.label.chars().count() <= LONGEST {
-            return self.label.clone();
-        }
-        let start: String = self.label.chars().take(4).collect();
-        format!("{}.", start.trim_end())
-    }
 }
 
 fn channels(colour: RGBColor) -> [u8; 3] {
@@ -180,10 +168,6 @@ mod tests {
         assert_eq!(
             colours,
             [INK, BLUE, PURPLE, RGBColor(0x10, 0x20, 0x30), OCHRE].map(channels)
-        );
-        assert_eq!(
-            (found[1].short().as_str(), found[3].short().as_str()),
-            ("calm", "Aver.")
         );
     }
 

@@ -1,6 +1,7 @@
 //! Every outcome, condition by condition: rainclouds.
 
 use super::crowd::MOST_POINTS;
+use super::names::is_cut;
 use super::prelude::*;
 use super::rainclouds::{self, Panel, Slot};
 use crate::apa;
@@ -93,10 +94,24 @@ pub fn difference_panels(
         check.finite("a pair's p", panel.pairs.iter().map(|pair| pair.p_holm))?;
         check.at_least(1, "values", panel.rows.iter().flatten().flatten().count())?;
     }
-    let grid = Grid::of(input.panels.len(), 3, (10.0, 11.0));
+    let conditions = input.panels.iter().map(|panel| panel.conditions.len());
+    // A condition needs its room: with more of them fewer panels stand in a row.
+    let columns = match conditions.max().unwrap_or(0) {
+        ..=4 => 3,
+        5..=6 => 2,
+        _ => 1,
+    };
+    let grid = Grid::of(input.panels.len(), columns, (10.0, 11.0));
+    // Many names read upwards.
+    let height = if columns == 1 { 88.0 } else { 64.0 };
+    let width = match columns {
+        3 => grid.width_mm(),
+        2 => TWO_COLUMNS_MM / 2.0 * grid.columns as f64,
+        _ => TWO_COLUMNS_MM,
+    };
     let plan = Plan {
         name: NAME.to_owned(),
-        size_mm: (grid.width_mm(), 64.0 * grid.rows() + 3.0),
+        size_mm: (width, height * grid.rows() + 3.0),
         title: match input.from {
             Some(from) => format!(
                 "Difference between each condition and {}",
@@ -111,6 +126,22 @@ pub fn difference_panels(
     draw_panels(plan, context, grid, &[], |canvas, index, place| {
         rainclouds::paint(canvas, place, &drawn(&input.panels[index], context));
     })
+}
+
+/// Most brackets of a panel.
+const MOST_BRACKETS: usize = 6;
+
+/// The pairs that are drawn: all where they are few, else those with the smallest p.
+fn bracketed(panel: &DifferencePanel) -> Vec<PairTest> {
+    let mut pairs = panel.pairs.clone();
+    pairs.sort_by(|a, b| a.p_holm.total_cmp(&b.p_holm));
+    let last = pairs.get(MOST_BRACKETS).map(|pair| pair.p_holm);
+    let kept = panel
+        .pairs
+        .iter()
+        .filter(|pair| last.is_none_or(|last| pair.p_holm < last));
+    // Of equal p none is preferred.
+    kept.copied().collect()
 }
 
 fn complete(panel: &DifferencePanel) -> Vec<Vec<f64>> {
@@ -145,15 +176,14 @@ fn drawn<'a>(panel: &'a DifferencePanel, context: &Context) -> Panel<'a> {
         .map(|(&condition, mean)| {
             let look = context.look(condition);
             Slot {
-                name: look.short(),
+                name: look.words(),
                 look: (look.marker(), look.rgb()),
                 mean,
             }
         });
     let place = |wanted: ConditionId| panel.conditions.iter().position(|&c| c == wanted);
-    let contrasts = panel
-        .pairs
-        .iter()
+    let contrasts = bracketed(panel)
+        .into_iter()
         .filter_map(|pair| Some((place(pair.first)?, place(pair.second)?, pair.said())));
     Panel {
         title: &panel.title,
@@ -197,10 +227,25 @@ fn caption(input: &DifferencePanels, context: &Context) -> String {
     let mut shortened = String::new();
     for condition in input.panels.first().iter().flat_map(|p| &p.conditions) {
         let look = context.look(*condition);
-        if look.short() != look.label {
-            let _ = write!(shortened, " {}, {}.", look.short(), look.words());
+        if is_cut(&look.words()) {
+            let _ = write!(shortened, " {}: {}.", look.id, look.words());
         }
     }
+    let brackets = if input.panels.iter().all(|p| p.pairs.is_empty()) {
+        "Contrasts stand in their table.".to_owned()
+    } else {
+        let few = input.panels.iter().all(|p| p.pairs.len() <= MOST_BRACKETS);
+        let which = if few {
+            String::new()
+        } else {
+            format!(
+                " (at most {MOST_BRACKETS} a panel, those with the smallest *p*; the table has all)"
+            )
+        };
+        format!(
+            "Brackets{which} carry effect sizes (*d*_{{z}}, or the rank-biserial *r* where ranks were compared) with the stars of *p* after Holm over the contrasts of that panel (\\* .05, \\*\\* .01, \\*\\*\\* .001)."
+        )
+    };
     let nobody: Vec<String> = input
         .panels
         .iter()
@@ -215,9 +260,9 @@ fn caption(input: &DifferencePanels, context: &Context) -> String {
     format!(
         "{what}. {points} Half violins are \
          kernel densities (to two bandwidths beyond the data, never beyond the scale), boxes quartiles with whiskers to 1.5 times their distance, black dots \
-         means with within-subject 95% intervals (Cousineau–Morey): these compare conditions with one another{line}. *n* = {everybody} participants, of \
+         means with within-subject 95% intervals (Cousineau–Morey), cut where the panel ends: these compare conditions with one another{line}. *n* = {everybody} participants, of \
          whom {complete} have a value in every condition and enter means, intervals and tests. \
-         The omnibus test stands below each title; brackets carry effect sizes (*d*_{{z}}, or the rank-biserial *r* where ranks were compared) with the stars of *p* after Holm over the contrasts of that panel (\\* .05, \\*\\* .01, \\*\\*\\* .001).{shortened}{}",
+         The omnibus test stands below each title. {brackets}{shortened}{}",
         nobody.concat()
     )
 }

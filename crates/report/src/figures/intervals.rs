@@ -1,5 +1,6 @@
 //! A few estimates with their intervals, small: the picture of an answer.
 
+use super::names::shortened;
 use super::prelude::*;
 use maveric_stats::Proportion;
 
@@ -144,18 +145,6 @@ pub fn intervals(
             paint(&mut panel, row, rows.y(i));
         }
     })
-}
-
-/// A name that fits, cut with an ellipsis.
-fn shortened(name: &str, room: f64) -> String {
-    let look = Look::new(size::TICK);
-    let mut kept: String = name.to_owned();
-    while look.width(&markup::literal(&kept)) > room && kept.chars().count() > 4 {
-        kept = kept.trim_end_matches('…').chars().collect::<String>();
-        kept.pop();
-        kept = format!("{}…", kept.trim_end());
-    }
-    kept
 }
 
 fn paint(panel: &mut Panel<'_, '_>, row: &IntervalRow, y: f64) {

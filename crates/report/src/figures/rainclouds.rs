@@ -1,6 +1,7 @@
 //! A panel of rainclouds side by side: half violin, box, points, mean with interval, and contrasts as brackets.
 
 use super::crowd::MOST_POINTS;
+use super::names::Names;
 use super::prelude::*;
 use super::raincloud::{self, BOX, Cloud};
 
@@ -30,6 +31,9 @@ pub(crate) struct Panel<'a> {
     pub(crate) range: Option<(f64, f64)>,
 }
 
+/// About what the axis of values takes, in points.
+const AXIS: f64 = 28.0;
+
 /// Draws the panel into its place.
 pub(crate) fn paint(canvas: &mut Canvas<'_>, place: Place, input: &Panel<'_>) {
     let k = input.slots.len();
@@ -44,15 +48,19 @@ pub(crate) fn paint(canvas: &mut Canvas<'_>, place: Place, input: &Panel<'_>) {
     // The brackets need their room above the data.
     let levels = brackets.iter().map(|bracket| bracket.level + 1).max();
     let room = levels.map_or(0.0, |levels| levels as f64 * STEP + 3.0);
-    let plot = (place.bottom - place.top - 42.0).max(40.0);
+    let names: Vec<String> = input.slots.iter().map(|slot| slot.name.clone()).collect();
+    let below = Names::of(
+        &names,
+        (place.right - place.left - AXIS) / (k as f64 + 0.15),
+    )
+    .height();
+    let plot = (place.bottom - place.top - 42.0 + cap_height(size::TICK) - below).max(40.0);
     let (low, top) = (data.low(), data.high());
     let high = low + (top - low) * plot / (plot - room).max(plot / 3.0);
     // Ticks only where there are data: what lies above them is room for the brackets.
     let data = Scale::between(low, top, 4);
     let y = Scale::labelled(low, high, data.ticks.into_iter().zip(data.labels).collect());
-    let names = input.slots.iter().enumerate();
-    let names = names.map(|(index, slot)| (index as f64, slot.name.clone()));
-    let x = Scale::labelled(-0.55, k as f64 - 0.4, names.collect());
+    let x = Scale::of_names(-0.55, k as f64 - 0.4, names.into_iter());
     let labels = Labels {
         title: input.title,
         subtitle: input.subtitle,
@@ -78,7 +86,9 @@ pub(crate) fn paint(canvas: &mut Canvas<'_>, place: Place, input: &Panel<'_>) {
         };
         raincloud::paint(canvas, &frame, cloud, (middle, slot), of.look.1);
         if let Some(ends) = of.mean {
-            let [mean, low, high] = ends.map(|end| (middle + BOX * slot, frame.y.at(end)));
+            // An interval of very few people is cut where the panel ends.
+            let inside = |end: f64| frame.y.at(end.clamp(low, top));
+            let [mean, low, high] = ends.map(|end| (middle + BOX * slot, inside(end)));
             canvas.line(low, high, Pen::new(INK, stroke::STRONG));
             canvas.disc(mean, 1.7, INK, 1.0);
             canvas.ring(mean, 1.7, Pen::new(PAPER, stroke::THIN));

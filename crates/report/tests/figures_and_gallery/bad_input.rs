@@ -44,6 +44,7 @@ fn kinds() -> Vec<Kind> {
         false_positives,
         fidelity,
         following_errors,
+        interaction,
         lane_change_quality,
         learning_curve,
         perpendicular,

@@ -5,6 +5,7 @@
 //! themselves by [`Statements`], and by `Display`.
 
 mod designs;
+mod parts;
 mod results;
 
 pub use results::Statements;

@@ -6,8 +6,8 @@ use super::{
     one_factor::few_whole_answers,
 };
 use crate::{
-    Factor, FactorialDesign, StatsError, factorial, factorial::SubjectCovariate,
-    normality::shapiro_wilk, within_subjects::Index,
+    EffectTest, Factor, Factorial, FactorialDesign, Named, StatsError, factorial,
+    factorial::SubjectCovariate, normality::shapiro_wilk, within_subjects::Index,
 };
 
 pub(super) fn several(
@@ -15,11 +15,7 @@ pub(super) fn several(
     choice: &DesignChoice,
     mut reasons: Vec<String>,
 ) -> Result<ByDesign, StatsError> {
-    let values = with_covariates(data);
-    let design =
-        FactorialDesign::from_columns(data.subjects, &data.within, &data.between, &values)?;
-    let shape = shape_of(data, &design)?;
-    let covariates = of_subjects(data, &design);
+    let (design, shape, covariates) = shaped(data)?;
     let [inside, people] = design.standardised_residuals();
     let checks: Vec<_> = [
         ("the standardised residuals", inside),
@@ -36,19 +32,13 @@ pub(super) fn several(
     let plan = DesignPlan::of(&shape);
     reasons.push(format!("{}; {words}", kinds(data)));
     for (effect, _) in &shape.covariates {
+        let effect = data.called(effect);
         reasons.push(format!(
             "{effect} has one value a subject: it is tested between subjects, and changes no effect within them that it is not declared to be multiplied by"
         ));
     }
-    reasons.extend(methods_in_words(&plan, normal));
-    let anova = factorial(&design);
-    let effects = Effects {
-        shape: &shape,
-        design: &design,
-        anova: &anova,
-        covariates: &covariates,
-    };
-    let tests = effects.tests(&plan, normal)?;
+    reasons.extend(methods_in_words(data, &plan, normal));
+    let (anova, tests) = tested(&design, &shape, &covariates, &plan, normal)?;
     let ranked = tests.values().any(|test| test.method.is_of_ranks());
     Ok(ByDesign::Factorial(Box::new(Chosen {
         chosen: if ranked {
@@ -60,6 +50,37 @@ pub(super) fn several(
         checks,
         found: FactorialFinding { anova, tests },
     })))
+}
+
+/// The complete subjects, what their design is made of, and the covariates of each.
+pub(super) fn shaped<'a>(
+    data: &DesignColumns<'a>,
+) -> Result<(FactorialDesign, DesignShape, Vec<SubjectCovariate<'a>>), StatsError> {
+    let values = with_covariates(data);
+    let design =
+        FactorialDesign::from_columns(data.subjects, &data.within, &data.between, &values)?;
+    let shape = shape_of(data, &design)?;
+    let covariates = of_subjects(data, &design);
+    Ok((design, shape, covariates))
+}
+
+/// The analysis of variance, and the test of each effect as the plan has it.
+pub(super) fn tested(
+    design: &FactorialDesign,
+    shape: &DesignShape,
+    covariates: &[SubjectCovariate],
+    plan: &DesignPlan,
+    normal: bool,
+) -> Result<(Factorial, Named<EffectTest>), StatsError> {
+    let anova = factorial(design);
+    let effects = Effects {
+        shape,
+        design,
+        anova: &anova,
+        covariates,
+    };
+    let tests = effects.tests(plan, normal)?;
+    Ok((anova, tests))
 }
 
 /// Why only the order of the values counts, if so.
@@ -83,8 +104,8 @@ fn kinds(data: &DesignColumns<'_>) -> String {
 }
 
 /// A sentence a method: the effects that it tests.
-fn methods_in_words(plan: &DesignPlan, normal: bool) -> Vec<String> {
-    let mut by_method: Vec<(EffectMethod, Vec<&str>)> = Vec::new();
+fn methods_in_words(data: &DesignColumns<'_>, plan: &DesignPlan, normal: bool) -> Vec<String> {
+    let mut by_method: Vec<(EffectMethod, Vec<String>)> = Vec::new();
     for effect in &plan.effects {
         let method = if normal {
             effect.normal
@@ -92,8 +113,8 @@ fn methods_in_words(plan: &DesignPlan, normal: bool) -> Vec<String> {
             effect.far_from_normal
         };
         match by_method.iter_mut().find(|(known, _)| *known == method) {
-            Some((_, names)) => names.push(&effect.effect),
-            None => by_method.push((method, vec![&effect.effect])),
+            Some((_, names)) => names.push(data.called(&effect.effect)),
+            None => by_method.push((method, vec![data.called(&effect.effect)])),
         }
     }
     by_method

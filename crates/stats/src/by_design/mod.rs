@@ -5,7 +5,9 @@ mod factors;
 mod found;
 mod groups;
 mod kept;
+mod level_contrast;
 mod one_factor;
+mod parts;
 mod plan;
 
 pub use effects::EffectTest;
@@ -13,6 +15,8 @@ pub use found::{
     ByDesign, Chosen, ChosenTest, CorrectedTerm, FactorialFinding, MixedFinding, OrdinalFinding,
     RankCheck, SmallSample,
 };
+pub use level_contrast::{LevelChoice, LevelContrast, level_contrast};
+pub use parts::{SimpleTest, simple_effects};
 pub use plan::{DesignPlan, DesignShape, EffectMethod, PlannedEffect};
 
 use crate::{
@@ -34,6 +38,23 @@ pub struct DesignColumns<'a> {
     pub with: Vec<(&'a str, Vec<&'a str>)>,
     /// The outcome.
     pub values: &'a [Option<f64>],
+    /// What reasons call a column, where that is not its name.
+    pub labels: Vec<(&'a str, &'a str)>,
+}
+
+impl DesignColumns<'_> {
+    /// An effect (`a:b`) as reasons call it.
+    fn called(&self, effect: &str) -> String {
+        if self.labels.is_empty() {
+            return effect.to_owned();
+        }
+        let label = |name: &str| {
+            let known = self.labels.iter().find(|(n, _)| *n == name);
+            known.map_or(name, |(_, label)| label).to_owned()
+        };
+        let labels: Vec<String> = effect.split(':').map(label).collect();
+        labels.join(" × ")
+    }
 }
 
 /// What the numbers of an outcome are.
@@ -127,13 +148,18 @@ pub fn compare_by_design(
     let mut reasons = Vec::new();
     if let Some(name) = kept::varying(data)? {
         reasons.push(format!(
-            "a covariate that changes within subjects ({name}): {}",
+            "a covariate that changes within subjects ({}): {}",
+            data.called(name),
             kept::model_of(data)
         ));
         return kept::mixed(data, choice, reasons);
     }
     if let (true, Some((name, _))) = (data.within.is_empty(), data.covariates.first()) {
-        reasons.push(format!("a covariate ({name}): {}", kept::model_of(data)));
+        reasons.push(format!(
+            "a covariate ({}): {}",
+            data.called(name),
+            kept::model_of(data)
+        ));
         return kept::mixed(data, choice, reasons);
     }
     if choice.missing == MissingCells::Mixed {
@@ -198,5 +224,7 @@ fn said_of_ordinal(choice: &DesignChoice, what: &str) -> Option<String> {
     })
 }
 
+#[cfg(test)]
+mod part_tests;
 #[cfg(test)]
 mod tests;

@@ -8,6 +8,7 @@ mod means;
 mod regression;
 mod residuals;
 mod unpooled;
+mod weights;
 
 pub use anova::FactorialEffect;
 pub use art::{AlignedRanks, ArtEffect, ArtStrata, aligned_ranks};
@@ -16,6 +17,7 @@ pub use design::{BetweenColumn, Factor, FactorialDesign, WithinColumn};
 pub use means::{CellContrast, ExactTest, MarginalMean, SimpleEffect};
 pub(crate) use regression::{Regressed, SubjectCovariate, regressed};
 pub(crate) use unpooled::{Unpooled, unpooled};
+pub(crate) use weights::level_weights;
 
 use serde::{Deserialize, Serialize};
 

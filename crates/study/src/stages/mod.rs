@@ -39,7 +39,7 @@ pub fn versions() -> BTreeMap<String, String> {
         ("generate", 5),
         ("import", 3),
         ("codebook", 1),
-        ("export", 3),
+        ("export", 4),
         ("ingest", 12),
         ("score", 6),
         ("train", 10),
@@ -49,13 +49,13 @@ pub fn versions() -> BTreeMap<String, String> {
         ("measure", 5),
         ("rate", 2),
         ("evaluate", 6),
-        ("stats", 12),
+        ("stats", 13),
         ("ablate", 8),
         ("validate", 10),
         ("recommend", 4),
-        ("rehearse", 6),
+        ("rehearse", 7),
         ("rehearse-dial", 5),
-        ("report", 13),
+        ("report", 14),
     ]
     .map(|(command, version)| (command.to_owned(), version.to_string()))
     .into()

@@ -178,10 +178,7 @@ fn same_people(study: &DesignFile, plan: &OrderPlan, path: &Path) -> Result<Writ
     for person in &gate.people().enrolled {
         let mut order = person.order.clone();
         if takes_part(person) {
-            let group = factors
-                .iter()
-                .map(|f| person.cells.get(&f.column))
-                .collect();
+            let group = factors.iter().map(|f| person.cells.get(&f.name)).collect();
             let index = met.entry(group).or_default();
             if order.is_empty() {
                 order = plan.order(*index);

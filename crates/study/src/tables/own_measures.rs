@@ -144,7 +144,13 @@ fn known_people(
 }
 
 /// In which condition each row is.
-fn known_conditions(study: &DesignFile, table: &Table) -> Result<Vec<ConditionId>, StudyError> {
+///
+/// # Errors
+/// [`StudyError::BadCell`] for one that the study does not know.
+pub(crate) fn known_conditions(
+    study: &DesignFile,
+    table: &Table,
+) -> Result<Vec<ConditionId>, StudyError> {
     let words = table.text("condition")?;
     let condition = |(row, word): (usize, Option<String>)| {
         let word = word.unwrap_or_default();

@@ -42,8 +42,14 @@ fn expected_share(title: &str, c: &Contrast) -> IntervalRow {
 }
 
 /// The test over the conditions, in words.
-fn over(texts: &Texts, card: &str, panel: &Panel) -> Result<String, ReportError> {
-    let values = context! { title => panel.title.as_str(), omnibus => omnibus(panel, false) };
+fn over(
+    study: &Study<'_>,
+    texts: &Texts,
+    card: &str,
+    panel: &Panel,
+) -> Result<String, ReportError> {
+    let test = omnibus(study.design, panel, false);
+    let values = context! { title => panel.title.as_str(), omnibus => test };
     texts.say(card, "over", &values)
 }
 
@@ -101,7 +107,7 @@ pub(super) fn expected(
     };
     let mut tests = Vec::new();
     for (panel, _) in &panels {
-        tests.push(over(texts, &name, panel)?);
+        tests.push(over(study, texts, &name, panel)?);
     }
     for (panel, pair) in all() {
         if let Some(paired) = paired(panel, pair) {
@@ -135,7 +141,7 @@ pub(super) fn differ(
     let clear = judged.filter(|(_, part)| part.verdict == Verdict::Shown);
     let clear: Vec<String> = clear.map(|(panel, _)| small(&panel.title)).collect();
     let values = context! { clear, all => finding.parts.len() };
-    let tests = whole(study).map(|panel| over(texts, "differ", panel));
+    let tests = whole(study).map(|panel| over(study, texts, "differ", panel));
     Ok(Card {
         tests: tests.collect::<Result<_, _>>()?,
         ..card(texts, finding, &values, None)?

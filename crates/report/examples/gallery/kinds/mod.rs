@@ -23,6 +23,7 @@ pub(crate) mod fidelity;
 pub(crate) mod flow;
 pub(crate) mod following_errors;
 pub(crate) mod forest;
+pub(crate) mod interaction;
 pub(crate) mod intervals;
 pub(crate) mod lane_change_quality;
 pub(crate) mod learning_curve;
@@ -53,7 +54,10 @@ pub(crate) fn conditions() -> Vec<ConditionId> {
     reason = "a test of the page alone and the bench have contexts of their own"
 )]
 pub(crate) fn context(seed: u64) -> Context {
-    Context::synthetic(seed).with_conditions(ConditionLook::of(&design()))
+    let design = design();
+    Context::synthetic(seed)
+        .with_conditions(ConditionLook::of(&design))
+        .with_speed(design.speed_unit())
 }
 
 pub(crate) const PARTICIPANTS: usize = 24;
@@ -62,7 +66,7 @@ pub(crate) const PARTICIPANTS: usize = 24;
 pub(crate) type Draw = fn(&Context) -> Result<Figure, ReportError>;
 
 /// Every kind: the name of its function, and one that draws it from made-up numbers.
-pub(crate) const KINDS: [(&str, Draw); 31] = [
+pub(crate) const KINDS: [(&str, Draw); 32] = [
     ("flow", flow::draw),
     ("completeness", completeness::draw),
     ("domain", domain::draw),
@@ -78,6 +82,7 @@ pub(crate) const KINDS: [(&str, Draw); 31] = [
     ("perpendicular", perpendicular::draw),
     ("difference_panels", difference_panels::draw),
     ("comparison", comparison::draw),
+    ("interaction", interaction::draw),
     ("scatter", scatter::draw),
     ("forest", forest::draw),
     ("preference", preference::draw),

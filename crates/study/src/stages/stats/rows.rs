@@ -131,6 +131,7 @@ impl DesignRows {
             with: (self.products.iter())
                 .map(|(covariate, effect)| (covariate.as_str(), vec![effect.as_str()]))
                 .collect(),
+            labels: Vec::new(),
             values: &self.values,
         }
     }
@@ -140,6 +141,13 @@ impl DesignRows {
         let design =
             FactorialDesign::from_columns(all.subjects, &all.within, &all.between, all.values)?;
         Ok(design)
+    }
+
+    /// Its factors, those between subjects first.
+    pub(super) fn factors(&self) -> Vec<&str> {
+        let between = self.between.iter().map(|(name, _)| name.as_str());
+        let within = self.within.iter().map(|(name, _)| name.as_str());
+        between.chain(within).collect()
     }
 
     /// Levels of each factor in order of appearance, those between subjects first.

@@ -1,0 +1,355 @@
+//! What the factors of a design did, level by level: means, simple effects, declared contrasts.
+
+use crate::{
+    AnalysisError,
+    crossed::factors_within,
+    data::StudyData,
+    result::{ByFactor, FactorContrast, LevelMean, TestedFactor},
+};
+use maveric_domain::{
+    Design,
+    design::{LevelContrast, Levels},
+};
+use maveric_stats::{
+    Chosen, DesignColumns, FactorialFinding, LevelChoice, adjust, level_contrast, simple_effects,
+    within_subject_intervals,
+};
+use std::collections::BTreeSet;
+
+/// The factors of an outcome that several were tested of; and why a declared contrast has no test.
+///
+/// # Errors
+/// [`AnalysisError::Stats`] for data that the tests of the whole would have refused.
+pub(crate) fn by_factor(
+    design: &Design,
+    columns: &DesignColumns<'_>,
+    found: &Chosen<FactorialFinding>,
+) -> Result<(ByFactor, Vec<String>), AnalysisError> {
+    let is_within = |name: &str| columns.within.iter().any(|(within, _)| *within == name);
+    let factors = found.found.anova.levels.iter();
+    let factors: Vec<TestedFactor> = factors
+        .map(|(name, levels)| TestedFactor {
+            name: name.to_owned(),
+            within: is_within(name),
+            levels: levels.clone(),
+        })
+        .collect();
+    let mut reasons = Vec::new();
+    let mut contrasts = Vec::new();
+    for declared in design.level_contrasts() {
+        let parts: Vec<(&str, LevelChoice)> = declared
+            .iter()
+            .map(|(name, levels)| (name.as_str(), choice(levels)))
+            .collect();
+        match level_contrast(columns, found, &parts) {
+            Ok(test) => contrasts.push(FactorContrast {
+                levels: parts.into_iter().map(|(n, c)| (n.to_owned(), c)).collect(),
+                test,
+                p_holm: None,
+            }),
+            // What one outcome lacks is no fault of the study.
+            Err(why) => reasons.push(format!(
+                "the declared contrast of {} has no test: {why}",
+                in_words(design, declared)
+            )),
+        }
+    }
+    let tested = contrasts.iter_mut().filter(|c| c.test.p.is_some());
+    let tested: Vec<&mut FactorContrast> = tested.collect();
+    let p: Vec<f64> = tested.iter().filter_map(|c| c.test.p).collect();
+    if !p.is_empty() {
+        for (contrast, holm) in tested.into_iter().zip(adjust(&p)?.holm) {
+            contrast.p_holm = Some(holm);
+        }
+    }
+    Ok((
+        ByFactor {
+            means: means(&factors, columns, found),
+            simple: simple_effects(columns, found)?,
+            contrasts,
+            factors,
+        },
+        reasons,
+    ))
+}
+
+fn choice(levels: &Levels) -> LevelChoice {
+    match levels {
+        Levels::Pair(pair) => LevelChoice::Pair(pair.clone()),
+        Levels::At(level) => LevelChoice::At(level.clone()),
+    }
+}
+
+/// A declared contrast in the words of the design.
+fn in_words(design: &Design, declared: &LevelContrast) -> String {
+    let part = |(name, levels): (&String, &Levels)| {
+        let labels = levels.named().iter().map(|l| design.level_label(name, l));
+        let labels: Vec<String> = labels.collect();
+        format!("{}: {}", design.factor_label(name), labels.join(" − "))
+    };
+    declared.iter().map(part).collect::<Vec<_>>().join(", ")
+}
+
+/// The mean of each level and of each cell.
+fn means(
+    factors: &[TestedFactor],
+    columns: &DesignColumns<'_>,
+    found: &Chosen<FactorialFinding>,
+) -> Vec<LevelMean> {
+    let anova = &found.found.anova;
+    let people = complete(columns, &anova.dropped);
+    let mut means = Vec::new();
+    for mask in 1..1_usize << factors.len() {
+        let inside = factors.iter().enumerate();
+        let inside: Vec<&TestedFactor> = inside
+            .filter(|(f, _)| mask >> f & 1 == 1)
+            .map(|(_, factor)| factor)
+            .collect();
+        let names: Vec<&str> = inside.iter().map(|f| f.name.as_str()).collect();
+        let effect = names.join(":");
+        let Some(cells) = anova.emm.get(&effect) else {
+            continue;
+        };
+        let whole = inside.len() == factors.len() && inside.iter().any(|f| f.within);
+        for (levels, mean) in product(&inside).into_iter().zip(cells.values()) {
+            let is_there = |person: &&Complete| {
+                let level = |(f, level): (&&TestedFactor, &String)| {
+                    f.within || person.groups.contains(&(f.name.as_str(), level.as_str()))
+                };
+                inside.iter().zip(&levels).all(level)
+            };
+            let those: Vec<&Complete> = people.iter().filter(is_there).collect();
+            means.push(LevelMean {
+                n: those.len(),
+                mean: mean.mean,
+                interval: mean.ci_low.zip(mean.ci_high),
+                within: whole
+                    .then(|| within(&those, columns, &inside, &levels))
+                    .flatten(),
+                effect: effect.clone(),
+                levels,
+            });
+        }
+    }
+    means.sort_by_key(|mean| mean.levels.len());
+    means
+}
+
+/// Every combination of levels, the last factor counting fastest.
+fn product(factors: &[&TestedFactor]) -> Vec<Vec<String>> {
+    factors.iter().fold(vec![Vec::new()], |cells, factor| {
+        let longer = |cell: &Vec<String>| {
+            let levels = factor.levels.iter();
+            let with = levels.map(|level| [cell.as_slice(), std::slice::from_ref(level)].concat());
+            with.collect::<Vec<_>>()
+        };
+        cells.iter().flat_map(longer).collect()
+    })
+}
+
+/// Somebody with a value in every cell.
+struct Complete<'a> {
+    groups: Vec<(&'a str, &'a str)>,
+    rows: Vec<usize>,
+}
+
+fn complete<'a>(columns: &DesignColumns<'a>, dropped: &[String]) -> Vec<Complete<'a>> {
+    let mut seen = BTreeSet::new();
+    let subjects = columns.subjects.iter();
+    let people = subjects.filter(|who| !dropped.contains(who) && seen.insert(*who));
+    people
+        .map(|who| {
+            let rows = (0..columns.subjects.len()).filter(|r| columns.subjects[*r] == *who);
+            let rows: Vec<usize> = rows.collect();
+            let level = |(name, cells): &(&'a str, &'a [Option<String>])| {
+                Some((*name, cells[rows[0]].as_deref()?))
+            };
+            Complete {
+                groups: columns.between.iter().filter_map(level).collect(),
+                rows,
+            }
+        })
+        .collect()
+}
+
+/// The ends of the interval within people of one cell of all factors.
+fn within(
+    people: &[&Complete],
+    columns: &DesignColumns<'_>,
+    factors: &[&TestedFactor],
+    levels: &[String],
+) -> Option<(f64, f64)> {
+    let values: Vec<Vec<f64>> = people
+        .iter()
+        .map(|p| p.rows.iter().map(|row| columns.values[*row]).collect())
+        .collect::<Option<_>>()?;
+    let is_cell = |row: &usize| {
+        columns.within.iter().all(|(name, cells)| {
+            let mut wanted = factors.iter().zip(levels);
+            wanted.any(|(factor, level)| factor.name == *name && cells[*row] == *level)
+        })
+    };
+    let place = people.first()?.rows.iter().position(is_cell)?;
+    let [_, low, high] = within_subject_intervals(&values)?[place];
+    Some((low, high))
+}
+
+/// Refuses a declared contrast of a factor that no test has, or of a level that nobody who is tested has.
+pub(crate) fn check(data: &StudyData) -> Result<(), AnalysisError> {
+    let design = &data.design;
+    let conditions: Vec<_> = design.conditions().iter().map(|c| c.id).collect();
+    let within = factors_within(design, &conditions);
+    let between = design.factors().iter().map(|f| f.name.as_str());
+    let tested: Vec<&str> = between
+        .chain(within.iter().map(|(n, _)| n.as_str()))
+        .collect();
+    for declared in design.level_contrasts() {
+        if tested.len() < 2 {
+            return Err(AnalysisError::OneFactor {
+                factor: tested.concat(),
+            });
+        }
+        for (factor, levels) in declared {
+            let unknown = |found: &str, known: Vec<String>| AnalysisError::UnknownLevel {
+                factor: factor.clone(),
+                found: found.to_owned(),
+                known,
+            };
+            if !tested.contains(&factor.as_str()) {
+                return Err(AnalysisError::UntestedFactor {
+                    factor: factor.clone(),
+                    known: tested.iter().map(|name| (*name).to_owned()).collect(),
+                });
+            }
+            let of_people = || {
+                let people = data.participants.iter();
+                let levels = people.filter_map(|p| data.column(p, factor).map(str::to_owned));
+                levels.collect::<BTreeSet<String>>()
+            };
+            let known: BTreeSet<String> = match within.iter().find(|(name, _)| name == factor) {
+                Some((_, levels)) => levels.iter().cloned().collect(),
+                None => of_people(),
+            };
+            if let Some(level) = levels.named().iter().find(|level| !known.contains(*level)) {
+                return Err(unknown(level, known.into_iter().collect()));
+            }
+        }
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::{
+        AnalysisError, Friedman, StudyData, analyse,
+        testing::{CONDITIONS, SPEED, design, near, panel, plain, tables},
+    };
+    use maveric_stats::LevelChoice;
+
+    const LEVELS: [(&str, &str); 4] = [
+        ("slow", "town"),
+        ("slow", "land"),
+        ("fast", "town"),
+        ("fast", "land"),
+    ];
+
+    /// Our four conditions as two factors, with these contrasts.
+    fn crossed(contrasts: &str) -> String {
+        let conditions = CONDITIONS.iter().zip(LEVELS).map(|(id, (pace, road))| {
+            format!("[[condition]]\nid = \"{id}\"\nlevels = {{ pace = \"{pace}\", road = \"{road}\" }}\n")
+        });
+        format!(
+            "[study]\ntitle = \"t\"\n[baseline]\nid = \"own\"\n{}[[outcome]]\nmeasure = \"{SPEED}\"\n\
+             [contrasts]\nfactors = [{contrasts}]\n",
+            conditions.collect::<String>()
+        )
+    }
+
+    #[test]
+    fn means_and_contrasts_are_those_of_each_persons_values() {
+        let text = crossed(
+            "{ pace = [\"fast\", \"slow\"], road = [\"town\", \"land\"] }, { pace = [\"slow\", \"fast\"] }",
+        );
+        let data = StudyData::new(&design(&text), tables()).unwrap();
+        let a = analyse(&data, Friedman::Exact).unwrap();
+        let panel = panel(&a, SPEED);
+        let found = panel.by_factor.as_ref().unwrap();
+        let score = |weights: [f64; 4]| -> Vec<f64> {
+            let row =
+                |row: &Vec<Option<f64>>| row.iter().zip(weights).map(|(v, w)| w * v.unwrap()).sum();
+            panel.rows.iter().map(row).collect()
+        };
+        let by_hand = |scores: &[f64]| {
+            let n = scores.len() as f64;
+            let mean = scores.iter().sum::<f64>() / n;
+            let square: f64 = scores.iter().map(|s| (s - mean).powi(2)).sum();
+            (mean, mean / (square / (n - 1.0) / n).sqrt())
+        };
+        for (contrast, weights) in found
+            .contrasts
+            .iter()
+            .zip([[-1.0, 1.0, 1.0, -1.0], [0.5, 0.5, -0.5, -0.5]])
+        {
+            let (mean, t) = by_hand(&score(weights));
+            near(Some(contrast.test.estimate), mean);
+            // Where ranks decided there is no t.
+            if contrast.test.df.is_some() {
+                near(contrast.test.statistic, t);
+            }
+        }
+        assert_eq!(
+            found.contrasts[1].levels.get("pace"),
+            Some(&LevelChoice::Pair(["slow", "fast"].map(str::to_owned)))
+        );
+        let p = found.contrasts.iter().map(|c| c.test.p.unwrap());
+        let least = p.clone().fold(1.0, f64::min);
+        let holm = found
+            .contrasts
+            .iter()
+            .filter_map(|c| c.p_holm)
+            .fold(1.0, f64::min);
+        near(Some(holm), (2.0 * least).min(1.0));
+        let slow = found.means.iter().find(|m| m.levels == ["slow"]).unwrap();
+        near(Some(slow.mean), by_hand(&score([0.5, 0.5, 0.0, 0.0])).0);
+        let cell = found
+            .means
+            .iter()
+            .find(|m| m.levels == ["fast", "land"])
+            .unwrap();
+        near(Some(cell.mean), by_hand(&score([0.0, 0.0, 0.0, 1.0])).0);
+        assert!(cell.within.is_some() && slow.within.is_none());
+        // A rehearsal does without.
+        let quick = analyse(&data, Friedman::Approximate).unwrap();
+        assert!(quick.panels.iter().all(|p| p.by_factor.is_none()));
+    }
+
+    #[test]
+    fn a_contrast_that_no_test_can_have_is_refused_before_anything_is_tested() {
+        let refused = |text: &str| {
+            let data = StudyData::new(&design(text), tables()).unwrap();
+            analyse(&data, Friedman::Exact).unwrap_err()
+        };
+        let one = plain(
+            &["fast", "slow"],
+            "[contrasts]\nfactors = [{ condition = [\"fast\", \"slow\"] }]\n",
+        );
+        assert!(
+            matches!(refused(&one), AnalysisError::OneFactor { factor } if factor == "condition")
+        );
+        // A cell is missing, so that the conditions are tested in one row: nobody has a road.
+        let text = crossed("{ road = [\"town\", \"land\"] }");
+        let at = text.find("[[condition]]\nid = \"across\"").unwrap();
+        let end = text.find("[[outcome]]").unwrap();
+        let short = format!(
+            "{}[[factor]]\ncolumn = \"group\"\n{}",
+            &text[..at],
+            &text[end..]
+        );
+        let refused = refused(&short);
+        assert!(
+            matches!(&refused, AnalysisError::UntestedFactor { known, .. } if known == &["group", "condition"])
+        );
+        assert!(refused.to_string().contains("names `road`"), "{refused}");
+        assert!(refused.suggestion().is_some());
+    }
+}

@@ -1,0 +1,47 @@
+//! The factors within people: those that the conditions cross.
+
+use maveric_domain::{
+    ConditionId, Design,
+    design::{CONDITION, Condition},
+};
+
+/// Factors of a kind that a test can take.
+pub(crate) const MOST_FACTORS: usize = 2;
+
+/// A factor within people: its name, and its level in each condition.
+pub(crate) type Within = (String, Vec<String>);
+
+/// The two factors that the conditions cross, if they do so completely.
+pub(crate) fn crossed(conditions: &[&Condition]) -> Option<Vec<Within>> {
+    let names: Vec<&String> = conditions.first()?.levels.keys().collect();
+    if names.len() != MOST_FACTORS {
+        return None;
+    }
+    let mut factors = Vec::new();
+    let mut cells = 1;
+    for name in names {
+        let of = conditions.iter().map(|c| c.levels.get(name).cloned());
+        let levels: Vec<String> = of.collect::<Option<_>>()?;
+        let mut different = levels.clone();
+        different.sort_unstable();
+        different.dedup();
+        if different.len() < 2 {
+            return None;
+        }
+        cells *= different.len();
+        factors.push((name.clone(), levels));
+    }
+    let cell = |at: usize| [&factors[0].1[at], &factors[1].1[at]];
+    let twice = (1..conditions.len()).any(|b| (0..b).any(|a| cell(a) == cell(b)));
+    (cells == conditions.len() && !twice).then_some(factors)
+}
+
+/// The factors that these conditions cross; else the conditions themselves are one.
+pub(crate) fn factors_within(design: &Design, conditions: &[ConditionId]) -> Vec<Within> {
+    let found: Option<Vec<&Condition>> =
+        conditions.iter().map(|id| design.condition(*id)).collect();
+    found.and_then(|all| crossed(&all)).unwrap_or_else(|| {
+        let names = conditions.iter().map(ToString::to_string).collect();
+        vec![(CONDITION.to_owned(), names)]
+    })
+}

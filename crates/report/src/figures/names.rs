@@ -1,0 +1,135 @@
+//! Names below an axis: on one line where they fit, else on several, else reading upwards.
+
+use super::canvas::{Canvas, Look, cap_height};
+use super::theme::size;
+use crate::markup;
+
+/// Most lines of a name.
+const MOST_LINES: usize = 3;
+/// A name that reads upwards is cut at this many points.
+const LONGEST: f64 = 78.0;
+/// Points between two names.
+const GAP: f64 = 3.0;
+const LINE: f64 = 1.18 * size::TICK;
+
+/// How the names of an axis are set.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) enum Names {
+    /// Lines, one below the other.
+    Level(Vec<Vec<String>>),
+    /// Reading upwards.
+    Turned(Vec<String>),
+}
+
+impl Names {
+    /// Names, each with so many points from its neighbour.
+    pub(crate) fn of(names: &[String], space: f64) -> Self {
+        let look = Look::new(size::TICK);
+        let fits = |line: &String| look.width(line) <= space - GAP;
+        let lines: Vec<Vec<String>> = names.iter().map(|n| wrapped(n, space - GAP)).collect();
+        if lines
+            .iter()
+            .all(|l| l.len() <= MOST_LINES && l.iter().all(fits))
+        {
+            return Self::Level(lines);
+        }
+        Self::Turned(names.iter().map(|name| shortened(name, LONGEST)).collect())
+    }
+
+    /// Points from the ticks to the foot of the lowest.
+    pub(crate) fn height(&self) -> f64 {
+        let look = Look::new(size::TICK);
+        match self {
+            Self::Level(names) => {
+                let lines = names.iter().map(Vec::len).max().unwrap_or(1);
+                cap_height(size::TICK) + LINE * lines.saturating_sub(1) as f64
+            }
+            Self::Turned(names) => names.iter().map(|n| look.width(n)).fold(0.0, f64::max),
+        }
+    }
+
+    /// Draws one of them below a point.
+    pub(crate) fn draw(&self, canvas: &mut Canvas<'_>, index: usize, (x, y): (f64, f64)) {
+        let look = Look::new(size::TICK);
+        match self {
+            Self::Level(names) => {
+                for (line, text) in names[index].iter().enumerate() {
+                    let at = (x, y + LINE * line as f64);
+                    canvas.text(text, at, look.middle().hanging());
+                }
+            }
+            Self::Turned(names) => {
+                canvas.text(&names[index], (x, y), look.end().centred().turned());
+            }
+        }
+    }
+}
+
+/// A name on as few lines as its words need.
+fn wrapped(name: &str, room: f64) -> Vec<String> {
+    let look = Look::new(size::TICK);
+    let mut lines: Vec<String> = Vec::new();
+    for word in name.split_whitespace() {
+        match lines.last_mut() {
+            Some(line) if look.width(&format!("{line} {word}")) <= room => {
+                line.push(' ');
+                line.push_str(word);
+            }
+            _ => lines.push(word.to_owned()),
+        }
+    }
+    lines
+}
+
+/// A name that fits, cut with an ellipsis.
+pub(crate) fn shortened(name: &str, room: f64) -> String {
+    let look = Look::new(size::TICK);
+    let mut kept: String = name.to_owned();
+    while look.width(&markup::literal(&kept)) > room && kept.chars().count() > 4 {
+        kept = kept.trim_end_matches('…').chars().collect::<String>();
+        kept.pop();
+        kept = format!("{}…", kept.trim_end());
+    }
+    kept
+}
+
+/// Whether a name is cut where it reads upwards: a caption then says it whole.
+pub(crate) fn is_cut(name: &str) -> bool {
+    shortened(name, LONGEST) != name
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn names(all: &[&str]) -> Vec<String> {
+        all.iter().map(|n| (*n).to_owned()).collect()
+    }
+
+    #[test]
+    fn names_stand_on_as_few_lines_as_they_need_and_read_upwards_where_no_line_fits() {
+        let short = names(&["calm", "sporty"]);
+        let level = Names::of(&short, 40.0);
+        assert_eq!(
+            level,
+            Names::Level(vec![names(&["calm"]), names(&["sporty"])])
+        );
+        let two = Names::of(&names(&["calm, dense", "calm, free"]), 30.0);
+        assert_eq!(
+            two,
+            Names::Level(vec![names(&["calm,", "dense"]), names(&["calm,", "free"])])
+        );
+        assert!(two.height() > level.height());
+        assert_eq!(Names::of(&short, 12.0), Names::Turned(short));
+    }
+
+    #[test]
+    fn a_name_that_is_too_long_either_way_is_cut_with_an_ellipsis() {
+        let long = names(&["an uncommonly long name of a condition that nobody can print"]);
+        let Names::Turned(cut) = Names::of(&long, 15.0) else {
+            panic!("turned");
+        };
+        assert!(cut[0].ends_with('…') && Look::new(size::TICK).width(&cut[0]) <= LONGEST);
+        assert!(is_cut(&long[0]) && !is_cut("calm, dense"));
+    }
+}

@@ -1,0 +1,79 @@
+//! The sentences of simple effects and of contrasts of levels.
+
+use super::{Statement, degrees};
+use crate::{Adjustment, EffectMethod, LevelContrast, SimpleTest};
+
+impl SimpleTest {
+    /// Its test with this p, which may be adjusted; none where there is no statistic.
+    pub fn statement(&self, p: f64) -> Option<Statement> {
+        let test = self.test.as_ref()?;
+        let value = test.statistic?;
+        let said = match (test.df1, test.df2) {
+            (Some(df1), Some(df2)) => Statement::of("*F*", &[df1, df2], value),
+            (Some(df), None) => Statement::of("*χ*^{2}", &[df], value),
+            _ => ranks(test.method, value),
+        };
+        Some(said.p(p, Adjustment::None))
+    }
+}
+
+impl LevelContrast {
+    /// Its test with this p, which may be adjusted; none where there is no statistic.
+    pub fn statement(&self, p: f64) -> Option<Statement> {
+        let value = self.statistic?;
+        let said = match self.df {
+            Some(df) => Statement::of("*t*", &[df], value),
+            None => ranks(self.method, value),
+        };
+        Some(said.p(p, Adjustment::None))
+    }
+}
+
+fn ranks(method: EffectMethod, value: f64) -> Statement {
+    let symbol = match method {
+        EffectMethod::GroupRanks => "*U*",
+        _ => "*W*",
+    };
+    Statement(format!("{symbol} = {}", degrees(value)))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_contrast_is_said_as_the_test_that_it_had() {
+        let t = LevelContrast {
+            n: 12,
+            method: EffectMethod::Strata,
+            estimate: 1.0,
+            se: Some(0.5),
+            statistic: Some(2.0),
+            df: Some(11.0),
+            p: Some(0.07),
+            ci_low: None,
+            ci_high: None,
+        };
+        assert_eq!(
+            t.statement(0.14).unwrap().markup(),
+            "*t*(11) = 2.00, *p* = .140"
+        );
+        for (method, said) in [
+            (EffectMethod::SignedRanks, "*W* = 31, *p* = .140"),
+            (EffectMethod::GroupRanks, "*U* = 31, *p* = .140"),
+        ] {
+            let ranks = LevelContrast {
+                method,
+                statistic: Some(31.0),
+                df: None,
+                ..t.clone()
+            };
+            assert_eq!(ranks.statement(0.14).unwrap().markup(), said);
+        }
+        let none = LevelContrast {
+            statistic: None,
+            ..t
+        };
+        assert!(none.statement(0.14).is_none());
+    }
+}

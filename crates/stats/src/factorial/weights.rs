@@ -1,0 +1,41 @@
+//! Contrasts of levels as weights of groups and cells.
+
+use super::{
+    Factor, FactorialDesign,
+    cells::{Rows, average, difference, products},
+};
+
+/// Weights of the groups and of the cells: of a factor with a pair its first level less its second, of any other the mean.
+pub(crate) fn level_weights<'a>(
+    design: &FactorialDesign,
+    pair: &impl Fn(&str) -> Option<&'a [String; 2]>,
+) -> (Vec<f64>, Vec<f64>) {
+    let part = |factor: &Factor| {
+        let place = |level: &String| factor.levels.iter().position(|known| known == level);
+        let places = pair(&factor.name).and_then(|[a, b]| Some((place(a)?, place(b)?)));
+        let levels = factor.levels.len();
+        places.map_or_else(|| average(levels), |(a, b)| difference(levels, a, b))
+    };
+    let of = |factors: &[Factor]| {
+        let parts: Vec<Rows> = factors.iter().map(part).collect();
+        products(&parts).concat()
+    };
+    (of(&design.between), of(&design.within))
+}
+
+impl FactorialDesign {
+    /// Of each subject the sum of what weights above 0 add, and of what weights below 0 take away.
+    pub(crate) fn weighted_sides(&self, cells: &[f64]) -> Vec<[f64; 2]> {
+        let side = |values: &[f64], sign: f64| {
+            let weighted = values.iter().zip(cells);
+            weighted.map(|(v, w)| v * (sign * w).max(0.0)).sum()
+        };
+        let people = self.values.chunks_exact(cells.len());
+        people.map(|v| [side(v, 1.0), side(v, -1.0)]).collect()
+    }
+
+    /// Of each complete subject its group: the cell of the factors between subjects.
+    pub fn group(&self) -> &[usize] {
+        &self.group
+    }
+}
