@@ -34,6 +34,11 @@ pub(crate) struct Panel<'a> {
 /// About what the axis of values takes, in points.
 const AXIS: f64 = 28.0;
 
+/// How the names of slots are set in a panel of about so many points' width.
+pub(crate) fn names(names: &[String], width: f64) -> Names {
+    Names::of(names, (width - AXIS) / (names.len() as f64 + 0.15))
+}
+
 /// Draws the panel into its place.
 pub(crate) fn paint(canvas: &mut Canvas<'_>, place: Place, input: &Panel<'_>) {
     let k = input.slots.len();
@@ -49,11 +54,7 @@ pub(crate) fn paint(canvas: &mut Canvas<'_>, place: Place, input: &Panel<'_>) {
     let levels = brackets.iter().map(|bracket| bracket.level + 1).max();
     let room = levels.map_or(0.0, |levels| levels as f64 * STEP + 3.0);
     let names: Vec<String> = input.slots.iter().map(|slot| slot.name.clone()).collect();
-    let below = Names::of(
-        &names,
-        (place.right - place.left - AXIS) / (k as f64 + 0.15),
-    )
-    .height();
+    let below = self::names(&names, place.right - place.left).height();
     let plot = (place.bottom - place.top - 42.0 + cap_height(size::TICK) - below).max(40.0);
     let (low, top) = (data.low(), data.high());
     let high = low + (top - low) * plot / (plot - room).max(plot / 3.0);
@@ -86,7 +87,9 @@ pub(crate) fn paint(canvas: &mut Canvas<'_>, place: Place, input: &Panel<'_>) {
         };
         raincloud::paint(canvas, &frame, cloud, (middle, slot), of.look.1);
         if let Some(ends) = of.mean {
-            let [mean, low, high] = ends.map(|end| (middle + BOX * slot, frame.y.at(end)));
+            // Of few people an interval may leave the panel: its line ends there.
+            let end = |end: f64| frame.y.at(end.clamp(frame.y.low(), frame.y.high()));
+            let [mean, low, high] = ends.map(|value| (middle + BOX * slot, end(value)));
             canvas.line(low, high, Pen::new(INK, stroke::STRONG));
             canvas.disc(mean, 1.7, INK, 1.0);
             canvas.ring(mean, 1.7, Pen::new(PAPER, stroke::THIN));
