@@ -100,7 +100,7 @@ fn drives_in_parts_with_a_lane_and_a_place_in_it_measure_as_whole_ones_with_a_po
     );
     let joined = study.maveric_in("mine", &["run", "ingest"]).ok().stderr;
     assert!(
-        joined.contains("goes on in") && joined.contains("0.050 s later"),
+        joined.contains("12 logs (") && joined.contains("goes on in its part 2, 0.050 s later"),
         "{joined}"
     );
     assert_eq!(measured(&study).len(), 12);

@@ -393,6 +393,9 @@ fn whom_the_design_excludes_is_in_nothing_that_is_made_or_given_away() {
     let study = run_once();
     let people = [LEARNED, TESTED];
     let traces = Traces::of(&study, &people);
+    let notes = std::fs::read_to_string(study.path("mine/seat/notes.csv")).unwrap();
+    let sick = format!("2026-11-23T11:00:00Z,,experimenter,{TESTED} felt sick\n");
+    study.write("mine/seat/notes.csv", notes + &sick);
     export(&study, "shared").ok();
     // What is read finds those who are there: their words, and by themselves their samples.
     for traces in [&traces, &traces.samples_alone()] {
@@ -435,6 +438,28 @@ fn whom_the_design_excludes_is_in_nothing_that_is_made_or_given_away() {
         again.stderr
     );
     nowhere(&study, "shared", &traces, |_| false);
+    assert!(
+        again
+            .stderr
+            .contains("1 that name somebody who is left out are not"),
+        "{}",
+        again.stderr
+    );
+    // All that the study has, with tables of the drives and what was analysed.
+    let whole = [
+        "export",
+        "--key",
+        "../key",
+        "--out",
+        "../whole",
+        "--drives",
+        "parquet",
+        "--notes",
+        "--pipeline",
+    ];
+    study.maveric_in("mine", &whole).ok();
+    nowhere(&study, "whole", &traces, |_| false);
+    assert!(study.path("whole/outcomes_long.csv").is_file());
     let status = study.maveric_in("mine", &["status"]).ok();
     assert!(status.stdout.contains(TESTED) || status.stderr.contains(TESTED));
 }

@@ -262,6 +262,122 @@ fn each_analysis_has_its_sentence_its_tables_and_its_figure() {
 }
 
 #[test]
+fn one_word_means_one_thing_in_every_call() {
+    let study = with(&table());
+    for (words, other) in [
+        (
+            "groups --group vehicle --value score --where style=calm --where load=low",
+            ["--group", "--between"],
+        ),
+        (
+            "levene --group vehicle --value score",
+            ["--group", "--between"],
+        ),
+        (
+            "normality --group style --value score",
+            ["--group", "--within"],
+        ),
+        (
+            "normality --group vehicle --value score",
+            ["--group", "--between"],
+        ),
+        (
+            "bayes --group vehicle --value score --where style=calm --where load=low",
+            ["--group", "--between"],
+        ),
+        (
+            "mixed --subject id --fixed vehicle*style+age --value score",
+            [
+                "--fixed vehicle*style+age",
+                "--between vehicle --within style --covariate age",
+            ],
+        ),
+        (
+            "mixed --subject id --fixed style*load --value score",
+            ["--fixed style*load", "--within style,load"],
+        ),
+    ] {
+        let renamed = words.replace(other[0], other[1]);
+        assert_ne!(renamed, words);
+        assert_eq!(json(&study, words), json(&study, &renamed), "{renamed}");
+    }
+    // A factor is one by its flag, be its levels numbers; in a formula numbers are a covariate.
+    let by_flag = json(
+        &study,
+        "mixed --subject id --within style --between age --value score",
+    );
+    let by_formula = json(&study, "mixed --subject id --fixed style*age --value score");
+    assert!(by_flag["anova"]["age"]["df1"].as_u64().unwrap() > 1);
+    assert_eq!(by_formula["anova"]["age"]["df1"], 1);
+    call(
+        &study,
+        "mixed --subject id --fixed style --within style --value score",
+        &[],
+    )
+    .failed(2, &["--fixed", "--within"]);
+    call(&study, "mixed --subject id --value score", &[]).failed(2, &["--fixed", "--between"]);
+    call(&study, "levene --value score", &[]).failed(2, &["--group"]);
+}
+
+#[test]
+fn bayes_factors_say_of_which_pair_they_are_and_what_was_held_likely_before() {
+    let study = with(&table());
+    let pairs = "bayes --subject id --within style --value score --where load=low";
+    let found = json(&study, pairs);
+    let pair = found["bayes_t"].as_object().unwrap().keys().next().unwrap();
+    assert_eq!(found["prior"]["family"], "Cauchy");
+    assert_eq!(found["prior"]["scale"], std::f64::consts::FRAC_1_SQRT_2);
+    let text = call(&study, pairs, &[]).ok().stdout;
+    assert!(
+        text.contains(&format!("{pair}: BF")) && text.contains("Cauchy prior of the"),
+        "{text}"
+    );
+    let groups = "bayes --between vehicle --value score --where style=calm --where load=low";
+    let text = call(&study, groups, &[]).ok().stdout;
+    assert!(text.contains("8 + 8"), "{text}");
+    let correlation = json(&study, "bayes --x score --y speed");
+    let sentence = correlation["apa"]["bayes_r"].as_str().unwrap();
+    assert!(
+        sentence.contains("κ = .33); BF") && sentence.contains("κ = 1.00)"),
+        "{sentence}"
+    );
+    assert_eq!(correlation["prior_kappa1"]["scale"], 1.0);
+}
+
+#[test]
+fn two_factors_are_drawn_as_lines_of_their_means_and_three_as_cells() {
+    let study = with(&table());
+    for (words, lines) in [
+        (
+            "factorial --subject id --within style,load --value score",
+            true,
+        ),
+        (
+            "compare --subject id --within style --between vehicle --value score --where load=low",
+            true,
+        ),
+        ("mixed --subject id --within style,load --value score", true),
+        (
+            "factorial --subject id --within style,load --between vehicle --value score",
+            false,
+        ),
+        (
+            "factorial --subject id --within style --value score --where load=low",
+            false,
+        ),
+    ] {
+        call(&study, words, &["--figure", "f.svg"]).ok();
+        let svg = std::fs::read_to_string(study.path("f.svg")).unwrap();
+        assert_eq!(
+            svg.contains("a line a level of one factor"),
+            lines,
+            "{words}"
+        );
+        std::fs::remove_file(study.path("f.svg")).unwrap();
+    }
+}
+
+#[test]
 fn a_wide_table_is_a_design_of_one_factor_for_every_call_that_has_one() {
     let study = TempStudy::new();
     study.write("d.csv", "a,b,c\n1,2,4\n2,2,3\n3,5,5\n1,4,3\n2,3,5\n4,3,5\n");

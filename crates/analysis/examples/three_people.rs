@@ -45,9 +45,9 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     }
     let found = analyse(&StudyData::new(&design, tables)?, Friedman::Exact)?;
     for contrast in &found.panels[0].contrasts {
-        let [mph, p] = [contrast.mean_difference, contrast.p_holm];
+        let [kmh, p] = [contrast.mean_difference, contrast.p_holm];
         println!(
-            "{} - {}: {mph:.2?} mph, p {p:.3?}",
+            "{} - {}: {kmh:.2?} km/h, p {p:.3?}",
             contrast.first, contrast.second
         );
     }

@@ -8,8 +8,24 @@ use crate::{
 use maveric_domain::ConditionId;
 use maveric_stats::normality;
 
-/// The outcomes in their order, then every other rating that somebody gave; the baseline first where it has values.
-pub(crate) fn describe(data: &StudyData) -> Vec<Described> {
+/// An outcome or a rating as it was observed.
+#[derive(Debug, Clone)]
+pub struct Observed {
+    /// Code name of the measure, or `SCALE.SUBSCALE`.
+    pub outcome: String,
+    /// Name for people.
+    pub title: String,
+    /// Unit in which people read it; empty for counts and shares.
+    pub unit: String,
+    /// What a value is multiplied with to be in that unit.
+    pub factor: f64,
+    /// Everybody's values in each condition, the baseline first where it has any: in the order of [`StudyData::participants`] and in the
+    /// unit of the tables.
+    pub conditions: Vec<(ConditionId, Vec<Option<f64>>)>,
+}
+
+/// The outcomes in their order, then every other rating that somebody gave.
+pub fn observed(data: &StudyData) -> Vec<Observed> {
     let mut asked = outcomes(data);
     for name in data.rated_names() {
         if !asked.iter().any(|a| a.id == name.to_string()) {
@@ -21,25 +37,38 @@ pub(crate) fn describe(data: &StudyData) -> Vec<Described> {
     if let Some(baseline) = baseline.filter(|b| !conditions.contains(b)) {
         conditions.insert(0, baseline);
     }
+    let observed = |asked: Asked| {
+        let values = |condition: &ConditionId| {
+            let value = |p| asked.value(data, p, *condition);
+            (*condition, data.participants.iter().map(value).collect())
+        };
+        let there = |(condition, values): &(ConditionId, Vec<Option<f64>>)| {
+            Some(*condition) != baseline || values.iter().any(Option::is_some)
+        };
+        Observed {
+            conditions: conditions.iter().map(values).filter(there).collect(),
+            outcome: asked.id,
+            title: asked.title,
+            unit: asked.unit,
+            factor: asked.factor,
+        }
+    };
+    asked.into_iter().map(observed).collect()
+}
+
+/// Each condition of [`observed`] in numbers, in the unit in which people read it.
+pub(crate) fn describe(data: &StudyData) -> Vec<Described> {
     let mut found = Vec::new();
-    for asked in &asked {
-        for condition in &conditions {
-            let value = |p| Some(asked.value(data, p, *condition)? * asked.factor);
-            let values: Vec<Option<f64>> = data
-                .participants
-                .iter()
-                .filter_map(value)
-                .map(Some)
-                .collect();
-            if values.is_empty() && Some(*condition) == baseline {
-                continue;
-            }
+    for seen in observed(data) {
+        for (condition, values) in seen.conditions {
+            let shown = values.into_iter().flatten().map(|v| Some(v * seen.factor));
+            let values: Vec<Option<f64>> = shown.collect();
             let shape = normality(&values).ok().map(|found| found.desc);
             found.push(Described {
-                outcome: asked.id.clone(),
-                title: asked.title.clone(),
-                unit: asked.unit.clone(),
-                condition: *condition,
+                outcome: seen.outcome.clone(),
+                title: seen.title.clone(),
+                unit: seen.unit.clone(),
+                condition,
                 n: values.len(),
                 mean: shape.as_ref().map(|s| s.mean),
                 sd: shape.as_ref().and_then(|s| s.sd),

@@ -35,6 +35,7 @@ pub mod verdict;
 pub use analyse::analyse;
 pub use balance::{Balance, OrderBalance, PlacesOf};
 pub use data::{StudyData, Tables};
+pub use describe::{Observed, observed};
 pub use design_test::Friedman;
 pub use error::AnalysisError;
 pub use exclusions::{Driven, LeftOut, Rule, Why};

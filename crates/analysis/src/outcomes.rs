@@ -45,16 +45,17 @@ impl Asked {
     pub(crate) fn measure(design: &Design, name: &str) -> Self {
         let known = objective::find(name);
         let own = design.measure(name);
+        let speed = design.speed_unit();
         let [title, unit] = match (own, known) {
             (Some(own), _) => [own.title.as_str(), own.shown_unit()],
-            (None, Some(known)) => [known.title, known.shown.unit],
+            (None, Some(known)) => [known.title, known.shown.unit(speed)],
             (None, None) => [name, ""],
         };
         Self {
             id: name.to_owned(),
             title: title.to_owned(),
             unit: unit.to_owned(),
-            factor: known.map_or(1.0, |m| m.shown.factor),
+            factor: known.map_or(1.0, |m| m.shown.factor(speed)),
             same: None,
             aggression: own.map_or_else(|| known.and_then(|m| m.aggression), |m| m.aggression),
             quantity: Quantity::Measure(name.to_owned()),

@@ -79,14 +79,14 @@ fn the_bias_of_the_own_style_car_has_the_interval_of_its_two_one_sided_tests() {
     let a = analysed(tables());
     let bias = a.reproduction[0].bias.as_ref().unwrap();
     // Differences .5, -1, .9, -.7, 0, .3 m/s: mean 0, squares 2.64, t(5) of 90 % is 2.015048.
-    let mph = 3600.0 / 1609.344;
-    let half = 2.015_048_373_3 * (2.64_f64 / 5.0 / 6.0).sqrt() * mph;
+    let kmh = 3.6;
+    let half = 2.015_048_373_3 * (2.64_f64 / 5.0 / 6.0).sqrt() * kmh;
     near(Some(bias.mean + 1.0), 1.0);
     let (low, high) = bias.interval.unwrap();
     near(Some(high), half);
     near(Some(low), -half);
     // Own drives 25 to 30 m/s: half a standard deviation is √3.5 / 2.
-    near(Some(bias.same_within), 3.5_f64.sqrt() / 2.0 * mph);
+    near(Some(bias.same_within), 3.5_f64.sqrt() / 2.0 * kmh);
     assert!(!bias.declared && bias.p_equivalent.unwrap() < 0.05);
     assert_eq!(bias.verdict, Verdict::Shown);
     let outcome = format!("[[outcome]]\nmeasure = \"{SPEED}\"\nsame_within = 0.5\n");
@@ -170,10 +170,10 @@ fn what_was_measured_and_answered_is_described_condition_by_condition() {
         a.descriptives.iter().find(is).unwrap()
     };
     let own = of(SPEED, "own");
-    let mph = 3600.0 / 1609.344;
-    near(own.mean, 27.5 * mph);
-    near(own.median, 27.5 * mph);
-    near(own.sd, 3.5_f64.sqrt() * mph);
+    let kmh = 3.6;
+    near(own.mean, 27.5 * kmh);
+    near(own.median, 27.5 * kmh);
+    near(own.sd, 3.5_f64.sqrt() * kmh);
     let trust = of("jian_trust.overall", "same");
     near(trust.mean, 5.0);
     assert_eq!((trust.n, own.n), (6, 6));
@@ -686,7 +686,7 @@ fn a_hypothesis_is_judged_by_its_rule() {
     let found = two(r#"["slow", "fast"]"#, "direction = \"-\"");
     assert_eq!(found.verdict, Verdict::Shown);
     assert!(found.rule.contains("Holm"), "{}", found.rule);
-    near(found.mean_difference, -5.0 * 3600.0 / 1609.344);
+    near(found.mean_difference, -5.0 * 3.6);
     assert_eq!(
         two(r#"["slow", "fast"]"#, "direction = \"+\"").verdict,
         Verdict::Fails
@@ -696,7 +696,7 @@ fn a_hypothesis_is_judged_by_its_rule() {
         judged(r#"["slow", "fast"]"#, "direction = \"-\""),
         Verdict::NotShown
     );
-    // Means 0 and 0.07 m/s, that is 0.15 mph apart.
+    // Means 0 and 0.07 m/s, that is 0.25 km/h apart.
     let near_to = r#"["same", "across"]"#;
     assert_eq!(judged(near_to, "equivalent = [-4, 4]"), Verdict::Shown);
     assert_eq!(
@@ -740,7 +740,7 @@ fn the_rule_of_an_equivalence_has_the_unit_of_what_was_measured_and_none_of_a_ra
         a.hypotheses[0].rule.clone()
     };
     assert!(
-        rule(SPEED).contains("between -1 and 1 mph (both"),
+        rule(SPEED).contains("between -1 and 1 km/h (both"),
         "{}",
         rule(SPEED)
     );

@@ -39,5 +39,5 @@ pub use steered::{ConditionRow, SweepPoint};
 pub use survey::{AdbScore, Answer, Moment, NormCorrelation, Norms, Scale, Score, Subscale};
 pub use trace::{LaneActivity, TraceRow};
 pub use traits::LatentTraits;
-pub use units::{Metres, MetresPerSecond, MetresPerSecond2, Seconds};
+pub use units::{Metres, MetresPerSecond, MetresPerSecond2, Seconds, SpeedUnit};
 pub use variability::{Variability, Wander};

@@ -83,6 +83,42 @@ impl Mul<Seconds> for MetresPerSecond {
 /// Metres per second in one mile per hour, exactly.
 pub const MPS_PER_MPH: f64 = 0.44704;
 
+/// In which unit people read a speed.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+pub enum SpeedUnit {
+    /// Kilometres an hour.
+    #[default]
+    #[serde(rename = "km/h")]
+    Kmh,
+    /// Miles an hour.
+    #[serde(rename = "mph")]
+    Mph,
+}
+
+impl SpeedUnit {
+    /// As it is written behind a number.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Kmh => "km/h",
+            Self::Mph => "mph",
+        }
+    }
+
+    /// How many of it make one metre per second.
+    ///
+    /// # Example
+    /// ```
+    /// # use maveric_domain::units::SpeedUnit;
+    /// assert_eq!(10.0 * SpeedUnit::Kmh.per_mps(), 36.0);
+    /// ```
+    pub fn per_mps(self) -> f64 {
+        match self {
+            Self::Kmh => 3.6,
+            Self::Mph => 1.0 / MPS_PER_MPH,
+        }
+    }
+}
+
 impl MetresPerSecond {
     /// A speed read in miles per hour.
     ///

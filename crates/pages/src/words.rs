@@ -17,6 +17,20 @@ pub fn capital(text: &str) -> String {
     })
 }
 
+/// A title within a sentence: its first letter small, unless it is an abbreviation's (`NASA-TLX`).
+pub fn small(title: &str) -> String {
+    let mut letters = title.chars();
+    let first = letters.next().into_iter().flat_map(char::to_lowercase);
+    if letters
+        .clone()
+        .next()
+        .is_some_and(|second| second.is_lowercase() || second == ' ')
+    {
+        return first.chain(letters).collect();
+    }
+    title.to_owned()
+}
+
 /// A quantity with its unit, where it has one.
 pub fn with_unit(title: &str, unit: &str) -> String {
     if unit.is_empty() {

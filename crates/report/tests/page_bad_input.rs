@@ -36,7 +36,7 @@ fn drive(name: impl Into<String>, i: usize) -> SpaceDrive {
         name: name.into(),
         at: [x.sin(), x.cos(), (2.0 * x).sin()],
         score_points: i.is_multiple_of(7).then_some(30.0),
-        velocity_mph: 60.0 + x.sin(),
+        velocity_mps: 27.0 + x.sin(),
     }
 }
 
@@ -175,7 +175,7 @@ fn a_number_that_is_none_is_refused_by_name() {
     let LiveContent::StyleSpace(inside) = &mut live.content else {
         unreachable!("made above");
     };
-    inside.drives[1].velocity_mph = f64::NAN;
+    inside.drives[1].velocity_mps = f64::NAN;
     report.live.push(live);
     let error = render(&report).unwrap_err();
     assert!(matches!(error, ReportError::Live { .. }));

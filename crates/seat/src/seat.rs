@@ -16,8 +16,8 @@ use crate::{
     withdrawal::Withdrawal,
 };
 use maveric_domain::{
-    Design, Scale,
-    design::{ProtocolStep, SpeedUnit, williams_rows},
+    Design, Scale, SpeedUnit,
+    design::{ProtocolStep, williams_rows},
     stream_seed,
 };
 use maveric_model::{Model, model_file};
@@ -383,7 +383,7 @@ impl Seat {
 
     /// Whether speeds are shown in miles an hour.
     pub(crate) fn mph(&self) -> bool {
-        self.settings.design.protocol().speed == SpeedUnit::Mph
+        self.settings.design.speed_unit() == SpeedUnit::Mph
     }
 
     /// The first person, let in if nobody was: for a seat that one person uses.

@@ -49,7 +49,7 @@ pub use analysis::{
     within, within_without_exact,
 };
 pub use bayes::{
-    BayesCorrelation, BayesCorrelationAnalysis, BayesT, BayesTAnalysis, bayes_correlation,
+    BayesCorrelation, BayesCorrelationAnalysis, BayesT, BayesTAnalysis, Prior, bayes_correlation,
     bayes_groups, bayes_one, bayes_paired,
 };
 pub use bootstrap::{Bootstrap, BootstrapData, BootstrapSettings, Interval, Statistic, bootstrap};

@@ -180,11 +180,6 @@ pub struct People {
 }
 
 impl People {
-    /// Whether their table says who takes part: one without a row, of a design that tells nobody apart by a column, is not filled in yet.
-    pub(crate) fn is_filled_in(&self, design: &Design) -> bool {
-        !self.enrolled.is_empty() || !design.people().columns().is_empty()
-    }
-
     /// The person of this id.
     pub fn find(&self, id: &ParticipantId) -> Option<&Enrolled> {
         self.enrolled.iter().find(|p| p.id == *id)

@@ -12,15 +12,18 @@ use maveric_analysis::{
     exclusions::{too_short, unknown_condition},
 };
 use maveric_domain::{Answer, Design, DriveId, DriveMeta, Moment, ParticipantId, Scale};
-use std::{collections::BTreeMap, path::Path};
+use std::{
+    collections::{BTreeMap, BTreeSet},
+    path::Path,
+};
 
 /// What lets drives and answers into a study.
 #[derive(Debug, Clone)]
 pub struct Gate {
     design: Design,
     people: People,
-    /// Whether there is a table of people with rows: then nobody else is let in.
-    listed: bool,
+    /// Whom the table of people lists, where there is one: then nobody else is let in.
+    listed: Option<BTreeSet<ParticipantId>>,
     forgotten: ForgottenList,
     left_out: LeftOut,
 }
@@ -58,12 +61,22 @@ pub(crate) fn analysed(design: &Design, results: &Path) -> Result<LeftOut, Study
 impl Gate {
     /// The gate of a design; people are `given`, or the design's own table.
     ///
+    /// A table without a row lets nobody in, which is refused: whoever was taken out of it, the last one too, stays out.
+    ///
     /// # Errors
-    /// As [`DesignFile::people`].
+    /// As [`DesignFile::people`]; [`StudyError::BadFile`] for a table without a row.
     pub fn of(study: &DesignFile, given: Option<&Path>) -> Result<Self, StudyError> {
         let people = study.people(given)?;
+        if people.enrolled.is_empty() {
+            let own = study.resolve(&study.design.people().file);
+            return Err(StudyError::BadFile {
+                path: given.map_or(own, Path::to_owned),
+                problem: "has no row: nobody takes part".to_owned(),
+                help: Some("write a row for each who takes part, with the id of their logs and answers; `maveric design orders --people 24` writes P01 to P24".to_owned()),
+            });
+        }
         Ok(Self {
-            listed: people.is_filled_in(&study.design),
+            listed: Some(people.enrolled.iter().map(|p| p.id.clone()).collect()),
             people,
             design: study.design.clone(),
             forgotten: study.forgotten()?,
@@ -83,7 +96,7 @@ impl Gate {
         Ok(Self {
             people: People::default(),
             design: study.design.clone(),
-            listed: false,
+            listed: None,
             forgotten: study.forgotten()?,
             left_out: LeftOut::named(&study.design),
         })
@@ -154,7 +167,7 @@ impl Gate {
         if self.forgotten.has(id) {
             return Some(Why::by(Rule::Forgotten, "the person was forgotten"));
         }
-        let stranger = self.listed && self.people.find(id).is_none();
+        let stranger = self.listed.as_ref().is_some_and(|ids| !ids.contains(id));
         let unknown = || {
             let reason = format!("{id} is not in the table of people");
             stranger.then(|| Why::by(Rule::UnknownParticipant, reason))

@@ -1,7 +1,7 @@
 //! Whether a text names somebody, and what it says without the names.
 
 /// What stands in the place of a name that is not given away.
-const HIDDEN: &str = "…";
+pub(crate) const HIDDEN: &str = "…";
 
 /// Where an id stands in a text as a word of its own.
 fn places(text: &str, id: &str) -> impl Iterator<Item = usize> {
@@ -20,14 +20,18 @@ pub(crate) fn names(text: &str, id: &str) -> bool {
 
 /// The text with `…` for each of these ids.
 pub(crate) fn without<'a>(text: &str, ids: impl IntoIterator<Item = &'a str>) -> String {
-    let mut text = text.to_owned();
-    for id in ids {
-        let found: Vec<usize> = places(&text, id).collect();
-        for at in found.into_iter().rev() {
-            text.replace_range(at..at + id.len(), HIDDEN);
-        }
+    let hide = |text: String, id| with(&text, id, HIDDEN);
+    ids.into_iter().fold(text.to_owned(), hide)
+}
+
+/// The text with a name for an id.
+pub(crate) fn with(text: &str, id: &str, name: &str) -> String {
+    let mut renamed = text.to_owned();
+    let standing: Vec<usize> = places(text, id).collect();
+    for at in standing.into_iter().rev() {
+        renamed.replace_range(at..at + id.len(), name);
     }
-    text
+    renamed
 }
 
 #[cfg(test)]

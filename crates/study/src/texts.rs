@@ -4,6 +4,8 @@ use minijinja::{Environment, UndefinedBehavior, Value, syntax::SyntaxConfig};
 
 /// The pipeline that follows from a design.
 pub(crate) const PIPELINE: &str = include_str!("texts/pipeline.toml");
+/// What a stranger reads of an export.
+pub(crate) const EXPORT_README: &str = include_str!("texts/export_readme.md");
 /// The commented design of a new study.
 pub(crate) const STUDY: &str = include_str!("texts/study.toml");
 

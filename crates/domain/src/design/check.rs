@@ -12,10 +12,10 @@ use super::{
     people::{People, Wanted},
     toml_file::{
         CarToml, CellToml, CompareToml, ConditionToml, DesignToml, DialToml, HypothesisToml,
-        ModelToml, OutcomeToml, PeopleToml, RoleToml, StyleToml,
+        ModelToml, OutcomeToml, PeopleToml, RoleToml, StyleToml, Units,
     },
 };
-use crate::{condition::ConditionId, design::Design};
+use crate::{condition::ConditionId, design::Design, units::SpeedUnit};
 use std::collections::{BTreeMap, BTreeSet};
 
 type Checked<T> = Result<T, DesignError>;
@@ -90,10 +90,16 @@ fn design(raw: DesignToml) -> Checked<Design> {
     factors::products(&raw.covariate, &conditions)?;
     exclude(&raw.exclude)?;
     raw.protocol.check()?;
+    let speed_unit = match raw.study.units {
+        Some(Units::Metric) => SpeedUnit::Kmh,
+        Some(Units::Us) => SpeedUnit::Mph,
+        None => raw.protocol.speed.unwrap_or_default(),
+    };
     Ok(Design {
         title: raw.study.title,
         authors: raw.study.authors,
         synthetic: raw.study.synthetic,
+        speed_unit,
         files: raw.files,
         people,
         model,

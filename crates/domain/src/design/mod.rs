@@ -27,10 +27,10 @@ pub use orders::OrderPlan;
 pub use outcome::{Homophily, Outcome, Quantity, ScoreName, Style};
 pub use own_measure::{ABOUT_A_ROW, OwnMeasure};
 pub use people::{CONDITION, Covariate, Factor, People};
-pub use protocol::{Practice, Protocol, ProtocolStep, SeatView, SpeedUnit};
+pub use protocol::{Practice, Protocol, ProtocolStep, SeatView};
 pub use williams::{Square, williams, williams_rows};
 
-use crate::condition::ConditionId;
+use crate::{condition::ConditionId, units::SpeedUnit};
 use std::collections::BTreeMap;
 
 /// A study: who takes part, in which conditions, what is measured and what is compared.
@@ -58,6 +58,7 @@ pub struct Design {
     title: String,
     authors: Vec<String>,
     synthetic: bool,
+    speed_unit: SpeedUnit,
     files: Files,
     people: People,
     model: Option<ModelFile>,
@@ -94,6 +95,11 @@ impl Design {
     /// Whether the people are made up: said on every page, picture and table.
     pub fn synthetic(&self) -> bool {
         self.synthetic
+    }
+
+    /// In which unit people read speeds: metric where the study says nothing.
+    pub fn speed_unit(&self) -> SpeedUnit {
+        self.speed_unit
     }
 
     /// Where the study's files are, from the folder of the design's file.

@@ -1,6 +1,7 @@
 //! What a person meets in the seat: the order of steps, their texts and lengths.
 
 use super::DesignError;
+use crate::units::SpeedUnit;
 use serde::{Deserialize, Serialize};
 use std::path::PathBuf;
 
@@ -20,18 +21,6 @@ pub enum ProtocolStep {
     Drive,
     /// The rides in the person's order, each with the scales asked after it.
     Rides,
-}
-
-/// In which unit speeds are shown.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
-pub enum SpeedUnit {
-    /// Miles an hour.
-    #[default]
-    #[serde(rename = "mph")]
-    Mph,
-    /// Kilometres an hour.
-    #[serde(rename = "km/h")]
-    Kmh,
 }
 
 /// When a person has practised enough.
@@ -119,8 +108,9 @@ pub struct Protocol {
     pub drive_s: f64,
     /// Length of a ride, in s.
     pub ride_s: f64,
-    /// In which unit speeds are shown.
-    pub speed: SpeedUnit,
+    /// In which unit speeds are shown, where `[study] units` does not say it.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub speed: Option<SpeedUnit>,
     /// What is seen of the road.
     pub view: SeatView,
     /// What is said at the end, from the folder of the design's file.
@@ -147,7 +137,7 @@ impl Default for Protocol {
             practice: Practice::default(),
             drive_s: 600.0,
             ride_s: 600.0,
-            speed: SpeedUnit::default(),
+            speed: None,
             view: SeatView::default(),
             thanks: None,
             code: None,

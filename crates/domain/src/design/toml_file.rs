@@ -58,6 +58,17 @@ pub(super) struct StudyToml {
     pub(super) authors: Vec<String>,
     #[serde(default)]
     pub(super) synthetic: bool,
+    pub(super) units: Option<Units>,
+}
+
+/// The units in which people read speeds and lengths.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub(super) enum Units {
+    /// km/h and m.
+    Metric,
+    /// mph and m.
+    Us,
 }
 
 #[derive(Debug, Default, Deserialize)]

@@ -1,4 +1,4 @@
-//! What the name of a column says: whose it is, what it is, and sometimes in which unit.
+//! What the name of a column says, in English or German: whose it is, what it is, and sometimes in which unit.
 
 /// Whose value it is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -45,21 +45,27 @@ pub(super) struct Words {
     pub(super) unit: Option<&'static str>,
 }
 
-/// Words of a name, in small letters: split at signs, at capitals and before numbers.
+/// Words of a name, in small letters, `ä` as `ae` and so on: split at signs, at capitals and before numbers.
 fn split(name: &str) -> Vec<String> {
     let mut words = vec![String::new()];
     let mut last = ' ';
     for c in name.chars() {
-        let starts = !c.is_ascii_alphanumeric()
-            || c.is_ascii_uppercase() && last.is_ascii_lowercase()
+        let starts = !c.is_alphanumeric()
+            || c.is_uppercase() && last.is_lowercase()
             || c.is_ascii_digit() != last.is_ascii_digit();
         if starts {
             words.push(String::new());
         }
-        if c.is_ascii_alphanumeric()
-            && let Some(word) = words.last_mut()
-        {
-            word.push(c.to_ascii_lowercase());
+        if let Some(word) = words.last_mut().filter(|_| c.is_alphanumeric()) {
+            for small in c.to_lowercase() {
+                match small {
+                    'ä' => word.push_str("ae"),
+                    'ö' => word.push_str("oe"),
+                    'ü' => word.push_str("ue"),
+                    'ß' => word.push_str("ss"),
+                    other => word.push(other),
+                }
+            }
         }
         last = c;
     }
@@ -67,17 +73,25 @@ fn split(name: &str) -> Vec<String> {
     words
 }
 
-/// Reads a name.
-pub(super) fn words(name: &str) -> Words {
+/// The words of a name, and the number behind them.
+fn parted(name: &str) -> (Vec<String>, Option<u32>) {
     let mut words = split(name);
-    let number = match words.len() {
-        0 | 1 => None,
-        _ => words.last().and_then(|w| w.parse().ok()),
-    };
+    let number = words.last().filter(|_| words.len() > 1);
+    let number = number.and_then(|word| word.parse().ok());
     if number.is_some() {
         words.pop();
     }
+    (words, number)
+}
+
+/// Reads a name.
+pub(super) fn words(name: &str) -> Words {
+    let (mut words, mut number) = parted(name);
     let unit = unit_of(name, &words);
+    let before = name.split_once(['[', '(']).map_or("", |(before, _)| before);
+    if unit.is_some() && !before.trim().is_empty() {
+        (words, number) = parted(before);
+    }
     if unit.is_some() && words.len() > 1 && words.last().is_some_and(|w| unit_at_end(w).is_some()) {
         // `t_ms` is a time, and `x_m` a position.
         words.pop();
@@ -85,52 +99,69 @@ pub(super) fn words(name: &str) -> Words {
     let within = |any: &str, word: &String| any.split(' ').any(|a| a == word);
     let has = |any: &str| words.iter().any(|w| within(any, w));
     let is = |exact: &str| words.len() == 1 && within(exact, &words[0]);
-    let whose = if has("leader lead lv preceding front pred ahead") {
+    let whose = if has(
+        "leader lead lv preceding front pred ahead vordermann vorderfahrzeug fuehrungsfahrzeug vorausfahrender",
+    ) {
         Whose::Lead
-    } else if has("following rear behind left right alongside back") {
+    } else if has(
+        "following rear behind left right alongside back folgefahrzeug hintermann hinterfahrzeug hinten links rechts",
+    ) {
         Whose::Another
     } else {
         Whose::Ego
     };
-    let differs = has("dv diff rel relative delta acc accel acceleration class total");
+    let differs = has(
+        "dv diff rel relative delta acc accel acceleration class total differenz relativ relative beschleunigung soll limit",
+    );
     // Places on a screen or in a picture, and what the driver's hands and eyes do, are no places on the road.
     let elsewhere = has(
-        "pixel pixels px image img bbox screen camera cam gaze eye mouse steering wheel pedal gps",
+        "pixel pixels px image img bbox screen camera cam gaze eye mouse steering wheel pedal gps lenkrad blick",
     );
+    // A gap in seconds is a time gap. What an `Abstand` is one to has to be said: to a traffic light, it is none.
+    let gap_in_time = unit.is_some_and(|unit| ["s", "ms"].contains(&unit));
+    let to_the_leader = |word: &String| {
+        within(
+            "abstand folgeabstand laengsabstand zum zu dem vordermann vorderfahrzeug fuehrungsfahrzeug ego m in",
+            word,
+        )
+    };
     let what = if differs || elsewhere || has("thw ttc") || has("headway gap") && has("time") {
         None
     } else if has("frame frames") {
         Some(What::Frame)
-    } else if is("t") || has("time timestamp stamp utc seconds") {
+    } else if has("abstand folgeabstand laengsabstand") {
+        (!gap_in_time && words.iter().all(to_the_leader)).then_some(What::Gap)
+    } else if is("t") || has("time timestamp stamp utc seconds zeit uhrzeit zeitstempel messzeit") {
         Some(What::Time)
     } else if has("lane") && has("offset deviation dev position pos lateral distance dist")
         || is("offset")
         || has("lateral") && has("offset deviation")
+        || has("spurablage spurabweichung querablage querabweichung")
     {
         Some(What::Offset)
-    } else if has("lane") {
-        Some(What::Lane)
-    } else if has("lateral") && !has("velocity vel speed") {
+    } else if has("lane spur fahrspur fahrstreifen spurnummer") {
+        (!has("width change changes count breite wechsel anzahl")).then_some(What::Lane)
+    } else if has("lateral querposition querlage") && !has("velocity vel speed") {
         Some(What::Lateral)
     } else if has("location site recording run scenario trial period") {
         Some(What::Group)
     } else if has("spacing gap ivs headway dhw clearance distance") {
-        Some(What::Gap)
-    } else if has("length len") {
+        (!gap_in_time).then_some(What::Gap)
+    } else if has("length len laenge fahrzeuglaenge") {
         Some(What::Length)
-    } else if has("width") {
+    } else if has("width breite fahrzeugbreite") {
         Some(What::Width)
-    } else if has("heading yaw bearing") {
+    } else if has("heading yaw bearing gierwinkel") {
         Some(What::Heading)
-    } else if has("velocity vel speed spd") || is("v vx vy") || has("v") && words.len() == 2 {
+    } else if has(SPEED) || is("v vx vy") || has("v") && words.len() == 2 {
         Some(match () {
-            () if has("x lon") || is("vx") => What::SpeedX,
-            () if has("y lat") || is("vy") => What::SpeedY,
+            () if has("x lon laengsgeschwindigkeit") || is("vx") => What::SpeedX,
+            () if has("y lat quergeschwindigkeit") || is("vy") => What::SpeedY,
             () => What::Speed,
         })
     } else if has("id vehicle track veh") || is("preceding following leader") {
         Some(What::Id)
-    } else if has("x y position pos station") || is("s") {
+    } else if has("x y position pos station laengsposition weg wegstrecke") || is("s") {
         Some(What::Position)
     } else {
         None
@@ -142,6 +173,9 @@ pub(super) fn words(name: &str) -> Words {
         unit,
     }
 }
+
+/// Words for a speed.
+const SPEED: &str = "velocity vel speed spd geschwindigkeit eigengeschwindigkeit fahrgeschwindigkeit laengsgeschwindigkeit quergeschwindigkeit";
 
 fn unit_of(name: &str, words: &[String]) -> Option<&'static str> {
     let name = name.to_ascii_lowercase();
@@ -246,6 +280,64 @@ mod tests {
         for name in ["camera_x", "pixel_y", "gaze_pos", "steering_wheel_position"] {
             assert_eq!(words(name).what, None, "{name}");
         }
+        for (name, whose, what, unit) in [
+            ("Zeit [s]", Whose::Ego, What::Time, Some("s")),
+            (
+                "Geschwindigkeit [km/h]",
+                Whose::Ego,
+                What::Speed,
+                Some("km/h"),
+            ),
+            ("v_Ego", Whose::Ego, What::Speed, None),
+            (
+                "v_Vordermann [km/h]",
+                Whose::Lead,
+                What::Speed,
+                Some("km/h"),
+            ),
+            (
+                "GeschwindigkeitVorderfahrzeug",
+                Whose::Lead,
+                What::Speed,
+                None,
+            ),
+            ("Längsgeschwindigkeit", Whose::Ego, What::SpeedX, None),
+            ("Abstand [m]", Whose::Ego, What::Gap, Some("m")),
+            ("Folgeabstand", Whose::Ego, What::Gap, None),
+            (
+                "Abstand_zum_Vordermann_m",
+                Whose::Lead,
+                What::Gap,
+                Some("m"),
+            ),
+            ("Längsposition", Whose::Ego, What::Position, None),
+            ("Spur", Whose::Ego, What::Lane, None),
+            ("Querablage [m]", Whose::Ego, What::Offset, Some("m")),
+            ("Fahrzeuglaenge", Whose::Ego, What::Length, None),
+        ] {
+            let read = words(name);
+            assert_eq!(
+                (read.whose, read.what, read.unit),
+                (whose, Some(what), unit),
+                "{name}"
+            );
+        }
+        for name in [
+            "Abstand_Ampel",
+            "Abstand [s]",
+            "gap_s",
+            "Zeitabstand",
+            "Sollgeschwindigkeit",
+            "Soll_Geschwindigkeit",
+            "speed_limit",
+            "Relativgeschwindigkeit",
+            "Lenkrad_Position",
+            "Spur_Breite",
+            "lane_width",
+        ] {
+            assert_eq!(words(name).what, None, "{name}");
+        }
+        assert_eq!(words("v_Folgefahrzeug").whose, Whose::Another);
         assert_eq!(words("Speed12").number, Some(12));
         assert_eq!(words("IVS1").what, Some(What::Gap));
         assert_eq!(words("ego_speed_mps").unit, Some("m/s"));

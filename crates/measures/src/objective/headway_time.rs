@@ -14,7 +14,7 @@ pub(super) const MEASURE: Measure = Measure {
     name: "mean_headway_time_s",
     title: "Mean headway time",
     unit: "s",
-    shown: Shown::in_unit("s"),
+    shown: Shown::In("s"),
     aggression: Some(Sign::Minus),
     description: "Mean over changes to the passing lane of the gap to the lead vehicle over ego speed at the start of the change.",
     of_passing: true,

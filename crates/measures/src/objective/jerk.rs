@@ -11,7 +11,7 @@ pub(super) const MEASURE: Measure = Measure {
     name: "jerk_95_mps3",
     title: "Jerk exceeded in 5 % of the time",
     unit: "m/s³",
-    shown: Shown::in_unit("m/s³"),
+    shown: Shown::In("m/s³"),
     aggression: Some(Sign::Plus),
     description: "95 % quantile of the absolute jerk of the speed behind a second-order 2 Hz low pass.",
     of_passing: false,

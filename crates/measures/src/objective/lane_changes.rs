@@ -7,7 +7,7 @@ pub(super) const MEASURE: Measure = Measure {
     name: "lane_changes",
     title: "Number of lane changes",
     unit: "1",
-    shown: Shown::PLAIN,
+    shown: Shown::Plain,
     aggression: Some(Sign::Plus),
     description: "Count of completed lane changes, to either side.",
     of_passing: true,

@@ -6,13 +6,15 @@ use maveric_domain::Drive;
 /// Standard deviation of the place in the lane.
 ///
 /// # Source
-/// SDLP as studies of impaired driving use it (?). Ours: only between changes of lane, less 2 s on both sides of each, and about the mean of
+/// SDLP, the weaving of the car: Verster and Roth (2011), Standard operation procedures for conducting the on-the-road driving test, and
+/// measurement of the standard deviation of lateral position, by abstract and summary, where overtaking is cut out of the data too. Ours:
+/// only between changes of lane, less 2 s on both sides of each, and about the mean of
 /// each stretch between two changes, so that a person's place in one lane and in another are no wandering. From 5 Hz on.
 pub(super) const MEASURE: Measure = Measure {
     name: "lane_position_sd_m",
     title: "Standard deviation of the lane position",
     unit: "m",
-    shown: Shown::in_unit("m"),
+    shown: Shown::In("m"),
     aggression: None,
     description: "Standard deviation of the place in the lane about its mean in each stretch between lane changes, less 2 s on both sides of a change.",
     of_passing: true,

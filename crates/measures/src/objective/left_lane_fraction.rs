@@ -7,7 +7,7 @@ pub(super) const MEASURE: Measure = Measure {
     name: "left_lane_fraction",
     title: "Fraction of time in left lane",
     unit: "1",
-    shown: Shown::PLAIN,
+    shown: Shown::Plain,
     aggression: None,
     description: "Share of rows with ego left of the rightmost lane.",
     of_passing: true,

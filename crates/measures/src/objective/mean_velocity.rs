@@ -7,7 +7,7 @@ pub(super) const MEASURE: Measure = Measure {
     name: "mean_velocity_mps",
     title: "Mean velocity",
     unit: "m/s",
-    shown: Shown::MPH,
+    shown: Shown::Speed,
     aggression: Some(Sign::Plus),
     description: "Mean of ego speed over the drive.",
     of_passing: false,

@@ -21,7 +21,7 @@ mod time_to_collision;
 pub use exposure::{Comparable, Exposure, comparable};
 pub use time_gap::median_time_gap_s;
 
-use maveric_domain::{Drive, Measurement, design::Sign, units::MPS_PER_MPH};
+use maveric_domain::{Drive, Measurement, SpeedUnit, design::Sign};
 
 /// Speed below which a gap has no time gap, in m/s: at standstill there is none, not a large one.
 const STANDSTILL_MPS: f64 = 0.5;
@@ -37,7 +37,7 @@ const STANDSTILL_MPS: f64 = 0.5;
 ///     name: "standing_s",
 ///     title: "Time at standstill",
 ///     unit: "s",
-///     shown: Shown::in_unit("s"),
+///     shown: Shown::In("s"),
 ///     aggression: None,
 ///     description: "How long the car stood.",
 ///     of_passing: false,
@@ -84,26 +84,32 @@ pub struct Measure {
 }
 
 /// How people read the values of a measure.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Shown {
-    /// The unit; empty for counts and shares.
-    pub unit: &'static str,
-    /// What a value is multiplied with to be in that unit.
-    pub factor: f64,
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Shown {
+    /// Counts and shares.
+    Plain,
+    /// As it is measured, in this unit.
+    In(&'static str),
+    /// A speed, measured in m/s, in the unit of the study.
+    Speed,
 }
 
 impl Shown {
-    /// Counts and shares.
-    pub const PLAIN: Self = Self::in_unit("");
-    /// Speeds, which are measured in m/s.
-    pub const MPH: Self = Self {
-        unit: "mph",
-        factor: 1.0 / MPS_PER_MPH,
-    };
+    /// The unit, where speeds are read in this one; empty for counts and shares.
+    pub fn unit(self, speed: SpeedUnit) -> &'static str {
+        match self {
+            Self::Plain => "",
+            Self::In(unit) => unit,
+            Self::Speed => speed.name(),
+        }
+    }
 
-    /// As it is measured.
-    pub const fn in_unit(unit: &'static str) -> Self {
-        Self { unit, factor: 1.0 }
+    /// What a value is multiplied with to be in that unit.
+    pub fn factor(self, speed: SpeedUnit) -> f64 {
+        match self {
+            Self::Speed => speed.per_mps(),
+            Self::Plain | Self::In(_) => 1.0,
+        }
     }
 }
 

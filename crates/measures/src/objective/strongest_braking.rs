@@ -11,7 +11,7 @@ pub(super) const MEASURE: Measure = Measure {
     name: "strongest_braking_mps2",
     title: "Strongest braking",
     unit: "m/s²",
-    shown: Shown::in_unit("m/s²"),
+    shown: Shown::In("m/s²"),
     aggression: Some(Sign::Plus),
     description: "Largest deceleration of the speed behind a second-order 2 Hz low pass; 0 where ego never slows down.",
     of_passing: false,

@@ -6,13 +6,14 @@ use maveric_domain::{Drive, design::Sign};
 /// The time gap that a person keeps behind a vehicle.
 ///
 /// # Source
-/// SAE J2944 (?), which divides the bumper-to-bumper distance by ego's speed. What following is: method section 2. It is a gap where the
-/// paper's headway times, taken as ego moves out to pass, are called headways.
+/// SAE J2944, of which its editor writes that a gap is the distance from the front bumper to the rear bumper ahead, and a headway that from
+/// front to front (P. Green, cps-vo.org/node/23612); that its time gap is that distance over ego's speed was not read there (?). What
+/// following is: method section 2. It is a gap where the paper's headway times, taken as ego moves out to pass, are called headways.
 pub(super) const MEASURE: Measure = Measure {
     name: "time_gap_following_s",
     title: "Time gap while following",
     unit: "s",
-    shown: Shown::in_unit("s"),
+    shown: Shown::In("s"),
     aggression: Some(Sign::Minus),
     description: "Mean over the rows at which ego follows of the gap to the lead vehicle over ego speed.",
     of_passing: false,

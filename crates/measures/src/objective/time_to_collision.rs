@@ -6,13 +6,15 @@ use maveric_domain::{Drive, design::Sign};
 /// The least time to collision with a vehicle ahead.
 ///
 /// # Source
-/// Hayward (1972) (?): the gap over the speed at which it closes. Ours: only above 0.5 m/s of closing speed, below which noise in the
+/// Hayward (1972), Near-miss determination through use of a scale of danger, by its abstract (the time measured until two vehicles
+/// collide) and as others quote it (the time required for two vehicles to collide if they continue at their present speeds and on the
+/// same path): the gap over the speed at which it closes. Ours: only above 0.5 m/s of closing speed, below which noise in the
 /// speeds makes any number of it, and only while ego keeps its lane.
 pub(super) const LEAST: Measure = Measure {
     name: "min_time_to_collision_s",
     title: "Least time to collision",
     unit: "s",
-    shown: Shown::in_unit("s"),
+    shown: Shown::In("s"),
     aggression: Some(Sign::Minus),
     description: "Smallest gap to a lead vehicle over the speed at which it closes, where that is above 0.5 m/s.",
     of_passing: false,
@@ -33,7 +35,7 @@ pub(super) const SHORT: Measure = Measure {
     name: "short_time_to_collision_share",
     title: "Share of time with a collision below 1.5 s away",
     unit: "1",
-    shown: Shown::PLAIN,
+    shown: Shown::Plain,
     aggression: Some(Sign::Plus),
     description: "Share of the rows less than 3 s behind a lead vehicle at which the time to collision is below 1.5 s.",
     of_passing: false,

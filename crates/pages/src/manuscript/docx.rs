@@ -2,8 +2,8 @@
 
 use super::Block;
 use docx_rs::{
-    AlignmentType, Docx, Paragraph, Run, Style, StyleType, TableCell, TableRow, VertAlignType,
-    WidthType,
+    AlignmentType, Docx, LineSpacing, Paragraph, Run, Style, StyleType, TableCell, TableRow,
+    VertAlignType, WidthType,
 };
 use maveric_report::{
     ReportError,
@@ -15,6 +15,8 @@ use std::io::Cursor;
 /// Half points.
 const TEXT: usize = 22;
 const SMALL: usize = 16;
+/// Twentieths of a point below a paragraph.
+const BELOW: u32 = 120;
 /// The width of the text, in fiftieths of a percent.
 const WHOLE_WIDTH: usize = 5000;
 
@@ -64,8 +66,11 @@ pub(super) fn document(
 
 fn paragraph_of(block: &Block) -> Paragraph {
     match block {
-        Block::Heading(level, text) => marked(text, 0).style(&format!("Heading{level}")),
-        Block::Paragraph(text) => marked(text, TEXT),
+        Block::Heading(level, text) => marked(text, 0)
+            .style(&format!("Heading{level}"))
+            .line_spacing(LineSpacing::new().before(2 * BELOW).after(BELOW))
+            .keep_next(true),
+        Block::Paragraph(text) => marked(text, TEXT).line_spacing(LineSpacing::new().after(BELOW)),
     }
 }
 

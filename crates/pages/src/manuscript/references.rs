@@ -101,6 +101,7 @@ pub(super) fn bib(references: &[Reference]) -> String {
 pub(super) fn listed(references: &[Reference]) -> Vec<Block> {
     let mut texts: Vec<&str> = references.iter().map(|r| r.text.as_str()).collect();
     texts.sort_unstable();
+    texts.dedup();
     let heading = Block::Heading(2, "References".to_owned());
     let heading = (!texts.is_empty()).then_some(heading);
     heading

@@ -138,6 +138,7 @@ impl StudyPage<'_> {
 #[cfg(test)]
 mod tests {
     use crate::{METHODS, PageTexts};
+    use maveric_domain::SpeedUnit;
     use minijinja::{Value, context};
 
     fn said(key: &str, values: &Value) -> String {
@@ -192,7 +193,10 @@ mod tests {
             let road = context! { lanes => 2, lane_width_m => 3.66 };
             said(
                 "driving",
-                &context! { road, posted_mph => 55.0, minutes, by_hand => true },
+                &context! {
+                    road, posted_mps => 24.5872, minutes, by_hand => true,
+                    speed => context! { unit => "mph", per_mps => SpeedUnit::Mph.per_mps() },
+                },
             )
         };
         assert_eq!(

@@ -13,7 +13,7 @@ mod tested;
 
 pub use line::{line_panels, steps};
 pub use methods::Paragraph;
-pub use people::Reliability;
+pub use people::{ParticipantGroup, Reliability};
 
 use crate::{
     page_texts::{METHODS, PageTexts, RESULTS, STUDY},
@@ -56,8 +56,8 @@ pub struct Facts<'a, Training> {
     pub score_range: Option<(f64, f64)>,
     /// The road, where a drive is there.
     pub road: Option<Road>,
-    /// Posted speed on it, in mph.
-    pub posted_mph: Option<f64>,
+    /// Posted speed on it, in m/s.
+    pub posted_mps: Option<f64>,
     /// Mean length of the baseline drives, in minutes.
     pub minutes: Option<f64>,
 }
@@ -88,6 +88,7 @@ impl<'a> StudyPage<'a> {
             count => in_words(conditions.len()),
             labels,
             preface => context.preface(),
+            speed => context! { unit => context.speed.name(), per_mps => context.speed.per_mps() },
             ..value(facts),
         };
         Ok(Self {

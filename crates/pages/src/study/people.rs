@@ -10,10 +10,11 @@ use maveric_report::{
         simulator_view::{SimulatorView, simulator_view},
     },
     html::Section,
-    tables::{ParticipantGroup, participants},
+    tables::Table,
 };
 use minijinja::context;
 use serde::Serialize;
+use std::collections::BTreeMap;
 
 /// How well the items of a score agree.
 #[derive(Debug, Clone, Serialize)]
@@ -36,6 +37,31 @@ pub struct Reliability {
     pub omega: Option<f64>,
 }
 
+/// A group of participants.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct ParticipantGroup {
+    /// Such as `Tested, internal`.
+    pub group: String,
+    /// How many.
+    pub n: usize,
+    /// Drives that were recorded: by hand, or of a car of the study’s own.
+    pub drives: usize,
+    /// Drives of the car that are analysed.
+    pub driven: usize,
+    /// Mean age in years.
+    pub mean_age: Option<f64>,
+    /// Standard deviation of the age.
+    pub sd_age: Option<f64>,
+    /// Share who are female, 0 to 1, of all who gave a gender; none where no word for it is known.
+    pub female: Option<f64>,
+    /// Words that are neither female nor male, with how many gave them.
+    pub other_genders: Vec<(String, usize)>,
+    /// Mean score of what the dial turns, in points.
+    pub mean_score: Option<f64>,
+    /// Its standard deviation.
+    pub sd_score: Option<f64>,
+}
+
 impl StudyPage<'_> {
     /// Who took part in what; `model` says whether there is one, `view` is the scene of a drive.
     ///
@@ -55,13 +81,24 @@ impl StudyPage<'_> {
         if let Some(view) = view {
             figures.push(simulator_view(view, self.context)?);
         }
-        let style = self.design.style().map(|style| style.label.as_str());
-        let mut tables = vec![participants(groups, style, self.analysis.synthetic)];
+        let mut tables = vec![self.participants(groups)?];
         if !reliabilities.is_empty() {
             tables.push(self.texts.table("reliabilities", reliabilities)?);
         }
         let texts = self.texts.with(&context! { done => self.done()? });
         texts.section("study", figures, tables)
+    }
+
+    fn participants(&self, groups: &[ParticipantGroup]) -> Result<Table, ReportError> {
+        let mut others = BTreeMap::new();
+        for (word, n) in groups.iter().flat_map(|group| &group.other_genders) {
+            *others.entry(word.as_str()).or_insert(0) += n;
+        }
+        let dial = self.design.style().map(|style| style.label.as_str());
+        let texts = self
+            .texts
+            .with(&context! { others, dial, synthetic => self.analysis.synthetic });
+        texts.table("participants", groups)
     }
 
     fn flow(&self) -> Flow {

@@ -105,9 +105,13 @@ impl StudyPage<'_> {
         let rated = a.preferences.iter().filter(|p| p.n > 0);
         let mut paragraphs = self.each("preferred", rated.map(value))?;
         if !a.homophily.is_empty() {
-            let all = self.each("pair", a.homophily.iter().map(value))?;
-            let values = context! { all, rows => value(&a.homophily) };
+            let values = context! { rows => value(&a.homophily) };
             paragraphs.push(self.results.with(&values).text("family")?);
+        }
+        for of_factor in a.homophily.chunk_by(|a, b| a.factor == b.factor) {
+            let all = self.each("pair", of_factor.iter().map(value))?;
+            let values = context! { all, ..value(&of_factor[0]) };
+            paragraphs.push(self.results.with(&values).text("factor")?);
         }
         paragraphs.extend(self.each("similar", a.similarity.iter().map(value))?);
         for row in &a.mixed {

@@ -238,6 +238,7 @@ pub(super) fn contrast(panel: &Panel, pair: &Contrast) -> Value {
         group => group.map_or_else(String::new, |g| format!(".{}.{}", g.factor, g.level)),
         level => group.map_or("", |g| g.level.as_str()),
         title => titled(panel),
+        unit => panel.unit.as_str(),
         sentence => paired(panel, pair),
         test => value(&panel.test),
         n => panel.n,

@@ -417,7 +417,10 @@ def mixed(
     data: Any,
     *,
     subject: str,
-    fixed: str,
+    fixed: str | None = None,
+    within: str | Sequence[str] | None = None,
+    between: str | Sequence[str] | None = None,
+    covariate: str | Sequence[str] | None = None,
     value: str | Sequence[str],
     wide: Sequence[str] | None = None,
     where: Where = None,
@@ -428,11 +431,16 @@ def mixed(
     Parameters
     ----------
     data : data frame or dict of lists
-        Any number of rows a person. A predictor whose values are all numbers is a covariate, any other a factor.
+        Any number of rows a person.
     subject : str
         Column that says whose row it is.
-    fixed : str
-        Fixed effects: columns joined by +, : (their product) or * (both and their product).
+    fixed : str, optional
+        Fixed effects: columns joined by +, : (their product) or * (both and their product). A predictor whose values are all
+        numbers is a covariate, any other a factor.
+    within, between : str or list of str, optional
+        In the place of `fixed`: columns of the factors within and between subjects, which go in with all their products.
+    covariate : str or list of str, optional
+        In the place of `fixed`: columns of numbers whose influence is taken out.
     value : str or list of str
         Column with the value.
     wide : list of str, optional
@@ -448,6 +456,9 @@ def mixed(
         where,
         subject=subject,
         fixed=fixed,
+        within=within,
+        between=between,
+        covariate=covariate,
         value=value,
         wide=wide,
         figure=figure,

@@ -49,7 +49,7 @@ fn style_space() -> StyleSpace {
         name,
         at: at(i),
         score_points: Some(33.0 + 20.0 * wobble(i, 4)),
-        velocity_mph: 65.0 + 10.0 * wobble(i, 5),
+        velocity_mps: 29.0 + 4.5 * wobble(i, 5),
     };
     StyleSpace {
         drives: (0..30)

@@ -54,6 +54,19 @@ pub fn ledger_table(rows: &[LedgerRow]) -> Table {
         "The paper’s participants are real people, ours may be synthetic: a verdict compares \
              direction and size, and is no replication.",
     )
+    .keyed(&[
+        "claim",
+        "part",
+        "paper",
+        "here",
+        "verdict",
+        "rule",
+        "clear",
+        "paper_with_itself",
+        "stage",
+        "shown_in",
+        "remark",
+    ])
 }
 
 fn shown_in(row: &LedgerRow) -> Option<&str> {

@@ -216,6 +216,12 @@ fn caption(input: &DifferencePanels, context: &Context, (grid, width): (Grid, f6
         ),
         None => "What was measured and answered".to_owned(),
     };
+    let is_drawn = input.panels.iter().any(|panel| panel.reference.is_some());
+    let line = if is_drawn {
+        ", not with the dashed line"
+    } else {
+        ""
+    };
     // In the figure of all panels, or in that of one.
     let widths = [width / grid.columns as f64, ONE_COLUMN_MM];
     let mut cut: Vec<String> = Vec::new();
@@ -262,7 +268,7 @@ fn caption(input: &DifferencePanels, context: &Context, (grid, width): (Grid, f6
     format!(
         "{what}. {points} Half violins are \
          kernel densities (to two bandwidths beyond the data, never beyond the scale), boxes quartiles with whiskers to 1.5 times their distance, black dots \
-         means with within-subject 95% intervals (Cousineau–Morey): these compare conditions with one another, not with the dashed line. *n* = {everybody} participants, of \
+         means with within-subject 95% intervals (Cousineau–Morey), cut where the panel ends: these compare conditions with one another{line}. *n* = {everybody} participants, of \
          whom {complete} have a value in every condition and enter means, intervals and tests. \
          The omnibus test stands below each title. {brackets}{shortened}{}",
         nobody.concat()

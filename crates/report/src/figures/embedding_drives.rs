@@ -3,7 +3,7 @@
 use super::ConditionLook;
 use super::prelude::*;
 use super::theme::viridis;
-use maveric_domain::{ConditionId, units::MetresPerSecond};
+use maveric_domain::ConditionId;
 
 /// Drivers in the style space.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -27,7 +27,7 @@ pub struct EmbeddingPoint {
     pub embedding: Vec<f64>,
     /// The driver's score in points: the size of the point.
     pub score_points: f64,
-    /// Mean velocity in m/s: the colour of the point, in mph.
+    /// Mean velocity in m/s: the colour of the point.
     pub mean_velocity_mps: f64,
 }
 
@@ -81,9 +81,9 @@ impl Palette {
         })
     }
 
-    /// Both ends in mph, in words.
-    pub(crate) fn ends(self) -> [String; 2] {
-        [self.low, self.high].map(|end| number(MetresPerSecond(end).mph(), 1))
+    /// Both ends in the unit of the page, in words.
+    pub(crate) fn ends(self, context: &Context) -> [String; 2] {
+        [self.low, self.high].map(|end| context.speed(end, 1))
     }
 }
 

@@ -24,7 +24,7 @@ pub fn embedding_space(input: &EmbeddingSpace, context: &Context) -> Result<Figu
     check(input)?;
     let palette = Palette::of(&input.points);
     let solid = input.gradient.len() == 3;
-    draw(plan(input, palette), context, |canvas, whole| {
+    draw(plan(input, palette, context), context, |canvas, whole| {
         let upper = Place {
             bottom: whole.bottom - 34.0,
             ..whole
@@ -48,7 +48,8 @@ pub fn embedding_space(input: &EmbeddingSpace, context: &Context) -> Result<Figu
     })
 }
 
-fn plan(input: &EmbeddingSpace, palette: Palette) -> Plan {
+fn plan(input: &EmbeddingSpace, palette: Palette, context: &Context) -> Plan {
+    let unit = context.speed.name();
     let (dimensions, drives) = (input.gradient.len(), input.points.len());
     let solid = dimensions == 3;
     let example = input.example.as_ref().map_or_else(String::new, |example| {
@@ -80,7 +81,7 @@ fn plan(input: &EmbeddingSpace, palette: Palette) -> Plan {
         }
     };
     let score = markup::literal(&input.score);
-    let [low, high] = palette.ends();
+    let [low, high] = palette.ends(context);
     Plan {
         name: NAME.to_owned(),
         size_mm: (if solid { TWO_COLUMNS_MM } else { 110.0 }, 98.0),
@@ -90,7 +91,7 @@ fn plan(input: &EmbeddingSpace, palette: Palette) -> Plan {
              predictor.{example}{many} *n* = {drives} drives; no test."
         ),
         alt: format!(
-            "{drives} drives in a style space of {dimensions} dimensions, mean velocity from {low} to {high} mph."
+            "{drives} drives in a style space of {dimensions} dimensions, mean velocity from {low} to {high} {unit}."
         ),
         shows: Shows::Participants,
     }
@@ -232,11 +233,11 @@ fn paint_keys(
     write(
         canvas,
         &mut x,
-        "Mean velocity (mph)",
+        &format!("Mean velocity ({})", context.speed.name()),
         small.colour(MUTED),
         6.0,
     );
-    let [low, high] = palette.ends();
+    let [low, high] = palette.ends(context);
     write(canvas, &mut x, &low, small, 3.0);
     let width = 68.0_f64.min(place.right - x - small.width(&high) - 4.0);
     let half = cap_height(size::TICK) / 2.0 + 1.0;

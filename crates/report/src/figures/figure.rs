@@ -8,8 +8,8 @@ use super::page::Head;
 use super::style;
 use super::theme::{MUTED, size};
 use crate::error::ReportError;
-use crate::markup;
-use maveric_domain::ConditionId;
+use crate::{apa, markup};
+use maveric_domain::{ConditionId, SpeedUnit};
 use serde::{Deserialize, Serialize};
 
 /// Whose numbers are shown.
@@ -27,6 +27,9 @@ pub struct Context {
     pub seed: Option<u64>,
     /// How the conditions look, as their design says.
     pub conditions: Vec<ConditionLook>,
+    /// In which unit people read speeds, as their design says.
+    #[serde(default)]
+    pub speed: SpeedUnit,
 }
 
 #[expect(
@@ -65,6 +68,17 @@ impl Context {
     #[must_use]
     pub fn with_conditions(self, conditions: Vec<ConditionLook>) -> Self {
         Self { conditions, ..self }
+    }
+
+    /// The same, with speeds read in this unit.
+    #[must_use]
+    pub fn with_speed(self, speed: SpeedUnit) -> Self {
+        Self { speed, ..self }
+    }
+
+    /// A speed as it is read, without its unit.
+    pub(crate) fn speed(&self, mps: f64, decimals: usize) -> String {
+        apa::number(mps * self.speed.per_mps(), decimals)
     }
 
     /// How a condition looks, as its design says, or the style that was chosen.

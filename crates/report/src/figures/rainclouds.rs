@@ -87,9 +87,9 @@ pub(crate) fn paint(canvas: &mut Canvas<'_>, place: Place, input: &Panel<'_>) {
         };
         raincloud::paint(canvas, &frame, cloud, (middle, slot), of.look.1);
         if let Some(ends) = of.mean {
-            // Of few people an interval may leave the panel: its line ends there.
-            let end = |end: f64| frame.y.at(end.clamp(frame.y.low(), frame.y.high()));
-            let [mean, low, high] = ends.map(|value| (middle + BOX * slot, end(value)));
+            // An interval of very few people is cut where the panel ends.
+            let inside = |end: f64| frame.y.at(end.clamp(low, top));
+            let [mean, low, high] = ends.map(|end| (middle + BOX * slot, inside(end)));
             canvas.line(low, high, Pen::new(INK, stroke::STRONG));
             canvas.disc(mean, 1.7, INK, 1.0);
             canvas.ring(mean, 1.7, Pen::new(PAPER, stroke::THIN));

@@ -1,10 +1,9 @@
 //! One moment of a simulated drive, from above.
 
-use super::ConditionLook;
 use super::prelude::*;
 use super::theme::{LANE_LINE, ROAD};
 use super::vehicle::paint_vehicle;
-use maveric_domain::{ConditionId, units::MetresPerSecond};
+use maveric_domain::ConditionId;
 
 /// Where everything is at one moment.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -90,8 +89,8 @@ pub fn simulator_view(input: &SimulatorView, context: &Context) -> Result<Figure
     let paths = input.trail_m.iter().chain(&input.plan_m);
     check.finite("a path", paths.flat_map(|place| [place.0, place.1]))?;
     let condition = context.look(input.condition);
-    draw(plan(input, &condition), context, |canvas, place| {
-        let view = View::new(input, place);
+    draw(plan(input, context), context, |canvas, place| {
+        let view = View::new(input, context, place);
         view.road(canvas);
         view.path(
             canvas,
@@ -134,26 +133,23 @@ impl SimulatorView {
     }
 }
 
-fn mph(speed_mps: f64, decimals: usize) -> String {
-    number(MetresPerSecond(speed_mps).mph(), decimals)
-}
-
-fn plan(input: &SimulatorView, condition: &ConditionLook) -> Plan {
+fn plan(input: &SimulatorView, context: &Context) -> Plan {
+    let (condition, unit) = (context.look(input.condition), context.speed.name());
     let hidden = input.others.iter().filter(|vehicle| !input.sees(vehicle));
     let hidden = match hidden.count() {
         0 => String::new(),
         1 => " One more vehicle is outside the picture.".to_owned(),
         more => format!(" {more} more vehicles are outside the picture."),
     };
-    let (others, speed) = (input.others.len(), mph(input.ego.speed_mps, 1));
+    let (others, speed) = (input.others.len(), context.speed(input.ego.speed_mps, 1));
     let words = match input.lead() {
         Some((_, gap)) => format!(
-            "The ego drives {speed} mph, {} m from the reference vehicle; {} other vehicles.",
+            "The ego drives {speed} {unit}, {} m from the reference vehicle; {} other vehicles.",
             number(gap, 1),
             others.saturating_sub(1)
         ),
         None => format!(
-            "The ego drives {speed} mph without a reference vehicle; {others} other vehicles."
+            "The ego drives {speed} {unit} without a reference vehicle; {others} other vehicles."
         ),
     };
     let road = STRETCH * input.lane_width_m * input.lanes as f64;
@@ -163,7 +159,7 @@ fn plan(input: &SimulatorView, condition: &ConditionLook) -> Plan {
         title: "The simulator".to_owned(),
         caption: format!(
             "One moment of a simulated drive: participant {}, {}, {} s after the start. Speeds in \
-             mph; widths are drawn {} times as large as lengths. Dashed: the ego’s trail and plan.{hidden} \
+             {unit}; widths are drawn {} times as large as lengths. Dashed: the ego’s trail and plan.{hidden} \
              *n* = 1 drive; no test.",
             markup::literal(&input.participant),
             condition.words(),
@@ -178,6 +174,7 @@ fn plan(input: &SimulatorView, condition: &ConditionLook) -> Plan {
 /// The stretch of road round the ego, laid on the page.
 struct View<'a> {
     input: &'a SimulatorView,
+    context: &'a Context,
     left: f64,
     right: f64,
     top: f64,
@@ -186,9 +183,10 @@ struct View<'a> {
 }
 
 impl<'a> View<'a> {
-    fn new(input: &'a SimulatorView, place: Place) -> Self {
+    fn new(input: &'a SimulatorView, context: &'a Context, place: Place) -> Self {
         Self {
             input,
+            context,
             left: place.left,
             right: place.right,
             top: place.top + 14.0,
@@ -254,7 +252,7 @@ impl<'a> View<'a> {
     fn other(&self, canvas: &mut Canvas<'_>, vehicle: &VehicleView, ink: RGBColor) {
         let (centre, length, _) = self.vehicle(canvas, vehicle, ink);
         let beside = (centre.0 + length / 2.0 + 3.0, centre.1);
-        Self::label(canvas, &mph(vehicle.speed_mps, 0), beside);
+        Self::label(canvas, &self.context.speed(vehicle.speed_mps, 0), beside);
     }
 
     fn ego(&self, canvas: &mut Canvas<'_>, ink: RGBColor) {
@@ -267,7 +265,8 @@ impl<'a> View<'a> {
         } else {
             -1.0
         };
-        let label = format!("{} mph", mph(self.input.ego.speed_mps, 0));
+        let speed = self.context.speed(self.input.ego.speed_mps, 0);
+        let label = format!("{speed} {}", self.context.speed.name());
         let half = Look::new(size::TICK).width(&label) / 2.0;
         let place = (centre.0 - half, centre.1 + aside * (width / 2.0 + 6.0));
         Self::label(canvas, &label, place);

@@ -1,7 +1,7 @@
 //! One drive as a time-space diagram, with what was decided marked on it.
 
 use super::prelude::*;
-use maveric_domain::{ConditionId, units::MetresPerSecond};
+use maveric_domain::ConditionId;
 
 /// The ego and the vehicles round it over time.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -103,7 +103,8 @@ pub fn time_space(input: &TimeSpace, context: &Context) -> Result<Figure, Report
     let own = pieces(&input.ego, |_| true, flat);
     let condition = context.look(input.condition);
     let whose = condition.words();
-    let plan = plan(input, &whose, (last - first, speed));
+    let kept = format!("{} {}", context.speed(speed, 1), context.speed.name());
+    let plan = plan(input, &whose, last - first, &kept);
     let ego_pen = Pen::new(condition.rgb(), 1.5);
     let lead_pen = Pen::new(MUTED, stroke::BOX);
     let other_pen = Pen::new(GREY, stroke::AXIS).alpha(0.7);
@@ -164,7 +165,7 @@ impl TimeSpace {
     }
 }
 
-fn plan(input: &TimeSpace, whose: &str, (seconds, speed): (f64, f64)) -> Plan {
+fn plan(input: &TimeSpace, whose: &str, seconds: f64, kept: &str) -> Plan {
     let counts = input
         .kinds()
         .map(|(kind, count)| format!("{count} × {}", kind.look().2));
@@ -176,19 +177,18 @@ fn plan(input: &TimeSpace, whose: &str, (seconds, speed): (f64, f64)) -> Plan {
         0 => String::new(),
         more => format!(" {more} more vehicles are left out, there being too many."),
     };
-    let mph = number(MetresPerSecond(speed).mph(), 1);
     Plan {
         name: NAME.to_owned(),
         size_mm: (TWO_COLUMNS_MM, 92.0),
         title: format!("Time-space diagram of {}", markup::literal(&input.drive)),
         caption: format!(
-            "Position along the road against time, less a steady ride at the drive’s mean speed ({mph} mph): a line \
+            "Position along the road against time, less a steady ride at the drive’s mean speed ({kept}): a line \
              that rises is faster than that. Solid: in the right lane; dashed: in another; shaded: the ego ({whose}) \
              is out of the right lane. Vehicles are drawn within {SIGHT_M:.0} m of the ego. Decisions: {counts}.\
              {left_out} *n* = 1 drive of {seconds:.0} s; no test."
         ),
         alt: format!(
-            "{} over {seconds:.0} s at {mph} mph on average among {} leads and {} other vehicles. Decisions: {counts}.",
+            "{} over {seconds:.0} s at {kept} on average among {} leads and {} other vehicles. Decisions: {counts}.",
             input.drive,
             input.leads.len(),
             input.others.len()

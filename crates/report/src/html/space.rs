@@ -34,8 +34,8 @@ pub struct SpaceDrive {
     pub at: [f64; 3],
     /// Score of the driver in points; `None` for a driver who has none.
     pub score_points: Option<f64>,
-    /// Mean velocity in mph.
-    pub velocity_mph: f64,
+    /// Mean velocity in m/s.
+    pub velocity_mps: f64,
 }
 
 /// One test participant.
@@ -59,7 +59,7 @@ impl StyleSpace {
         let own = self.people.iter().map(|p| &p.own);
         for drive in self.drives.iter().chain(own) {
             finite(&format!("the embedding of {}", drive.name), &drive.at)?;
-            let rest = [drive.score_points.unwrap_or_default(), drive.velocity_mph];
+            let rest = [drive.score_points.unwrap_or_default(), drive.velocity_mps];
             finite(&format!("score or velocity of {}", drive.name), &rest)?;
         }
         for person in &self.people {
@@ -81,7 +81,7 @@ impl StyleSpace {
     /// What the script reads.
     pub(super) fn json(&self, context: &Context) -> Value {
         let at = |at: &[f64; 3]| json!(at.map(short));
-        let drive = |d: &SpaceDrive| json!({ "name": d.name, "at": at(&d.at), "score": d.score_points.map(short), "mph": short(d.velocity_mph) });
+        let drive = |d: &SpaceDrive| json!({ "name": d.name, "at": at(&d.at), "score": d.score_points.map(short), "speed": short(d.velocity_mps * context.speed.per_mps()) });
         let person = |p: &SpacePerson| {
             let conditions = p
                 .conditions
@@ -94,6 +94,7 @@ impl StyleSpace {
         json!({
             "drives": self.drives.iter().take(MOST).map(drive).collect::<Vec<_>>(),
             "people": self.people.iter().take(MOST).map(person).collect::<Vec<_>>(),
+            "unit": context.speed.name(),
             "gradient": at(&self.gradient),
             "ellipse": self.ellipse.map(|axes| axes.map(|axis| at(&axis))),
             "score": [self.score.0, self.score.1, self.score.2],

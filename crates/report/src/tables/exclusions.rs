@@ -25,4 +25,5 @@ pub fn exclusions(rows: &[Exclusion]) -> Table {
             1 => "One exclusion.".to_owned(),
             n => format!("{n} exclusions."),
         })
+        .keyed(&["who", "left_out_of", "why"])
 }

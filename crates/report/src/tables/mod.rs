@@ -2,12 +2,10 @@
 
 mod columns;
 mod exclusions;
-mod participants;
 mod table;
 mod write;
 
 pub use columns::TableOf;
 pub use exclusions::{Exclusion, exclusions};
-pub use participants::{ParticipantGroup, participants};
 pub use table::{Align, Cell, Column, Data, Table};
 pub use write::{latex, markdown};

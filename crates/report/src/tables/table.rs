@@ -80,6 +80,22 @@ pub enum Cell {
     Missing,
 }
 
+impl Table {
+    /// The table, with these heads for machines in the place of those that are shown.
+    #[must_use]
+    pub fn keyed(self, heads: &[&str]) -> Self {
+        let data = Data {
+            heads: heads.iter().map(|&head| head.to_owned()).collect(),
+            ids: (1..=self.rows.len()).map(|row| row.to_string()).collect(),
+            rows: self.rows.clone(),
+        };
+        Self {
+            data: Some(data),
+            ..self
+        }
+    }
+}
+
 impl Cell {
     /// Any text, taken as it is.
     pub fn text(text: impl Into<String>) -> Self {

@@ -8,8 +8,8 @@ use super::{
 use crate::{
     Adjustment, AlignedRanks, BayesCorrelationAnalysis, BayesTAnalysis, ByDesign, ChosenTest,
     EffectMethod, EffectTest, Equivalence, Factorial, FactorialEffect, FactorialFinding,
-    GroupsAnalysis, MixedFinding, Ordinal, OrdinalFinding, OrdinalParameter, RandomIntercept,
-    SphericityCorrection,
+    GroupsAnalysis, MixedFinding, Ordinal, OrdinalFinding, OrdinalParameter, Prior,
+    RandomIntercept, SphericityCorrection,
 };
 
 says_itself!(
@@ -127,11 +127,11 @@ impl Statements for Equivalence {
 }
 
 /// `BF10 = 3.20`, or `BF01 = 5.41` where the data speak for no difference.
-fn bayes_factor(bf10: f64, bf01: f64) -> Statement {
-    let (symbol, value) = if bf10 >= 1.0 {
-        ("*BF*_{10}", bf10)
+fn bayes_factor(log_bf10: f64) -> Statement {
+    let (symbol, value) = if log_bf10 >= 0.0 {
+        ("*BF*_{10}", libm::exp(log_bf10))
     } else {
-        ("*BF*_{01}", bf01)
+        ("*BF*_{01}", libm::exp(-log_bf10))
     };
     if value >= 1e5 {
         return Statement(format!("{symbol} = {value:.2e}"));
@@ -139,21 +139,39 @@ fn bayes_factor(bf10: f64, bf01: f64) -> Statement {
     Statement::of(symbol, &[], value)
 }
 
+impl Statement {
+    /// `… (Cauchy prior of the standardised effect, scale .71)`.
+    fn under(mut self, prior: &Prior, scale: &str) -> Self {
+        let (family, parameter) = (&prior.family, &prior.parameter);
+        let scale = format!("{scale} {}", bounded(prior.scale, 2));
+        self.0 += &format!(" ({family} prior of the {parameter}, {scale})");
+        self
+    }
+}
+
+/// `BF10 = 17.26 (Cauchy prior of the standardised effect, scale .71)`, by the names of the pairs.
 impl Statements for BayesTAnalysis {
     fn statements(&self) -> Vec<(String, Statement)> {
         let tests = self.bayes_t.iter();
-        let said =
-            tests.filter_map(|(name, t)| Some((name.to_owned(), bayes_factor(t.bf10?, t.bf01?))));
+        let said = tests.filter_map(|(name, t)| {
+            let factor = bayes_factor(t.bf10.and(t.bf01).and(t.log_bf10)?);
+            Some((name.to_owned(), factor.under(&self.prior, "scale")))
+        });
         said.collect()
     }
 }
 
+/// `BF10 = 3.20 (stretched beta prior of the correlation, κ = .33); BF10 = 2.71 (…, κ = 1.00), r = .46`.
 impl Statements for BayesCorrelationAnalysis {
     fn statements(&self) -> Vec<(String, Statement)> {
         let found = &self.bayes_r;
         let said = || {
-            let factor = bayes_factor(found.bf10?, found.bf01?);
-            Some(factor.and("*r*", &bounded(found.r?, 2)))
+            let (third, flat) = (found.log_bf10?, found.log_bf10_kappa1?);
+            found.bf10.and(found.bf01).and(found.bf10_kappa1)?;
+            let factor = bayes_factor(third).under(&self.prior, "*κ* =").0;
+            let flat = bayes_factor(flat).under(&self.prior_kappa1, "*κ* =").0;
+            let both = Statement(format!("{factor}; {flat}"));
+            Some(both.and("*r*", &bounded(found.r?, 2)))
         };
         those([("bayes_r", said())])
     }

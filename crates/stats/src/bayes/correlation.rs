@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::{TOO_LARGE, power};
+use super::{Prior, TOO_LARGE, power};
 use crate::{
     Reasons, StatsError, complete,
     numerics::{
@@ -37,6 +37,10 @@ pub struct BayesCorrelationAnalysis {
     pub missing: usize,
     /// The factor.
     pub bayes_r: BayesCorrelation,
+    /// The prior of `bf10`.
+    pub prior: Prior,
+    /// The prior of `bf10_kappa1`.
+    pub prior_kappa1: Prior,
     /// Why numbers do not exist, by name.
     pub undefined: Reasons,
 }
@@ -72,7 +76,9 @@ pub fn bayes_correlation(
     // At ±1 the factor has no upper limit.
     let inside = r.filter(|r| 1.0 - r * r > 1e-14);
     let factor = |kappa: f64| inside.map(|r| log_bf10(r, n as f64, kappa));
-    let (third, flat) = (factor(1.0 / 3.0), factor(1.0));
+    let prior = |kappa| Prior::new("stretched beta", kappa, "correlation");
+    let (prior, prior_kappa1) = (prior(1.0 / 3.0), prior(1.0));
+    let (third, flat) = (factor(prior.scale), factor(prior_kappa1.scale));
     let logs = ["log_bf10", "log_bf10_kappa1"].map(|name| format!("bayes_r.{name}"));
     let factors = ["bf10", "bf01", "bf10_kappa1"].map(|name| format!("bayes_r.{name}"));
     if r.is_none() {
@@ -105,6 +111,8 @@ pub fn bayes_correlation(
     Ok(BayesCorrelationAnalysis {
         missing: pairs.missing,
         bayes_r: found,
+        prior,
+        prior_kappa1,
         undefined,
     })
 }

@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::{TOO_LARGE, power};
+use super::{Prior, TOO_LARGE, power};
 use crate::{
     Named, Reasons, StatsError, WithinSubjects,
     equivalence::less,
@@ -16,6 +16,8 @@ use crate::{
 pub struct BayesT {
     /// Differences or values; of two groups nA nB / (nA + nB), which takes their place.
     pub n: f64,
+    /// How many differences or values there are; of two groups how many in each.
+    pub values: Vec<usize>,
     /// The t statistic, of two groups with pooled variance.
     pub t: Option<f64>,
     /// Natural logarithm of `bf10`.
@@ -37,6 +39,8 @@ pub struct BayesTAnalysis {
     pub missing: usize,
     /// Each pair, A minus B; or `value` alone, less the value it is compared with.
     pub bayes_t: Named<BayesT>,
+    /// The prior of each of them.
+    pub prior: Prior,
     /// Why numbers do not exist, by name.
     pub undefined: Reasons,
 }
@@ -75,6 +79,7 @@ pub fn bayes_paired(data: &WithinSubjects) -> BayesTAnalysis {
         dropped: data.dropped().to_vec(),
         missing: 0,
         bayes_t: pairs.into_iter().collect(),
+        prior: prior(),
         undefined,
     }
 }
@@ -93,6 +98,7 @@ pub fn bayes_one(values: &[Option<f64>], mu: f64) -> Result<BayesTAnalysis, Stat
         dropped: Vec::new(),
         missing: values.len() - differences.len(),
         bayes_t: [("value".to_owned(), found)].into_iter().collect(),
+        prior: prior(),
         undefined,
     })
 }
@@ -112,7 +118,8 @@ pub fn bayes_groups(
         let n = a.n() * b.n() / (a.n() + b.n());
         let why = reasons.get("t").unwrap_or_default().to_owned();
         reasons = Reasons::default();
-        let found = of_t(n, student.t.zip(student.df), &why, &mut reasons);
+        let values = vec![a.n() as usize, b.n() as usize];
+        let found = of_t((n, values), student.t.zip(student.df), &why, &mut reasons);
         (found, reasons)
     });
     Ok(BayesTAnalysis {
@@ -120,8 +127,18 @@ pub fn bayes_groups(
         dropped: Vec::new(),
         missing: samples.missing,
         bayes_t,
+        prior: prior(),
         undefined,
     })
+}
+
+/// That of BayesFactor and JASP.
+fn prior() -> Prior {
+    Prior::new(
+        "Cauchy",
+        std::f64::consts::FRAC_1_SQRT_2,
+        "standardised effect",
+    )
 }
 
 fn of_sample(differences: &[f64], constant: bool) -> (BayesT, Reasons) {
@@ -131,7 +148,7 @@ fn of_sample(differences: &[f64], constant: bool) -> (BayesT, Reasons) {
     let varies = !constant && squares > 0.0;
     let t = varies.then(|| mean / (squares / (n - 1.0) / n).sqrt());
     let found = of_t(
-        n,
+        (n, vec![differences.len()]),
         t.map(|t| (t, n - 1.0)),
         "the differences do not vary",
         &mut reasons,
@@ -139,7 +156,12 @@ fn of_sample(differences: &[f64], constant: bool) -> (BayesT, Reasons) {
     (found, reasons)
 }
 
-fn of_t(n: f64, t: Option<(f64, f64)>, why: &str, reasons: &mut Reasons) -> BayesT {
+fn of_t(
+    (n, values): (f64, Vec<usize>),
+    t: Option<(f64, f64)>,
+    why: &str,
+    reasons: &mut Reasons,
+) -> BayesT {
     if t.is_none() {
         reasons.note_all(&["t", "log_bf10", "bf10", "bf01"], why);
     }
@@ -150,6 +172,7 @@ fn of_t(n: f64, t: Option<(f64, f64)>, why: &str, reasons: &mut Reasons) -> Baye
     }
     BayesT {
         n,
+        values,
         t: t.map(|(t, _)| t),
         log_bf10: ln,
         bf10,
@@ -199,7 +222,7 @@ mod tests {
     #[test]
     fn a_factor_beyond_double_precision_keeps_its_logarithm() {
         let mut reasons = Reasons::default();
-        let found = of_t(500.0, Some((1e6, 499.0)), "", &mut reasons);
+        let found = of_t((500.0, vec![500]), Some((1e6, 499.0)), "", &mut reasons);
         assert!(found.log_bf10.unwrap() > 710.0 && found.bf10.is_none());
         assert!(reasons.get("bf10").is_some());
     }

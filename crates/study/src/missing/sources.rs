@@ -103,15 +103,16 @@ impl<'a> Sources<'a> {
         } else {
             People::default()
         };
-        sources.people = if people.is_filled_in(&study.design) {
+        // Before anybody is listed: whoever drove, answered or was measured.
+        sources.people = if people.enrolled.is_empty() {
+            sources.everybody()
+        } else {
             let awaited = |p: &&Enrolled| p.excluded.is_none() && (p.tested || p.learned_from);
             let person = |p: &Enrolled| Person {
                 id: p.id.clone(),
                 tested: p.tested,
             };
             people.enrolled.iter().filter(awaited).map(person).collect()
-        } else {
-            sources.everybody()
         };
         sources.ask();
         Ok(sources)
@@ -235,7 +236,7 @@ impl<'a> Sources<'a> {
         let failed = file.and_then(|name| self.drives.failed.get(name));
         let why = match (kept_out.or(failed), file) {
             (Some(why), _) => why.clone(),
-            (None, Some(name)) => format!("{name} is not ingested yet"),
+            (None, Some(_)) => "its log is not ingested yet".to_owned(),
             (None, None) => "no log".to_owned(),
         };
         [log, Awaited::Missing(why)]

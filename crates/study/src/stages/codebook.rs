@@ -10,7 +10,10 @@ use crate::{
     stage::{Files, Stage},
     tables::{TableName, write_rows},
 };
-use maveric_domain::design::{OwnMeasure, Sign};
+use maveric_domain::{
+    Design, Scale,
+    design::{OwnMeasure, Sign},
+};
 use path_slash::PathExt as _;
 use serde::Serialize;
 use std::path::{Path, PathBuf};
@@ -29,6 +32,9 @@ pub struct Describe {
     #[arg(long)]
     pub out: PathBuf,
 }
+
+/// The files of a codebook.
+const PATHS: [&str; 3] = ["codebook.csv", "codebook.md", "codebook_measures.csv"];
 
 /// What was described.
 #[derive(Debug, Clone, Serialize)]
@@ -88,59 +94,18 @@ impl Stage for Describe {
         Ok(Files::default()
             .reads([&self.scales])
             .reads_design(self.design.as_deref())
-            .writes_into(
-                &self.out,
-                &["codebook.csv", "codebook.md", "codebook_measures.csv"],
-            ))
+            .writes_into(&self.out, &PATHS))
     }
 
     /// Writes the codebook of every scale of a folder: Markdown for people; a CSV row an item of each subscale.
     fn work(&self, watch: Watch<'_>) -> Result<Outcome<Codebook>, StudyError> {
-        let csv = self.out.join("codebook.csv");
-        let markdown = self.out.join("codebook.md");
-        let of_measures = self.out.join("codebook_measures.csv");
-        spare_inputs([&*self.scales], [&*csv, &markdown, &of_measures])?;
+        let paths = PATHS.map(|name| self.out.join(name));
+        spare_inputs([&*self.scales], paths.iter().map(PathBuf::as_path))?;
         let study = DesignFile::here(self.design.as_deref())?;
-        let design = study.as_ref().map(|study| &study.design);
-        let own: Vec<MeasureRow> = design
-            .iter()
-            .flat_map(|design| design.measures())
-            .map(MeasureRow::from)
-            .collect();
         let scales = read_scales(&self.scales)?;
         watch.check()?;
-        let page = maveric_pages::codebook(&scales, design)?;
-        let mut rows = Vec::new();
-        for scale in &scales {
-            for subscale in &scale.subscales {
-                rows.extend(subscale.items.iter().map(|&item| {
-                    ItemRow {
-                        scale: scale.id.clone(),
-                        subscale: subscale.id.clone(),
-                        item,
-                        column: scale.column_of(item),
-                        min: scale.min,
-                        max: scale.max,
-                        reversed: scale.is_reversed(subscale, item),
-                        wording: scale
-                            .wording
-                            .get(item as usize - 1)
-                            .cloned()
-                            .unwrap_or_default(),
-                    }
-                }));
-            }
-        }
-        write_rows(TableName::Codebook, &csv, &rows)?;
-        if !own.is_empty() {
-            write_rows(TableName::CodebookMeasures, &of_measures, &own)?;
-        }
-        atomic_write_bytes(&markdown, page.as_bytes())?;
-        let value = Codebook {
-            scales: scales.len(),
-            items: scales.iter().map(|s| s.items as usize).sum(),
-            measures: own.len(),
-        };
+        let value = write_codebook(&scales, study.as_ref().map(|s| &s.design), &self.out)?;
+        let [csv, markdown, _] = paths;
         let summary = vec![format!(
             "{} scales, {} items: {}, {}",
             value.scales,
@@ -154,4 +119,50 @@ impl Stage for Describe {
             warnings: Vec::new(),
         })
     }
+}
+
+/// Writes the codebook of these scales and of a design's own measures into a folder.
+///
+/// # Errors
+/// As [`write_rows`].
+pub(crate) fn write_codebook(
+    scales: &[Scale],
+    design: Option<&Design>,
+    folder: &Path,
+) -> Result<Codebook, StudyError> {
+    let [csv, markdown, of_measures] = PATHS.map(|name| folder.join(name));
+    let page = maveric_pages::codebook(scales, design)?;
+    let mut rows = Vec::new();
+    for scale in scales {
+        for subscale in &scale.subscales {
+            rows.extend(subscale.items.iter().map(|&item| {
+                ItemRow {
+                    scale: scale.id.clone(),
+                    subscale: subscale.id.clone(),
+                    item,
+                    column: scale.column_of(item),
+                    min: scale.min,
+                    max: scale.max,
+                    reversed: scale.is_reversed(subscale, item),
+                    wording: scale
+                        .wording
+                        .get(item as usize - 1)
+                        .cloned()
+                        .unwrap_or_default(),
+                }
+            }));
+        }
+    }
+    write_rows(TableName::Codebook, &csv, &rows)?;
+    let measures = design.into_iter().flat_map(Design::measures);
+    let measures: Vec<MeasureRow> = measures.map(MeasureRow::from).collect();
+    if !measures.is_empty() {
+        write_rows(TableName::CodebookMeasures, &of_measures, &measures)?;
+    }
+    atomic_write_bytes(&markdown, page.as_bytes())?;
+    Ok(Codebook {
+        scales: scales.len(),
+        items: scales.iter().map(|s| s.items as usize).sum(),
+        measures: measures.len(),
+    })
 }

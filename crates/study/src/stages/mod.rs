@@ -39,7 +39,7 @@ pub fn versions() -> BTreeMap<String, String> {
         ("generate", 5),
         ("import", 3),
         ("codebook", 1),
-        ("export", 3),
+        ("export", 4),
         ("ingest", 12),
         ("score", 6),
         ("train", 10),

@@ -35,7 +35,7 @@ pub struct Orders {
     /// Factor of the conditions (`levels` of the design) whose levels are met in blocks, one after the other
     #[arg(long, value_name = "FACTOR")]
     pub blocks: Option<String>,
-    /// Table to write; the design's table of people, where there is none yet, when not given
+    /// Table to write; the design's table of people, where there is none or it has no row, when not given
     #[arg(long, value_name = "FILE")]
     pub out: Option<PathBuf>,
 }
@@ -75,7 +75,12 @@ pub fn orders(design: Option<&Path>, asked: &Orders) -> Result<Outcome<OrdersWri
     }
     let own = study.resolve(&study.design.people().file);
     let out = asked.out.clone().unwrap_or_else(|| own.clone());
-    if out.exists() {
+    // What `init` makes is a table without a row.
+    let empty = (out == own && out.is_file())
+        .then(|| Table::read(&out))
+        .transpose()?
+        .filter(|table| table.rows() == 0);
+    if out.exists() && (empty.is_none() || asked.people.is_none()) {
         return Err(StudyError::BadFile {
             path: out,
             problem: "is there already".to_owned(),
@@ -83,7 +88,12 @@ pub fn orders(design: Option<&Path>, asked: &Orders) -> Result<Outcome<OrdersWri
         });
     }
     let (table, orders) = match asked.people {
-        Some(n) => new_people(&study, &plan, n)?,
+        Some(n) => new_people(
+            &study,
+            &plan,
+            n,
+            &empty.map_or_else(Vec::new, |t| t.columns()),
+        )?,
         None => same_people(&study, &plan, &own)?,
     };
     table.write(&out)?;
@@ -116,8 +126,13 @@ pub fn orders(design: Option<&Path>, asked: &Orders) -> Result<Outcome<OrdersWri
 
 type Written = (TableBuilder, Vec<Vec<ConditionId>>);
 
-/// A table of people who come yet.
-fn new_people(study: &DesignFile, plan: &OrderPlan, n: usize) -> Result<Written, StudyError> {
+/// A table of people who come yet, with these columns to be filled in.
+fn new_people(
+    study: &DesignFile,
+    plan: &OrderPlan,
+    n: usize,
+    more: &[String],
+) -> Result<Written, StudyError> {
     if !(1..=MOST_PEOPLE).contains(&n) {
         return Err(StudyError::NotPossible {
             problem: format!("--people {n}: expected 1 to {MOST_PEOPLE}"),
@@ -133,6 +148,12 @@ fn new_people(study: &DesignFile, plan: &OrderPlan, n: usize) -> Result<Written,
         let word = people.test.as_ref().and_then(|test| test.get(column));
         let word = word.cloned().unwrap_or_default();
         table = table.cells(column, std::iter::repeat_n(Some(word), n));
+    }
+    let columns = people.columns();
+    let is_written =
+        |name: &str| ["participant", "order"].contains(&name) || columns.contains(&name);
+    for column in more.iter().filter(|name| !is_written(name)) {
+        table = table.cells(column, std::iter::repeat_n(None::<String>, n));
     }
     Ok((
         table.cells("order", orders.iter().map(|order| Some(words(order)))),

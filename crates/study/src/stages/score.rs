@@ -9,6 +9,7 @@ use crate::{
     outcome::{Outcome, Watch},
     run_folder::{exclusions_path, items_path, read_scales, reliabilities_path},
     stage::{Files, Stage},
+    stages::import::told_as_export,
     tables::{
         Table, TableName,
         drives::kept_out,
@@ -234,7 +235,8 @@ impl Stage for ScoreAnswers {
         let mut times = Vec::new();
         let study = DesignFile::here(self.design.as_deref())?;
         for path in &self.surveys {
-            let (found, timed) = read_timed_answers(path)?;
+            let (found, timed) =
+                read_timed_answers(path).map_err(|error| told_as_export(path, error))?;
             if let Some(study) = &study {
                 refuse_unclear(path, &found, &study.design)?;
             }
@@ -257,12 +259,7 @@ impl Stage for ScoreAnswers {
             .participants
             .as_deref()
             .map(|path| Table::read(path)?.ids("participant"))
-            .transpose()?
-            .filter(|ids: &Vec<ParticipantId>| {
-                // As the gate has it: a table that is not filled in yet lists nobody, and lets everybody in.
-                let told_apart = |s: &DesignFile| !s.design.people().columns().is_empty();
-                !ids.is_empty() || study.as_ref().is_none_or(told_apart)
-            });
+            .transpose()?;
         let scored = maveric_measures::score(&scales, &answers, participants.as_deref())?;
         let mut warnings = scored.warnings;
         let known = |w: &ScoreWarning| {

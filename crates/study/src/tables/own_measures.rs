@@ -122,10 +122,11 @@ fn known_people(
         return Ok(ids);
     }
     let people = study.people(participants)?;
-    if !people.is_filled_in(&study.design) {
+    let enrolled = people.enrolled;
+    // That nobody takes part then is for the gate to say.
+    if enrolled.is_empty() {
         return Ok(ids);
     }
-    let enrolled = people.enrolled;
     let known: BTreeSet<&ParticipantId> = enrolled.iter().map(|p| &p.id).collect();
     let Some(row) = ids.iter().position(|id| !known.contains(id)) else {
         return Ok(ids);
@@ -143,7 +144,13 @@ fn known_people(
 }
 
 /// In which condition each row is.
-fn known_conditions(study: &DesignFile, table: &Table) -> Result<Vec<ConditionId>, StudyError> {
+///
+/// # Errors
+/// [`StudyError::BadCell`] for one that the study does not know.
+pub(crate) fn known_conditions(
+    study: &DesignFile,
+    table: &Table,
+) -> Result<Vec<ConditionId>, StudyError> {
     let words = table.text("condition")?;
     let condition = |(row, word): (usize, Option<String>)| {
         let word = word.unwrap_or_default();

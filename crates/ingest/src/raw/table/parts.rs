@@ -128,17 +128,14 @@ pub(super) fn joined(
     let since_s = |ns: i64, part: &Part<'_>| {
         (ns.saturating_add(part.put_off_ns).saturating_sub(start_ns)) as f64 / 1e9
     };
-    let join = |pair: &[Part<'_>]| {
+    let join = |(number, pair): (usize, &[Part<'_>])| {
         let (above, below) = (&pair[0], &pair[1]);
         let (from_s, to_s) = (
             since_s(above.last_ns, above),
             since_s(below.first_ns, below),
         );
-        let goes_on = format!(
-            "{} goes on in {}",
-            file_name(above.path),
-            file_name(below.path)
-        );
+        // Without names of files, so that what is true of many logs is said once.
+        let goes_on = format!("goes on in its part {}", number + 2);
         let warning = if below.anew {
             let what = format!(
                 "{goes_on}, whose times begin anew: how long the hole between them was is not known, and a segment begins"
@@ -150,5 +147,5 @@ pub(super) fn joined(
         };
         warning.with_spans([(from_s, to_s)])
     };
-    Ok(parts.windows(2).map(join).collect())
+    Ok(parts.windows(2).enumerate().map(join).collect())
 }

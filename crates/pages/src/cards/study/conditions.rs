@@ -4,7 +4,7 @@ use super::data::Study;
 use crate::{
     card::{Drawn, card},
     texts::{Texts, value},
-    words::{omnibus, paired},
+    words::{omnibus, paired, small},
 };
 use maveric_analysis::{Contrast, Finding, Panel, Question, Verdict, verdict::FEWEST};
 use maveric_domain::{
@@ -139,7 +139,7 @@ pub(super) fn differ(
 ) -> Result<Card, ReportError> {
     let judged = whole(study).zip(&finding.parts);
     let clear = judged.filter(|(_, part)| part.verdict == Verdict::Shown);
-    let clear: Vec<String> = clear.map(|(panel, _)| panel.title.to_lowercase()).collect();
+    let clear: Vec<String> = clear.map(|(panel, _)| small(&panel.title)).collect();
     let values = context! { clear, all => finding.parts.len() };
     let tests = whole(study).map(|panel| over(study, texts, "differ", panel));
     Ok(Card {

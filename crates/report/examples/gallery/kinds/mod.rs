@@ -54,7 +54,10 @@ pub(crate) fn conditions() -> Vec<ConditionId> {
     reason = "a test of the page alone and the bench have contexts of their own"
 )]
 pub(crate) fn context(seed: u64) -> Context {
-    Context::synthetic(seed).with_conditions(ConditionLook::of(&design()))
+    let design = design();
+    Context::synthetic(seed)
+        .with_conditions(ConditionLook::of(&design))
+        .with_speed(design.speed_unit())
 }
 
 pub(crate) const PARTICIPANTS: usize = 24;

@@ -13,7 +13,7 @@ use crate::html::style::condition_colours;
 use crate::html::template::fill;
 use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD;
-use maveric_domain::{drive::Direction, units::MPS_PER_MPH};
+use maveric_domain::{SpeedUnit, drive::Direction};
 use minijinja::{Value, context};
 use serde_json::json;
 use std::fmt::Write as _;
@@ -85,11 +85,12 @@ impl PlayerFragment {
 pub fn player(player: &WatchPlayer, context: &Context) -> Result<PlayerFragment, ReportError> {
     check(player)?;
     let sampled: Vec<Sampled> = player.drives.iter().map(sample).collect();
-    let axes = Axes::of(&sampled);
+    let axes = Axes::of(&sampled, context.speed);
     let moment = moment(&sampled);
     let drives = || player.drives.iter().zip(&sampled);
     let data = json!({
         "rate": SAMPLES_PER_S,
+        "unit": { "name": context.speed.name(), "perMps": context.speed.per_mps() },
         "duration": rounded(axes.duration_s),
         "moment": moment,
         "ahead": rounded(STILL_M.1 / (STILL_M.0 + STILL_M.1)),
@@ -110,6 +111,7 @@ pub fn player(player: &WatchPlayer, context: &Context) -> Result<PlayerFragment,
             ticks => axes.ticks().iter().map(|&t| context! { at => percent(t, &axes), text => clock(t) }).collect::<Vec<_>>(),
             duration => rounded(axes.duration_s),
             start => moment as f64 / SAMPLES_PER_S,
+            unit => context.speed.name(),
             gap_axis => number(GAP_AXIS_M, 0),
             stretch => straight.then(|| number(STRETCH, 1)),
             safety => player.drives.iter().any(|d| d.interventions.is_some()),
@@ -263,7 +265,7 @@ fn clock(time_s: f64) -> String {
 fn row_value(drive: &PlayerDrive, sampled: &Sampled, axes: &Axes, moment: usize) -> Value {
     let there: Vec<usize> = (0..sampled.samples).filter(|&i| sampled.has(i)).collect();
     let sum: f64 = there.iter().map(|&i| sampled.speed_mps[i]).sum();
-    let mean_mph = sum / there.len().max(1) as f64 / MPS_PER_MPH;
+    let mean_mps = sum / there.len().max(1) as f64;
     let changes = |way: Direction| {
         let changes = drive.lane_changes.iter();
         changes.filter(|c| c.direction == way).count()
@@ -283,16 +285,16 @@ fn row_value(drive: &PlayerDrive, sampled: &Sampled, axes: &Axes, moment: usize)
         label => &drive.label,
         note => &drive.note,
         condition => drive.condition.as_str(),
-        now => now(sampled, moment),
+        now => now(sampled, moment, axes.unit),
         still => Value::from_safe_string(still(drive, sampled, moment)),
         lines => Value::from_safe_string(timeline(sampled, axes)),
         shape => format!("{:.3}", (STILL_M.0 + STILL_M.1) / (2.0 * half)),
         marks,
         head => percent((moment as f64 / SAMPLES_PER_S).min(axes.duration_s), axes),
-        fastest => number(axes.speed_mph.1, 0),
-        slowest => number(axes.speed_mph.0, 0),
+        fastest => number(axes.speed.1, 0),
+        slowest => number(axes.speed.0, 0),
         length => clock((sampled.samples - 1) as f64 / SAMPLES_PER_S),
-        mean_speed => number(mean_mph, 1),
+        mean_speed => number(mean_mps * axes.unit.per_mps(), 1),
         left => changes(Direction::Left),
         right => changes(Direction::Right),
         interventions => drive.interventions.as_ref().map(Vec::len),
@@ -316,11 +318,11 @@ fn aside(sampled: &Sampled, sample: usize) -> bool {
 }
 
 /// What happens at a sample, in words; the script says it in the same words.
-fn now(sampled: &Sampled, sample: usize) -> String {
+fn now(sampled: &Sampled, sample: usize, unit: SpeedUnit) -> String {
     if !sampled.has(sample) {
         return "no recording here".to_owned();
     }
-    let speed = number(sampled.speed_mps[sample] / MPS_PER_MPH, 0);
+    let speed = number(sampled.speed_mps[sample] * unit.per_mps(), 0);
     let gap = match sampled.gap_m[sample] {
         None => "nobody to follow".to_owned(),
         Some(gap) if gap.abs() < 0.5 => "beside the other car".to_owned(),
@@ -330,5 +332,5 @@ fn now(sampled: &Sampled, sample: usize) -> String {
         Some(gap) if gap > 0.0 => format!("{} m to the car ahead", number(gap, 0)),
         Some(gap) => format!("{} m past the car", number(-gap, 0)),
     };
-    format!("{speed} mph, {gap}")
+    format!("{speed} {}, {gap}", unit.name())
 }

@@ -1,6 +1,5 @@
 (() => {
   "use strict";
-  const MPH = 1 / 0.44704;
   const clock = (s) => `${Math.floor(s / 60)}:${String(Math.floor(s % 60)).padStart(2, "0")}`;
 
   // Columns come as differences, zigzag, seven bits a byte with the lowest first.
@@ -185,15 +184,15 @@
       }
       const front = car(ox, oy, heading(other, j), [other.length, other.width], isLead ? colours.lead : colours.car, isLead ? colours.tarmac : colours.line);
       const near = Math.min(other.count - 2, Math.max(0, Math.floor(j)));
-      if (other.count > 1) labels.push([front, (other.x[near + 1] - other.x[near]) * data.rate * MPH]);
+      if (other.count > 1) labels.push([front, (other.x[near + 1] - other.x[near]) * data.rate * data.unit.perMps]);
     }
     const front = car(x, y, heading(run, i), drive.ego, row.colour, colours.tarmac);
     if (width < 520) return;
-    labels.push([front, at(run.v, i) * MPH]);
+    labels.push([front, at(run.v, i) * data.unit.perMps]);
     c.font = `11px ${row.font}`;
     c.textBaseline = "middle";
-    for (const [[fx, fy], mph] of labels) {
-      const text = Math.round(mph).toString(), wide = c.measureText(text).width;
+    for (const [[fx, fy], speed] of labels) {
+      const text = Math.round(speed).toString(), wide = c.measureText(text).width;
       c.fillStyle = colours.tarmac;
       c.fillRect(fx + 2.5, fy - 6, wide + 3, 12);
       c.fillStyle = colours.ink;
@@ -215,7 +214,7 @@
     if (gap < -3000) where = "nobody to follow";
     else if (Math.abs(gap) < 0.5) where = "beside the other car";
     else if (gap < 0) where = `${Math.round(-gap)} m past the car`;
-    return [`${Math.round(run.v[i] * MPH)} mph`, where, ...doing].join(", ");
+    return [`${Math.round(run.v[i] * data.unit.perMps)} ${data.unit.name}`, where, ...doing].join(", ");
   };
 
   const start = (root) => {

@@ -1,7 +1,7 @@
 //! Speed and gap over time as SVG that stretches with the page: no text, lines that keep their width.
 
 use super::pack::{SAMPLES_PER_S, Sampled};
-use maveric_domain::units::MPS_PER_MPH;
+use maveric_domain::SpeedUnit;
 use std::fmt::Write as _;
 
 /// Size of the picture, in its own units.
@@ -22,12 +22,14 @@ pub(super) struct Axes {
     pub(super) duration_s: f64,
     /// Time between two grid lines, in s.
     pub(super) step_s: f64,
-    /// Lowest and highest speed, in mph, multiples of 10.
-    pub(super) speed_mph: (f64, f64),
+    /// In which unit speeds are read.
+    pub(super) unit: SpeedUnit,
+    /// Lowest and highest speed in it, multiples of 10.
+    pub(super) speed: (f64, f64),
 }
 
 impl Axes {
-    pub(super) fn of(drives: &[Sampled]) -> Self {
+    pub(super) fn of(drives: &[Sampled], unit: SpeedUnit) -> Self {
         let longest = drives.iter().map(|d| d.samples - 1).max().unwrap_or(0);
         let duration_s = (longest as f64 / SAMPLES_PER_S).max(1.0 / SAMPLES_PER_S);
         let steps = [
@@ -38,7 +40,7 @@ impl Axes {
             let of = |d: &Sampled| {
                 let there = (0..d.samples).filter(|&i| d.has(i));
                 there
-                    .map(|i| d.speed_mps[i] / MPS_PER_MPH)
+                    .map(|i| d.speed_mps[i] * unit.per_mps())
                     .collect::<Vec<_>>()
             };
             drives.iter().flat_map(of)
@@ -48,7 +50,8 @@ impl Axes {
         Self {
             duration_s,
             step_s: fits.unwrap_or(7200.0),
-            speed_mph: (low, high.max(low + 10.0)),
+            unit,
+            speed: (low, high.max(low + 10.0)),
         }
     }
 
@@ -77,13 +80,13 @@ pub(super) fn timeline(sampled: &Sampled, axes: &Axes) -> String {
         .samples
         .div_ceil(MOST_POINTS)
         .max(SAMPLES_PER_S as usize / 2);
-    let (low, high) = axes.speed_mph;
+    let (low, high) = axes.speed;
     let height = |(top, bottom): (f64, f64), share: f64| bottom - share * (bottom - top);
     let speed = |i: usize| {
-        let mph = sampled.speed_mps[i] / MPS_PER_MPH;
+        let read = sampled.speed_mps[i] * axes.unit.per_mps();
         sampled
             .has(i)
-            .then(|| height(SPEED, (mph - low) / (high - low)))
+            .then(|| height(SPEED, (read - low) / (high - low)))
     };
     let gap = |i: usize| {
         let gap = sampled.gap_m[i].filter(|gap| sampled.has(i) && (0.0..=GAP_AXIS_M).contains(gap));
@@ -141,7 +144,10 @@ mod tests {
             ],
             x_m: vec![0.0; n],
             y_m: vec![0.0; n],
-            speed_mps: speed_mph.iter().map(|v| v * MPS_PER_MPH).collect(),
+            speed_mps: speed_mph
+                .iter()
+                .map(|v| v / SpeedUnit::Mph.per_mps())
+                .collect(),
             gap_m: gap_m.to_vec(),
             reference: vec![None; n],
             seen: Vec::new(),
@@ -151,18 +157,18 @@ mod tests {
     #[test]
     fn all_rows_share_the_longest_time_and_speeds_in_tens() {
         let short = sampled(&[44.0, 52.0, 1.0, 99.0, 61.0], &[None; 5], 2);
-        let axes = Axes::of(std::slice::from_ref(&short));
+        let axes = Axes::of(std::slice::from_ref(&short), SpeedUnit::Mph);
         assert!((axes.duration_s - 0.8).abs() < 1e-12);
         // Within the hole speeds mean nothing.
-        assert_eq!((axes.speed_mph, axes.step_s), ((40.0, 70.0), 1.0));
+        assert_eq!((axes.speed, axes.step_s), ((40.0, 70.0), 1.0));
         assert_eq!(axes.ticks(), [0.0]);
         let long = sampled(&vec![50.0; 5 * 60 + 1], &vec![None; 5 * 60 + 1], 9);
-        let axes = Axes::of(&[short, long.clone()]);
+        let axes = Axes::of(&[short, long.clone()], SpeedUnit::Mph);
         assert_eq!((axes.duration_s, axes.step_s), (60.0, 10.0));
         assert_eq!(axes.ticks(), [0.0, 10.0, 20.0, 30.0, 40.0, 50.0, 60.0]);
         // Even speeds still have a height; nobody has a moment.
-        assert_eq!(Axes::of(&[long]).speed_mph, (50.0, 60.0));
-        assert!((Axes::of(&[]).duration_s - 0.2).abs() < 1e-12);
+        assert_eq!(Axes::of(&[long], SpeedUnit::Mph).speed, (50.0, 60.0));
+        assert!((Axes::of(&[], SpeedUnit::Mph).duration_s - 0.2).abs() < 1e-12);
     }
 
     #[test]
@@ -171,8 +177,8 @@ mod tests {
         let mut gap = vec![Some(60.0); 21];
         (gap[16], gap[18], gap[20]) = (None, Some(121.0), Some(-1.0));
         let drive = sampled(&speed, &gap, 9);
-        let axes = Axes::of(std::slice::from_ref(&drive));
-        assert_eq!((axes.duration_s, axes.speed_mph), (4.0, (40.0, 60.0)));
+        let axes = Axes::of(std::slice::from_ref(&drive), SpeedUnit::Mph);
+        assert_eq!((axes.duration_s, axes.speed), (4.0, (40.0, 60.0)));
         let svg = timeline(&drive, &axes);
         let path = |class: &str| {
             let start = svg.find(&format!("class=\"{class}\" d=\"")).unwrap();

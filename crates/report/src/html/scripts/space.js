@@ -18,7 +18,7 @@ function startSpace(root) {
   const choice = root.querySelector("select");
   const pen = canvas.getContext("2d");
   const all = [...data.drives, ...data.people];
-  const speeds = all.map((d) => d.mph);
+  const speeds = all.map((d) => d.speed);
   const [slowest, fastest] = [Math.min(...speeds), Math.max(...speeds)];
   const far = Math.max(...all.flatMap((d) => d.at.map(Math.abs)), ...data.people.flatMap((p) => p.conditions.flatMap((c) => c[1].map(Math.abs))));
   const length = Math.hypot(...data.gradient);
@@ -108,7 +108,7 @@ function startSpace(root) {
         pen.globalAlpha = chosen && d !== named ? 0.35 : 1;
         pen.beginPath();
         pen.arc(x, y, r, 0, 2 * Math.PI);
-        pen.fillStyle = viridis((d.mph - slowest) / (fastest - slowest || 1));
+        pen.fillStyle = viridis((d.speed - slowest) / (fastest - slowest || 1));
         pen.fill();
         pen.lineWidth = ring ? 1.6 : 0.6;
         pen.strokeStyle = ring ? ink : paper;
@@ -173,7 +173,7 @@ function startSpace(root) {
       pen.fillStyle = viridis(i / 59);
       pen.fillRect(8 + i * 2, 8, 2.5, 8);
     }
-    write(`${slowest.toFixed(0)} to ${fastest.toFixed(0)} mph`, 134, 12, "left");
+    write(`${slowest.toFixed(0)} to ${fastest.toFixed(0)} ${data.unit}`, 134, 12, "left");
   }
 
   function name(d) {
@@ -182,7 +182,7 @@ function startSpace(root) {
     else {
       const who = d.conditions ? `Participant ${d.name}` : `Drive ${d.name}`;
       const score = d.score === null ? `no ${called}` : `${called} ${d.score.toFixed(1)}`;
-      said.textContent = `${who}: ${score}, mean velocity ${d.mph.toFixed(1)} mph.`;
+      said.textContent = `${who}: ${score}, mean velocity ${d.speed.toFixed(1)} ${data.unit}.`;
       if (d.conditions) chosen = d;
     }
     if (d === null || d.conditions) choice.selectedIndex = data.people.indexOf(d) + 1;

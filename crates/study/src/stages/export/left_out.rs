@@ -1,22 +1,18 @@
 //! Who and what of a study is not given away.
 
-use super::seat::Collected;
+use super::{material::Material, sources::RESULTS};
 use crate::{
     design::DesignFile,
     error::StudyError,
     gate::{Gate, counted},
-    tables::participants::Enrolled,
 };
 use maveric_analysis::Why;
-use maveric_domain::{Answer, DriveMeta, ParticipantId, Recording};
+use maveric_domain::{Moment, ParticipantId};
 use path_slash::PathExt as _;
 use std::{
     collections::{BTreeMap, BTreeSet},
     path::Path,
 };
-
-/// Where `maveric run` writes in a study's folder.
-pub(super) const RESULTS: &str = "results";
 
 /// What was left out, and whatever would name somebody who was.
 #[derive(Default)]
@@ -29,14 +25,6 @@ pub(super) struct LeftOut {
     /// What to know of the rules as they were applied.
     pub(super) doubts: Vec<String>,
 }
-
-/// People, answers and drives of a study.
-type Study<'a> = (
-    &'a mut Vec<Enrolled>,
-    &'a mut Vec<Answer>,
-    &'a mut Vec<(DriveMeta, Recording)>,
-    &'a mut Collected,
-);
 
 /// What to know of rules that look at all that somebody did: they hold as the last analysis applied them.
 fn doubts(study: &DesignFile) -> Option<String> {
@@ -63,7 +51,7 @@ impl LeftOut {
     pub(super) fn of(
         study: &DesignFile,
         participants: Option<&Path>,
-        (people, answers, drives, collected): Study<'_>,
+        material: &mut Material,
     ) -> Result<Self, StudyError> {
         let gate = Gate::where_listed(study, participants)?
             .with_analysis(&study.resolve(Path::new(RESULTS)))?;
@@ -78,16 +66,18 @@ impl LeftOut {
                 .collect(),
             ..Self::default()
         };
-        people.retain(|p| found.person(&gate, &p.id));
-        answers.retain(|a| match gate.answer(&a.participant, a.moment) {
-            None => true,
-            Some(why) => {
-                found.person(&gate, &a.participant);
-                found.answers.push(why);
-                false
-            }
-        });
-        drives.retain(|(meta, recording)| {
+        material.people.retain(|p| found.person(&gate, &p.id));
+        material
+            .answers
+            .retain(|a| match gate.answer(&a.participant, a.moment) {
+                None => true,
+                Some(why) => {
+                    found.person(&gate, &a.participant);
+                    found.answers.push(why);
+                    false
+                }
+            });
+        material.drives.retain(|(meta, recording)| {
             let time = recording.time_s();
             let duration_s = time.last().zip(time.first()).map_or(0.0, |(b, a)| b - a);
             match gate.drive(meta, duration_s) {
@@ -100,7 +90,15 @@ impl LeftOut {
                 }
             }
         });
-        for id in collected.without(|id| gate.person(id).is_none()) {
+        material.own.retain(|row| {
+            let moment = Moment::After(row.condition);
+            found.person(&gate, &row.participant) && gate.answer(&row.participant, moment).is_none()
+        });
+        if let Some(data) = &mut material.outcomes {
+            data.participants.retain(|id| found.person(&gate, id));
+        }
+        let stays = |id: &ParticipantId| gate.person(id).is_none();
+        for id in material.collected.without(stays) {
             found.person(&gate, &id);
         }
         Ok(found)

@@ -6,6 +6,7 @@ use crate::{
     error::StudyError,
     tables::{Table, TableName, write_rows},
 };
+use path_slash::PathExt as _;
 use std::{
     collections::BTreeSet,
     fs,
@@ -18,6 +19,8 @@ const LIST: &str = "files.csv";
 /// A folder under way: it is made beside its place and appears whole.
 pub(super) struct Place {
     out: PathBuf,
+    /// The folder as it was named.
+    shown: PathBuf,
     aside: Aside,
 }
 
@@ -27,12 +30,11 @@ impl Place {
     /// # Errors
     /// [`StudyError::BadFile`] where it holds anything that no earlier export wrote; nothing is changed.
     pub(super) fn new(out: &Path) -> Result<Self, StudyError> {
+        let shown = out.to_owned();
         let out = std::path::absolute(out).map_err(StudyError::write(out))?;
         refuse_used(&out)?;
-        let beside = out.parent().unwrap_or(&out).to_owned();
-        fs::create_dir_all(&beside).map_err(StudyError::write(&beside))?;
-        let aside = Aside::new(&beside)?;
-        let place = Self { out, aside };
+        let aside = Aside::new(out.parent().unwrap_or(&out))?;
+        let place = Self { out, shown, aside };
         let fresh = place.fresh();
         fs::create_dir(&fresh).map_err(StudyError::write(&fresh))?;
         Ok(place)
@@ -62,11 +64,11 @@ impl Place {
         Ok(given)
     }
 
-    /// How many people of the earlier export are not among those `now`; none where it was made with another key, or there is none.
+    /// Warns of people of the earlier export who are not among those `now`; not where it was made with another key, or there is none.
     ///
     /// # Errors
     /// As [`Table`] does.
-    pub(super) fn gone(&self, now: impl Fn(&str) -> bool) -> Result<usize, StudyError> {
+    pub(super) fn gone(&self, now: impl Fn(&str) -> bool) -> Result<Option<String>, StudyError> {
         let mut former = BTreeSet::new();
         for name in ["participants.csv", "surveys.csv"] {
             let path = self.out.join(name);
@@ -80,7 +82,14 @@ impl Place {
             }
         }
         let gone = former.iter().filter(|name| !now(name)).count();
-        Ok(if gone < former.len() { gone } else { 0 })
+        let some = gone > 0 && gone < former.len();
+        Ok(some.then(|| {
+            format!(
+                "{gone} people of the export that stood in {} are not in this one: whoever was given the earlier one has them still, and has to \
+                 be asked to delete it",
+                self.shown.to_slash_lossy()
+            )
+        }))
     }
 
     /// Lists the files and puts the folder in its place; an earlier export goes.
@@ -93,6 +102,8 @@ impl Place {
         write_rows(TableName::Files, &fresh.join(LIST), &given)?;
         let former = self.aside.path().join("former");
         let used = self.out.exists();
+        let beside = self.out.parent().unwrap_or(&self.out);
+        fs::create_dir_all(beside).map_err(StudyError::write(beside))?;
         if used {
             fs::rename(&self.out, &former).map_err(StudyError::write(&self.out))?;
         }

@@ -1,8 +1,11 @@
 //! Names that only the key's keeper can make again.
 
-use crate::error::StudyError;
+use crate::{error::StudyError, named};
 use maveric_domain::ParticipantId;
-use std::{collections::BTreeMap, path::Path};
+use std::{
+    collections::{BTreeMap, BTreeSet},
+    path::Path,
+};
 
 /// A key shorter than this can be guessed.
 const SHORTEST_KEY: usize = 16;
@@ -11,6 +14,7 @@ const SHORTEST_KEY: usize = 16;
 const LETTERS: usize = 10;
 
 /// Pseudonyms of the people of one study.
+#[derive(Default)]
 pub(super) struct Pseudonyms {
     key: [u8; 32],
     names: BTreeMap<ParticipantId, ParticipantId>,
@@ -46,8 +50,22 @@ impl Pseudonyms {
         })
     }
 
+    /// Makes a pseudonym for each of them.
+    ///
+    /// # Errors
+    /// [`StudyError::NotPossible`] where two would have the same.
+    pub(super) fn add_all<'a>(
+        &mut self,
+        ids: impl Iterator<Item = &'a ParticipantId>,
+    ) -> Result<(), StudyError> {
+        for id in ids {
+            self.add(id)?;
+        }
+        Ok(())
+    }
+
     /// Makes a pseudonym for somebody; the same one whenever asked.
-    pub(super) fn add(&mut self, id: &ParticipantId) -> Result<(), StudyError> {
+    fn add(&mut self, id: &ParticipantId) -> Result<(), StudyError> {
         if self.names.contains_key(id) {
             return Ok(());
         }
@@ -77,13 +95,57 @@ impl Pseudonyms {
         self.names.values().any(|n| n.as_str() == name)
     }
 
-    /// Everybody who was added, under their own names.
-    pub(super) fn originals(&self) -> impl Iterator<Item = &ParticipantId> {
-        self.names.keys()
+    /// A text with pseudonyms for the ids of those who were added; `…` for an id of digits alone, which may be a number like any other.
+    pub(super) fn rename(&self, text: &str) -> String {
+        let mut text = text.to_owned();
+        for (id, name) in &self.names {
+            let id = id.as_str();
+            let name = if is_number(id) {
+                named::HIDDEN
+            } else {
+                name.as_str()
+            };
+            text = named::with(&text, id, name);
+        }
+        text
     }
 
     pub(super) fn len(&self) -> usize {
         self.names.len()
+    }
+}
+
+/// An id that texts have as a number.
+fn is_number(id: &str) -> bool {
+    id.bytes().all(|b| b.is_ascii_digit())
+}
+
+/// Ids that must stand in no text of an export: those of the people who are in it under other names, and of people and drives that are not.
+pub(super) struct Ids(Vec<String>);
+
+impl Ids {
+    pub(super) fn new(names: &Pseudonyms, left_out: &BTreeSet<String>) -> Self {
+        let originals = names.names.keys().map(ToString::to_string);
+        Self(originals.chain(left_out.iter().cloned()).collect())
+    }
+
+    /// Whether a path or a command names somebody.
+    pub(super) fn named_in(&self, text: &str) -> bool {
+        self.0.iter().any(|id| named::names(text, id))
+    }
+
+    /// The id that words name, be it no mere number.
+    pub(super) fn in_words(&self, text: &str) -> Option<&str> {
+        let ids = self.0.iter().map(String::as_str);
+        ids.filter(|id| !is_number(id))
+            .find(|id| named::names(text, id))
+    }
+
+    /// Words with `…` for each id; none where there is no id.
+    pub(super) fn hidden(&self, text: &str) -> Option<String> {
+        self.in_words(text)?;
+        let ids = self.0.iter().map(String::as_str);
+        Some(named::without(text, ids.filter(|id| !is_number(id))))
     }
 }
 

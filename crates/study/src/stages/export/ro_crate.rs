@@ -4,6 +4,10 @@
 //! RO-Crate 1.1 (Soiland-Reyes et al. 2022) and Workflow Run RO-Crate 0.5 (Leo et al. 2024), profile Workflow Run Crate; without a run
 //! of a pipeline, Process Run Crate.
 
+use super::pseudonym::Ids;
+use crate::stages::ingest::logs::Log;
+use maveric_domain::Design;
+use path_slash::PathExt as _;
 use serde::Serialize;
 use serde_json::{Value, json};
 use std::collections::BTreeMap;
@@ -58,11 +62,6 @@ pub(super) struct Given {
     pub(super) blake3: String,
 }
 
-/// Whether a text names somebody of `ids`.
-pub(super) fn names(text: &str, ids: &[String]) -> bool {
-    ids.iter().any(|id| crate::named::names(text, id))
-}
-
 impl PipelineRun {
     /// Paths of the models that were learned or used.
     pub(super) fn models(&self) -> impl Iterator<Item = &str> {
@@ -75,38 +74,67 @@ impl PipelineRun {
             .filter(|path| path.ends_with(".maveric"))
     }
 
-    /// The run without what names somebody of `ids`, and how many paths and command lines that are.
+    /// The run without what `names` somebody, and how many paths and command lines that are.
     #[must_use]
-    pub(super) fn without(mut self, ids: &[String]) -> (Self, usize) {
+    fn without(mut self, names: impl Fn(&str) -> bool) -> (Self, usize) {
         let mut left_out = 0;
         for step in &mut self.steps {
             for paths in [&mut step.inputs, &mut step.outputs] {
                 let all = paths.len();
-                paths.retain(|path, _| !names(path, ids));
+                paths.retain(|path, _| !names(path));
                 left_out += all - paths.len();
             }
-            if names(&step.command, ids) {
+            if names(&step.command) {
                 step.command.clear();
                 left_out += 1;
             }
         }
         let all = self.steps.len();
-        self.steps.retain(|step| !names(&step.name, ids));
+        self.steps.retain(|step| !names(&step.name));
         left_out += all - self.steps.len();
         (self, left_out)
     }
+}
+
+/// What of a run is given away: nothing where the pipeline names somebody; else not the paths and commands that do, nor a log's own
+/// path, whose name may be anybody's.
+pub(super) fn cleared(
+    run: PipelineRun,
+    ids: &Ids,
+    logs: &[Log],
+    warnings: &mut Vec<String>,
+) -> Option<PipelineRun> {
+    if ids.named_in(&run.text) {
+        let warning = "the pipeline names somebody, so it and its run are not in the export";
+        warnings.push(warning.to_owned());
+        return None;
+    }
+    let logs: Vec<_> = logs.iter().map(|log| log.path.to_slash_lossy()).collect();
+    let is_log = |text: &str| logs.iter().any(|log| text.contains(log.as_ref()));
+    let (run, left_out) = run.without(|text| is_log(text) || ids.named_in(text));
+    if left_out > 0 {
+        warnings.push(format!(
+            "{left_out} paths and commands of the run name somebody and are not in {METADATA}"
+        ));
+    }
+    Some(run)
 }
 
 fn reference(id: &str) -> Value {
     json!({ "@id": id })
 }
 
+/// One reference stands alone, as the standard has it; several are a list.
 fn references<'a>(ids: impl IntoIterator<Item = &'a str>) -> Value {
-    ids.into_iter().map(reference).collect()
+    let mut all: Vec<Value> = ids.into_iter().map(reference).collect();
+    match all.len() {
+        1 => all.remove(0),
+        _ => all.into(),
+    }
 }
 
 /// The metadata of an export with these files.
-pub(super) fn metadata(title: &str, about: &About, files: &[Given]) -> Value {
+pub(super) fn metadata(design: &Design, about: &About, files: &[Given]) -> Value {
     const PROFILES: [(&str, &str, &str); 3] = [
         (
             "https://w3id.org/ro/wfrun/process/0.5",
@@ -132,12 +160,17 @@ pub(super) fn metadata(title: &str, about: &About, files: &[Given]) -> Value {
     let licence = about.licence.as_deref().unwrap_or("#no-licence");
     let mut steps: Vec<Value> = Vec::new();
     let mut mentioned = vec!["#export".to_owned()];
+    let title = design.title();
+    let authors = design.authors().iter().enumerate();
+    let authors: Vec<Value> = authors
+        .map(|(n, name)| json!({ "@id": format!("#author-{}", n + 1), "@type": "Person", "name": name }))
+        .collect();
     let mut root = json!({
         "@id": "./",
         "@type": "Dataset",
         "name": title,
         "description": format!(
-            "{title}: logs, people and answers of a driving study under pseudonyms, without dates, places and free text. \
+            "{title}: design, logs, people, answers and outcomes of a driving study under pseudonyms, without dates, places and free text. \
              Written by maveric {}.",
             about.version
         ),
@@ -149,6 +182,10 @@ pub(super) fn metadata(title: &str, about: &About, files: &[Given]) -> Value {
     if let Some(run) = &about.run {
         root["mainEntity"] = reference(PIPELINE);
         steps = actions(run, &mut mentioned);
+    }
+    if !authors.is_empty() {
+        let ids = authors.iter().filter_map(|author| author["@id"].as_str());
+        root["author"] = references(ids);
     }
     root["mentions"] = references(mentioned.iter().map(String::as_str));
     let mut graph = vec![
@@ -185,6 +222,7 @@ pub(super) fn metadata(title: &str, about: &About, files: &[Given]) -> Value {
         json!({ "@id": id, "@type": "CreativeWork", "name": name, "version": version })
     }));
     graph.extend(files.iter().map(|file| entity(file, about, licence)));
+    graph.extend(authors);
     graph.extend(steps);
     if about.run.is_none() {
         graph[0]["conformsTo"] = reference("https://w3id.org/ro/crate/1.1");
@@ -212,6 +250,8 @@ fn entity(given: &Given, about: &About, licence: &str) -> Value {
     let format = match ending {
         "csv" => "text/csv",
         "toml" => "application/toml",
+        "md" => "text/markdown",
+        "parquet" => "application/vnd.apache.parquet",
         "mcap" => "application/octet-stream",
         _ => "text/plain",
     };
@@ -223,6 +263,9 @@ fn entity(given: &Given, about: &About, licence: &str) -> Value {
         "encodingFormat": format,
         "identifier": format!("blake3:{}", given.blake3),
     });
+    if path == "README.md" {
+        file["about"] = reference("./");
+    }
     if let (true, Some(run)) = (path == PIPELINE, &about.run) {
         file["@type"] = json!(["File", "SoftwareSourceCode", "ComputationalWorkflow"]);
         file["name"] = json!(format!("Pipeline {}", run.name));
@@ -246,6 +289,10 @@ fn actions(run: &PipelineRun, mentioned: &mut Vec<String>) -> Vec<Value> {
     })];
     let mut files: BTreeMap<&str, &str> = BTreeMap::new();
     let mut made = Vec::new();
+    let here = |paths: std::collections::btree_map::Keys<'_, String, String>| {
+        let ids: Vec<String> = paths.map(|path| format!("#{path}")).collect();
+        references(ids.iter().map(String::as_str))
+    };
     for step in &run.steps {
         let id = format!("#stage-{}", step.name);
         for (path, hash) in step.inputs.iter().chain(&step.outputs) {
@@ -259,8 +306,8 @@ fn actions(run: &PipelineRun, mentioned: &mut Vec<String>) -> Vec<Value> {
             "description": step.command,
             "instrument": reference("#maveric"),
             "actionStatus": "http://schema.org/CompletedActionStatus",
-            "object": step.inputs.keys().map(|p| reference(&format!("#{p}"))).collect::<Value>(),
-            "result": step.outputs.keys().map(|p| reference(&format!("#{p}"))).collect::<Value>(),
+            "object": here(step.inputs.keys()),
+            "result": here(step.outputs.keys()),
         }));
         mentioned.push(id);
     }
@@ -268,6 +315,7 @@ fn actions(run: &PipelineRun, mentioned: &mut Vec<String>) -> Vec<Value> {
         "@id": "#run",
         "@type": "CreateAction",
         "name": format!("Run of pipeline {}", run.name),
+        "description": "All stages, in the order in which each needs the others.",
         "instrument": reference(PIPELINE),
         "actionStatus": "http://schema.org/CompletedActionStatus",
         "result": references(made.iter().map(String::as_str)),
@@ -288,13 +336,16 @@ fn actions(run: &PipelineRun, mentioned: &mut Vec<String>) -> Vec<Value> {
 
 #[cfg(test)]
 mod tests {
-    use super::*;
+    use super::{super::pseudonym::Pseudonyms, *};
+    use maveric_domain::ParticipantId;
 
     #[test]
     fn paths_that_name_somebody_are_left_out_and_counted() {
-        let ids = ["P1".to_owned(), "anna".to_owned()];
-        assert!(names("logs/P1-own.mcap", &ids) && names("anna", &ids));
-        assert!(!names("logs/P12.mcap", &ids) && !names("results/annals.csv", &ids));
+        let ids = ["P1", "anna"].map(|id| ParticipantId::new(id).unwrap());
+        let ids = Ids::new(&Pseudonyms::default(), &ids.map(String::from).into());
+        let names = |text: &str| ids.named_in(text);
+        assert!(names("logs/P1-own.mcap") && names("anna"));
+        assert!(!names("logs/P12.mcap") && !names("results/annals.csv"));
         let step = Step {
             name: "ingest".to_owned(),
             command: "maveric ingest logs/anna.mcap".to_owned(),
@@ -309,20 +360,32 @@ mod tests {
             steps: vec![step],
             ..PipelineRun::default()
         };
-        let (run, left_out) = run.without(&ids);
-        assert_eq!(left_out, 2);
-        let text = metadata(
-            "A study",
-            &About {
-                run: Some(run),
-                ..About::default()
-            },
-            &[],
+        let mut warnings = Vec::new();
+        let run = cleared(run, &ids, &[], &mut warnings);
+        assert!(
+            warnings[0].starts_with("2 paths and commands"),
+            "{warnings:?}"
         );
-        let text = text.to_string();
+        let design = Design::from_toml(
+            "[study]\ntitle = \"A study\"\nauthors = [\"A. Author\"]\n[[condition]]\nid = \"calm\"\n[[condition]]\nid = \"sporty\"",
+        );
+        let about = About {
+            run,
+            ..About::default()
+        };
+        let text = metadata(&design.unwrap(), &about, &[]).to_string();
         assert!(
             !text.contains("anna") && text.contains("blake3:3"),
             "{text}"
         );
+        assert!(
+            text.contains("\"author\":[{\"@id\":\"#author-1\"}]"),
+            "{text}"
+        );
+        let named = PipelineRun {
+            text: "maveric ingest logs/anna".to_owned(),
+            ..PipelineRun::default()
+        };
+        assert!(cleared(named, &ids, &[], &mut warnings).is_none());
     }
 }

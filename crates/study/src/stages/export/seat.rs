@@ -3,6 +3,7 @@
 use super::pseudonym::Pseudonyms;
 use crate::{
     error::StudyError,
+    named,
     tables::{
         TableName,
         collected::{CONSENTS, ConsentRow, EVENTS, EventRow, NOTES, NoteRow},
@@ -77,13 +78,19 @@ impl Collected {
         self.people().next().is_none()
     }
 
-    /// Writes them into `out`, without times of day; how many notes were written by hand and may name somebody.
+    /// Writes them into `out`, without times of day; warns of notes, whose words are somebody's own. A note that names anybody who is
+    /// `left_out` is not given away.
     ///
     /// # Errors
     /// As [`write_rows`].
-    pub(super) fn write(mut self, out: &Path, names: &Pseudonyms) -> Result<usize, StudyError> {
+    pub(super) fn write(
+        mut self,
+        out: &Path,
+        names: &Pseudonyms,
+        left_out: &BTreeSet<String>,
+    ) -> Result<Option<String>, StudyError> {
         if self.is_empty() {
-            return Ok(0);
+            return Ok(None);
         }
         for row in &mut self.events {
             row.participant = names.of(&row.participant);
@@ -102,17 +109,27 @@ impl Collected {
         write_rows(TableName::Events, &out.join(EVENTS), &self.events)?;
         write_rows(TableName::Consents, &out.join(CONSENTS), &self.consents)?;
         let Some(mut notes) = self.notes else {
-            return Ok(0);
+            return Ok(None);
         };
+        let all = notes.len();
+        notes.retain(|row| !left_out.iter().any(|id| named::names(&row.text, id)));
+        let withheld = all - notes.len();
         for row in &mut notes {
-            // What the seat says begins with the name of a drive.
-            if let Some(id) = &row.participant {
-                row.text = row.text.replace(id.as_str(), names.of(id).as_str());
-            }
+            row.text = names.rename(&row.text);
             row.participant = row.participant.as_ref().map(|id| names.of(id));
             row.at = None;
         }
+        // Those of the day's course by their words: when each was written is not given away.
+        notes.sort_by(|a, b| match (&a.participant, &b.participant) {
+            (None, None) => a.text.cmp(&b.text),
+            (a, b) => a.cmp(b),
+        });
         write_rows(TableName::Notes, &out.join(NOTES), &notes)?;
-        Ok(notes.iter().filter(|row| row.participant.is_none()).count())
+        let by_hand = notes.iter().filter(|row| row.participant.is_none()).count();
+        let warning = format!(
+            "{by_hand} notes are given away as they were written: read seat/notes.csv, they may name somebody; {withheld} that name \
+             somebody who is left out are not"
+        );
+        Ok((by_hand + withheld > 0).then_some(warning))
     }
 }

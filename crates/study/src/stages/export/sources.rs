@@ -1,6 +1,6 @@
 //! What is exported: what was named, or all that the study has.
 
-use super::{ExportOptions, left_out::RESULTS};
+use super::options::ExportOptions;
 use crate::{
     design::DesignFile,
     error::StudyError,
@@ -13,6 +13,8 @@ use crate::{
 use maveric_domain::design::Software;
 use std::path::{Path, PathBuf};
 
+/// Where `maveric run` writes in a study's folder.
+pub(super) const RESULTS: &str = "results";
 /// Answers that came from survey software, among the results.
 const IMPORTED: &str = "answers.csv";
 /// The folder of the seat in a study's.
@@ -26,6 +28,10 @@ pub(super) struct Sources {
     pub(super) surveys: Vec<PathBuf>,
     /// The folder of the seat.
     pub(super) seat: Option<PathBuf>,
+    /// Values of the study's own measures.
+    pub(super) measures: Option<PathBuf>,
+    /// The folder of what a run made.
+    pub(super) results: Option<PathBuf>,
 }
 
 impl Sources {
@@ -38,16 +44,16 @@ impl Sources {
         study: Option<&DesignFile>,
     ) -> Result<Self, StudyError> {
         let named = Self {
-            logs: Vec::new(),
             participants: options.participants.clone(),
             surveys: options.surveys.clone(),
             seat: options.seat.clone(),
+            ..Self::default()
         };
         if !options.logs.is_empty() {
             let ingested = Ingest {
                 logs: options.logs.clone(),
                 mapping: options.mapping.clone(),
-                rate_hz: options.rate_hz,
+                rate_hz: options.rate,
                 out: options.out.clone(),
                 ..Ingest::default()
             };
@@ -69,7 +75,7 @@ impl Sources {
         };
         let ingested = Ingest {
             mapping: options.mapping.clone(),
-            rate_hz: options.rate_hz,
+            rate_hz: options.rate,
             ..Ingest::default()
         };
         Ok(Self {
@@ -77,6 +83,10 @@ impl Sources {
             participants: there(&study.design.people().file),
             surveys: answers.into_iter().collect(),
             seat: there(&Path::new(SEAT).join(EVENTS)).and(Some(study.resolve(Path::new(SEAT)))),
+            measures: Some(&files.measures)
+                .filter(|_| !study.design.measures().is_empty())
+                .and_then(|path| there(path)),
+            results: Some(study.resolve(Path::new(RESULTS))).filter(|folder| folder.is_dir()),
         })
     }
 }

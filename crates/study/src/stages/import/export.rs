@@ -62,6 +62,14 @@ impl Export {
         }
     }
 
+    /// What it is, for messages.
+    fn by_its_head(&self) -> String {
+        match self.software() {
+            Software::Wide => "another table by its head".to_owned(),
+            _ => format!("an export of {} by its head", self.title()),
+        }
+    }
+
     /// What wrote it, by its own name.
     pub(super) fn title(&self) -> &'static str {
         match self {
@@ -111,6 +119,32 @@ fn is_json(path: &Path) -> Result<bool, StudyError> {
     Ok(text.trim_ascii_start().first() == Some(&b'['))
 }
 
+/// A file that is an export and not the table that is scored, by its head; what cannot be read at all is neither.
+fn raw(path: &Path) -> Option<Export> {
+    let export = Export::read(path, None, HowToRead::default()).ok()?;
+    let is_scored = matches!(&export, Export::Table(grid, _) if LONG.iter().any(|name| grid.position(name).is_some()));
+    (!is_scored).then_some(export)
+}
+
+/// What is wrong with answers that cannot be read to be scored: where they are an export, that, and what to do.
+pub(crate) fn told_as_export(path: &Path, error: StudyError) -> StudyError {
+    let Some(export) = raw(path) else {
+        return error;
+    };
+    let file = path.to_slash_lossy();
+    StudyError::BadFile {
+        path: path.to_owned(),
+        problem: format!(
+            "is {}, not the table that is scored: a row an answer, with the columns participant, {}",
+            export.by_its_head(),
+            LONG.join(", ")
+        ),
+        help: Some(format!(
+            "`maveric import --suggest {file} --out columns.toml` proposes what its columns mean, and `maveric import {file} --columns columns.toml --out surveys.csv` makes that table of it"
+        )),
+    }
+}
+
 /// Refuses answers of a design that says they are the table that is scored, where they are an export.
 ///
 /// # Errors
@@ -121,22 +155,15 @@ pub(crate) fn refuse_export(study: &DesignFile) -> Result<(), StudyError> {
     if files.software != Software::Table || !path.is_file() {
         return Ok(());
     }
-    let Ok(export) = Export::read(&path, None, HowToRead::default()) else {
+    let Some(export) = raw(&path) else {
         return Ok(());
     };
-    if matches!(&export, Export::Table(grid, _) if LONG.iter().any(|name| grid.position(name).is_some()))
-    {
-        return Ok(());
-    }
     let id = export.software().id();
     Err(study.wrong(
         format!(
-            "`files.software`: left out, or \"table\", and {} is {} by its head",
+            "`files.software`: left out, or \"table\", and {} is {}",
             path.to_slash_lossy(),
-            match export.software() {
-                Software::Wide => "another table".to_owned(),
-                _ => format!("an export of {}", export.title()),
-            },
+            export.by_its_head(),
         ),
         Some(format!("write software = \"{id}\" under [files]")),
     ))

@@ -61,12 +61,19 @@ impl Grid {
         let frame = maveric_ingest::read_csv(&text, separator)
             .map_err(bad)?
             .frame;
-        let mut cells = Vec::new();
+        let mut cells: Vec<Vec<String>> = Vec::new();
         for column in frame.columns() {
             let column = column.str().map_err(|e| bad(e.to_string()))?;
             let text = |cell: Option<&str>| cell.unwrap_or_default().to_owned();
             cells.push(column.iter().map(text).collect());
         }
+        // LimeSurvey ends its text with an empty line.
+        let is_filled = |row: &usize| cells.iter().any(|column| !column[*row].trim().is_empty());
+        let rows = (0..frame.height())
+            .rev()
+            .find(is_filled)
+            .map_or(0, |last| last + 1);
+        cells.iter_mut().for_each(|column| column.truncate(rows));
         Ok(Self {
             path: path.to_owned(),
             columns: frame
@@ -75,7 +82,7 @@ impl Grid {
                 .map(ToString::to_string)
                 .collect(),
             cells,
-            rows: frame.height(),
+            rows,
             warnings: warning.into_iter().collect(),
         })
     }

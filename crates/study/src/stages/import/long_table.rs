@@ -16,8 +16,9 @@ pub(super) fn unknown_moments(
     design: &Design,
 ) -> BTreeMap<Moment, (usize, String)> {
     let mut unknown: BTreeMap<Moment, (usize, String)> = BTreeMap::new();
+    let labels = design.labels();
     rows.retain(|row| match row.moment {
-        Moment::After(condition) if !design.knows(condition) => {
+        Moment::After(condition) if !labels.contains(&condition) => {
             let first = || (0, row.place.clone());
             unknown.entry(row.moment).or_insert_with(first).0 += 1;
             false

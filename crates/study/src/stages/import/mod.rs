@@ -18,7 +18,7 @@ mod suggest;
 mod wide;
 mod workbook;
 
-pub(crate) use export::{column_of_people, has_row_of, refuse_export};
+pub(crate) use export::{column_of_people, has_row_of, refuse_export, told_as_export};
 pub use imported::Imported;
 
 use crate::{

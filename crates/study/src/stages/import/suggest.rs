@@ -55,8 +55,9 @@ pub(super) fn columns_of(
     let families = families(grid, format);
     let mut scales = Vec::new();
     let mut by_name = false;
+    let mut words = BTreeSet::new();
     for scale in columns.scales {
-        let proposal = of_scale(grid, scale, &families, columns);
+        let proposal = of_scale(grid, scale, &families, columns, &mut words);
         by_name |= proposal.iter().any(|line| line.contains("{condition}"));
         scales.extend(proposal);
     }
@@ -64,6 +65,15 @@ pub(super) fn columns_of(
         lines.push(moment(grid, format, columns, design));
     }
     lines.push(String::new());
+    if !words.is_empty() {
+        let labels: Vec<String> = design.labels().iter().map(ToString::to_string).collect();
+        lines.push(format!(
+            "# [moments]   # ? if conditions stand at {{condition}} below: which ({}), or \"pre\"",
+            labels.join(", ")
+        ));
+        lines.extend(words.iter().map(|word| format!("# {word} = \"?\"")));
+        lines.push(String::new());
+    }
     lines.extend(scales);
     Ok(lines.join("\n") + "\n")
 }
@@ -161,8 +171,14 @@ fn list(names: &[&str]) -> String {
     }
 }
 
-/// What is proposed for a scale, as lines.
-fn of_scale(grid: &Grid, scale: &Scale, families: &[Family], columns: &Columns<'_>) -> Vec<String> {
+/// What is proposed for a scale, as lines; `words` gains what may be conditions in the names of its columns.
+fn of_scale(
+    grid: &Grid,
+    scale: &Scale,
+    families: &[Family],
+    columns: &Columns<'_>,
+    words: &mut BTreeSet<String>,
+) -> Vec<String> {
     let id = &scale.id;
     let title = format!(
         "{} items, answers {} to {}",
@@ -222,8 +238,9 @@ fn of_scale(grid: &Grid, scale: &Scale, families: &[Family], columns: &Columns<'
             &title,
             "columns fit by their number and answers, not by their names",
             &fitting,
+            words,
         ),
-        _ => doubtful(scale, &title, "several columns fit", &named),
+        _ => doubtful(scale, &title, "several columns fit", &named, words),
     }
 }
 
@@ -251,13 +268,17 @@ fn how_answered(grid: &Grid, scale: &Scale, families: &[&Family], how: Answers) 
 }
 
 /// Lines that are comments alone: what is possible, and what would have to be known.
-fn doubtful(scale: &Scale, title: &str, why: &str, families: &[&Family]) -> Vec<String> {
+fn doubtful(
+    scale: &Scale,
+    title: &str,
+    why: &str,
+    families: &[&Family],
+    words: &mut BTreeSet<String>,
+) -> Vec<String> {
     let mut lines = vec![format!("# [scales.{}]   # ? {title}: {why}", scale.id)];
-    if let Some((joined, words)) = joint_pattern(families) {
-        lines.push(format!(
-            "# column = {joined:?}   # if these are conditions: [moments]"
-        ));
-        lines.extend(words.iter().map(|word| format!("#     {word} = \"?\"")));
+    if let Some((joined, parts)) = joint_pattern(families) {
+        lines.push(format!("# column = {joined:?}   # with [moments] above"));
+        words.extend(parts);
     }
     lines.extend(
         families

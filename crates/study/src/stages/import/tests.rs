@@ -1,9 +1,12 @@
 //! Exports of each software, from file to table.
 
+mod workbook;
+
 use super::*;
 use crate::DesignFile;
 use maveric_domain::Moment;
 use std::sync::atomic::AtomicBool;
+use workbook::workbook;
 
 const SCALE: &str = "id = \"calm\"\ntitle = \"Calmness\"\nreference = \"made up\"\nitems = 3\nmin = 1\nmax = 7\nscoring = \"mean\"\nreversed = [2]\n[[subscales]]\nid = \"calm\"\ntitle = \"Calmness\"\nitems = [1, 2, 3]\n";
 
@@ -293,7 +296,7 @@ fn qualtrics_three_heads_are_known_and_a_preview_is_nobodys_answer() {
             "P01,sporty,calm,3,"
         ]
     );
-    assert_eq!(warnings, ["1 rows of previews and tests: left out"]);
+    assert_eq!(warnings, ["1 row of previews and tests: left out"]);
     let text = suggest(QUALTRICS.as_bytes(), DESIGN);
     for line in [
         "software = \"qualtrics\"",
@@ -401,13 +404,32 @@ fn limesurveys_proposal_abstains_where_a_letter_may_be_a_condition() {
     let text = suggest(LIMESURVEY.replace("TLX", "calm").as_bytes(), DESIGN);
     assert!(
         text.contains("# column = \"{condition}calm[SQ{item}]\"")
-            && text.contains("#     K = \"?\""),
+            && text.contains("# [moments]   # ?")
+            && text.contains("\n# K = \"?\"\n# S = \"?\"\n"),
         "{text}"
     );
     let sure = text
         .lines()
         .filter(|line| !line.starts_with('#') && !line.is_empty());
     assert_eq!(sure.count(), 0, "{text}");
+    // Filled in, its comments are the map.
+    let map = text
+        .replace("K = \"?\"", "K = \"calm\"")
+        .replace("S = \"?\"", "S = \"sporty\"");
+    let meant = |line: &&str| {
+        ["# [", "# K", "# S", "# column = \"{"]
+            .iter()
+            .any(|start| line.starts_with(start))
+            && !line.contains("[files]")
+    };
+    let map: String = map
+        .lines()
+        .filter(meant)
+        .map(|line| line[2..].to_owned() + "\n")
+        .collect();
+    let answers = LIMESURVEY.replace("TLX", "calm");
+    let (_, table) = read(None, answers.as_bytes(), Some(&map), DESIGN).unwrap();
+    assert!(table.contains("P01,sporty,calm,1,4"), "{table}");
     // Headings by the texts of the questions name no item.
     let texts = "Response ID,Date submitted,Was it calm? [1]\n1,2026-01-01,3\n";
     let error = read(None, texts.as_bytes(), None, DESIGN).unwrap_err();
@@ -439,7 +461,7 @@ fn soscis_codes_are_read_from_utf_16_and_its_questionnaire_says_when() {
             "P01,sporty,calm,3,"
         ]
     );
-    assert_eq!(warnings, ["1 rows of pretests: left out"]);
+    assert_eq!(warnings, ["1 row of pretests: left out"]);
     let (warnings, same) = read(
         None,
         &encoding_rs::WINDOWS_1252.encode(SOSCI).0,
@@ -534,110 +556,6 @@ fn a_proposal_counts_from_zero_lists_words_and_abstains_where_several_columns_fi
         text.contains("# column = \"q{item}\"") && text.contains("not by their names"),
         "{text}"
     );
-}
-
-/// A workbook of sheets: what a spreadsheet writes at least (ECMA-376, part 1: 18.2 and 18.3), numbers as numbers and texts in line.
-#[expect(clippy::format_push_string, reason = "a small file, put together")]
-fn workbook(sheets: &[(&str, &[&[&str]])]) -> Vec<u8> {
-    let mut zip: Vec<(String, String)> = Vec::new();
-    let mut add = |name: &str, text: String| zip.push((name.to_owned(), text));
-    let mut types = String::new();
-    let (mut list, mut relations) = (String::new(), String::new());
-    for (at, (name, rows)) in sheets.iter().enumerate() {
-        let n = at + 1;
-        let mut cells = String::new();
-        for (row, line) in rows.iter().enumerate() {
-            cells += &format!("<row r=\"{}\">", row + 1);
-            for (column, word) in line.iter().enumerate().filter(|(_, word)| !word.is_empty()) {
-                let place = format!("{}{}", (b'A' + column as u8) as char, row + 1);
-                cells += &match word.parse::<f64>() {
-                    Ok(number) => format!("<c r=\"{place}\"><v>{number}</v></c>"),
-                    Err(_) => format!(
-                        "<c r=\"{place}\" t=\"inlineStr\"><is><t>{}</t></is></c>",
-                        word.replace('"', "&quot;")
-                    ),
-                };
-            }
-            cells += "</row>";
-        }
-        add(
-            &format!("xl/worksheets/sheet{n}.xml"),
-            format!(
-                "<worksheet xmlns=\"http://schemas.openxmlformats.org/spreadsheetml/2006/main\"><sheetData>{cells}</sheetData></worksheet>"
-            ),
-        );
-        types += &format!(
-            "<Override PartName=\"/xl/worksheets/sheet{n}.xml\" ContentType=\"application/vnd.openxmlformats-officedocument.spreadsheetml.worksheet+xml\"/>"
-        );
-        list += &format!("<sheet name=\"{name}\" sheetId=\"{n}\" r:id=\"rId{n}\"/>");
-        relations += &format!(
-            "<Relationship Id=\"rId{n}\" Type=\"http://schemas.openxmlformats.org/officeDocument/2006/relationships/worksheet\" Target=\"worksheets/sheet{n}.xml\"/>"
-        );
-    }
-    add(
-        "[Content_Types].xml",
-        format!(
-            "<Types xmlns=\"http://schemas.openxmlformats.org/package/2006/content-types\"><Default Extension=\"rels\" ContentType=\"application/vnd.openxmlformats-package.relationships+xml\"/><Override PartName=\"/xl/workbook.xml\" ContentType=\"application/vnd.openxmlformats-officedocument.spreadsheetml.sheet.main+xml\"/>{types}</Types>"
-        ),
-    );
-    add("_rels/.rels", "<Relationships xmlns=\"http://schemas.openxmlformats.org/package/2006/relationships\"><Relationship Id=\"rId1\" Type=\"http://schemas.openxmlformats.org/officeDocument/2006/relationships/officeDocument\" Target=\"xl/workbook.xml\"/></Relationships>".to_owned());
-    add(
-        "xl/workbook.xml",
-        format!(
-            "<workbook xmlns=\"http://schemas.openxmlformats.org/spreadsheetml/2006/main\" xmlns:r=\"http://schemas.openxmlformats.org/officeDocument/2006/relationships\"><sheets>{list}</sheets></workbook>"
-        ),
-    );
-    add(
-        "xl/_rels/workbook.xml.rels",
-        format!(
-            "<Relationships xmlns=\"http://schemas.openxmlformats.org/package/2006/relationships\">{relations}</Relationships>"
-        ),
-    );
-    stored(&zip)
-}
-
-/// Files as a ZIP archive without compression (PKWARE's APPNOTE, 4.3).
-fn stored(files: &[(String, String)]) -> Vec<u8> {
-    let (mut body, mut index) = (Vec::new(), Vec::new());
-    for (name, text) in files {
-        let crc = crc32(text.as_bytes());
-        let sizes = [crc, text.len() as u32, text.len() as u32];
-        let head = |bytes: &mut Vec<u8>| {
-            bytes.extend([20, 0, 0, 0, 0, 0, 0, 0, 0, 0]);
-            bytes.extend(sizes.iter().flat_map(|n| n.to_le_bytes()));
-            bytes.extend((name.len() as u16).to_le_bytes());
-            bytes.extend([0, 0]);
-        };
-        index.extend(b"PK\x01\x02\x14\x00");
-        head(&mut index);
-        index.extend([0; 10]);
-        index.extend((body.len() as u32).to_le_bytes());
-        index.extend(name.as_bytes());
-        body.extend(b"PK\x03\x04");
-        head(&mut body);
-        body.extend(name.as_bytes());
-        body.extend(text.as_bytes());
-    }
-    let (start, length, n) = (body.len() as u32, index.len() as u32, files.len() as u16);
-    body.extend(index);
-    body.extend(b"PK\x05\x06\0\0\0\0");
-    body.extend([n.to_le_bytes(), n.to_le_bytes()].concat());
-    body.extend([length.to_le_bytes(), start.to_le_bytes()].concat());
-    body.extend([0, 0]);
-    body
-}
-
-fn crc32(bytes: &[u8]) -> u32 {
-    let step = |crc: u32, byte: &u8| {
-        (0..8).fold(crc ^ u32::from(*byte), |c, _| {
-            if c & 1 == 1 {
-                0xedb8_8320 ^ (c >> 1)
-            } else {
-                c >> 1
-            }
-        })
-    };
-    !bytes.iter().fold(u32::MAX, step)
 }
 
 #[test]

@@ -8,7 +8,7 @@ use super::{
     map_file::MapFile,
     sheets::{Contents, Orders, Page, Reading},
 };
-use crate::error::StudyError;
+use crate::{error::StudyError, once::count};
 
 /// Reads a table of words.
 ///
@@ -68,9 +68,10 @@ pub(super) fn read(
         }
     }
     if let Some((_, _, what)) = trials.filter(|_| trial_rows > 0) {
+        let rows = count(trial_rows, "row", "rows");
         contents
             .warnings
-            .push(format!("{trial_rows} rows of {what}: left out"));
+            .push(format!("{rows} of {what}: left out"));
     }
     Ok(contents)
 }

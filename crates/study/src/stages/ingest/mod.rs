@@ -602,7 +602,7 @@ mod tests {
             let told = made
                 .warnings
                 .iter()
-                .any(|w| w.contains("a.csv goes on in a_2.csv, 0.050 s later"));
+                .any(|w| w.contains("goes on in its part 2, 0.050 s later"));
             assert!(told, "{:?}", made.warnings);
         }
     }

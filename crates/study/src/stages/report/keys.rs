@@ -2,6 +2,7 @@
 
 use super::{people::People, study::Run};
 use maveric_analysis::{Correlation, Preference};
+use maveric_domain::SpeedUnit;
 use maveric_pages::words::short;
 use maveric_report::claims::Made;
 use std::collections::BTreeMap;
@@ -109,9 +110,12 @@ pub(super) fn results(
     for row in analysis.line.iter().flat_map(|line| &line.rows) {
         let key = format!("line.{}", short(&row.measure));
         found.correlation(&key, &row.correlation);
-        if let Some((low, high)) = row.ends.filter(|_| row.unit == "mph") {
-            found.set(format!("{key}.low_mph"), Some(low));
-            found.set(format!("{key}.high_mph"), Some(high));
+        // The paper says its speeds in mph, whatever the page does.
+        let speed = run.design.speed_unit();
+        if let Some((low, high)) = row.ends.filter(|_| row.unit == speed.name()) {
+            let in_mph = SpeedUnit::Mph.per_mps() / speed.per_mps();
+            found.set(format!("{key}.low_mph"), Some(low * in_mph));
+            found.set(format!("{key}.high_mph"), Some(high * in_mph));
         }
     }
     for row in &analysis.reproduction {

@@ -12,8 +12,8 @@ use crate::{
 };
 use maveric_analysis::Flow;
 use maveric_domain::{Design, DrivenBy, Moment, ParticipantId, Score, design::ScoreName};
+use maveric_pages::study::ParticipantGroup;
 use maveric_participants::{Gender, Part};
-use maveric_report::tables::ParticipantGroup;
 use std::{collections::BTreeMap, path::Path};
 
 /// Everybody who takes part and is not left out.

@@ -57,15 +57,51 @@ pub(super) struct Conditions {
     /// Column that says in which condition
     #[arg(long, requires = "subject")]
     pub(super) within: Option<String>,
+    /// Column with the value; several, as in score,speed, are analysed one by one
+    #[arg(long)]
+    pub(super) value: Option<String>,
 }
 
 impl Conditions {
-    pub(super) fn long<'a>(&'a self, value: &'a str) -> Option<Long<'a>> {
+    pub(super) fn long(&self) -> Option<Long<'_>> {
         Some(Long {
             subject: Some(self.subject.as_deref()?),
             within: self.within.as_deref()?,
-            value,
+            value: self.value.as_deref()?,
         })
+    }
+
+    /// The values of one sample.
+    pub(super) fn sample(&self, table: &Table) -> Result<Vec<Option<f64>>, StudyError> {
+        table.numbers(self.value.as_deref().unwrap_or_default())
+    }
+}
+
+/// Groups of different people.
+#[derive(Debug, Clone, clap::Args)]
+pub(super) struct GroupColumns {
+    /// Column that groups the rows
+    #[arg(
+        long,
+        visible_alias = "between",
+        required = false,
+        required_unless_present = "wide",
+        default_value_if("wide", ArgPredicate::IsPresent, "group")
+    )]
+    pub(super) group: String,
+    /// Column with the value; several, as in score,speed, are analysed one by one
+    #[arg(
+        long,
+        required = false,
+        required_unless_present = "wide",
+        default_value_if("wide", ArgPredicate::IsPresent, "value")
+    )]
+    pub(super) value: String,
+}
+
+impl GroupColumns {
+    pub(super) fn long(&self) -> Long<'_> {
+        Long::groups(&self.group, &self.value)
     }
 }
 

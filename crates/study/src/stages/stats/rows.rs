@@ -143,6 +143,13 @@ impl DesignRows {
         Ok(design)
     }
 
+    /// Its factors, those between subjects first.
+    pub(super) fn factors(&self) -> Vec<&str> {
+        let between = self.between.iter().map(|(name, _)| name.as_str());
+        let within = self.within.iter().map(|(name, _)| name.as_str());
+        between.chain(within).collect()
+    }
+
     /// Levels of each factor in order of appearance, those between subjects first.
     pub(super) fn levels(&self) -> Vec<Vec<&str>> {
         let mut found: Vec<Vec<&str>> = Vec::new();

@@ -2,7 +2,6 @@
 
 use super::{Dial, Fidelity, Validate, Validated, tables::over};
 use crate::{error::StudyError, stages::report::hashed};
-use maveric_domain::MetresPerSecond;
 use maveric_pages::{PageTexts, cards::validation::Validation};
 use maveric_report::{
     Card, Context, Figure, Report,
@@ -99,9 +98,8 @@ fn dial_of(
     };
     let share = |right: &super::Right| texts.with(right).text("share");
     let panel = |dial: &Dial| -> Result<DialPanel, StudyError> {
-        // Speeds are read in mph by people.
         let (unit, scale) = match dial.unit {
-            "m/s" => ("mph", MetresPerSecond(1.0).mph()),
+            "m/s" => (context.speed.name(), context.speed.per_mps()),
             "1" => ("count", 1.0),
             other => (other, 1.0),
         };

@@ -10,7 +10,7 @@ use crate::{
         embeddings::{EmbeddingRow, read_embeddings},
     },
 };
-use maveric_domain::{ConditionId, DriveId, MetresPerSecond};
+use maveric_domain::{ConditionId, DriveId};
 use maveric_model::Model;
 use maveric_model::style_space::{LinearHead, PerpendicularEllipse};
 use maveric_pages::study::{StudyPage, line_panels};
@@ -134,7 +134,7 @@ pub(super) fn live(folder: &Path, run: &Run) -> Result<Option<Live>, StudyError>
             name,
             at: solid(row.embedding.coordinates())?,
             score_points: row.adb,
-            velocity_mph: MetresPerSecond(speed_of(run, &row.drive)?).mph(),
+            velocity_mps: speed_of(run, &row.drive)?,
         })
     };
     let (trained, tested) = (trained(folder)?, read_embeddings(&tested)?);

@@ -32,7 +32,7 @@ use crate::{
 use car::section_car;
 use embedding::{live, section_embedding};
 use learned::section_model;
-use maveric_domain::{MetresPerSecond, Road};
+use maveric_domain::Road;
 use maveric_model::Model;
 use maveric_pages::glossary;
 use maveric_pages::study::{Facts, Reliability, StudyPage, steps};
@@ -94,7 +94,7 @@ pub(super) fn page(
         training: run.training.as_ref(),
         embedding_size: run.model.as_ref().map(Model::embedding_size),
         score_range: run.score_range(),
-        posted_mph: road.map(|r| MetresPerSecond(r.posted_speed_mps).mph()),
+        posted_mps: road.map(|r| r.posted_speed_mps),
         road,
         minutes,
     };

@@ -57,7 +57,7 @@ pub(super) fn section_missing(run: &Run, missing: &Missing) -> Result<Option<Sec
         .text("Drive", reason(1))
         .text("Answers", reason(2))
         .text("Own measures", reason(3))
-        .noted(format!("{which}; `{FILE}` beside this page has all of them. An empty cell: it is there, or not awaited."));
+        .noted(format!("{which}; {FILE} beside this page has all of them. An empty cell: it is there, or not awaited."));
     Ok(Some(Section {
         title: "What is not there".to_owned(),
         intro: vec![format!(

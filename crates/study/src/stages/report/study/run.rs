@@ -80,7 +80,9 @@ impl Run {
             model_file: model,
             conditions,
             measured: if_there(&folder.join(MEASUREMENTS), read_measurements)?,
-            context: context.with_conditions(ConditionLook::of(design)),
+            context: context
+                .with_conditions(ConditionLook::of(design))
+                .with_speed(design.speed_unit()),
             design: design.clone(),
             analysis,
             training,

@@ -5,7 +5,7 @@ use crate::{
     stages::stats::{
         columns::{Conditions, labels},
         input::Long,
-        pictures,
+        pictures, printed,
         ran::Ran,
         rows::DesignRows,
         statistical_test::Test,
@@ -21,23 +21,20 @@ use maveric_stats::{bayes_correlation, bayes_groups, bayes_one, bayes_paired};
     after_help = "\
 The table: a row a cell with subject, condition and value; or a row a person with the value, with group and value, or with two values.
 Examples: maveric stats bayes data.csv --subject id --within condition --value score
-          maveric stats bayes data.csv --group vehicle --value score
+          maveric stats bayes data.csv --between vehicle --value score
           maveric stats bayes data.csv --value score --mu=3
           maveric stats bayes data.csv --x age --y speed")]
 pub struct Bayes {
     #[command(flatten)]
     conditions: Conditions,
-    /// Column with the value
-    #[arg(long, conflicts_with = "x", required_unless_present = "x")]
-    value: Option<String>,
     /// What the mean of one sample is compared with
     #[arg(long, requires = "value", allow_hyphen_values = true)]
     mu: Option<f64>,
     /// Column that groups the rows
-    #[arg(long, requires = "value")]
+    #[arg(long, visible_alias = "between", requires = "value")]
     group: Option<String>,
     /// First column of a correlation
-    #[arg(long, requires = "y")]
+    #[arg(long, requires = "y", conflicts_with = "value")]
     x: Option<String>,
     /// Second column of a correlation
     #[arg(long, requires = "x")]
@@ -49,20 +46,20 @@ impl Test for Bayes {
 
     fn lacks(&self) -> Option<&'static str> {
         let asked = self.x.is_some() || self.mu.is_some() || self.long().is_some();
-        (!asked).then_some("--value with --subject and --within, --group or --mu; or --x and --y")
+        (!asked).then_some("--value with --subject and --within, --between or --mu; or --x and --y")
     }
 
     fn long(&self) -> Option<Long<'_>> {
-        let value = self.value.as_deref()?;
+        let value = self.conditions.value.as_deref()?;
         let of_group = || Some(Long::groups(self.group.as_deref()?, value));
-        match self.conditions.long(value) {
+        match self.conditions.long() {
             None if self.mu.is_none() => of_group(),
             conditions => conditions,
         }
     }
 
     fn value(&mut self) -> Option<&mut String> {
-        self.value.as_mut()
+        self.conditions.value.as_mut()
     }
 
     fn has_figure(&self) -> bool {
@@ -73,16 +70,15 @@ impl Test for Bayes {
         if let (Some(x), Some(y)) = (&self.x, &self.y) {
             let (of_x, of_y) = (table.numbers(x)?, table.numbers(y)?);
             let found = bayes_correlation(&of_x, &of_y)?;
-            let said = pictures::first(&found);
-            let picture = pictures::correlation((x, &of_x), (y, &of_y), said);
-            return Ok(Ran::plainly(&found).drawn(picture));
+            let sentence = pictures::first(&found);
+            let picture = pictures::correlation((x, &of_x), (y, &of_y), sentence);
+            let printed = printed::bayes_correlation(&found, x, y);
+            return Ok(Ran::of(&found, printed).drawn(picture));
         }
         let Some(columns) = self.long() else {
-            let values = table.numbers(self.value.as_deref().unwrap_or_default())?;
-            return Ok(Ran::plainly(&bayes_one(
-                &values,
-                self.mu.unwrap_or_default(),
-            )?));
+            let values = self.conditions.sample(table)?;
+            let found = bayes_one(&values, self.mu.unwrap_or_default())?;
+            return Ok(Ran::of(&found, printed::bayes(&found)));
         };
         let (subject, factor, value) = (columns.subject, columns.within, columns.value);
         let found = match subject {
@@ -91,6 +87,6 @@ impl Test for Bayes {
         };
         let rows = DesignRows::one_factor(table, subject, factor, value)?;
         let picture = pictures::plain_cells(&rows, value, pictures::first(&found));
-        Ok(Ran::plainly(&found).drawn(picture))
+        Ok(Ran::of(&found, printed::bayes(&found)).drawn(picture))
     }
 }

@@ -23,9 +23,6 @@ pub struct Bootstrap {
     /// What to estimate
     #[arg(long, value_parser = one_of(&STATISTIC))]
     statistic: Statistic,
-    /// Column with the value
-    #[arg(long)]
-    value: Option<String>,
     /// First column of a correlation
     #[arg(long)]
     x: Option<String>,
@@ -47,7 +44,9 @@ impl Test for Bootstrap {
 
     fn lacks(&self) -> Option<&'static str> {
         match self.statistic {
-            Statistic::Mean | Statistic::Median => self.value.is_none().then_some("--value"),
+            Statistic::Mean | Statistic::Median => {
+                self.conditions.value.is_none().then_some("--value")
+            }
             Statistic::Pearson | Statistic::Spearman => self
                 .x
                 .as_ref()
@@ -64,14 +63,14 @@ impl Test for Bootstrap {
     fn long(&self) -> Option<Long<'_>> {
         match self.statistic {
             Statistic::Mean | Statistic::Median | Statistic::Pearson | Statistic::Spearman => None,
-            _ => self.conditions.long(self.value.as_deref()?),
+            _ => self.conditions.long(),
         }
     }
 
     fn value(&mut self) -> Option<&mut String> {
         match self.statistic {
             Statistic::Pearson | Statistic::Spearman => None,
-            _ => self.value.as_mut(),
+            _ => self.conditions.value.as_mut(),
         }
     }
 
@@ -97,7 +96,7 @@ impl Test for Bootstrap {
             let found = bootstrap(self.statistic, BootstrapData::Pairs(&x, &y), &settings)?;
             return Ok(Ran::plainly(&found));
         }
-        let values = table.numbers(self.value.as_deref().unwrap_or_default())?;
+        let values = self.conditions.sample(table)?;
         let found = bootstrap(self.statistic, BootstrapData::Values(&values), &settings)?;
         Ok(Ran::plainly(&found))
     }

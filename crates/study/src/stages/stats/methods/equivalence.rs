@@ -18,9 +18,6 @@ Examples: maveric stats equivalence data.csv --subject id --within condition --v
 pub struct Equivalence {
     #[command(flatten)]
     conditions: Conditions,
-    /// Column with the value
-    #[arg(long)]
-    value: String,
     /// What the mean of one sample is compared with
     #[arg(
         long,
@@ -41,16 +38,17 @@ impl Test for Equivalence {
     const NAME: &'static str = "equivalence";
 
     fn lacks(&self) -> Option<&'static str> {
-        let none = self.long().is_none() && self.mu.is_none();
-        none.then_some("--subject and --within, or --mu")
+        let value = self.conditions.value.is_some();
+        let asked = value && (self.long().is_some() || self.mu.is_some());
+        (!asked).then_some("--value with --subject and --within, or with --mu")
     }
 
     fn long(&self) -> Option<Long<'_>> {
-        self.conditions.long(&self.value)
+        self.conditions.long()
     }
 
     fn value(&mut self) -> Option<&mut String> {
-        Some(&mut self.value)
+        self.conditions.value.as_mut()
     }
 
     fn run(&self, table: &Table) -> Result<Ran, StudyError> {
@@ -64,9 +62,10 @@ impl Test for Equivalence {
             equivalence(&columns.read(table)?, bounds)?
         } else {
             let mu = self.mu.unwrap_or_default();
-            equivalence_one(&table.numbers(&self.value)?, mu, bounds)?
+            equivalence_one(&self.conditions.sample(table)?, mu, bounds)?
         };
-        let picture = pictures::equivalence(&self.value, &found);
+        let value = self.conditions.value.as_deref().unwrap_or_default();
+        let picture = pictures::equivalence(value, &found);
         Ok(Ran::of(&found, printed::equivalence(&found)).drawn(picture))
     }
 }

@@ -3,7 +3,11 @@
 use crate::{
     error::StudyError,
     stages::stats::{
-        columns::labels, input::Long, pictures, printed, ran::Ran, rows::DesignRows,
+        columns::{GroupColumns, labels},
+        input::Long,
+        pictures, printed,
+        ran::Ran,
+        rows::DesignRows,
         statistical_test::Test,
     },
     tables::Table,
@@ -14,31 +18,28 @@ use maveric_stats::groups;
 #[derive(Debug, Clone, clap::Args)]
 #[command(after_help = "\
 The table: a row a person, with the group and the value.
-Example: maveric stats groups data.csv --group vehicle --value score")]
+Example: maveric stats groups data.csv --between vehicle --value score")]
 pub struct Groups {
-    /// Column that groups the rows
-    #[arg(long)]
-    group: String,
-    /// Column with the value
-    #[arg(long)]
-    value: String,
+    #[command(flatten)]
+    columns: GroupColumns,
 }
 
 impl Test for Groups {
     const NAME: &'static str = "groups";
 
     fn long(&self) -> Option<Long<'_>> {
-        Some(Long::groups(&self.group, &self.value))
+        Some(self.columns.long())
     }
 
     fn value(&mut self) -> Option<&mut String> {
-        Some(&mut self.value)
+        Some(&mut self.columns.value)
     }
 
     fn run(&self, table: &Table) -> Result<Ran, StudyError> {
-        let found = groups(&labels(table, &self.group)?, &table.numbers(&self.value)?)?;
-        let rows = DesignRows::one_factor(table, None, &self.group, &self.value)?;
-        let picture = pictures::groups(&rows, &self.value, &found, None);
+        let GroupColumns { group, value } = &self.columns;
+        let found = groups(&labels(table, group)?, &table.numbers(value)?)?;
+        let rows = DesignRows::one_factor(table, None, group, value)?;
+        let picture = pictures::groups(&rows, value, &found, None);
         Ok(Ran::of(&found, printed::groups(&found)).drawn(picture))
     }
 }

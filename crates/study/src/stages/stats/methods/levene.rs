@@ -2,7 +2,12 @@
 
 use crate::{
     error::StudyError,
-    stages::stats::{columns::labels, input::Long, ran::Ran, statistical_test::Test},
+    stages::stats::{
+        columns::{GroupColumns, labels},
+        input::Long,
+        ran::Ran,
+        statistical_test::Test,
+    },
     tables::Table,
 };
 use maveric_stats::levene;
@@ -11,25 +16,21 @@ use maveric_stats::levene;
 #[derive(Debug, Clone, clap::Args)]
 #[command(after_help = "\
 The table: a row a person, with the columns of group and value.
-Example: maveric stats levene data.csv --group group --value score")]
+Example: maveric stats levene data.csv --between group --value score")]
 pub struct Levene {
-    /// Column that groups the rows
-    #[arg(long)]
-    group: String,
-    /// Column with the value
-    #[arg(long)]
-    value: String,
+    #[command(flatten)]
+    columns: GroupColumns,
 }
 
 impl Test for Levene {
     const NAME: &'static str = "levene";
 
     fn long(&self) -> Option<Long<'_>> {
-        Some(Long::groups(&self.group, &self.value))
+        Some(self.columns.long())
     }
 
     fn value(&mut self) -> Option<&mut String> {
-        Some(&mut self.value)
+        Some(&mut self.columns.value)
     }
 
     fn has_figure(&self) -> bool {
@@ -37,10 +38,8 @@ impl Test for Levene {
     }
 
     fn run(&self, table: &Table) -> Result<Ran, StudyError> {
-        let groups = labels(table, &self.group)?;
-        Ok(Ran::plainly(&levene(
-            &groups,
-            &table.numbers(&self.value)?,
-        )?))
+        let GroupColumns { group, value } = &self.columns;
+        let groups = labels(table, group)?;
+        Ok(Ran::plainly(&levene(&groups, &table.numbers(value)?)?))
     }
 }

@@ -15,18 +15,30 @@ use maveric_stats::{Formula, Predictor, RandomIntercept, random_intercept};
 
 /// A linear model with a random intercept: coefficients, terms, marginal means; Satterthwaite's degrees of freedom
 #[derive(Debug, Clone, clap::Args)]
-#[command(after_help = "\
-The table: any number of rows a person, with subject, the predictors and the value. A predictor whose values are all numbers is a
-covariate, any other a factor. Rows with a missing value are left out; the person's others stay.
-Example: maveric stats mixed data.csv --subject id --fixed \"age*style + speed\" --value score")]
+#[command(
+    group = clap::ArgGroup::new("terms").required(true).multiple(true).args(["fixed", "within", "between", "covariate"]),
+    after_help = "\
+The table: any number of rows a person, with subject, the predictors and the value. Rows with a missing value are left out; the person's
+others stay. In --fixed a predictor whose values are all numbers is a covariate, any other a factor.
+Examples: maveric stats mixed data.csv --subject id --within style --between vehicle --covariate age --value score
+          maveric stats mixed data.csv --subject id --fixed \"age*style + speed\" --value score")]
 pub struct Mixed {
     /// Column that says whose row it is
     #[arg(long)]
     subject: String,
     /// Fixed effects: columns joined by +, : (their product) or * (both and their product)
-    #[arg(long, value_parser = formula)]
-    fixed: Formula,
-    /// Column with the value
+    #[arg(long, value_parser = formula, conflicts_with_all = ["within", "between", "covariate"])]
+    fixed: Option<Formula>,
+    /// Columns of the factors within subjects; factors go in with all their products
+    #[arg(long, value_delimiter = ',')]
+    within: Vec<String>,
+    /// Columns of the factors between subjects
+    #[arg(long, value_delimiter = ',')]
+    between: Vec<String>,
+    /// Columns of numbers whose influence is taken out
+    #[arg(long, value_delimiter = ',')]
+    covariate: Vec<String>,
+    /// Column with the value; several, as in score,speed, are analysed one by one
     #[arg(long)]
     value: String,
 }
@@ -39,17 +51,11 @@ impl Test for Mixed {
     }
 
     fn run(&self, table: &Table) -> Result<Ran, StudyError> {
-        let cells = self
-            .fixed
-            .predictors()
-            .iter()
-            .map(|name| Cells::read(table, name));
+        let formula = self.formula()?;
+        let cells = formula.predictors().iter().map(|n| self.cells(table, n));
         let cells = cells.collect::<Result<Vec<_>, StudyError>>()?;
-        let predictors: Vec<(&str, Predictor)> = self
-            .fixed
-            .predictors()
-            .iter()
-            .zip(&cells)
+        let predictors = formula.predictors().iter().zip(&cells);
+        let predictors: Vec<(&str, Predictor)> = predictors
             .map(|(name, cells)| {
                 let predictor = match cells {
                     Cells::Numbers(numbers) => Predictor::Covariate(numbers),
@@ -59,18 +65,40 @@ impl Test for Mixed {
             })
             .collect();
         let people = labels(table, &self.subject)?;
-        let found = random_intercept(
-            &people,
-            &self.fixed,
-            &predictors,
-            &table.numbers(&self.value)?,
-        )?;
+        let found = random_intercept(&people, &formula, &predictors, &table.numbers(&self.value)?)?;
         let picture = pictures::mixed(self.shown(table, &found)?.as_ref(), &self.value, &found);
         Ok(Ran::of(&found, printed::mixed(&found)).drawn(picture))
     }
 }
 
 impl Mixed {
+    /// The formula that was given, or that of the factors with all their products, and the covariates.
+    fn formula(&self) -> Result<Formula, StudyError> {
+        if let Some(formula) = &self.fixed {
+            return Ok(formula.clone());
+        }
+        let factors = [&self.between[..], &self.within[..]].concat().join("*");
+        let covariates = self.covariate.iter().cloned();
+        let terms: Vec<String> = [factors].into_iter().chain(covariates).collect();
+        let terms = terms.into_iter().filter(|term| !term.is_empty());
+        let text = terms.collect::<Vec<_>>().join(" + ");
+        formula(&text).map_err(|problem| StudyError::NotPossible {
+            problem,
+            help: Some("columns whose names have +, : or * in them need other names".to_owned()),
+        })
+    }
+
+    /// The cells of a predictor: of a factor by its flag labels, of a covariate by its flag numbers, of a formula what they are.
+    fn cells(&self, table: &Table, name: &str) -> Result<Cells, StudyError> {
+        if self.covariate.iter().any(|c| c == name) {
+            return Ok(Cells::Numbers(table.numbers(name)?));
+        }
+        match self.fixed {
+            Some(_) => Cells::read(table, name),
+            None => Ok(Cells::Labels(table.text(name)?)),
+        }
+    }
+
     /// The cells of the highest term of factors alone; none in a model of covariates.
     fn shown(
         &self,

@@ -17,13 +17,13 @@ use serde_json::{Map, json};
 #[derive(Debug, Clone, clap::Args)]
 #[command(after_help = "\
 The table: a row a value, with a column of numbers, and of groups if there are any.
-Example: maveric stats normality data.csv --value score --group condition")]
+Example: maveric stats normality data.csv --value score --within condition")]
 pub struct Normality {
     /// Column with the value
     #[arg(long)]
     value: String,
-    /// Column that groups the rows
-    #[arg(long)]
+    /// Column that groups the rows: people or conditions
+    #[arg(long, visible_aliases = ["between", "within"])]
     group: Option<String>,
 }
 

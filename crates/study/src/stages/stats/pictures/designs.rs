@@ -9,6 +9,7 @@ use crate::stages::stats::rows::DesignRows;
 use maveric_report::figures::{
     comparison::{ComparedCell, ComparisonPanel, Contrast},
     forest::{Forest, ForestRow},
+    interaction::{InteractionLine, InteractionPanel},
 };
 use maveric_stats::{
     AlignedRanks, Bounds, ByDesign, ChosenTest, Equivalence, Factorial, GroupsAnalysis,
@@ -19,6 +20,8 @@ use maveric_stats::{
 const MARGINAL: &str = "95% intervals of the marginal means";
 /// More pairs than this would make a picture of brackets.
 const MOST_BRACKETS: usize = 12;
+/// More lines than this cannot be told apart.
+const MOST_LINES: usize = 12;
 const TOO_MANY: &str = "pairs stand in the tables: they are too many to draw";
 const NOT_ADJUSTED: &str = "*p* values, not adjusted";
 
@@ -93,6 +96,38 @@ fn of_all(emm: &Named<Named<MarginalMean>>) -> Of<[f64; 3]> {
         .collect()
 }
 
+/// Means of two factors with their intervals: a line a level of the first, along the levels of the second. None of fewer or more factors,
+/// or of more lines than can be told apart.
+fn two_factors(
+    rows: &DesignRows,
+    outcome: &str,
+    emm: &Named<Named<MarginalMean>>,
+    test: &str,
+) -> Option<Picture> {
+    let (names, levels) = (rows.factors(), rows.levels());
+    let ([first, second], [lines, along]) = (&names[..], &levels[..]) else {
+        return None;
+    };
+    if lines.len() > MOST_LINES {
+        return None;
+    }
+    let means = emm.get(&format!("{first}:{second}"))?;
+    let mean = |line: &str, level: &str| with_ends(means.get(&format!("{line}:{level}"))?);
+    let line = |name: &&str| InteractionLine {
+        name: (*name).to_owned(),
+        means: along.iter().map(|level| mean(name, level)).collect(),
+    };
+    Some(Picture::Interaction(InteractionPanel {
+        title: outcome.to_owned(),
+        test: test.to_owned(),
+        axis: outcome.to_owned(),
+        factor: (*second).to_owned(),
+        levels: along.iter().map(|level| (*level).to_owned()).collect(),
+        lines: lines.iter().map(line).collect(),
+        range: None,
+    }))
+}
+
 fn named<T, U>(all: &Named<T>, of: impl Fn(&T) -> Option<U>) -> Of<U> {
     all.iter()
         .map(|(name, one)| (name.to_owned(), of(one)))
@@ -123,6 +158,9 @@ pub(in crate::stages::stats) fn factorial(
 
 /// The same under the sentence of another test.
 fn factorial_under(rows: &DesignRows, outcome: &str, found: &Factorial, test: String) -> Picture {
+    if let Some(picture) = two_factors(rows, outcome, &found.emm, &test) {
+        return picture;
+    }
     let over = Over {
         test,
         means: of_all(&found.emm),
@@ -261,8 +299,12 @@ pub(in crate::stages::stats) fn mixed(
         .statements()
         .into_iter()
         .find(|(known, _)| known == name);
+    let test = said.map_or_else(String::new, |(_, said)| said.markup().to_owned());
+    if let Some(picture) = two_factors(rows, outcome, &found.emm, &test) {
+        return picture;
+    }
     let over = Over {
-        test: said.map_or_else(String::new, |(_, said)| said.markup().to_owned()),
+        test,
         means: of_all(&found.emm),
         intervals: MARGINAL,
         pairs: named(pairs, |pair| pair.p_holm),

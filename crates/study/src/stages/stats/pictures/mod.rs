@@ -1,4 +1,4 @@
-//! The figure of a result: rainclouds with contrasts, a scatter, or a forest.
+//! The figure of a result: rainclouds with contrasts, means of two factors, a scatter, or a forest.
 
 mod cells;
 mod designs;
@@ -16,6 +16,7 @@ use maveric_report::{
     figures::{
         comparison::{Comparison, ComparisonPanel, comparison},
         forest::{Forest, forest},
+        interaction::{Interaction, InteractionPanel, interaction},
         scatter::{Scatter, scatter},
     },
     markup,
@@ -29,6 +30,8 @@ use std::path::Path;
 pub(super) enum Picture {
     /// Groups, conditions or cells; the sentences say what intervals and brackets are.
     Panel(ComparisonPanel, &'static str, &'static str),
+    /// Two crossed factors.
+    Interaction(InteractionPanel),
     /// Two columns.
     Scatter(Scatter),
     /// Contrasts or coefficients.
@@ -73,7 +76,8 @@ pub(super) fn format(path: &Path) -> Result<Format, StudyError> {
 
 fn draw(pictures: Vec<Picture>) -> Result<Figure, StudyError> {
     let context = Context::real();
-    let (mut panels, mut forests, mut scatters) = (Vec::new(), Vec::new(), Vec::new());
+    let (mut panels, mut crossed) = (Vec::new(), Vec::new());
+    let (mut forests, mut scatters) = (Vec::new(), Vec::new());
     let mut said = ("", "");
     for picture in pictures {
         match picture {
@@ -81,6 +85,7 @@ fn draw(pictures: Vec<Picture>) -> Result<Figure, StudyError> {
                 said = (intervals, contrasts);
                 panels.push(panel);
             }
+            Picture::Interaction(panel) => crossed.push(panel),
             Picture::Forest(found) => forests.push(found),
             Picture::Scatter(found) => scatters.push(found),
         }
@@ -95,6 +100,13 @@ fn draw(pictures: Vec<Picture>) -> Result<Figure, StudyError> {
     }
     if let Some(found) = scatters.pop() {
         return Ok(scatter(&found, &context)?);
+    }
+    if !crossed.is_empty() {
+        let input = Interaction {
+            panels: crossed,
+            intervals: "They are those of the marginal means, cells with equal weight.".to_owned(),
+        };
+        return Ok(interaction(&input, &context)?);
     }
     let input = Comparison {
         panels,

@@ -1,5 +1,6 @@
 //! Results as people read them: what was found, of whom, why, and what has no value; on a terminal, in Markdown, in LaTeX.
 
+mod bayes;
 mod cells;
 mod chosen;
 mod correlations;
@@ -11,6 +12,7 @@ mod plain;
 mod reasons;
 mod within;
 
+pub(super) use bayes::{bayes, bayes_correlation};
 pub(super) use chosen::by_design;
 pub(super) use correlations::{correlation, rm_correlation};
 pub(super) use factors::{aligned, factorial};

@@ -24,7 +24,7 @@ pub(super) fn page(
     tables: Vec<(String, Vec<Table>)>,
     warnings: &[String],
 ) -> Result<Report, StudyError> {
-    let context = Context::of(found.synthetic, options.seed);
+    let context = Context::of(found.synthetic, options.seed).with_speed(design.speed_unit());
     let values = context! {
         title => found.rules.title.clone(),
         given => options.rules.is_some(),

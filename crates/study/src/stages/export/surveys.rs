@@ -1,8 +1,9 @@
-//! Answers as a wide table, laid out as oTree's: a row a participant.
+//! Answers as a long table, and as a wide one, laid out as oTree's: a row a participant.
 
+use super::pseudonym::Pseudonyms;
 use crate::{
     error::StudyError,
-    tables::{TableName, write_rows},
+    tables::{TableName, participants::Enrolled, write_rows},
 };
 use maveric_domain::{Answer, ConditionId, Moment, ParticipantId};
 use serde_json::Value;
@@ -11,11 +12,38 @@ use std::{
     path::Path,
 };
 
+/// Writes `surveys.csv` and `surveys_wide.csv`; the answers have pseudonyms then, and stand in their order.
+///
+/// # Errors
+/// As [`write_rows`].
+pub(super) fn write(
+    out: &Path,
+    answers: &mut [Answer],
+    people: &[Enrolled],
+    names: &Pseudonyms,
+) -> Result<(), StudyError> {
+    if answers.is_empty() {
+        return Ok(());
+    }
+    for answer in answers.iter_mut() {
+        answer.participant = names.of(&answer.participant);
+    }
+    // Sorted by pseudonym, so that the order of the rows gives nobody away.
+    answers.sort_by(|a, b| {
+        let a = (&a.participant, a.moment, &a.scale, a.item);
+        a.cmp(&(&b.participant, b.moment, &b.scale, b.item))
+    });
+    write_rows(TableName::Answers, &out.join("surveys.csv"), &*answers)?;
+    let orders = people.iter();
+    let orders = orders.map(|p| (names.of(&p.id), p.order.as_slice()));
+    write_wide(&out.join("surveys_wide.csv"), answers, &orders.collect())
+}
+
 /// Writes `participant.label`, `pre.1.player.SCALE_ITEM`, and for the n-th condition that a person sat through
 /// `trial.n.player.condition` and `trial.n.player.SCALE_ITEM`: what `maveric import --from otree` reads.
 ///
 /// Conditions stand in the person's own order where it is known, else as everywhere.
-pub(super) fn write(
+fn write_wide(
     path: &Path,
     answers: &[Answer],
     orders: &BTreeMap<ParticipantId, &[ConditionId]>,

@@ -1,0 +1,101 @@
+//! What was analysed, a row a person and condition, and a row a person.
+
+use super::{people, pseudonym::Pseudonyms};
+use crate::{
+    error::StudyError,
+    tables::{TableName, participants::Enrolled, write_rows},
+};
+use maveric_analysis::{Observed, StudyData, observed};
+use maveric_domain::{ConditionId, Design, ParticipantId};
+use std::path::Path;
+
+/// A cell with the name of its column.
+type Cell<T> = (String, Option<T>);
+
+/// Writes `outcomes_long.csv` and `outcomes_wide.csv`, sorted by pseudonym; the outcomes that they hold.
+///
+/// # Errors
+/// As [`write_rows`].
+pub(super) fn write(
+    out: &Path,
+    data: Option<&StudyData>,
+    people: &[Enrolled],
+    names: &Pseudonyms,
+) -> Result<Vec<Observed>, StudyError> {
+    let Some(data) = data else {
+        return Ok(Vec::new());
+    };
+    let (observed, design) = (observed(data), &data.design);
+    let mut rows: Vec<(ParticipantId, usize)> = (data.participants.iter().enumerate())
+        .map(|(at, id)| (names.of(id), at))
+        .collect();
+    rows.sort();
+    let of_person = |at: usize| {
+        let person = people.iter().find(|p| p.id == data.participants[at]);
+        let cell = |column: &str| {
+            let cell = person.and_then(|p| people::cell(p, column));
+            (column.to_owned(), cell)
+        };
+        let columns = design.tested_columns();
+        columns.map(cell).collect::<Vec<Cell<String>>>()
+    };
+    let values = |at: usize, condition: ConditionId| {
+        let value = |seen: &Observed| {
+            let seen_there = seen.conditions.iter().find(|(c, _)| *c == condition);
+            seen_there.and_then(|(_, values)| values[at])
+        };
+        let cell = |seen: &Observed| (seen.outcome.clone(), value(seen));
+        observed.iter().map(cell).collect::<Vec<Cell<f64>>>()
+    };
+    let mut conditions: Vec<ConditionId> = Vec::new();
+    for (condition, _) in observed.iter().flat_map(|seen| &seen.conditions) {
+        if !conditions.contains(condition) {
+            conditions.push(*condition);
+        }
+    }
+    conditions.sort_by_key(|c| design.conditions().iter().position(|known| known.id == *c));
+    let mut long = Vec::new();
+    for (name, at) in &rows {
+        for condition in &conditions {
+            let cells = values(*at, *condition);
+            if cells.iter().all(|(_, value)| value.is_none()) {
+                continue;
+            }
+            let key = (("participant", name), ("condition", condition.to_string()));
+            long.push((key, levels(design, *condition), of_person(*at), cells));
+        }
+    }
+    write_rows(
+        TableName::OutcomesLong,
+        &out.join("outcomes_long.csv"),
+        long,
+    )?;
+    let wide = rows.iter().map(|(name, at)| {
+        let cells = observed.iter().flat_map(|seen| {
+            let one = |(c, values): &(ConditionId, Vec<Option<f64>>)| {
+                (format!("{}.{c}", seen.outcome), values[*at])
+            };
+            seen.conditions.iter().map(one)
+        });
+        (
+            ("participant", name),
+            of_person(*at),
+            cells.collect::<Vec<Cell<f64>>>(),
+        )
+    });
+    write_rows(
+        TableName::OutcomesWide,
+        &out.join("outcomes_wide.csv"),
+        wide,
+    )?;
+    Ok(observed)
+}
+
+/// The level of a condition in each factor that the conditions cross; none of the baseline.
+fn levels(design: &Design, condition: ConditionId) -> Vec<Cell<String>> {
+    let known = design.condition(condition).map(|c| &c.levels);
+    let factors = design.conditions().iter().take(1);
+    let factors = factors.flat_map(|first| first.levels.keys());
+    let level = |factor: &String| known.and_then(|levels| levels.get(factor)).cloned();
+    factors.map(|f| (f.clone(), level(f))).collect()
+}
