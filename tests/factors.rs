@@ -9,7 +9,7 @@
 mod support;
 
 use serde_json::Value;
-use std::{collections::BTreeMap, fmt::Write as _, time::Instant};
+use std::{collections::BTreeMap, fmt::Write as _};
 use support::{
     TempStudy,
     own_logs::{change, only_scales, read, scale},
@@ -163,12 +163,13 @@ fn twelve(more: &str) -> TempStudy {
 
 fn run(study: &TempStudy) -> Value {
     study.maveric_in("mine", &["run"]).ok();
-    if let Some(folder) = std::env::var_os("KEEP_PAGES") {
-        // To look at: what a person would see is not what a test can judge.
-        let name = study.path("mine").join("results").exists();
-        assert!(name);
-        let to = std::path::Path::new(&folder).join(std::thread::current().name().unwrap());
-        copy(&study.path("mine/report"), &to);
+    // To look at: what a person would see is not what a test can judge.
+    if let Some(folder) = std::env::var_os("KEEP_STUDIES") {
+        let name = std::thread::current().name().unwrap().to_owned();
+        copy(
+            &study.path("mine"),
+            &std::path::Path::new(&folder).join(name),
+        );
     }
     serde_json::from_str(&read(study, "mine/results/analysis.json")).unwrap()
 }
@@ -348,7 +349,7 @@ fn its_page_calls_factors_by_their_labels_and_draws_the_interaction() {
 }
 
 #[test]
-fn twelve_conditions_have_at_most_six_brackets_names_that_do_not_touch_and_a_page_in_time() {
+fn twelve_conditions_have_at_most_six_brackets_names_that_are_whole() {
     let pairs: Vec<String> = (2..=12)
         .map(|c| format!("[\"c{c:02}\", \"c01\"]"))
         .collect();
@@ -368,10 +369,6 @@ fn twelve_conditions_have_at_most_six_brackets_names_that_do_not_touch_and_a_pag
             "{name}: {stars} brackets"
         );
     }
-    let started = Instant::now();
-    study.maveric_in("mine", &["run", "report", "--force"]).ok();
-    let seconds = started.elapsed().as_secs_f64();
-    assert!(seconds < 300.0, "{seconds} s");
 }
 
 #[test]

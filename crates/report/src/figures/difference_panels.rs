@@ -1,13 +1,11 @@
 //! Every outcome, condition by condition: rainclouds.
 
 use super::crowd::MOST_POINTS;
-use super::names::is_cut;
 use super::prelude::*;
 use super::rainclouds::{self, Panel, Slot};
 use crate::apa;
 use maveric_domain::ConditionId;
 use maveric_stats::{mean, within_subject_intervals};
-use std::fmt::Write as _;
 
 /// The panels of the figure, in reading order.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -119,7 +117,7 @@ pub fn difference_panels(
             ),
             None => "The outcomes in each condition".to_owned(),
         },
-        caption: caption(input, context),
+        caption: caption(input, context, (grid, width)),
         alt: alternative(input, context),
         shows: Shows::Participants,
     };
@@ -197,7 +195,7 @@ fn drawn<'a>(panel: &'a DifferencePanel, context: &Context) -> Panel<'a> {
     }
 }
 
-fn caption(input: &DifferencePanels, context: &Context) -> String {
+fn caption(input: &DifferencePanels, context: &Context, (grid, width): (Grid, f64)) -> String {
     let everybody = input.panels.iter().map(|panel| panel.rows.len()).max();
     let everybody = everybody.unwrap_or(0);
     let complete: Vec<usize> = input
@@ -224,13 +222,23 @@ fn caption(input: &DifferencePanels, context: &Context) -> String {
     } else {
         ""
     };
-    let mut shortened = String::new();
-    for condition in input.panels.first().iter().flat_map(|p| &p.conditions) {
-        let look = context.look(*condition);
-        if is_cut(&look.words()) {
-            let _ = write!(shortened, " {}: {}.", look.id, look.words());
+    // In the figure of all panels, or in that of one.
+    let widths = [width / grid.columns as f64, ONE_COLUMN_MM];
+    let mut cut: Vec<String> = Vec::new();
+    for panel in &input.panels {
+        let looks = panel.conditions.iter().map(|c| context.look(*c).words());
+        let names: Vec<String> = looks.collect();
+        let places = widths.map(|mm| rainclouds::names(&names, mm / 25.4 * 72.0).cut());
+        for name in places.into_iter().flatten().map(|at| &names[at]) {
+            if !cut.contains(name) {
+                cut.push(name.clone());
+            }
         }
     }
+    let shortened = match &cut[..] {
+        [] => String::new(),
+        cut => format!(" In full: {}.", cut.join(", ")),
+    };
     let brackets = if input.panels.iter().all(|p| p.pairs.is_empty()) {
         "Contrasts stand in their table.".to_owned()
     } else {

@@ -6,6 +6,8 @@ use crate::markup;
 
 /// Most lines of a name.
 const MOST_LINES: usize = 3;
+/// Of so many names one may be cut before all read upwards.
+const MOST_WHOLE: usize = 4;
 /// A name that reads upwards is cut at this many points.
 const LONGEST: f64 = 78.0;
 /// Points between two names.
@@ -23,17 +25,32 @@ pub(crate) enum Names {
 
 impl Names {
     /// Names, each with so many points from its neighbour.
+    ///
+    /// A long name among many that fit is cut, if enough of it is left to tell it from the others.
     pub(crate) fn of(names: &[String], space: f64) -> Self {
+        let room = space - GAP;
+        let lines: Vec<Vec<String>> = names.iter().map(|name| wrapped(name, room)).collect();
+        let cut = |lines: &Vec<String>| lines.iter().map(|l| shortened(l, room)).collect();
+        let set: Vec<Vec<String>> = lines.iter().map(cut).collect();
+        let long = || lines.iter().zip(&set).filter(|(whole, cut)| whole != cut);
         let look = Look::new(size::TICK);
-        let fits = |line: &String| look.width(line) <= space - GAP;
-        let lines: Vec<Vec<String>> = names.iter().map(|n| wrapped(n, space - GAP)).collect();
-        if lines
-            .iter()
-            .all(|l| l.len() <= MOST_LINES && l.iter().all(fits))
-        {
-            return Self::Level(lines);
+        let fits = set.iter().all(|l| l.len() <= MOST_LINES)
+            && set.iter().flatten().all(|line| look.width(line) <= room);
+        let different = (1..set.len()).all(|i| !set[..i].contains(&set[i]));
+        if fits && different && long().count() * MOST_WHOLE <= names.len() {
+            return Self::Level(set);
         }
         Self::Turned(names.iter().map(|name| shortened(name, LONGEST)).collect())
+    }
+
+    /// Places of the names that are not shown whole.
+    pub(crate) fn cut(&self) -> Vec<usize> {
+        let has_ellipsis = |text: &String| text.ends_with('…');
+        let cut: Vec<bool> = match self {
+            Self::Level(names) => names.iter().map(|l| l.iter().any(has_ellipsis)).collect(),
+            Self::Turned(names) => names.iter().map(has_ellipsis).collect(),
+        };
+        (0..cut.len()).filter(|at| cut[*at]).collect()
     }
 
     /// Points from the ticks to the foot of the lowest.
@@ -93,11 +110,6 @@ pub(crate) fn shortened(name: &str, room: f64) -> String {
     kept
 }
 
-/// Whether a name is cut where it reads upwards: a caption then says it whole.
-pub(crate) fn is_cut(name: &str) -> bool {
-    shortened(name, LONGEST) != name
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -130,6 +142,18 @@ mod tests {
             panic!("turned");
         };
         assert!(cut[0].ends_with('…') && Look::new(size::TICK).width(&cut[0]) <= LONGEST);
-        assert!(is_cut(&long[0]) && !is_cut("calm, dense"));
+        // One of four is cut where the others stand level; two of four are not.
+        let one = names(&["calm", "sporty", "own", "perpendicular"]);
+        let set = Names::of(&one, 34.0);
+        assert!(
+            matches!(&set, Names::Level(lines) if lines[3][0].ends_with('…')),
+            "{set:?}"
+        );
+        assert_eq!(
+            (set.cut(), Names::of(&one, 60.0).cut()),
+            (vec![3], Vec::new())
+        );
+        let two = names(&["calm", "sporty", "perpendicularly", "perpendicular"]);
+        assert!(matches!(Names::of(&two, 34.0), Names::Turned(_)));
     }
 }

@@ -34,6 +34,11 @@ pub(crate) struct Panel<'a> {
 /// About what the axis of values takes, in points.
 const AXIS: f64 = 28.0;
 
+/// How the names of slots are set in a panel of about so many points' width.
+pub(crate) fn names(names: &[String], width: f64) -> Names {
+    Names::of(names, (width - AXIS) / (names.len() as f64 + 0.15))
+}
+
 /// Draws the panel into its place.
 pub(crate) fn paint(canvas: &mut Canvas<'_>, place: Place, input: &Panel<'_>) {
     let k = input.slots.len();
@@ -49,11 +54,7 @@ pub(crate) fn paint(canvas: &mut Canvas<'_>, place: Place, input: &Panel<'_>) {
     let levels = brackets.iter().map(|bracket| bracket.level + 1).max();
     let room = levels.map_or(0.0, |levels| levels as f64 * STEP + 3.0);
     let names: Vec<String> = input.slots.iter().map(|slot| slot.name.clone()).collect();
-    let below = Names::of(
-        &names,
-        (place.right - place.left - AXIS) / (k as f64 + 0.15),
-    )
-    .height();
+    let below = self::names(&names, place.right - place.left).height();
     let plot = (place.bottom - place.top - 42.0 + cap_height(size::TICK) - below).max(40.0);
     let (low, top) = (data.low(), data.high());
     let high = low + (top - low) * plot / (plot - room).max(plot / 3.0);
