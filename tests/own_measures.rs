@@ -490,7 +490,10 @@ fn what_is_given_away_is_what_was_analysed_and_nothing_of_whoever_withdrew() {
             (analysed / value / unit - 1.0).abs() < 1e-12,
             "{row}: {value}"
         );
-        assert!(unit == 1.0 || outcome.contains("_mps"), "{outcome}: {unit}");
+        assert!(
+            (unit - 1.0).abs() < 1e-12 || outcome.contains("_mps"),
+            "{outcome}: {unit}"
+        );
         for row in long.iter().filter(|row| row["condition"] == condition) {
             let person = wide.iter().find(|p| p["participant"] == row["participant"]);
             assert_eq!(
@@ -499,7 +502,7 @@ fn what_is_given_away_is_what_was_analysed_and_nothing_of_whoever_withdrew() {
             );
         }
     }
-    assert!(units.len() > 10 && units.contains_key("tor_s") && units.contains_key("comfort.total"));
+    assert!(units.len() == 9 && units.contains_key("tor_s") && units.contains_key("comfort.total"));
     let seats = long.iter().filter(|row| row["seat"] == "high").count();
     assert_eq!(seats, 3 * 3, "the first, fifth and seventh sat high");
     assert!(long.iter().all(|row| row["years"].ends_with(".5")));
