@@ -368,11 +368,18 @@ fn two_factors_are_drawn_as_lines_of_their_means_and_three_as_cells() {
     ] {
         call(&study, words, &["--figure", "f.svg"]).ok();
         let svg = std::fs::read_to_string(study.path("f.svg")).unwrap();
-        assert_eq!(
-            svg.contains("a line a level of one factor"),
-            lines,
-            "{words}"
-        );
+        assert_eq!(svg.contains(">Means by factor<"), lines, "{words}");
+        let emm = json(&study, words)["emm"].as_object().unwrap().clone();
+        for (cell, mean) in emm
+            .get("style:load")
+            .and_then(Value::as_object)
+            .into_iter()
+            .flatten()
+            .filter(|_| lines)
+        {
+            let mean = format!(" {:.2}", mean["mean"].as_f64().unwrap());
+            assert!(svg.contains(&mean), "{words}: {cell}{mean}");
+        }
         std::fs::remove_file(study.path("f.svg")).unwrap();
     }
 }
