@@ -32,12 +32,9 @@ impl StudyPage<'_> {
             return Ok(None);
         }
         let means = || self.factorial_panels().flat_map(|(_, b)| &b.means);
-        let people: Vec<usize> = self.factorial_panels().map(|(panel, _)| panel.n).collect();
         let values = context! {
             within => means().any(|mean| mean.within.is_some()),
             between => self.factorial_panels().any(|(_, b)| b.factors.iter().any(|f| !f.within)),
-            least => people.iter().min(),
-            most => people.iter().max(),
             covariates => self.design.covariates().len(),
         };
         let input = Interaction {
@@ -88,6 +85,7 @@ impl StudyPage<'_> {
             InteractionPanel {
                 title: names.join(", "),
                 test: test.clone(),
+                n: panel.n,
                 axis: match (panel.differences_from, panel.unit.as_str()) {
                     (None, unit) => amount(panel, unit),
                     (Some(_), unit) => with_unit("Difference", unit),

@@ -20,6 +20,8 @@ pub struct InteractionPanel {
     pub title: String,
     /// The test of the interaction, with marks.
     pub test: String,
+    /// People in it.
+    pub n: usize,
     /// The outcome with its unit.
     pub axis: String,
     /// The factor along the axis.
@@ -97,8 +99,9 @@ pub fn interaction(input: &Interaction, context: &Context) -> Result<Figure, Rep
 }
 
 fn caption(input: &Interaction) -> String {
+    let n = counted(input.panels.iter().map(|panel| panel.n), " (by panel)");
     format!(
-        "Dots are means with 95% intervals, a line a level of one factor. {}",
+        "Dots are means with 95% intervals, a line a level of one factor. {} *n* = {n}.",
         input.intervals
     )
 }
@@ -230,6 +233,7 @@ mod tests {
             panels: vec![InteractionPanel {
                 title: "Trust".into(),
                 test: "*F*(2, 22) = 9.41".into(),
+                n: 24,
                 axis: "Rating, 1 to 7".into(),
                 factor: "Traffic".into(),
                 levels: ["free", "dense", "jam"].map(str::to_owned).to_vec(),

@@ -11,7 +11,7 @@ const MOST_WHOLE: usize = 4;
 /// A name that reads upwards is cut at this many points.
 const LONGEST: f64 = 78.0;
 /// Points between two names.
-const GAP: f64 = 3.0;
+const GAP: f64 = 1.0;
 const LINE: f64 = 1.18 * size::TICK;
 
 /// How the names of an axis are set.

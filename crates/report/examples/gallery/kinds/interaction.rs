@@ -24,7 +24,8 @@ pub(crate) fn input() -> Interaction {
     let panel = |(group, name): (usize, &str)| InteractionPanel {
         title: format!("Take-over time, {name}"),
         test: "*F*(2, 17.80) = 4.31, *p* = .030".to_owned(),
-        axis: "S".to_owned(),
+        n: 24,
+        axis: "Take-over time (s)".to_owned(),
         factor: "Traffic".to_owned(),
         levels: ["Free flow", "Dense", "Jam"].map(str::to_owned).to_vec(),
         lines: ["Calm", "Sporty"]

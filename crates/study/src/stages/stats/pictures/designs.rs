@@ -101,7 +101,7 @@ fn of_all(emm: &Named<Named<MarginalMean>>) -> Of<[f64; 3]> {
 fn two_factors(
     rows: &DesignRows,
     outcome: &str,
-    emm: &Named<Named<MarginalMean>>,
+    (emm, n): (&Named<Named<MarginalMean>>, usize),
     test: &str,
 ) -> Option<Picture> {
     let (names, levels) = (rows.factors(), rows.levels());
@@ -120,6 +120,7 @@ fn two_factors(
     Some(Picture::Interaction(InteractionPanel {
         title: outcome.to_owned(),
         test: test.to_owned(),
+        n,
         axis: outcome.to_owned(),
         factor: (*second).to_owned(),
         levels: along.iter().map(|level| (*level).to_owned()).collect(),
@@ -158,7 +159,7 @@ pub(in crate::stages::stats) fn factorial(
 
 /// The same under the sentence of another test.
 fn factorial_under(rows: &DesignRows, outcome: &str, found: &Factorial, test: String) -> Picture {
-    if let Some(picture) = two_factors(rows, outcome, &found.emm, &test) {
+    if let Some(picture) = two_factors(rows, outcome, (&found.emm, found.n), &test) {
         return picture;
     }
     let over = Over {
@@ -300,7 +301,7 @@ pub(in crate::stages::stats) fn mixed(
         .into_iter()
         .find(|(known, _)| known == name);
     let test = said.map_or_else(String::new, |(_, said)| said.markup().to_owned());
-    if let Some(picture) = two_factors(rows, outcome, &found.emm, &test) {
+    if let Some(picture) = two_factors(rows, outcome, (&found.emm, found.n_subjects), &test) {
         return picture;
     }
     let over = Over {
