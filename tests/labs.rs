@@ -404,8 +404,8 @@ fn three_recorded_cars_with_measures_of_ones_own_and_answers_of_a_qualtrics_work
             &differences,
             1e-9,
         );
-        // In miles an hour, as the measure is shown.
-        let slower = each(&|who| (kmh(who, first + 1) - kmh(who, second + 1)) / 1.609_344);
+        // In km/h, as the measure is shown.
+        let slower = each(&|who| kmh(who, first + 1) - kmh(who, second + 1));
         analysis.differs(
             "mean_velocity_mps",
             [CARS[first], CARS[second]],
@@ -796,9 +796,7 @@ fn split_logs_of_lane_and_offset_with_german_heads() {
         );
     }
     let analysis = Analysis::of(&study);
-    let differences: Vec<f64> = (0..6)
-        .map(|who| (kmh(who, 1) - kmh(who, 2)) / 1.609_344)
-        .collect();
+    let differences: Vec<f64> = (0..6).map(|who| kmh(who, 1) - kmh(who, 2)).collect();
     analysis.differs(
         "mean_velocity_mps",
         ["komfort", "sport"],

@@ -451,7 +451,10 @@ fn what_is_given_away_is_what_was_analysed_and_nothing_of_whoever_withdrew() {
         &[WITHDREW, pseudonym.as_str(), "Person01", "Person07"],
     ]
     .concat();
-    assert_eq!(naming(&study.path("shared"), &theirs), [PathBuf::new(); 0]);
+    assert_eq!(
+        naming(&study.path("shared"), &theirs),
+        Vec::<PathBuf>::new()
+    );
     // The same search finds them in the study itself, in each kind of file.
     let found = naming(&study.path("mine"), &["Person01", WITHDREW]);
     let ends = |ending: &str| found.iter().any(|p| p.to_string_lossy().ends_with(ending));

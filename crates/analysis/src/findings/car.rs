@@ -84,7 +84,7 @@ mod tests {
         let Rule::Same { high, low } = border else {
             panic!("{border:?}")
         };
-        let at_the_border = own(high * 1609.344 / 3600.0);
+        let at_the_border = own(high / 3.6);
         assert_eq!((low, at_the_border.verdict), (-high, NotShown));
         assert_eq!(at_the_border.parts[0].of, SPEED);
     }

@@ -383,7 +383,7 @@ fn a_time_is_known_by_its_cells_whatever_its_header_is_called() {
             "{toml}"
         );
         assert_eq!(
-            name != "t[s]",
+            ["temps", "čas"].contains(&name),
             toml.contains("doubt: the cells of"),
             "{toml}"
         );

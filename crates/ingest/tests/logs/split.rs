@@ -96,17 +96,11 @@ fn parts_whose_clock_goes_on_are_the_drive_that_one_file_is_whichever_of_them_is
         assert!(same_drive(&drive, &whole), "{part}");
         let names: Vec<&str> = drive.sources.iter().map(|s| s.name.as_str()).collect();
         assert_eq!(names, parts);
-        let told = warning(
-            &drive,
-            "P01_calm.csv goes on in P01_calm_2.csv, 0.050 s later",
-        );
+        let told = warning(&drive, "goes on in its part 2, 0.050 s later");
         assert_eq!(told.kind, WarningKind::Noted);
         let times = told.spans_s[0];
         assert!((times.0 - 49.95).abs() < 1e-9 && (times.1 - 50.0).abs() < 1e-9);
-        warning(
-            &drive,
-            "P01_calm_2.csv goes on in P01_calm_3.csv, 0.050 s later",
-        );
+        warning(&drive, "goes on in its part 3, 0.050 s later");
     }
     let mapping = settings(PAIR).mapping;
     let logs = log_files(split.0.path(), mapping.as_ref()).unwrap();
@@ -134,10 +128,7 @@ fn the_hole_between_parts_is_told_and_a_clock_that_begins_anew_makes_one_of_no_k
         ("P01_calm_2.csv", rows(62.5, 120.0)),
     ]);
     let drive = hole.read("P01_calm_2.csv").unwrap();
-    let told = warning(
-        &drive,
-        "P01_calm_1.csv goes on in P01_calm_2.csv, 12.550 s later",
-    );
+    let told = warning(&drive, "goes on in its part 2, 12.550 s later");
     assert_eq!(told.kind, WarningKind::Noted);
     assert_eq!(warning(&drive, "holes of more than 0.5 s").count, 1);
     assert_eq!(drive.recording.rows(), 1000 + 1150);
@@ -281,7 +272,7 @@ fn a_part_that_is_not_there_is_a_hole_with_recover_alone() {
         warning(&drive, "its part `P01_calm_2.csv` is not there").kind,
         WarningKind::Damage
     );
-    warning(&drive, "goes on in P01_calm_3.csv, 40.050 s later");
+    warning(&drive, "goes on in its part 3, 40.050 s later");
     assert_eq!(drive.recording.rows(), 1000 + 600);
 }
 
@@ -321,7 +312,7 @@ fn parts_of_long_tables_and_of_one_table_of_signals_join_as_those_of_pairs_do() 
         .remove(0);
     assert_eq!(drive.recording.rows(), 1200);
     assert!((drive.recording.ego().x_m[1199] - 20.0 * 59.95).abs() < 1e-6);
-    warning(&drive, "goes on in P01_calm_2.csv, 0.050 s later");
+    warning(&drive, "goes on in its part 2, 0.050 s later");
     // Begun anew a long table mixes no times either.
     let anew = Folder::new(&[
         ("P01_calm_1.csv", table(0, 600)),

@@ -146,10 +146,10 @@ mod tests {
     }
 
     fn tests(t: bool, wilcoxon: bool) -> String {
-        let used = context! { factorial => false, groups => false, mixed => false, ordinal => false, one_factor => false, t, wilcoxon };
+        let used = context! { factorial => false, simple => false, groups => false, mixed => false, ordinal => false, one_factor => false, t, wilcoxon };
         said(
             "tests",
-            &context! { used, compare => "all", correlations => false },
+            &context! { used, of_levels => 0, compare => "all", correlations => false },
         )
     }
 

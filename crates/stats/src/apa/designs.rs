@@ -144,7 +144,8 @@ impl Statement {
     fn under(mut self, prior: &Prior, scale: &str) -> Self {
         let (family, parameter) = (&prior.family, &prior.parameter);
         let scale = format!("{scale} {}", bounded(prior.scale, 2));
-        self.0 += &format!(" ({family} prior of the {parameter}, {scale})");
+        let prior = format!(" ({family} prior of the {parameter}, {scale})");
+        self.0.push_str(&prior);
         self
     }
 }

@@ -121,10 +121,11 @@ fn mean(scores: impl ExactSizeIterator<Item = f64>) -> f64 {
 
 #[test]
 fn without_groups_a_contrast_is_the_paired_t_test_of_each_persons_contrast() {
+    type Case<'a> = (Vec<(&'a str, LevelChoice)>, Box<dyn Fn(usize) -> f64>);
     let made = made();
     let found = factorial_of(&made.within(), true);
     let sporty = |p, road| value(p, 1, road) - value(p, 0, road);
-    let cases: [(Vec<(&str, LevelChoice)>, Box<dyn Fn(usize) -> f64>); 4] = [
+    let cases: [Case<'_>; 4] = [
         (
             vec![("mode", pair("sporty", "calm"))],
             Box::new(|p| roads(p, 1) - roads(p, 0)),
@@ -201,7 +202,7 @@ fn with_groups_each_keeps_its_variance_and_counts_alike() {
     };
     let (cars, trucks) = (of(true), of(false));
     assert_ne!(cars.len(), trucks.len());
-    let half = (mean(cars.into_iter()) + mean(trucks.into_iter())) / 2.0;
+    let half = f64::midpoint(mean(cars.into_iter()), mean(trucks.into_iter()));
     close(Some(alone.estimate), Some(half));
 }
 
@@ -222,7 +223,7 @@ fn between_people_a_covariate_is_taken_out_as_of_the_effect() {
     close(contrast.p, effect.p);
     close(contrast.df, effect.df2);
     // By hand: the slope within groups, and the difference of the means at the same age.
-    let all = |p: usize| (roads(p, 0) + roads(p, 1)) / 2.0;
+    let all = |p: usize| f64::midpoint(roads(p, 0), roads(p, 1));
     let means = |of: &dyn Fn(usize) -> f64, car: bool| {
         let people: Vec<f64> = (0..PEOPLE).filter(|p| is_car(*p) == car).map(of).collect();
         mean(people.into_iter())
@@ -255,7 +256,7 @@ fn where_ranks_decide_about_an_effect_they_decide_about_its_contrast() {
     let parts = [("road", pair("motorway", "city"))];
     let contrast = level_contrast(&data, &found, &parts).unwrap();
     let (_, all) = against_nothing(|p| {
-        let road = |r| (value(p, 0, r) + value(p, 1, r)) / 2.0;
+        let road = |r| f64::midpoint(value(p, 0, r), value(p, 1, r));
         road(2) - road(0)
     });
     let ranks = all.wilcoxon.values().next().unwrap();

@@ -110,6 +110,24 @@ fn file_name(path: &Path) -> String {
         .into_owned()
 }
 
+/// The number by which the name of a part differs from that of the part before it; its name where there is none.
+fn number_in(below: &str, above: &str) -> String {
+    let pairs = below.bytes().zip(above.bytes());
+    let alike = pairs.take_while(|(a, b)| a == b).count();
+    // `_10` and `_11` differ in their last digit alone.
+    let before = below.as_bytes()[..alike].iter().rev();
+    let from = alike - before.take_while(|b| b.is_ascii_digit()).count();
+    let differs = below.bytes().skip(from);
+    let digits = differs
+        .skip_while(|b| !b.is_ascii_digit())
+        .take_while(u8::is_ascii_digit);
+    let number: String = digits.map(char::from).collect();
+    if number.is_empty() {
+        return format!("`{below}`");
+    }
+    number
+}
+
 /// Says which files were joined, and how long the hole between each two is.
 ///
 /// # Errors
@@ -128,14 +146,15 @@ pub(super) fn joined(
     let since_s = |ns: i64, part: &Part<'_>| {
         (ns.saturating_add(part.put_off_ns).saturating_sub(start_ns)) as f64 / 1e9
     };
-    let join = |(number, pair): (usize, &[Part<'_>])| {
+    let join = |pair: &[Part<'_>]| {
         let (above, below) = (&pair[0], &pair[1]);
         let (from_s, to_s) = (
             since_s(above.last_ns, above),
             since_s(below.first_ns, below),
         );
-        // Without names of files, so that what is true of many logs is said once.
-        let goes_on = format!("goes on in its part {}", number + 2);
+        // By its number, so that what is true of many logs is said once.
+        let part = number_in(&file_name(below.path), &file_name(above.path));
+        let goes_on = format!("goes on in its part {part}");
         let warning = if below.anew {
             let what = format!(
                 "{goes_on}, whose times begin anew: how long the hole between them was is not known, and a segment begins"
@@ -147,5 +166,23 @@ pub(super) fn joined(
         };
         warning.with_spans([(from_s, to_s)])
     };
-    Ok(parts.windows(2).enumerate().map(join).collect())
+    Ok(parts.windows(2).map(join).collect())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::number_in;
+
+    #[test]
+    fn a_part_is_called_by_the_number_in_its_name() {
+        for (below, above, number) in [
+            ("P01_calm_2.csv", "P01_calm.csv", "2"),
+            ("P01_calm_3.csv", "P01_calm_1.csv", "3"),
+            ("P01_11.csv", "P01_10.csv", "11"),
+            ("part2_P01.csv", "part1_P01.csv", "2"),
+            ("late.csv", "early.csv", "`late.csv`"),
+        ] {
+            assert_eq!(number_in(below, above), number);
+        }
+    }
 }

@@ -118,9 +118,10 @@ impl Declared {
                     .map_or(0, Table::len);
                 if n > 0 {
                     let left_out = count(n, one, several);
-                    head += &format!(
+                    let said = format!(
                         "# {left_out} left out by name ([exclude] {key}): which is not given away.\n"
                     );
+                    head.push_str(&said);
                 }
             }
         }

@@ -28,7 +28,7 @@ pub(super) fn read(path: &Path, study: &DesignFile) -> Result<Vec<OwnRow>, Study
     let conditions = known_conditions(study, &table)?;
     let mut columns: Vec<(String, Vec<Value>)> = Vec::new();
     for name in ["session", "trial"].into_iter().filter(|c| table.has(c)) {
-        columns.push((name.to_owned(), numbered(table.text(name)?)));
+        columns.push((name.to_owned(), numbered(&table.text(name)?)));
     }
     for measure in study.design.measures() {
         let values = table.numbers(&measure.id)?;
@@ -49,7 +49,7 @@ pub(super) fn read(path: &Path, study: &DesignFile) -> Result<Vec<OwnRow>, Study
 }
 
 /// Sessions and trials by number: as they were where they are numbers, else in the order of their words, which may be dates.
-fn numbered(cells: Vec<Option<String>>) -> Vec<Value> {
+fn numbered(cells: &[Option<String>]) -> Vec<Value> {
     let number = |cell: &Option<String>| cell.as_ref().map(|c| c.trim().parse::<u32>());
     let numbers: Vec<_> = cells.iter().map(number).collect();
     if numbers.iter().flatten().all(Result::is_ok) {
@@ -87,9 +87,9 @@ mod tests {
     #[test]
     fn numbers_of_sessions_stay_and_days_become_numbers() {
         let cells = |words: [&str; 3]| words.map(|w| Some(w.to_owned())).to_vec();
-        assert_eq!(numbered(cells(["2", "1", "10"])), [2, 1, 10]);
+        assert_eq!(numbered(&cells(["2", "1", "10"])), [2, 1, 10]);
         let days = ["2026-11-03", "2026-11-01", "2026-11-03"];
-        assert_eq!(numbered(cells(days)), [2, 1, 2]);
-        assert_eq!(numbered(vec![None]), [Value::Null]);
+        assert_eq!(numbered(&cells(days)), [2, 1, 2]);
+        assert_eq!(numbered(&[None]), [Value::Null]);
     }
 }
