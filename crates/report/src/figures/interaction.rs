@@ -216,7 +216,7 @@ fn line_look(index: usize) -> (Marker, RGBColor) {
     let further = [Marker::Star, Marker::Plus, Marker::Hexagon];
     match index / 5 {
         0 => (marker, colour),
-        round => (further[(round + index) % 3], colour),
+        round => (further[(round - 1) % further.len()], colour),
     }
 }
 
@@ -297,9 +297,9 @@ mod tests {
         two.panels.push(higher);
         let first = |figure: Figure| figure.panels[0].svg.clone();
         let shared = first(interaction(&two, &Context::real()).unwrap());
-        assert!(shared.contains(">15<"), "{shared}");
+        assert!(shared.contains(">16<"), "{shared}");
         two.panels[1].axis = "Another".into();
-        assert!(!first(interaction(&two, &Context::real()).unwrap()).contains(">15<"));
+        assert!(!first(interaction(&two, &Context::real()).unwrap()).contains(">16<"));
     }
 
     #[test]

@@ -126,7 +126,7 @@ mod tests {
             level,
             Names::Level(vec![names(&["calm"]), names(&["sporty"])])
         );
-        let two = Names::of(&names(&["calm, dense", "calm, free"]), 30.0);
+        let two = Names::of(&names(&["calm, dense", "calm, free"]), 27.0);
         assert_eq!(
             two,
             Names::Level(vec![names(&["calm,", "dense"]), names(&["calm,", "free"])])

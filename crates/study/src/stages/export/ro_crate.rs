@@ -379,7 +379,7 @@ mod tests {
             "{text}"
         );
         assert!(
-            text.contains("\"author\":[{\"@id\":\"#author-1\"}]"),
+            text.contains("\"author\":{\"@id\":\"#author-1\"}"),
             "{text}"
         );
         let named = PipelineRun {
