@@ -202,7 +202,7 @@
 
   const ASIDE_M = 1.8;
   const DOING = { left: "changing to the left", right: "changing to the right", safety: "safety layer brakes" };
-  const words = (drive, k) => {
+  const words = (drive, k, unit) => {
     const run = drive.runs.find((r) => within(r, k));
     if (!run) return "no recording here";
     const i = Math.max(0, Math.min(run.count - 1, Math.round(k - run.first))), gap = run.gap[i];
@@ -214,7 +214,7 @@
     if (gap < -3000) where = "nobody to follow";
     else if (Math.abs(gap) < 0.5) where = "beside the other car";
     else if (gap < 0) where = `${Math.round(-gap)} m past the car`;
-    return [`${Math.round(run.v[i] * data.unit.perMps)} ${data.unit.name}`, where, ...doing].join(", ");
+    return [`${Math.round(run.v[i] * unit.perMps)} ${unit.name}`, where, ...doing].join(", ");
   };
 
   const start = (root) => {
@@ -240,7 +240,7 @@
     const draw = () => {
       const share = `${(100 * time / data.duration).toFixed(3)}%`;
       for (const row of rows) {
-        const text = words(row.drive, time * data.rate);
+        const text = words(row.drive, time * data.rate, data.unit);
         if (row.now.textContent !== text) row.now.textContent = text;
         row.head.style.left = share;
         if (row.width > 0) paint(row, data, colours, time * data.rate);
@@ -252,7 +252,7 @@
     const say = () => {
       clearTimeout(saying);
       saying = setTimeout(() => {
-        live.textContent = `${clock(time)}. ${rows.map((r) => `${r.label}: ${words(r.drive, time * data.rate)}`).join(". ")}.`;
+        live.textContent = `${clock(time)}. ${rows.map((r) => `${r.label}: ${words(r.drive, time * data.rate, data.unit)}`).join(". ")}.`;
       }, 400);
     };
     const seek = (to) => {
