@@ -51,7 +51,7 @@ pub fn versions() -> BTreeMap<String, String> {
         ("evaluate", 6),
         ("stats", 13),
         ("ablate", 8),
-        ("validate", 10),
+        ("validate", 11),
         ("recommend", 4),
         ("rehearse", 7),
         ("rehearse-dial", 5),
