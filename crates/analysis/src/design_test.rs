@@ -14,7 +14,7 @@ use maveric_domain::{
     design::{Covariate, Factor, Quantity},
 };
 use maveric_stats::{
-    ByDesign, DesignChoice, DesignColumns, MissingCells, OutcomeScale, compare_by_design,
+    ByDesign, DesignChoice, DesignTable, MissingCells, OutcomeScale, compare_by_design,
 };
 
 /// How much work Friedman's p is worth.
@@ -68,7 +68,7 @@ pub(crate) fn by_design(tested: &Tested) -> Result<Result<Compared, String>, Ana
     } else {
         factors_within(&data.design, &panel.conditions)
     };
-    let table = DesignTable::of(tested, within, between)?;
+    let table = table(tested, within, between)?;
     let columns = table.columns();
     let choice = DesignChoice {
         scale: match tested.asked.quantity {
@@ -98,77 +98,46 @@ pub(crate) fn by_design(tested: &Tested) -> Result<Result<Compared, String>, Ana
 }
 
 /// The rows of a test: one of each person in each condition.
-struct DesignTable {
-    subjects: Vec<String>,
+fn table(
+    tested: &Tested,
     within: Vec<Within>,
-    between: Vec<(String, Vec<Option<String>>)>,
-    covariates: Vec<(String, Vec<Option<f64>>)>,
-    with: Vec<(String, Vec<String>)>,
-    values: Vec<Option<f64>>,
-    labels: Vec<(String, String)>,
-}
-
-impl DesignTable {
-    fn of(tested: &Tested, within: Vec<Within>, between: &[Factor]) -> Result<Self, AnalysisError> {
-        let (data, panel) = (tested.data, tested.panel);
-        let design = &data.design;
-        let rows = || {
-            let people = tested.people.iter().zip(&panel.rows);
-            people.flat_map(|(p, row)| (0..row.len()).map(move |at| (p, at, row[at])))
-        };
-        let within: Vec<Within> = within
-            .into_iter()
-            .map(|(name, of)| (name, rows().map(|(_, at, _)| of[at].clone()).collect()))
-            .collect();
-        let level = |p, f: &Factor| data.column(p, &f.name).map(str::to_owned);
-        let between: Vec<(String, Vec<Option<String>>)> = between
-            .iter()
-            .map(|f| (f.name.clone(), rows().map(|(p, ..)| level(p, f)).collect()))
-            .collect();
-        let mut covariates = Vec::new();
-        for covariate in design.covariates() {
-            let cells: Result<Vec<Option<f64>>, AnalysisError> =
-                rows().map(|(p, ..)| number(data, p, covariate)).collect();
-            covariates.push((covariate.column.clone(), cells?));
-        }
-        let names = within.iter().map(|(name, _)| name);
-        let names = names.chain(between.iter().map(|(name, _)| name));
-        let names = names.chain(covariates.iter().map(|(name, _)| name));
-        let labels = names.map(|name| (name.clone(), design.factor_label(name)));
-        let with = design.covariates().iter();
-        Ok(Self {
-            labels: labels.filter(|(name, label)| name != label).collect(),
-            subjects: rows().map(|(p, ..)| p.to_string()).collect(),
-            with: with.map(|c| (c.column.clone(), c.with.clone())).collect(),
-            values: rows().map(|(.., value)| value).collect(),
-            within,
-            between,
-            covariates,
-        })
+    between: &[Factor],
+) -> Result<DesignTable, AnalysisError> {
+    let (data, panel) = (tested.data, tested.panel);
+    let design = &data.design;
+    let rows = || {
+        let people = tested.people.iter().zip(&panel.rows);
+        people.flat_map(|(p, row)| (0..row.len()).map(move |at| (p, at, row[at])))
+    };
+    let within: Vec<Within> = within
+        .into_iter()
+        .map(|(name, of)| (name, rows().map(|(_, at, _)| of[at].clone()).collect()))
+        .collect();
+    let level = |p, f: &Factor| data.column(p, &f.name).map(str::to_owned);
+    let between: Vec<(String, Vec<Option<String>>)> = between
+        .iter()
+        .map(|f| (f.name.clone(), rows().map(|(p, ..)| level(p, f)).collect()))
+        .collect();
+    let mut covariates = Vec::new();
+    for covariate in design.covariates() {
+        let cells: Result<Vec<Option<f64>>, AnalysisError> =
+            rows().map(|(p, ..)| number(data, p, covariate)).collect();
+        covariates.push((covariate.column.clone(), cells?));
     }
-
-    fn columns(&self) -> DesignColumns<'_> {
-        let with = self.with.iter();
-        DesignColumns {
-            subjects: &self.subjects,
-            within: named(&self.within),
-            between: named(&self.between),
-            covariates: named(&self.covariates),
-            with: with
-                .map(|(n, with)| (n.as_str(), with.iter().map(String::as_str).collect()))
-                .collect(),
-            values: &self.values,
-            labels: self
-                .labels
-                .iter()
-                .map(|(n, label)| (n.as_str(), label.as_str()))
-                .collect(),
-        }
-    }
-}
-
-fn named<T>(columns: &[(String, Vec<T>)]) -> Vec<(&str, &[T])> {
-    columns.iter().map(|(n, c)| (n.as_str(), &c[..])).collect()
+    let names = within.iter().map(|(name, _)| name);
+    let names = names.chain(between.iter().map(|(name, _)| name));
+    let names = names.chain(covariates.iter().map(|(name, _)| name));
+    let labels = names.map(|name| (name.clone(), design.factor_label(name)));
+    let with = design.covariates().iter();
+    Ok(DesignTable {
+        labels: labels.filter(|(name, label)| name != label).collect(),
+        subjects: rows().map(|(p, ..)| p.to_string()).collect(),
+        with: with.map(|c| (c.column.clone(), c.with.clone())).collect(),
+        values: rows().map(|(.., value)| value).collect(),
+        within,
+        between,
+        covariates,
+    })
 }
 
 /// A covariate of a person, as a number.

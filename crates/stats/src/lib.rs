@@ -55,9 +55,9 @@ pub use bayes::{
 pub use bootstrap::{Bootstrap, BootstrapData, BootstrapSettings, Interval, Statistic, bootstrap};
 pub use by_design::{
     ByDesign, Chosen, ChosenTest, CorrectedTerm, DesignChoice, DesignColumns, DesignPlan,
-    DesignShape, EffectMethod, EffectTest, FactorialFinding, LevelChoice, LevelContrast,
-    MissingCells, MixedFinding, OrdinalFinding, OutcomeScale, PlannedEffect, RankCheck, SimpleTest,
-    SmallSample, compare_by_design, level_contrast, simple_effects,
+    DesignShape, DesignTable, EffectMethod, EffectTest, FactorialFinding, LevelChoice,
+    LevelContrast, MissingCells, MixedFinding, OrdinalFinding, OutcomeScale, PlannedEffect,
+    RankCheck, SimpleTest, SmallSample, compare_by_design, level_contrast, simple_effects,
 };
 pub use cochran_q::{CochranQ, CochranQTest, McNemarPair, cochran_q};
 pub use compare::{

@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 use super::{
     Chosen, DesignColumns, EffectMethod, FactorialFinding,
     factors::shaped,
-    parts::{Part, unknown},
+    parts::{DesignTable, unknown},
 };
 use crate::{
     FactorialDesign, StatsError, WithinSubjects,
@@ -96,9 +96,9 @@ pub fn level_contrast(
         LevelChoice::Pair(_) => None,
     });
     let everybody: Vec<usize> = (0..data.values.len()).collect();
-    let mut part = Part::rows(data, &everybody, None);
+    let mut part = DesignTable::rows(data, &everybody, None);
     for (factor, level) in held {
-        part = Part::of(&part.columns(), factor, level);
+        part = DesignTable::at_level(&part.columns(), factor, level);
     }
     let columns = part.columns();
     let (design, _, covariates) = shaped(&columns)?;

@@ -16,7 +16,7 @@ pub use found::{
     RankCheck, SmallSample,
 };
 pub use level_contrast::{LevelChoice, LevelContrast, level_contrast};
-pub use parts::{SimpleTest, simple_effects};
+pub use parts::{DesignTable, SimpleTest, simple_effects};
 pub use plan::{DesignPlan, DesignShape, EffectMethod, PlannedEffect};
 
 use crate::{

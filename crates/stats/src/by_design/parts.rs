@@ -45,7 +45,7 @@ pub fn simple_effects(
             let mut family = Vec::new();
             for (factor, at) in [(first, second), (second, first)] {
                 for level in at.1 {
-                    let part = Part::of(data, at.0, level);
+                    let part = DesignTable::at_level(data, at.0, level);
                     let test = test_of(&part.columns(), factor.0, normal);
                     let why_not = test.as_ref().err().map(ToString::to_string);
                     family.push(SimpleTest {
@@ -92,19 +92,28 @@ pub(super) fn unknown<'n>(
     }
 }
 
-/// Rows of a table of its own.
-pub(super) struct Part {
-    subjects: Vec<String>,
-    within: Vec<(String, Vec<String>)>,
-    between: Vec<(String, Vec<Option<String>>)>,
-    covariates: Vec<(String, Vec<Option<f64>>)>,
-    with: Vec<(String, Vec<String>)>,
-    values: Vec<Option<f64>>,
+/// The same columns with their cells.
+#[derive(Debug, Clone, Default)]
+pub struct DesignTable {
+    /// Whose each row is.
+    pub subjects: Vec<String>,
+    /// As [`DesignColumns::within`].
+    pub within: Vec<(String, Vec<String>)>,
+    /// As [`DesignColumns::between`].
+    pub between: Vec<(String, Vec<Option<String>>)>,
+    /// As [`DesignColumns::covariates`].
+    pub covariates: Vec<(String, Vec<Option<f64>>)>,
+    /// As [`DesignColumns::with`].
+    pub with: Vec<(String, Vec<String>)>,
+    /// The outcome.
+    pub values: Vec<Option<f64>>,
+    /// As [`DesignColumns::labels`].
+    pub labels: Vec<(String, String)>,
 }
 
-impl Part {
+impl DesignTable {
     /// The rows at one level of a factor, without that factor.
-    pub(super) fn of(data: &DesignColumns<'_>, factor: &str, level: &str) -> Self {
+    pub(super) fn at_level(data: &DesignColumns<'_>, factor: &str, level: &str) -> Self {
         let within = data.within.iter().find(|(name, _)| *name == factor);
         let between = data.between.iter().find(|(name, _)| *name == factor);
         let is_at = |row: &usize| match (within, between) {
@@ -145,10 +154,12 @@ impl Part {
                 .map(|(n, with)| ((*n).to_owned(), products(with)))
                 .collect(),
             values: these(data.values, rows),
+            labels: Vec::new(),
         }
     }
 
-    pub(super) fn columns(&self) -> DesignColumns<'_> {
+    /// Its columns.
+    pub fn columns(&self) -> DesignColumns<'_> {
         fn columns<T>(all: &[(String, Vec<T>)]) -> Vec<(&str, &[T])> {
             all.iter()
                 .map(|(n, cells)| (n.as_str(), &cells[..]))
@@ -164,7 +175,9 @@ impl Part {
                 .map(|(n, with)| (n.as_str(), with.iter().map(String::as_str).collect()))
                 .collect(),
             values: &self.values,
-            labels: Vec::new(),
+            labels: (self.labels.iter())
+                .map(|(n, label)| (n.as_str(), label.as_str()))
+                .collect(),
         }
     }
 }
