@@ -7,7 +7,7 @@ use crate::{
     parts::Carried,
     seat::{Seat, SeatSettings},
     sheet::Sheet,
-    steps::Step,
+    steps::{Step, Whose},
     token,
 };
 use maveric_domain::design::SeatView;
@@ -89,7 +89,7 @@ pub fn export(seat: &Seat, folder: &Path, post: Option<&str>) -> Result<Exported
         ));
     }
     let rows: Vec<Vec<Step>> = (0..seat.orders())
-        .map(|row| seat.steps_in(row, &|_| String::new()))
+        .map(|row| seat.steps_of(Whose::Nobody, row))
         .collect::<Result<_, _>>()?;
     let orders = rows.len();
     let told = Static {
@@ -252,9 +252,7 @@ pub fn take_in(seat: &Seat, path: &Path) -> Result<TakenIn, SeatError> {
             "who handed this over is forgotten: it is not taken in again".to_owned(),
         ));
     }
-    let steps = seat.steps_in(row, &|what| {
-        maveric_seat_page::world(&token, what).to_string()
-    })?;
+    let steps = seat.steps_of(Whose::Link(&token), row)?;
     let rest: Vec<(usize, Line)> = lines.collect();
     let Some((last, Line::Ended { ended })) = rest.last() else {
         return Err(bad(

@@ -3,10 +3,13 @@
 use crate::{
     collected::Collected,
     error::SeatError,
+    hindrance::Hindrance,
+    steps::Styles,
     tables::{self, Given, Standing},
 };
-use maveric_domain::{ConditionId, DriveId, DriveMeta, ParticipantId};
+use maveric_domain::{ConditionId, DriveId, DriveMeta, ParticipantId, design::Car};
 use maveric_ingest::{Beside, write_mcap_with};
+use maveric_model::Model;
 use maveric_seat_page::{Record, Replayed};
 use maveric_study::{
     DesignFile, StudyError,
@@ -16,6 +19,7 @@ use maveric_study::{
         TableName,
         collected::{CONSENTS, EVENTS, EventRow, NOTES},
         dial::{ENDING, Turn},
+        embeddings::read_styles,
         read_rows, write_rows,
     },
 };
@@ -82,6 +86,30 @@ impl Files {
             place.people_made = true;
         }
         Ok(())
+    }
+
+    /// The styles that conditions of the study name, for `model`, and what keeps them from being ridden; none without a model.
+    pub(crate) fn styles(&self, model: Option<&Model>, hindrances: &mut Vec<Hindrance>) -> Styles {
+        let mut styles = Styles::new();
+        let Some((place, model)) = self.0.as_ref().zip(model) else {
+            return styles;
+        };
+        for condition in place.study.design.conditions() {
+            let Some(Car::Embedding(file)) = &condition.car else {
+                continue;
+            };
+            match read_styles(&place.study.resolve(file), model.embedding_size()) {
+                Ok(rows) => drop(styles.insert(file.clone(), rows)),
+                Err(error) => hindrances.push(Hindrance::Styles {
+                    condition: condition.id,
+                    problem: error.to_string(),
+                    remedy: error.suggestion().unwrap_or_else(|| {
+                        "write the file, or give the condition another `car`".to_owned()
+                    }),
+                }),
+            }
+        }
+        styles
     }
 
     /// What the table of people is called.

@@ -6,9 +6,10 @@ use crate::{
     error::SeatError,
     person::{Person, on_the_scale},
     seat::Seat,
-    steps::{RideStyle, Step},
+    steps::Step,
 };
-use maveric_seat_page::{Record, Replayed, fit, replay};
+use maveric_domain::Embedding;
+use maveric_seat_page::{Record, Replayed, RideStyle, fit, replay};
 use maveric_study::beyond_in_words;
 use std::fmt;
 
@@ -106,6 +107,11 @@ impl Seat {
                     let seconds = record.ticks() as f64 / 100.0;
                     files.turns((&name, who), &turned, step.abs(), seconds)?;
                 }
+                if let Some(apart) = self.style_apart(person, found, &record) {
+                    outcome.tell(format!(
+                        "{name}: the page drove another style than the study's for this person, {apart:.2e} apart"
+                    ));
+                }
                 if by_hand && !left {
                     self.learn(person, &name, (&record, &again), &mut outcome);
                 }
@@ -113,6 +119,30 @@ impl Seat {
         }
         self.keep(person, (step, left), &outcome)?;
         Ok(true)
+    }
+
+    /// How far the style that a ride began with is from the one that the step asks for; none where they agree, or nobody can say.
+    fn style_apart(&self, person: &Person, found: &Step, record: &Record) -> Option<f64> {
+        let Step::Ride {
+            style,
+            points,
+            stretch,
+            ..
+        } = found
+        else {
+            return None;
+        };
+        let model = self.model.as_ref()?;
+        let fitted = person
+            .style()
+            .and_then(|fit| Embedding::new(fit.embedding).ok());
+        let own = fitted.unwrap_or_else(|| model.mean_embedding().clone());
+        let asked = style.place(model, &own, points * stretch).ok()?.embedding;
+        let apart = apart(
+            record.header.style.as_ref()?.coordinates(),
+            asked.coordinates(),
+        );
+        (apart > SAME_STYLE).then_some(apart)
     }
 
     /// Keeps what came of a drive and goes on, both or neither. Who was forgotten meanwhile has nothing kept, and what was written of
@@ -169,10 +199,8 @@ impl Seat {
         let Some(page) = person.style() else {
             return;
         };
-        let apart = (page.embedding.iter().zip(&here.embedding))
-            .map(|(a, b)| (a - b).abs())
-            .fold(0.0, f64::max);
-        if page.embedding.len() != here.embedding.len() || apart > SAME_STYLE {
+        let apart = apart(&page.embedding, &here.embedding);
+        if apart > SAME_STYLE {
             outcome.tell(format!(
                 "{name}: the page learned another style than its record gives here, {apart:.2e} apart; the record's is kept"
             ));
@@ -180,10 +208,19 @@ impl Seat {
     }
 }
 
+/// The largest difference of two styles' numbers.
+fn apart(one: &[f64], other: &[f64]) -> f64 {
+    if one.len() != other.len() {
+        return f64::INFINITY;
+    }
+    let differences = one.iter().zip(other).map(|(a, b)| (a - b).abs());
+    differences.fold(0.0, f64::max)
+}
+
 /// What is said of a ride in a style that was learned of a drive beyond what the model has learned from.
 fn mark(person: &Person, step: &Step) -> Option<String> {
     let Step::Ride {
-        style: RideStyle::Own,
+        style: RideStyle::Own | RideStyle::Across(_),
         ..
     } = step
     else {

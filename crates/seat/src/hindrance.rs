@@ -49,11 +49,23 @@ pub enum Hindrance {
     /// Rides, and nothing that could drive them.
     #[error("the study has rides and no model that could drive them")]
     NoModel,
-    /// A condition that turns the dial of a model without one.
-    #[error("a condition turns the dial, and the model has none: {why}")]
-    NoDial {
+    /// A condition that asks of the model what it does not have.
+    #[error("condition `{condition}` cannot be driven by the model: {why}")]
+    NotByModel {
+        /// The condition.
+        condition: ConditionId,
         /// What the model says.
         why: String,
+    },
+    /// A condition whose file of styles cannot be used.
+    #[error("condition `{condition}`: {problem}")]
+    Styles {
+        /// The condition.
+        condition: ConditionId,
+        /// What is wrong with the file.
+        problem: String,
+        /// What to do.
+        remedy: String,
     },
     /// A condition whose drives the program would make again.
     #[error(
@@ -77,6 +89,10 @@ pub enum Hindrance {
 }
 
 impl Hindrance {
+    pub(crate) fn no_car(condition: ConditionId, problem: &'static str) -> Self {
+        Self::Car { condition, problem }
+    }
+
     /// What to do.
     pub fn remedy(&self) -> String {
         match self {
@@ -97,12 +113,15 @@ impl Hindrance {
             Self::NoModel => {
                 "name one in [model] file, or say in [people] learn who is learned from first".to_owned()
             }
-            Self::NoDial { .. } => "learn a model from people who answered the scale of [style]".to_owned(),
+            Self::NotByModel { .. } => {
+                "learn a model of two numbers or more from people who answered the scale of [style]".to_owned()
+            }
+            Self::Styles { remedy, .. } => remedy.clone(),
             Self::SimulatedAgain { .. } => {
                 "write `recorded = true` into its `car`: what was ridden in the seat is what is analysed".to_owned()
             }
             Self::Car { .. } => {
-                "the seat drives `car = { dial = 8, recorded = true }`, `mean` and `free`".to_owned()
+                "the seat drives `car = { dial = 8, recorded = true }`, `across`, `mean`, `embedding` and `free`".to_owned()
             }
             Self::NoLastDay => {
                 "write withdraw_until = \"2027-01-31\" there, or leave it out of the text".to_owned()

@@ -9,7 +9,7 @@ use crate::{
     parts::Carried,
     person::Person,
     servable::hindrances,
-    steps::{self, Step, Texts},
+    steps::{self, Riding, Step, Styles, Texts, Whose},
     store::Store,
     tables::{Given, Standing},
     token,
@@ -18,7 +18,6 @@ use crate::{
 use maveric_domain::{
     Design, Scale, SpeedUnit,
     design::{ProtocolStep, williams_rows},
-    stream_seed,
 };
 use maveric_model::{Model, model_file};
 use maveric_simulator::Scenario;
@@ -68,6 +67,7 @@ pub struct Seat {
     pub(crate) store: Store,
     pub(crate) scenario_json: String,
     pub(crate) model: Option<Model>,
+    styles: Styles,
     links: Mutex<Links>,
     /// Whether the experimenter has closed it.
     stopping: AtomicBool,
@@ -103,7 +103,8 @@ impl Seat {
         let model = settings.model.as_deref().map(model_file::from_bytes);
         let model = model.transpose()?;
         let words = (&settings.scales[..], &settings.texts);
-        let hindrances = hindrances(&settings.design, words, model.as_ref());
+        let mut hindrances = hindrances(&settings.design, words, model.as_ref());
+        let styles = settings.files.styles(model.as_ref(), &mut hindrances);
         if !hindrances.is_empty() {
             return Err(SeatError::Unfit(hindrances));
         }
@@ -117,6 +118,7 @@ impl Seat {
                 }
             })?,
             model,
+            styles,
             settings,
             links: Mutex::default(),
             stopping: AtomicBool::new(false),
@@ -207,21 +209,15 @@ impl Seat {
         self.settings.design.protocol().steps.contains(&step)
     }
 
-    fn steps_of(&self, participant: &str, index: usize) -> Result<Vec<Step>, SeatError> {
-        let root = self.settings.design.protocol().seed;
-        let world = |what: &str| stream_seed(root, &[participant, what, "world"]).to_string();
-        self.steps_in(index, &world)
-    }
-
-    /// The steps in the row `index` of the square, each in the world that `world` gives it.
-    pub(crate) fn steps_in(
-        &self,
-        index: usize,
-        world: &dyn Fn(&str) -> String,
-    ) -> Result<Vec<Step>, SeatError> {
+    /// The steps of `whose` in the row `index` of the square.
+    pub(crate) fn steps_of(&self, whose: Whose<'_>, index: usize) -> Result<Vec<Step>, SeatError> {
         let s = &self.settings;
-        let rides = self.rides().then_some((index, s.stretch));
-        steps::of_design(&s.design, &s.scales, &s.texts, world, rides)
+        let riding = self.rides().then_some(Riding {
+            index,
+            stretch: s.stretch,
+            styles: &self.styles,
+        });
+        steps::of_design(&s.design, &s.scales, &s.texts, whose, riding)
     }
 
     /// Rows of the square; one while nobody rides.
@@ -280,7 +276,7 @@ impl Seat {
             let here = b.everybody()?;
             let participant = self.next_id(b, &here)?;
             let riders = here.iter().filter(|p| !p.rides().is_empty()).count();
-            let steps = self.steps_of(&participant, riders)?;
+            let steps = self.steps_of(Whose::Person(&participant), riders)?;
             let person = Person::new(token.clone(), participant, steps);
             b.add(&person)?;
             Ok::<_, SeatError>(person)

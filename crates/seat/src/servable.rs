@@ -7,9 +7,12 @@ use crate::{
 };
 use maveric_domain::{
     Design, Moment, Scale,
-    design::{Car, ProtocolStep, Software},
+    design::{Car, Condition, ProtocolStep, Software},
 };
-use maveric_model::{Model, style_space::LinearHead};
+use maveric_model::{
+    Model, ModelError,
+    style_space::{LinearHead, PerpendicularEllipse},
+};
 
 /// All that keeps the seat from running a study, in the order of the design; nothing for one that it can run to its end.
 pub(crate) fn hindrances(
@@ -58,20 +61,25 @@ pub(crate) fn hindrances(
         found.push(Hindrance::NoModel);
     }
     for condition in conditions {
-        found.extend(car(design, condition).err());
-    }
-    let turned = |car: &Option<Car>| match car {
-        Some(Car::Dial(points)) => points.abs() > 0.0,
-        Some(Car::Free) => true,
-        _ => false,
-    };
-    if conditions.iter().any(|c| turned(&c.car))
-        && let Some(Err(error)) = model.map(LinearHead::aggression)
-    {
-        let why = error.to_string();
-        found.push(Hindrance::NoDial { why });
+        found.extend(car(condition).err());
+        if let Some(Err(error)) = model.map(|model| asked_of(model, condition)) {
+            found.push(Hindrance::NotByModel {
+                condition: condition.id,
+                why: error.to_string(),
+            });
+        }
     }
     found
+}
+
+/// Whether the model has what a condition asks of it.
+fn asked_of(model: &Model, condition: &Condition) -> Result<(), ModelError> {
+    match &condition.car {
+        Some(Car::Across) => PerpendicularEllipse::of(model).map(drop),
+        Some(Car::Free) => LinearHead::aggression(model).map(drop),
+        _ if condition.side().is_some() => LinearHead::aggression(model).map(drop),
+        _ => Ok(()),
+    }
 }
 
 #[cfg(test)]

@@ -2,11 +2,14 @@
 
 use crate::{error::SeatError, hindrance::Hindrance, withdrawal};
 use maveric_domain::{
-    ConditionId, Design, Moment, Scale,
+    ConditionId, Design, EmbeddingRow, Moment, ParticipantId, Scale,
     design::{Car, Condition, Protocol, ProtocolStep, williams},
-    nearest,
+    nearest, stream_seed,
 };
+use maveric_seat_page::{RideStyle, Seed};
+use maveric_study::{StudyError, tables::embeddings::style_of};
 use serde::{Deserialize, Serialize};
+use std::{collections::BTreeMap, path::PathBuf};
 
 /// One step.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -100,16 +103,6 @@ pub(crate) fn coded_rides(steps: &[Step]) -> Vec<(ConditionId, ConditionId)> {
     steps.iter().filter_map(coded).collect()
 }
 
-/// Whose style drives.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum RideStyle {
-    /// The person's own.
-    Own,
-    /// The average driver's.
-    Mean,
-}
-
 impl Step {
     /// The drive that this step makes: its label and whether a person drives.
     pub fn drives(&self) -> Option<(ConditionId, bool)> {
@@ -157,18 +150,62 @@ pub struct Texts {
     pub thanks: Option<String>,
 }
 
-/// The steps of a person; `world` gives the root of random choices of what is driven (`practice`, or a condition), `riding` is the person's number among those who ride (from 0) and the points of the model for one of the
-/// study's style, none while nobody rides.
+/// The files of styles that conditions name, by the path that the design has.
+pub type Styles = BTreeMap<PathBuf, Vec<EmbeddingRow>>;
+
+/// By what somebody's random choices and rows are found.
+#[derive(Debug, Clone, Copy)]
+pub enum Whose<'a> {
+    /// By their id.
+    Person(&'a str),
+    /// By the token of their browser, where no server gives ids.
+    Link(&'a str),
+    /// Nobody's yet: the page draws by its token.
+    Nobody,
+}
+
+impl Whose<'_> {
+    /// Root of the random choices of a world.
+    fn world(self, root: u64, what: &str) -> String {
+        match self {
+            Self::Person(id) => stream_seed(root, &[id, what, "world"]).to_string(),
+            Self::Link(token) => maveric_seat_page::world(token, what).to_string(),
+            Self::Nobody => String::new(),
+        }
+    }
+
+    /// Root of the angle across the dial: of a person the one that `maveric steer` takes.
+    fn angle(self, root: u64, condition: ConditionId) -> Seed {
+        Seed(match self {
+            Self::Person(id) => stream_seed(root, &[id, condition.as_str()]),
+            Self::Link(token) => maveric_seat_page::world(token, &format!("{condition} across")),
+            Self::Nobody => 0,
+        })
+    }
+}
+
+/// Somebody who rides.
+#[derive(Debug, Clone, Copy)]
+pub struct Riding<'a> {
+    /// Their number among those who ride, from 0.
+    pub index: usize,
+    /// Points of the model for one of the study's style.
+    pub stretch: f64,
+    /// The styles that conditions name.
+    pub styles: &'a Styles,
+}
+
+/// The steps of a person; `riding` is none while nobody rides.
 ///
 /// # Errors
 /// [`SeatError::Protocol`] for a scale without wording, a condition that the seat cannot drive or one that the design lets the program
-/// simulate instead.
+/// simulate instead; [`SeatError::Study`] for somebody whose style no file has.
 pub fn of_design(
     design: &Design,
     scales: &[Scale],
     texts: &Texts,
-    world: &dyn Fn(&str) -> String,
-    riding: Option<(usize, f64)>,
+    whose: Whose<'_>,
+    riding: Option<Riding<'_>>,
 ) -> Result<Vec<Step>, SeatError> {
     let protocol = design.protocol();
     let own = design
@@ -178,6 +215,7 @@ pub fn of_design(
         problem: e.to_string(),
         help: None,
     })?;
+    let world = |what: &str| whose.world(protocol.seed, what);
     let mut steps = Vec::new();
     for step in &protocol.steps {
         match step {
@@ -208,8 +246,8 @@ pub fn of_design(
                 seed: world(own.as_str()),
             }),
             ProtocolStep::Rides => {
-                if let Some(who) = riding {
-                    rides(design, scales, world, who, &mut steps)?;
+                if let Some(riding) = riding {
+                    rides(design, scales, whose, riding, &mut steps)?;
                 }
             }
         }
@@ -224,23 +262,24 @@ pub fn of_design(
 fn rides(
     design: &Design,
     scales: &[Scale],
-    world: &dyn Fn(&str) -> String,
-    (index, stretch): (usize, f64),
+    whose: Whose<'_>,
+    riding: Riding<'_>,
     steps: &mut Vec<Step>,
 ) -> Result<(), SeatError> {
     let protocol: &Protocol = design.protocol();
     let conditions = design.conditions();
-    for (number, place) in williams(conditions.len(), index).into_iter().enumerate() {
+    let order = williams(conditions.len(), riding.index);
+    for (number, place) in order.into_iter().enumerate() {
         let condition = &conditions[place];
-        let (style, points, turns) = car(design, condition)?;
+        let (style, points, turns) = driven(design, condition, whose, riding.styles)?;
         steps.push(Step::Ride {
             condition: condition.id,
             number: number + 1,
             seconds: protocol.ride_s,
-            seed: world(condition.id.as_str()),
+            seed: whose.world(protocol.seed, condition.id.as_str()),
             style,
             points,
-            stretch,
+            stretch: riding.stretch,
             turns,
         });
         for id in &protocol.after {
@@ -253,33 +292,58 @@ fn rides(
 /// Points that the dial turns at a press where the design has no step: a third of the paper's 15.
 const DIAL_STEP: f64 = 5.0;
 
-/// What a car does: whose style, where on the dial it begins, and points a turn where it can be turned.
-type Driven = (RideStyle, f64, Option<f64>);
-
-/// What the car does in a condition.
-pub(crate) fn car(design: &Design, condition: &Condition) -> Result<Driven, Hindrance> {
-    let id = condition.id;
-    if condition.simulated() {
-        return Err(Hindrance::SimulatedAgain { condition: id });
-    }
+/// What the car does in a condition: whose style, where on the dial it begins, and points a turn where it can be turned.
+fn driven(
+    design: &Design,
+    condition: &Condition,
+    whose: Whose<'_>,
+    styles: &Styles,
+) -> Result<(RideStyle, f64, Option<f64>), SeatError> {
     let step = design.style().map_or(DIAL_STEP, |style| {
         let points = style.points.map_or(DIAL_STEP, |points| points / 3.0);
         points * style.aggression.factor()
     });
+    let root = design.protocol().seed;
+    Ok(match car(condition)? {
+        Car::Dial(points) => (RideStyle::Own, *points, None),
+        Car::Free => (RideStyle::Own, 0.0, Some(step)),
+        Car::Mean => (RideStyle::Mean, 0.0, None),
+        Car::Across => (
+            RideStyle::Across(whose.angle(root, condition.id)),
+            0.0,
+            None,
+        ),
+        Car::Embedding(file) => {
+            let rows = styles.get(file).map_or(&[][..], Vec::as_slice);
+            let id = match whose {
+                Whose::Person(id) => Some(ParticipantId::new(id).map_err(StudyError::from)?),
+                Whose::Link(_) | Whose::Nobody => None,
+            };
+            let style = style_of(rows, file, id.as_ref())?.clone();
+            (RideStyle::Given(style), 0.0, None)
+        }
+        _ => {
+            return Err(
+                Hindrance::no_car(condition.id, "the seat does not drive its `car`").into(),
+            );
+        }
+    })
+}
+
+/// The car of a condition, if the seat may drive it.
+pub(crate) fn car(condition: &Condition) -> Result<&Car, Hindrance> {
+    if condition.simulated() {
+        return Err(Hindrance::SimulatedAgain {
+            condition: condition.id,
+        });
+    }
     match &condition.car {
-        Some(Car::Dial(points)) => Ok((RideStyle::Own, *points, None)),
-        Some(Car::Mean) => Ok((RideStyle::Mean, 0.0, None)),
-        Some(Car::Free) => Ok((RideStyle::Own, 0.0, Some(step))),
-        other => Err(Hindrance::Car {
-            condition: id,
-            problem: match other {
-                None => "it has no `car`",
-                Some(Car::Embedding(_)) => {
-                    "its `car` drives by a file of embeddings, which the seat does not"
-                }
-                Some(_) => "its `car` drives `across` the dial, which the seat does not",
-            },
-        }),
+        None => Err(Hindrance::no_car(condition.id, "it has no `car`")),
+        Some(_) if condition.vary => Err(Hindrance::no_car(
+            condition.id,
+            "its `car` has `vary = true`, which the seat does not drive",
+        )),
+        Some(car) => Ok(car),
     }
 }
 

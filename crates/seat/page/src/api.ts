@@ -6,8 +6,11 @@ export type Step =
   | { kind: "controls" }
   | { kind: "practice"; seconds: number; lane_kept_s: number; passes: number; seed: string }
   | { kind: "drive"; condition: string; seconds: number; seed: string }
-  | { kind: "ride"; condition: string; number: number; seconds: number; seed: string; style: "own" | "mean"; points: number; stretch: number; turns: number | null }
+  | { kind: "ride"; condition: string; number: number; seconds: number; seed: string; style: RideStyle; points: number; stretch: number; turns: number | null }
   | { kind: "thanks"; text: string; code: string | null };
+
+/// Whose style drives: the person's own, the average driver's, the own one moved across the dial as a seed says, or this one.
+export type RideStyle = "own" | "mean" | { across: string } | { given: number[] };
 
 /// `beyond`: why the drive is beyond what the model has learned from, such as `scale` or `style:pass`; left out where it is not.
 export interface Fit { embedding: number[]; covariance: number[] | null; score: number | null; readings: number; beyond?: string }

@@ -90,6 +90,9 @@ export class Browser implements Keeper {
     const { rows, model: _model, post: _post, ...told } = study;
     const steps = (rows[kept.row] as Step[]).map((step): Step => {
       if (step.kind === "practice") return { ...step, seed: world(token, "practice") };
+      if (step.kind === "ride" && typeof step.style === "object" && "across" in step.style) {
+        step = { ...step, style: { across: world(token, `${step.condition} across`) } };
+      }
       return step.kind === "drive" || step.kind === "ride" ? { ...step, seed: world(token, step.condition) } : step;
     });
     const begun = kept.drives.filter((d) => d.step === kept.at);

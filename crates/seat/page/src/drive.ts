@@ -19,7 +19,7 @@ const element = (id: string): HTMLElement => document.getElementById(id) as HTML
 export interface Wanted {
   state: api.State; step: number; attempt: number;
   /// Who drives: a person by these means, or a model.
-  ride: { model: PageModel; own: Float64Array; beyond: string | null; points: number; stretch: number; turns: number | null } | null;
+  ride: { model: PageModel; own: Float64Array; style: string; beyond: string | null; points: number; stretch: number; turns: number | null } | null;
   seconds: number; seed: string;
   /// What is said above the speed, at first.
   hint: string;
@@ -36,7 +36,7 @@ const driver = navigator.webdriver ? "scripted" : "human";
 export async function run(wanted: Wanted, learn: PageModel | null): Promise<string | null> {
   const { state, ride } = wanted;
   const drive = ride
-    ? PageDrive.ride(state.scenario, wanted.seconds, wanted.seed, ride.model, ride.own, ride.points, ride.stretch)
+    ? PageDrive.ride(state.scenario, wanted.seconds, wanted.seed, ride.model, ride.own, ride.style, ride.points, ride.stretch)
     : PageDrive.by_hand(state.scenario, wanted.seconds, wanted.seed, driver);
   const told = drive.road();
   const at = (i: number): number => told[i] as number;

@@ -51,10 +51,10 @@ async function drives(state: api.State, step: api.Step & { kind: "practice" | "d
   if (step.kind === "ride") {
     if (!learned) throw new Error("there is no model to ride with");
     const fitted = state.fit && Float64Array.from(state.fit.embedding);
-    const own = step.style === "mean" ? learned.mean() : fitted;
-    if (!own) throw new Error("no style was learned of the drive by hand");
-    const beyond = (step.style === "own" && state.fit?.beyond) || null;
-    wanted.ride = { model: learned, own, beyond, points: step.points, stretch: step.stretch, turns: step.turns };
+    const theirs = step.style === "own" || (typeof step.style === "object" && "across" in step.style);
+    if (theirs && !fitted) throw new Error("no style was learned of the drive by hand");
+    const beyond = (theirs && state.fit?.beyond) || null;
+    wanted.ride = { model: learned, own: fitted ?? new Float64Array(), style: JSON.stringify(step.style), beyond, points: step.points, stretch: step.stretch, turns: step.turns };
   }
   const fit = await run(wanted, step.kind === "drive" ? learned : null);
   if (fit) await keeper.keepFit(fit);
