@@ -4,7 +4,7 @@
 
 mod support;
 
-use maveric_domain::{Embedding, EmbeddingRow};
+use maveric_domain::{DriveId, Embedding, EmbeddingRow, ParticipantId};
 use maveric_seat::{Seat, carried};
 use maveric_seat_page::Record;
 use maveric_study::tables::embeddings::write_embeddings;
@@ -24,8 +24,8 @@ const BY_FILE: &str = "{ embedding = \"styles.csv\", recorded = true }";
 /// A file of styles, a row a person.
 fn styles(folder: &Path, people: &[(&str, &[f64])]) {
     let row = |(who, style): &(&str, &[f64])| EmbeddingRow {
-        drive: format!("{who}-own").parse().unwrap(),
-        participant: who.parse().unwrap(),
+        drive: DriveId::new(format!("{who}-own")).unwrap(),
+        participant: ParticipantId::new(*who).unwrap(),
         condition: "own".parse().unwrap(),
         adb_used: false,
         adb: None,
