@@ -268,9 +268,9 @@ impl PageDrive {
         Ok(now)
     }
 
-    /// Writes something down.
-    pub fn note(&mut self, what: &str) {
-        self.drive.note(what, None);
+    /// Writes something down, with a number where it has one.
+    pub fn note(&mut self, what: &str, number: Option<f64>) {
+        self.drive.note(what, number);
     }
 
     /// The piece of the record since the last, as a line; `frames` as in [`Frames`]: drawn, late, left out, longest, input.

@@ -120,15 +120,26 @@ impl Books<'_> {
         .map(drop)
     }
 
-    /// Keeps the answers of a step and goes on; what was answered before stays.
+    /// Keeps the answers of a step and goes on.
     pub(crate) fn answer(&self, person: &Person, step: usize, body: &str) -> Result<(), SeatError> {
+        self.keep_sheet(person, step, body)?;
+        self.go_on(person, step)
+    }
+
+    /// Keeps the answers of a step; what was answered before stays.
+    pub(crate) fn keep_sheet(
+        &self,
+        person: &Person,
+        step: usize,
+        body: &str,
+    ) -> Result<(), SeatError> {
         self.ask(|c| {
             c.execute(
                 "INSERT OR IGNORE INTO answer (participant, step, body, given) VALUES (?1, ?2, ?3, ?4)",
                 params![person.participant, whole(step), body, now()],
             )
-        })?;
-        self.go_on(person, step)
+        })
+        .map(drop)
     }
 
     /// Every sheet of a person, in the order of the steps.

@@ -6,7 +6,7 @@ use crate::{
     listed::{KeptSheet, Listed},
     person::Person,
     sheet::Sheet,
-    steps::Step,
+    steps::{Step, TICKS_PER_S},
     tables::{Given, Standing},
 };
 use maveric_domain::ParticipantId;
@@ -22,9 +22,6 @@ use std::collections::BTreeSet;
 const END: &str = "end";
 /// How the text of an experimenter's note begins among the seat's events.
 pub(crate) const NOTE: &str = "note: ";
-/// Steps that a second of driving has.
-const TICKS_A_SECOND: f64 = 100.0;
-
 /// All three tables.
 #[derive(Debug, Default)]
 pub(crate) struct Collected {
@@ -168,7 +165,7 @@ impl Books<'_> {
         for begun in self.begun(who, step)? {
             let of_drive = |what: &str, tick: u64| EventRow {
                 attempt: Some(begun.attempt),
-                time_s: Some(tick as f64 / TICKS_A_SECOND),
+                time_s: Some(tick as f64 / TICKS_PER_S),
                 ..row(what)
             };
             let (at, lines) = self.noted(who, (step, begun.attempt))?;
@@ -183,7 +180,7 @@ impl Books<'_> {
                     ..of_drive(&event.what, event.tick)
                 }));
             }
-            let in_time = (begun.ticks as f64) < seconds * TICKS_A_SECOND;
+            let in_time = (begun.ticks as f64) < seconds * TICKS_PER_S;
             let how = match found {
                 _ if !begun.ended => "cut short",
                 Step::Practice { .. } if in_time => "practice passed",
@@ -236,6 +233,7 @@ fn consents_of<'a>(
 /// What a step is called in the tables, and the moment of a scale.
 fn place(step: &Step) -> (String, Option<String>) {
     match step {
+        Step::Screen { .. } => ("screening".to_owned(), None),
         Step::Text { .. } => ("consent".to_owned(), None),
         Step::Scale { scale, moment, .. } => (scale.clone(), Some(moment.to_string())),
         Step::Controls => ("controls".to_owned(), None),

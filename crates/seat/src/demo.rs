@@ -167,7 +167,10 @@ fn train_in(work: &Path, jobs: usize, watch: Watch<'_>) -> Result<Vec<u8>, SeatE
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::steps::{Riding, Step, Styles, Whose, of_design};
+    use crate::{
+        plan::{Riding, Styles, Whose, of_design},
+        steps::Step,
+    };
 
     #[test]
     fn the_demonstration_is_a_study_of_a_drive_and_two_rides() {

@@ -4,7 +4,8 @@ use crate::{
     collected::Collected,
     error::SeatError,
     hindrance::Hindrance,
-    steps::{Styles, Texts},
+    plan::Styles,
+    steps::Texts,
     tables::{self, Given, Standing},
     words::Words,
 };
@@ -18,7 +19,7 @@ use maveric_study::{
     forget::{Forgotten, forget_person},
     tables::{
         TableName,
-        collected::{CONSENTS, EVENTS, EventRow, NOTES},
+        collected::{CONSENTS, EVENTS, EventRow, NOT_ADMITTED, NOTES, NotAdmittedRow},
         dial::{ENDING, Turn},
         embeddings::read_styles,
         read_rows, write_rows,
@@ -254,6 +255,17 @@ impl Files {
             )?;
         }
         Ok(())
+    }
+
+    /// Writes how many people each rule of the screening held back, once it held somebody back.
+    pub(crate) fn not_admitted(&self, rows: &[NotAdmittedRow]) -> Result<(), SeatError> {
+        match self.0.as_ref().filter(|_| !rows.is_empty()) {
+            Some(place) => {
+                let path = place.records.join(NOT_ADMITTED);
+                Ok(write_rows(TableName::NotAdmitted, &path, rows)?)
+            }
+            None => Ok(()),
+        }
     }
 
     /// Adds people and answers to the study's tables that are not in them yet; what stands there then.

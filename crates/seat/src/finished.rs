@@ -6,6 +6,7 @@ use crate::{
     error::SeatError,
     person::{Person, on_the_scale},
     seat::Seat,
+    sheet::Sheet,
     steps::Step,
 };
 use maveric_domain::Embedding;
@@ -95,6 +96,7 @@ impl Seat {
                     let text = "the page came through other states than its record gives here";
                     outcome.tell(format!("{name}: {text}"));
                 }
+                outcome.probes = probes_of(found, &record);
                 if let Step::Ride {
                     turns: Some(step), ..
                 } = found
@@ -162,6 +164,9 @@ impl Seat {
                 if let Some(style) = &outcome.style {
                     b.fit(person, style)?;
                 }
+                if let Some(probes) = &outcome.probes {
+                    b.keep_sheet(person, step, probes)?;
+                }
                 if !left {
                     b.go_on(person, step)?;
                 }
@@ -217,6 +222,27 @@ fn apart(one: &[f64], other: &[f64]) -> f64 {
     differences.fold(0.0, f64::max)
 }
 
+/// What was answered on the way, as a sheet; none where nothing was asked. Of several answers to one probe the first counts.
+fn probes_of(step: &Step, record: &Record) -> Option<String> {
+    let Step::Ride {
+        probe: Some(probe), ..
+    } = step
+    else {
+        return None;
+    };
+    let events = record.chunks.iter().flat_map(|chunk| &chunk.events);
+    // Only what was checked was kept.
+    let answers = events.filter_map(|event| probe.answer(event)?.ok());
+    let mut sheet = Sheet::default();
+    for (at_s, answer) in answers {
+        let before = sheet.probes.last().map(|(before_s, _)| *before_s);
+        if before.is_none_or(|before_s| at_s > before_s) {
+            sheet.probes.push((at_s, answer));
+        }
+    }
+    serde_json::to_string(&sheet).ok()
+}
+
 /// What is said of a ride in a style that was learned of a drive beyond what the model has learned from.
 fn mark(person: &Person, step: &Step) -> Option<String> {
     let Step::Ride {
@@ -239,6 +265,8 @@ struct Outcome {
     told: Vec<String>,
     /// The style that was learned.
     style: Option<String>,
+    /// What was answered on the way, as a sheet.
+    probes: Option<String>,
 }
 
 impl Outcome {
@@ -311,6 +339,7 @@ mod tests {
             points: 0.0,
             stretch: 1.0,
             turns: None,
+            probe: None,
         };
         let mut person = Person::new("t".to_owned(), "P001".to_owned(), Vec::new());
         assert_eq!(mark(&person, &ride(RideStyle::Own)), None);

@@ -83,6 +83,24 @@ pub enum Hindrance {
         /// Which car it has.
         problem: &'static str,
     },
+    /// A scale of more than one item that is to be asked on the way.
+    #[error("[protocol] `probe` asks scale `{scale}`, which has {items} items, expected one")]
+    ProbeItems {
+        /// Its id.
+        scale: String,
+        /// Its items.
+        items: u32,
+    },
+    /// A rule on an item that is not asked, or on an answer that it does not have.
+    #[error("[protocol] `{key}`: `{rule}`: {problem}")]
+    Rule {
+        /// The key of the design.
+        key: &'static str,
+        /// The rule.
+        rule: String,
+        /// What would be possible.
+        problem: String,
+    },
     /// A consent that names a day which the study does not have.
     #[error("the consent says {{withdraw_until}}, and [protocol] has no `withdraw_until`")]
     NoLastDay,
@@ -123,6 +141,10 @@ impl Hindrance {
             Self::Car { .. } => {
                 "the seat drives `car = { dial = 8, recorded = true }`, `across`, `mean`, `embedding` and `free`".to_owned()
             }
+            Self::ProbeItems { .. } => {
+                "name a scale of one item, such as probe = { scale = \"misc\", every_s = 60 }".to_owned()
+            }
+            Self::Rule { .. } => "write SCALE.NUMBER, or SCALE.SUBSCALE of one item".to_owned(),
             Self::NoLastDay => {
                 "write withdraw_until = \"2027-01-31\" there, or leave it out of the text".to_owned()
             }

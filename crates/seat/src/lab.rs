@@ -151,6 +151,7 @@ fn row(person: &Person) -> String {
 
 fn what(step: &Step) -> &'static str {
     match step {
+        Step::Screen { .. } => "screening",
         Step::Text { .. } => "reading",
         Step::Scale { .. } => "questionnaire",
         Step::Controls => "controls",

@@ -8,8 +8,9 @@ use crate::{
     listed::Listed,
     parts::Carried,
     person::Person,
+    plan::{self, Riding, Styles, Whose},
     servable::hindrances,
-    steps::{self, Riding, Step, Styles, Texts, Whose},
+    steps::{Step, Texts},
     store::Store,
     tables::{Given, Standing},
     token,
@@ -217,7 +218,7 @@ impl Seat {
             stretch: s.stretch,
             styles: &self.styles,
         });
-        steps::of_design(&s.design, &s.scales, &s.texts, whose, riding)
+        plan::of_design(&s.design, &s.scales, &s.texts, whose, riding)
     }
 
     /// Rows of the square; one while nobody rides.
@@ -275,7 +276,8 @@ impl Seat {
         let person = self.store.within(|b| {
             let here = b.everybody()?;
             let participant = self.next_id(b, &here)?;
-            let riders = here.iter().filter(|p| !p.rides().is_empty()).count();
+            let rides = |p: &&Person| !p.rides().is_empty() && !p.was_refused();
+            let riders = here.iter().filter(rides).count();
             let steps = self.steps_of(Whose::Person(&participant), riders)?;
             let person = Person::new(token.clone(), participant, steps);
             b.add(&person)?;
@@ -315,7 +317,7 @@ impl Seat {
         }
         let answered = self.asked.load(Ordering::SeqCst);
         let given = self.store.look(|b| {
-            let people = b.everybody()?.into_iter();
+            let people = b.everybody()?.into_iter().filter(Person::is_admitted);
             let with_answers = |p: Person| Ok((b.answers(&p.participant)?, p));
             people
                 .map(with_answers)
@@ -323,6 +325,8 @@ impl Seat {
         })?;
         let given = given.into_iter().map(|(answers, person)| (person, answers));
         let given: Vec<_> = given.collect();
+        let not_admitted = self.store.look(|b| b.not_admitted())?;
+        self.settings.files.not_admitted(&not_admitted)?;
         if !given.is_empty() {
             let listed = self.settings.files.write(&given)?;
             self.store

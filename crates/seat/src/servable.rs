@@ -2,7 +2,9 @@
 
 use crate::{
     hindrance::Hindrance,
-    steps::{Texts, car, sheet},
+    moments,
+    plan::car,
+    steps::{Texts, sheet},
     withdrawal,
 };
 use maveric_domain::{
@@ -40,9 +42,19 @@ pub(crate) fn hindrances(
         .iter()
         .filter(|_| asks(ProtocolStep::Before));
     let after = protocol.after.iter().filter(|_| asks(ProtocolStep::Rides));
-    for id in before.chain(after) {
+    let (screen, post) = (&protocol.screen, &protocol.post);
+    for id in screen.iter().chain(before).chain(after).chain(post) {
         let missing = sheet(scales, id, Moment::Pre).err();
         found.extend(missing.filter(|hindrance| !found.contains(hindrance)));
+    }
+    let asked = [
+        moments::screen(protocol, scales).err(),
+        moments::probe(protocol, scales).err(),
+    ];
+    for hindrance in asked.into_iter().flatten() {
+        if !found.contains(&hindrance) {
+            found.push(hindrance);
+        }
     }
     let learns = design.model().is_none() && design.people().learn.is_some();
     let asked = |scale| asks(ProtocolStep::Before) && protocol.before.contains(scale);

@@ -1,20 +1,24 @@
-//! What a person is shown, one step after the other: made of a study's design, fixed when the person is let in.
+//! What a person is shown, one step after the other.
 
-use crate::{error::SeatError, hindrance::Hindrance, withdrawal, words::Words};
-use maveric_domain::{
-    ConditionId, Design, EmbeddingRow, Moment, ParticipantId, Scale,
-    design::{Car, Condition, Protocol, ProtocolStep, williams},
-    nearest, stream_seed,
-};
-use maveric_seat_page::{RideStyle, Seed};
-use maveric_study::{StudyError, tables::embeddings::style_of};
+use crate::{hindrance::Hindrance, words::Words};
+use maveric_domain::{ConditionId, Moment, Scale, design::Than, nearest};
+use maveric_seat_page::{Event, RideStyle};
 use serde::{Deserialize, Serialize};
-use std::{collections::BTreeMap, path::PathBuf};
+
+/// Steps of a drive in a second.
+pub(crate) const TICKS_PER_S: f64 = 100.0;
 
 /// One step.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(tag = "kind", rename_all = "snake_case")]
 pub enum Step {
+    /// Scales by which the page judges who takes part; no answer leaves it.
+    Screen {
+        /// A page each, of the kind [`Step::Scale`].
+        sheets: Vec<Step>,
+        /// What has to be so, all of it.
+        rules: Vec<Judged>,
+    },
     /// A text to read, to agree to where it says so.
     Text {
         /// Heading.
@@ -79,6 +83,9 @@ pub enum Step {
         stretch: f64,
         /// Points a step of the dial towards sportier (negative on a score of calmness), where the person may turn it.
         turns: Option<f64>,
+        /// What is asked on the way.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        probe: Option<AskedProbe>,
     },
     /// The end.
     Thanks {
@@ -87,6 +94,63 @@ pub enum Step {
         /// For the platform that pays.
         code: Option<String>,
     },
+}
+
+/// A rule on one answer of a screening.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Judged {
+    /// As the design has it.
+    pub rule: String,
+    /// Which of the sheets, from 0.
+    pub sheet: usize,
+    /// Which of its items, from 0.
+    pub item: usize,
+    /// How the answer is held against the number.
+    pub than: Than,
+    /// The number.
+    pub value: i32,
+}
+
+/// A scale of one item that is asked again and again on the way.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct AskedProbe {
+    /// Its id.
+    pub scale: String,
+    /// What is asked.
+    pub question: String,
+    /// Lowest answer.
+    pub min: i32,
+    /// Highest answer.
+    pub max: i32,
+    /// How far apart, in s.
+    pub every_s: f64,
+    /// What is not answered by then is missing, in s.
+    pub within_s: f64,
+}
+
+impl AskedProbe {
+    /// How an event of a drive that answers it begins.
+    const EVENT: &str = "probe:";
+
+    /// When it was asked and what was answered, of an event of a drive; an error is an answer that it does not have.
+    pub(crate) fn answer(&self, event: &Event) -> Option<Result<(f64, Option<i32>), String>> {
+        let scale = event.what.strip_prefix(Self::EVENT)?;
+        let asked = (event.tick as f64 / TICKS_PER_S / self.every_s).floor();
+        let range = f64::from(self.min)..=f64::from(self.max);
+        let possible = |answer: f64| range.contains(&answer) && answer.fract() == 0.0;
+        if scale != self.scale || asked < 1.0 || !event.points.is_none_or(possible) {
+            let (low, high) = (self.min, self.max);
+            return Some(Err(format!(
+                "an answer to a probe that is not asked here, or not {low} to {high}"
+            )));
+        }
+        Some(Ok((asked * self.every_s, event.points.map(|a| a as i32))))
+    }
+
+    /// Whether an event of a drive answers a probe.
+    pub(crate) fn is_answered_by(event: &Event) -> bool {
+        event.what.starts_with(Self::EVENT)
+    }
 }
 
 /// Each ride of these steps, and what the page calls it.
@@ -150,207 +214,6 @@ pub struct Texts {
     pub thanks: Option<String>,
     /// What the seat says by itself.
     pub words: Words,
-}
-
-/// The files of styles that conditions name, by the path that the design has.
-pub type Styles = BTreeMap<PathBuf, Vec<EmbeddingRow>>;
-
-/// By what somebody's random choices and rows are found.
-#[derive(Debug, Clone, Copy)]
-pub enum Whose<'a> {
-    /// By their id.
-    Person(&'a str),
-    /// By the token of their browser, where no server gives ids.
-    Link(&'a str),
-    /// Nobody's yet: the page draws by its token.
-    Nobody,
-}
-
-impl Whose<'_> {
-    /// Root of the random choices of a world.
-    fn world(self, root: u64, what: &str) -> String {
-        match self {
-            Self::Person(id) => stream_seed(root, &[id, what, "world"]).to_string(),
-            Self::Link(token) => maveric_seat_page::world(token, what).to_string(),
-            Self::Nobody => String::new(),
-        }
-    }
-
-    /// Root of the angle across the dial: of a person the one that `maveric steer` takes.
-    fn angle(self, root: u64, condition: ConditionId) -> Seed {
-        Seed(match self {
-            Self::Person(id) => stream_seed(root, &[id, condition.as_str()]),
-            Self::Link(token) => maveric_seat_page::world(token, &format!("{condition} across")),
-            Self::Nobody => 0,
-        })
-    }
-}
-
-/// Somebody who rides.
-#[derive(Debug, Clone, Copy)]
-pub struct Riding<'a> {
-    /// Their number among those who ride, from 0.
-    pub index: usize,
-    /// Points of the model for one of the study's style.
-    pub stretch: f64,
-    /// The styles that conditions name.
-    pub styles: &'a Styles,
-}
-
-/// The steps of a person; `riding` is none while nobody rides.
-///
-/// # Errors
-/// [`SeatError::Protocol`] for a scale without wording, a condition that the seat cannot drive or one that the design lets the program
-/// simulate instead; [`SeatError::Study`] for somebody whose style no file has.
-pub fn of_design(
-    design: &Design,
-    scales: &[Scale],
-    texts: &Texts,
-    whose: Whose<'_>,
-    riding: Option<Riding<'_>>,
-) -> Result<Vec<Step>, SeatError> {
-    let protocol = design.protocol();
-    let own = design
-        .baseline_id()
-        .map_or_else(|| ConditionId::new("own"), Ok);
-    let own = own.map_err(|e| SeatError::Protocol {
-        problem: e.to_string(),
-        help: None,
-    })?;
-    let world = |what: &str| whose.world(protocol.seed, what);
-    let mut steps = Vec::new();
-    for step in &protocol.steps {
-        match step {
-            ProtocolStep::Consent => {
-                if let Some(text) = &texts.consent {
-                    steps.push(Step::Text {
-                        title: design.title().to_owned(),
-                        text: withdrawal::in_consent(
-                            text,
-                            protocol.withdraw_until.as_deref(),
-                            &texts.words,
-                        )?,
-                        agree: true,
-                    });
-                }
-            }
-            ProtocolStep::Before => {
-                for id in &protocol.before {
-                    steps.push(sheet(scales, id, Moment::Pre)?);
-                }
-            }
-            ProtocolStep::Controls => steps.push(Step::Controls),
-            ProtocolStep::Practice => steps.push(Step::Practice {
-                seconds: protocol.practice.at_most_s,
-                lane_kept_s: protocol.practice.lane_kept_s,
-                passes: protocol.practice.passes,
-                seed: world("practice"),
-            }),
-            ProtocolStep::Drive => steps.push(Step::Drive {
-                condition: own,
-                seconds: protocol.drive_s,
-                seed: world(own.as_str()),
-            }),
-            ProtocolStep::Rides => {
-                if let Some(riding) = riding {
-                    rides(design, scales, whose, riding, &mut steps)?;
-                }
-            }
-        }
-    }
-    steps.push(Step::Thanks {
-        text: texts.thanks.clone().unwrap_or_default(),
-        code: protocol.code.clone(),
-    });
-    Ok(steps)
-}
-
-fn rides(
-    design: &Design,
-    scales: &[Scale],
-    whose: Whose<'_>,
-    riding: Riding<'_>,
-    steps: &mut Vec<Step>,
-) -> Result<(), SeatError> {
-    let protocol: &Protocol = design.protocol();
-    let conditions = design.conditions();
-    let order = williams(conditions.len(), riding.index);
-    for (number, place) in order.into_iter().enumerate() {
-        let condition = &conditions[place];
-        let (style, points, turns) = driven(design, condition, whose, riding.styles)?;
-        steps.push(Step::Ride {
-            condition: condition.id,
-            number: number + 1,
-            seconds: protocol.ride_s,
-            seed: whose.world(protocol.seed, condition.id.as_str()),
-            style,
-            points,
-            stretch: riding.stretch,
-            turns,
-        });
-        for id in &protocol.after {
-            steps.push(sheet(scales, id, Moment::After(condition.id))?);
-        }
-    }
-    Ok(())
-}
-
-/// Points that the dial turns at a press where the design has no step: a third of the paper's 15.
-const DIAL_STEP: f64 = 5.0;
-
-/// What the car does in a condition: whose style, where on the dial it begins, and points a turn where it can be turned.
-fn driven(
-    design: &Design,
-    condition: &Condition,
-    whose: Whose<'_>,
-    styles: &Styles,
-) -> Result<(RideStyle, f64, Option<f64>), SeatError> {
-    let step = design.style().map_or(DIAL_STEP, |style| {
-        let points = style.points.map_or(DIAL_STEP, |points| points / 3.0);
-        points * style.aggression.factor()
-    });
-    let root = design.protocol().seed;
-    Ok(match car(condition)? {
-        Car::Dial(points) => (RideStyle::Own, *points, None),
-        Car::Free => (RideStyle::Own, 0.0, Some(step)),
-        Car::Mean => (RideStyle::Mean, 0.0, None),
-        Car::Across => (
-            RideStyle::Across(whose.angle(root, condition.id)),
-            0.0,
-            None,
-        ),
-        Car::Embedding(file) => {
-            let rows = styles.get(file).map_or(&[][..], Vec::as_slice);
-            let id = match whose {
-                Whose::Person(id) => Some(ParticipantId::new(id).map_err(StudyError::from)?),
-                Whose::Link(_) | Whose::Nobody => None,
-            };
-            let style = style_of(rows, file, id.as_ref())?.clone();
-            (RideStyle::Given(style), 0.0, None)
-        }
-        _ => {
-            return Err(
-                Hindrance::no_car(condition.id, "the seat does not drive its `car`").into(),
-            );
-        }
-    })
-}
-
-/// The car of a condition, if the seat may drive it.
-pub(crate) fn car(condition: &Condition) -> Result<&Car, Hindrance> {
-    if condition.simulated() {
-        return Err(Hindrance::SimulatedAgain {
-            condition: condition.id,
-        });
-    }
-    match &condition.car {
-        None => Err(Hindrance::no_car(condition.id, "it has no `car`")),
-        Some(_) if condition.vary => Err(Hindrance::no_car(
-            condition.id,
-            "its `car` has `vary = true`, which the seat does not drive",
-        )),
-        Some(car) => Ok(car),
-    }
 }
 
 /// A scale as a page.

@@ -146,8 +146,6 @@ fn styles_of_another_model_no_file_and_nothing_across_are_refused_when_the_seat_
         &across,
         &["`sporty` cannot be driven by the model", "two numbers"],
     );
-    let varies = refused("{ dial = 8, recorded = true, vary = true }", None);
-    says(&varies, &["`sporty`", "vary"]);
 }
 
 #[test]

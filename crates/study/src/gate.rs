@@ -154,7 +154,7 @@ impl Gate {
     /// Why an answer is left out; one about an excluded drive goes with the drive.
     pub fn answer(&self, participant: &ParticipantId, moment: Moment) -> Option<Why> {
         let person = self.person(participant);
-        let Moment::After(condition) = moment else {
+        let Some(condition) = moment.condition() else {
             return person;
         };
         person

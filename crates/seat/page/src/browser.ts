@@ -19,6 +19,8 @@ interface Drive { step: number; attempt: number; ticks: number; ended: boolean }
 /// What is kept of a person beside the lines of drives.
 interface Kept {
   row: number; at: number; ended: string | null; sheets: { step: number; sheet: unknown }[]; drives: Drive[]; fit: string | null; sent: boolean;
+  /// Which rule of the screening held them back.
+  refused?: number;
 }
 
 /// A table of values by their names, in this browser.
@@ -116,6 +118,12 @@ export class Browser implements Keeper {
     });
   }
 
+  judged(step: number, refused: number | null): Promise<void> {
+    return this.change((kept) => {
+      if (refused !== null) { kept.ended ??= "not admitted"; kept.refused = refused; } else kept.at = Math.max(kept.at, step + 1);
+    });
+  }
+
   async done(step: number): Promise<void> {
     const { rows } = await this.study;
     await this.change((kept) => {
@@ -161,7 +169,9 @@ export class Browser implements Keeper {
   /// Everything as lines, as `maveric seat import` takes it in.
   private async file(): Promise<string> {
     const kept = await this.kept();
-    const lines: unknown[] = [{ maveric_seat_person: 1, token, row: kept.row }, ...kept.sheets];
+    const head = { maveric_seat_person: 1, token, row: kept.row };
+    if (kept.refused !== undefined) return [head, { not_admitted: kept.refused }].map((line) => `${JSON.stringify(line)}\n`).join("");
+    const lines: unknown[] = [head, ...kept.sheets];
     for (const { step, attempt } of kept.drives) {
       const record = await this.shelf.all(lineName(step, attempt, 0).slice(0, -9));
       lines.push({ step, attempt, record: record.map((line) => `${String(line)}\n`).join("") });
@@ -175,6 +185,7 @@ export class Browser implements Keeper {
     const kept = await this.kept();
     if (kept.ended === "deleted") return [];
     const { post } = await this.study;
+    if (kept.ended === "not admitted" && !post) return [];
     const file = await this.file();
     const save = make("a", [say("save_file")], {
       href: URL.createObjectURL(new Blob([file], { type: "application/jsonl" })), download: `maveric-seat-${token.slice(0, 8)}.jsonl`, className: "button",
@@ -189,6 +200,6 @@ export class Browser implements Keeper {
         return [make("p", [say("not_sent")]), make("p", [save])];
       }
     }
-    return [make("p", [say("arrived")])];
+    return kept.ended === "not admitted" ? [] : [make("p", [say("arrived")])];
   }
 }

@@ -226,7 +226,7 @@ impl Default for Script {
     fn default() -> Self {
         Self {
             model: Rc::new(model()),
-            own: Some(Embedding::new(vec![0.3]).unwrap()),
+            own: None,
             speed: None,
             answers: |item, _, _| (item == 0).then_some(4),
         }
@@ -272,6 +272,9 @@ impl Script {
         loop {
             if !by_hand && drive.ticks() == 300 && step["turns"].is_number() {
                 drive.note("dial", Some(5.0));
+            }
+            if let Some((what, answer)) = probed(&step["probe"], drive.ticks()) {
+                drive.note(&what, answer);
             }
             let now = drive.session().car().speed_mps;
             let input = if by_hand {
@@ -343,6 +346,10 @@ impl Script {
                 format!("/api/{token}/answer/{at}"),
                 r#"{"agreed":true,"seconds":4.5}"#,
             ),
+            "screen" => sent(
+                format!("/api/{token}/answer/{at}"),
+                r#"{"refused":null,"seconds":4.5}"#,
+            ),
             "scale" => {
                 let (min, max) = (step["min"].as_i64().unwrap(), step["max"].as_i64().unwrap());
                 let items = step["items"].as_array().unwrap().len();
@@ -369,6 +376,19 @@ impl Script {
         }
         true
     }
+}
+
+/// What a script answers to a probe, two seconds after it was asked: its number, but for every second one, which it lets pass.
+fn probed(probe: &Value, ticks: u64) -> Option<(String, Option<f64>)> {
+    let every = (probe["every_s"].as_f64()? * 100.0) as u64;
+    let number = ticks / every;
+    (number > 0 && ticks % every == 200).then(|| {
+        let answer = (number % 2 == 1).then_some(number as f64);
+        (
+            format!("probe:{}", probe["scale"].as_str().unwrap()),
+            answer,
+        )
+    })
 }
 
 /// The cookie of who gave the password of the experimenter's page.

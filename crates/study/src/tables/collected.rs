@@ -39,9 +39,19 @@ pub struct NoteRow {
     pub text: String,
 }
 
+/// How many people a rule of the screening held back.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[expect(missing_docs, reason = "`columns.toml` says what they are")]
+pub struct NotAdmittedRow {
+    pub rule: String,
+    pub people: usize,
+}
+
 /// Their files in the seat's folder.
 pub const EVENTS: &str = "events.csv";
 /// As [`EVENTS`].
 pub const CONSENTS: &str = "consents.csv";
 /// As [`EVENTS`].
 pub const NOTES: &str = "notes.csv";
+/// As [`EVENTS`].
+pub const NOT_ADMITTED: &str = "not_admitted.csv";

@@ -32,6 +32,7 @@ pub enum TableName {
     Measurements,
     Measures,
     Missing,
+    NotAdmitted,
     Notes,
     OutcomesLong,
     OutcomesWide,
