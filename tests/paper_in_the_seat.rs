@@ -142,10 +142,14 @@ fn the_papers_four_conditions_are_ridden_from_consent_to_page() {
     let model = Rc::new(model);
     let server = opened(&folder);
     let speeds = [27.0, 29.0, 31.0, 33.0];
-    for speed in speeds {
+    let unwell = Some((500, "unwell"));
+    let people = speeds.map(|speed| (speed, None));
+    // A fifth stops in the first ride.
+    for (speed, stops) in people.into_iter().chain([(30.0, unwell)]) {
         let person = Script {
             model: Rc::clone(&model),
             own: None,
+            stops,
             speed: Some(speed),
             answers: |item, low, high| Some((low + high) / 2 + i64::from(item == 1)),
         };
@@ -171,7 +175,8 @@ fn the_papers_four_conditions_are_ridden_from_consent_to_page() {
     let steer = "steer --model results/model.maveric --embeddings without.csv --out placed.csv --seed 5 --design study.toml";
     let words: Vec<&str> = steer.split(' ').collect();
     study.maveric_in("mine", &words).ok();
-    let placed = read_conditions(&folder.join("placed.csv")).unwrap();
+    let mut placed = read_conditions(&folder.join("placed.csv")).unwrap();
+    placed.retain(|row| row.participant.as_str() != "P005");
     assert_eq!(placed.len(), 4 * speeds.len());
     for row in &placed {
         let record = folder.join(format!("seat/{}-{}.jsonl", row.participant, row.condition));
@@ -198,7 +203,8 @@ fn the_papers_four_conditions_are_ridden_from_consent_to_page() {
     angles.dedup();
     assert_eq!(angles.len(), speeds.len());
     // The angle is the one of the whole run, too.
-    for row in read_conditions(&folder.join("results/conditions.csv")).unwrap() {
+    let run = read_conditions(&folder.join("results/conditions.csv")).unwrap();
+    for row in run.iter().filter(|row| row.participant.as_str() != "P005") {
         if let Some(angle) = row.angle_rad {
             assert!(angles.iter().any(|a| (a - angle).abs() < 1e-9), "{angle}");
         }
@@ -212,6 +218,13 @@ fn the_papers_four_conditions_are_ridden_from_consent_to_page() {
             speeds.len()
         );
     }
-    Page::read(&study.path("mine/report/index.html"))
-        .says(&["four conditions: Mimic, Aggressive, Cautious and Perpendicular"]);
+    // The ride that was stopped is counted, with its condition and the reason.
+    let analysis: serde_json::Value =
+        serde_json::from_str(&read(&study, "mine/results/analysis.json")).unwrap();
+    let stopped = serde_json::json!([{"rule": "stopped", "why": "`mimic` was stopped: unwell", "who": ["P005-mimic"]}]);
+    assert_eq!(analysis["flow"]["drives"], stopped);
+    Page::read(&study.path("mine/report/index.html")).says(&[
+        "`mimic` was stopped: unwell",
+        "four conditions: Mimic, Aggressive, Cautious and Perpendicular",
+    ]);
 }

@@ -3,7 +3,7 @@
 use crate::{
     AnalysisError,
     balance::OrderBalance,
-    exclusions::{Driven, LeftOut},
+    exclusions::{Driven, LeftOut, Stopped},
     flow::{self, Flow},
     person::Person,
     turned::{Settled, Turns},
@@ -78,6 +78,8 @@ pub struct Tables {
     pub durations_s: BTreeMap<DriveId, f64>,
     /// Drives that the design kept from being measured.
     pub kept_out: Vec<Driven>,
+    /// Drives and rides that people stopped.
+    pub stopped: Vec<Stopped>,
 }
 
 /// What the analyses of a study read: whoever is left out by the design is not in it.
@@ -141,6 +143,7 @@ impl StudyData {
         let came = judged.iter().map(|d| (&d.participant, d.condition));
         let came = came.chain(without_drive.clone());
         let mut left_out = LeftOut::named(design)
+            .with_stopped(&tables.stopped)
             .with_straight_lined(design, &tables.scales, &tables.answers)
             .with_short(design, &judged)
             .with_few_conditions(design, came.clone());

@@ -38,7 +38,7 @@ pub use data::{StudyData, Tables};
 pub use describe::{Observed, observed};
 pub use design_test::Friedman;
 pub use error::AnalysisError;
-pub use exclusions::{Driven, LeftOut, Rule, Why};
+pub use exclusions::{Driven, LeftOut, Rule, Stopped, Why};
 pub use finding::{Finding, Needed, Part, Question};
 pub use flow::{Flow, LeftOutFor};
 pub use person::Person;

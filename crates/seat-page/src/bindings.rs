@@ -105,9 +105,10 @@ impl PageDrive {
         let scenario = scenario(json, seconds)?;
         let given = &scenario.settings().controllers;
         let model = Rc::clone(&model.0);
-        let own = match own.is_empty() {
-            true => model.mean_embedding().clone(),
-            false => Embedding::new(own).map_err(said)?,
+        let own = if own.is_empty() {
+            model.mean_embedding().clone()
+        } else {
+            Embedding::new(own).map_err(said)?
         };
         let style = (serde_json::from_str(style).map_err(said)?, points * stretch);
         let rider = Rider::new(Rc::clone(&model), own.clone(), style, given).map_err(said)?;

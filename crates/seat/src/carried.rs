@@ -9,7 +9,7 @@ use crate::{
     plan::Whose,
     seat::{Seat, SeatSettings},
     sheet::Sheet,
-    steps::Step,
+    steps::{STOPPED, Step},
     token,
 };
 use maveric_domain::design::SeatView;
@@ -187,7 +187,17 @@ fn missing(steps: &[Step], given: &Carried) -> Option<String> {
         return Some("nothing was given: expected answers or drives from step 1 on".to_owned());
     }
     let through = given.ended == "done";
+    let stopped = given.drives.iter().find_map(|(step, _, parts)| {
+        let stops = |piece: &(u64, u64, String)| piece.2.contains(STOPPED);
+        parts.pieces.iter().any(stops).then_some(*step)
+    });
+    let told = |step: &Step| matches!(step, Step::Aftercare { .. });
+    let told = steps.iter().position(told).unwrap_or(steps.len());
     let lacks = |(at, step): (usize, &Step)| {
+        // Whoever stopped was asked nothing more.
+        if stopped.is_some_and(|stopped| (stopped + 1..told).contains(&at)) {
+            return None;
+        }
         let (is_there, what) = match step {
             Step::Text { agree: true, .. } => (sheet(at), "was not agreed to"),
             Step::Scale { .. } if through => (sheet(at), "has no answers of its questionnaire"),
@@ -358,6 +368,13 @@ pub fn take_in(seat: &Seat, path: &Path) -> Result<TakenIn, SeatError> {
     let person = seat.take_in(&token, &steps, &given)?;
     let mut drives = 0;
     for (step, found) in steps.iter().enumerate() {
+        let reason = seat
+            .store
+            .look(|b| b.stopped(&person.participant, (step, found)))?;
+        if let Some(reason) = reason {
+            seat.stop_drive(&person, (step, found), &reason)?;
+            continue;
+        }
         let whole = found.drives().is_some() && seat.finish_drive(&person, step, found)?;
         if !whole && given.ended == "left" {
             seat.keep_unfinished(&person, step)?;

@@ -6,18 +6,20 @@ use crate::{
     listed::{KeptSheet, Listed},
     person::Person,
     sheet::Sheet,
-    steps::{Step, TICKS_PER_S},
+    steps::{STOPPED, Step, TICKS_PER_S},
     tables::{Given, Standing},
 };
 use maveric_domain::ParticipantId;
 use maveric_seat_page::Chunk;
 use maveric_study::{
     StudyError,
-    tables::collected::{ConsentRow, EventRow, NoteRow},
+    tables::collected::{ConsentRow, EventRow, NoteRow, Stopped},
 };
 use rusqlite::params;
 use std::collections::BTreeSet;
 
+/// The page of the practice.
+const PRACTICE: &str = "practice";
 /// The page of the row that says how somebody's part ended.
 const END: &str = "end";
 /// How the text of an experimenter's note begins among the seat's events.
@@ -28,6 +30,7 @@ pub(crate) struct Collected {
     pub(crate) events: Vec<EventRow>,
     pub(crate) consents: Vec<ConsentRow>,
     pub(crate) notes: Vec<NoteRow>,
+    pub(crate) stopped: Vec<Stopped>,
 }
 
 /// A moment as it is written, in UTC.
@@ -62,6 +65,7 @@ impl Books<'_> {
             }
             collected.consents.extend(consents_of(sheets, &who));
         }
+        collected.stopped = collected.events.iter().filter_map(stopped_in).collect();
         let known: BTreeSet<&str> = given
             .iter()
             .filter(stays)
@@ -192,6 +196,23 @@ impl Books<'_> {
         Ok(())
     }
 
+    /// Why somebody stopped in what they drove last at a step; none where they did not.
+    pub(crate) fn stopped(
+        &self,
+        participant: &str,
+        (step, found): (usize, &Step),
+    ) -> Result<Option<String>, SeatError> {
+        let Some(last) = self.begun(participant, step)?.pop() else {
+            return Ok(None);
+        };
+        let (_, lines) = self.noted(participant, (step, last.attempt))?;
+        let chunks = lines.iter().map(|line| serde_json::from_str::<Chunk>(line));
+        let events = chunks.filter_map(Result::ok).flat_map(|chunk| chunk.events);
+        // Only what was checked was kept.
+        let mut reasons = events.filter_map(|event| found.stopped(&event)?.ok());
+        Ok(reasons.next())
+    }
+
     /// When a drive was begun, and those of its pieces in which something happened.
     fn noted(
         &self,
@@ -212,6 +233,17 @@ impl Books<'_> {
             Ok((begun, lines.collect::<rusqlite::Result<_>>()?))
         })
     }
+}
+
+/// A drive or a ride that somebody stopped; the practice is none of the study's.
+fn stopped_in(event: &EventRow) -> Option<Stopped> {
+    let reason = event.what.strip_prefix(STOPPED)?;
+    Some(Stopped {
+        participant: event.participant.clone(),
+        condition: event.page.parse().ok().filter(|_| event.page != PRACTICE)?,
+        time_s: event.time_s?,
+        reason: reason.to_owned(),
+    })
 }
 
 /// The texts that somebody agreed to.
@@ -237,10 +269,11 @@ fn place(step: &Step) -> (String, Option<String>) {
         Step::Text { .. } => ("consent".to_owned(), None),
         Step::Scale { scale, moment, .. } => (scale.clone(), Some(moment.to_string())),
         Step::Controls => ("controls".to_owned(), None),
-        Step::Practice { .. } => ("practice".to_owned(), None),
+        Step::Practice { .. } => (PRACTICE.to_owned(), None),
         Step::Drive { condition, .. } | Step::Ride { condition, .. } => {
             (condition.to_string(), None)
         }
+        Step::Aftercare { .. } => ("aftercare".to_owned(), None),
         Step::Thanks { .. } => ("thanks".to_owned(), None),
     }
 }

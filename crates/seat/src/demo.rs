@@ -189,6 +189,7 @@ mod tests {
             Step::Ride {
                 turns: Some(5.0), ..
             },
+            Step::Aftercare { .. },
             Step::Thanks { .. },
         ] = &steps[..]
         else {

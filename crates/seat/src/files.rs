@@ -19,13 +19,16 @@ use maveric_study::{
     forget::{Forgotten, forget_person},
     tables::{
         TableName,
-        collected::{CONSENTS, EVENTS, EventRow, NOT_ADMITTED, NOTES, NotAdmittedRow},
+        collected::{CONSENTS, EVENTS, EventRow, NOT_ADMITTED, NOTES, NotAdmittedRow, STOPPED},
         dial::{ENDING, Turn},
         embeddings::read_styles,
         read_rows, write_rows,
     },
 };
-use std::{collections::BTreeSet, path::PathBuf};
+use std::{
+    collections::BTreeSet,
+    path::{Path, PathBuf},
+};
 
 /// Name under which a drive's record is attached to its log.
 pub(crate) const RECORD: &str = "seat.jsonl";
@@ -248,6 +251,10 @@ impl Files {
                 &place.records.join(CONSENTS),
                 &collected.consents,
             )?;
+            let stopped = place.study.resolve(Path::new(STOPPED));
+            if !collected.stopped.is_empty() || stopped.is_file() {
+                write_rows(TableName::Stopped, &stopped, &collected.stopped)?;
+            }
             write_rows(
                 TableName::Notes,
                 &place.records.join(NOTES),
@@ -292,6 +299,8 @@ pub fn texts(study: &DesignFile) -> Result<Texts, SeatError> {
     let protocol = study.design.protocol();
     Ok(Texts {
         consent: read(&protocol.consent)?,
+        aftercare: read(&protocol.aftercare)?,
+        debrief: read(&protocol.debrief)?,
         thanks: read(&protocol.thanks)?,
         words: Words::of_study(study)?,
     })

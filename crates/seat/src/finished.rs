@@ -7,7 +7,7 @@ use crate::{
     person::{Person, on_the_scale},
     seat::Seat,
     sheet::Sheet,
-    steps::Step,
+    steps::{Step, TICKS_PER_S},
 };
 use maveric_domain::Embedding;
 use maveric_seat_page::{Record, Replayed, RideStyle, fit, replay};
@@ -30,7 +30,29 @@ impl Seat {
         step: usize,
         found: &Step,
     ) -> Result<bool, SeatError> {
-        self.write_drive(person, (step, found), false)
+        self.write_drive(person, (step, found), None)
+    }
+
+    /// Writes what somebody drove of a step at which they stopped, since they felt unwell: nothing is learned of it, and nothing is driven
+    /// after it.
+    ///
+    /// # Errors
+    /// As [`Seat::finish_drive`].
+    pub(crate) fn stop_drive(
+        &self,
+        person: &Person,
+        (step, found): (usize, &Step),
+        reason: &str,
+    ) -> Result<(), SeatError> {
+        let why = format!("the person stopped ({reason})");
+        self.write_drive(person, (step, found), Some(&why))?;
+        self.store.within(|b| {
+            b.event(
+                Some(&person.participant),
+                &format!("step {}: {why}", step + 1),
+            )?;
+            b.stop(person, step)
+        })
     }
 
     /// Writes what somebody drove of a step at which they left and let it be kept, cut short as it is: nothing is learned of it.
@@ -39,7 +61,10 @@ impl Seat {
     /// As [`Seat::finish_drive`].
     pub(crate) fn keep_unfinished(&self, person: &Person, step: usize) -> Result<(), SeatError> {
         match person.steps.get(step) {
-            Some(found) => self.write_drive(person, (step, found), true).map(drop),
+            Some(found) => {
+                let why = "the person left";
+                self.write_drive(person, (step, found), Some(why)).map(drop)
+            }
             None => Ok(()),
         }
     }
@@ -48,7 +73,7 @@ impl Seat {
         &self,
         person: &Person,
         (step, found): (usize, &Step),
-        left: bool,
+        left: Option<&str>,
     ) -> Result<bool, SeatError> {
         let read = self.store.look(|b| {
             let begun = b.begun(&person.participant, step)?;
@@ -59,7 +84,7 @@ impl Seat {
         let (lines, begun) = read?;
         let last = || begun.iter().rposition(|b| b.ticks > 0);
         let ended = begun.iter().position(|b| b.ended);
-        let Some(whole) = ended.or_else(|| last().filter(|_| left)) else {
+        let Some(whole) = ended.or_else(|| last().filter(|_| left.is_some())) else {
             return Ok(false);
         };
         let Some((condition, by_hand)) = found.drives() else {
@@ -78,9 +103,9 @@ impl Seat {
             Err(error) => outcome.tell(format!("{name}: cannot be driven again: {error}")),
             Ok((again, record)) => {
                 let pictures = Pictures::of(&record);
-                let cut = ended.is_none().then(|| {
-                    let seconds = record.ticks() as f64 / 100.0;
-                    format!("the person left after {seconds:.0} s, and what was driven is kept")
+                let cut = left.map(|why| {
+                    let seconds = record.ticks() as f64 / TICKS_PER_S;
+                    format!("{why} after {seconds:.0} s, and what was driven is kept")
                 });
                 let beyond = mark(person, found);
                 outcome
@@ -114,12 +139,12 @@ impl Seat {
                         "{name}: the page drove another style than the study's for this person, {apart:.2e} apart"
                     ));
                 }
-                if by_hand && !left {
+                if by_hand && left.is_none() {
                     self.learn(person, &name, (&record, &again), &mut outcome);
                 }
             }
         }
-        self.keep(person, (step, left), &outcome)?;
+        self.keep(person, (step, left.is_some()), &outcome)?;
         Ok(true)
     }
 

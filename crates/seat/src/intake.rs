@@ -131,7 +131,7 @@ pub(crate) fn parts(seat: &Seat, found: &Step, text: &str) -> Result<Parts, Stri
                     "{events} events in a piece, expected at most {most}, each of at most {LONGEST_EVENT} letters"
                 ));
             }
-            check_probes(found, &chunk)?;
+            check_events(found, &chunk)?;
             parts
                 .pieces
                 .push((chunk.from_tick, chunk.ticks, line.to_owned()));
@@ -146,18 +146,17 @@ pub(crate) fn parts(seat: &Seat, found: &Step, text: &str) -> Result<Parts, Stri
     Ok(parts)
 }
 
-/// Whether every answer to a probe is one that the step asks.
-fn check_probes(found: &Step, chunk: &Chunk) -> Result<(), String> {
-    let asked = match found {
-        Step::Ride { probe, .. } => probe.as_ref(),
-        _ => None,
-    };
+/// Whether every answer to a probe is one that the step asks, and whoever stopped did so for a reason that it has.
+fn check_events(found: &Step, chunk: &Chunk) -> Result<(), String> {
+    for event in &chunk.events {
+        found.stopped(event).unwrap_or_else(|| Ok(String::new()))?;
+    }
     let answers = chunk
         .events
         .iter()
         .filter(|e| AskedProbe::is_answered_by(e));
     for event in answers {
-        let read = asked.and_then(|probe| probe.answer(event));
+        let read = found.probe().and_then(|probe| probe.answer(event));
         read.unwrap_or_else(|| Err("an answer to a probe where none is asked".to_owned()))?;
     }
     Ok(())

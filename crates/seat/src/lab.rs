@@ -158,6 +158,7 @@ fn what(step: &Step) -> &'static str {
         Step::Practice { .. } => "practice",
         Step::Drive { .. } => "driving",
         Step::Ride { .. } => "riding",
+        Step::Aftercare { .. } => "stopped: aftercare",
         Step::Thanks { .. } => "thanks",
     }
 }

@@ -2,7 +2,7 @@
 
 use crate::{
     hindrance::Hindrance,
-    steps::{AskedProbe, Judged, Step, sheet},
+    steps::{AskedProbe, Judged, Step, StopRule, sheet},
 };
 use maveric_domain::{
     Moment, Scale,
@@ -55,11 +55,7 @@ fn unknown_item(key: &'static str, rule: &AnswerRule, problem: impl Into<String>
 }
 
 /// Which item of its scale a rule is on, from 0: by its number, by the subscale that it alone makes, or the only one.
-pub(crate) fn item_of(
-    key: &'static str,
-    rule: &AnswerRule,
-    scale: &Scale,
-) -> Result<usize, Hindrance> {
+fn item_of(key: &'static str, rule: &AnswerRule, scale: &Scale) -> Result<usize, Hindrance> {
     let items = scale.items as usize;
     let alone = |name: &str| {
         let named = scale.subscales.iter().find(|s| s.id == name)?;
@@ -98,6 +94,19 @@ pub(crate) fn item_of(
     Ok(item)
 }
 
+/// From which answer to the probe on nobody goes on.
+fn stop_rule(protocol: &Protocol, scale: &Scale) -> Result<Option<StopRule>, Hindrance> {
+    let Some(rule) = &protocol.stop_if else {
+        return Ok(None);
+    };
+    item_of("stop_if", rule, scale)?;
+    Ok(Some(StopRule {
+        rule: rule.to_string(),
+        than: rule.than,
+        value: rule.value,
+    }))
+}
+
 /// What is asked on the way, if something is.
 pub(crate) fn probe(
     protocol: &Protocol,
@@ -123,5 +132,6 @@ pub(crate) fn probe(
         max: scale.max,
         every_s: probe.every_s,
         within_s: Probe::ANSWERED_WITHIN_S,
+        stop: stop_rule(protocol, scale)?,
     }))
 }

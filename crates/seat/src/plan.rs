@@ -83,6 +83,8 @@ pub fn of_design(
     })?;
     let world = |what: &str| whose.world(protocol.seed, what);
     let probe = moments::probe(protocol, scales)?;
+    // Where it may stop somebody it is asked in every drive.
+    let stops = probe.clone().filter(|probe| probe.stop.is_some());
     let mut steps = Vec::new();
     for step in &protocol.steps {
         match step {
@@ -111,11 +113,13 @@ pub fn of_design(
                 lane_kept_s: protocol.practice.lane_kept_s,
                 passes: protocol.practice.passes,
                 seed: world("practice"),
+                probe: stops.clone(),
             }),
             ProtocolStep::Drive => steps.push(Step::Drive {
                 condition: own,
                 seconds: protocol.drive_s,
                 seed: world(own.as_str()),
+                probe: stops.clone(),
             }),
             ProtocolStep::Rides => {
                 if let Some(riding) = riding {
@@ -128,6 +132,19 @@ pub fn of_design(
                 }
             }
         }
+    }
+    let words = &texts.words;
+    if steps.iter().any(|step| step.world().is_some()) {
+        let told = || words.sentence("aftercare").to_owned();
+        let text = texts.aftercare.clone().unwrap_or_else(told);
+        steps.push(Step::Aftercare { text });
+    }
+    if let Some(text) = &texts.debrief {
+        steps.push(Step::Text {
+            title: words.sentence("debrief_title").to_owned(),
+            text: text.clone(),
+            agree: false,
+        });
     }
     steps.push(Step::Thanks {
         text: texts.thanks.clone().unwrap_or_default(),

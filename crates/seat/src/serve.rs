@@ -305,6 +305,16 @@ async fn done(
 ) -> Answered<Response> {
     let at = shared.blocking(move |seat| {
         let (person, found) = seat.store.look(|b| b.at(&token, step))?;
+        if step == person.at
+            && let Some(reason) = seat
+                .store
+                .look(|b| b.stopped(&person.participant, (step, &found)))?
+        {
+            seat.stop_drive(&person, (step, &found), &reason)?;
+            return seat
+                .store
+                .look(|b| Ok::<_, Refused>(b.somebody(&token)?.at));
+        }
         match &found {
             Step::Screen { .. } | Step::Scale { .. } | Step::Text { agree: true, .. } => {
                 return Err(Refused::NotThis("answers are asked here".to_owned()));

@@ -8,6 +8,10 @@ use serde::{Deserialize, Serialize};
 /// Steps of a drive in a second.
 pub(crate) const TICKS_PER_S: f64 = 100.0;
 
+/// How an event of a drive begins that ends it since the person stopped, and the reason of who pressed the button.
+pub(crate) const STOPPED: &str = "stopped: ";
+const UNWELL: &str = "unwell";
+
 /// One step.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(tag = "kind", rename_all = "snake_case")]
@@ -55,6 +59,9 @@ pub enum Step {
         passes: u32,
         /// Root of the world's random choices.
         seed: String,
+        /// As in [`Step::Ride`].
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        probe: Option<AskedProbe>,
     },
     /// The drive by hand that is learned from.
     Drive {
@@ -64,6 +71,9 @@ pub enum Step {
         seconds: f64,
         /// Root of the world's random choices.
         seed: String,
+        /// As in [`Step::Ride`].
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        probe: Option<AskedProbe>,
     },
     /// A ride.
     Ride {
@@ -86,6 +96,11 @@ pub enum Step {
         /// What is asked on the way.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         probe: Option<AskedProbe>,
+    },
+    /// What somebody is told who stopped; whoever did not goes past it.
+    Aftercare {
+        /// As in [`Step::Text`].
+        text: String,
     },
     /// The end.
     Thanks {
@@ -126,6 +141,20 @@ pub struct AskedProbe {
     pub every_s: f64,
     /// What is not answered by then is missing, in s.
     pub within_s: f64,
+    /// From which answer on nobody goes on.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub stop: Option<StopRule>,
+}
+
+/// From which answer to a probe on nobody goes on.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct StopRule {
+    /// As the design has it.
+    pub rule: String,
+    /// How the answer is held against the number.
+    pub than: Than,
+    /// The number.
+    pub value: i32,
 }
 
 impl AskedProbe {
@@ -194,6 +223,28 @@ impl Step {
         step
     }
 
+    /// What is asked here on the way.
+    pub(crate) fn probe(&self) -> Option<&AskedProbe> {
+        match self {
+            Self::Practice { probe, .. } | Self::Drive { probe, .. } | Self::Ride { probe, .. } => {
+                probe.as_ref()
+            }
+            _ => None,
+        }
+    }
+
+    /// Why somebody stopped here, of an event of a drive; an error is a reason that the step does not have.
+    pub(crate) fn stopped(&self, event: &Event) -> Option<Result<String, String>> {
+        let reason = event.what.strip_prefix(STOPPED)?;
+        let rule = self.probe().and_then(|probe| probe.stop.as_ref());
+        let known = reason == UNWELL || rule.is_some_and(|stop| stop.rule == reason);
+        Some(if known {
+            Ok(reason.to_owned())
+        } else {
+            Err("stopped for a reason that this step does not have".to_owned())
+        })
+    }
+
     /// Seed and length in s of what is driven here, practice included.
     pub fn world(&self) -> Option<(&str, f64)> {
         match self {
@@ -210,6 +261,10 @@ impl Step {
 pub struct Texts {
     /// What is agreed to.
     pub consent: Option<String>,
+    /// What somebody is told who stopped.
+    pub aftercare: Option<String>,
+    /// What the study was about.
+    pub debrief: Option<String>,
     /// What is said at the end.
     pub thanks: Option<String>,
     /// What the seat says by itself.

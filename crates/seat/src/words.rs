@@ -123,10 +123,14 @@ impl Words {
         })
     }
 
+    /// A sentence without parts.
+    pub(crate) fn sentence(&self, name: &str) -> &str {
+        self.sentences.get(name).map_or("", String::as_str)
+    }
+
     /// A sentence with one part filled in.
     pub(crate) fn say(&self, name: &str, (part, value): (&str, &str)) -> String {
-        let sentence = self.sentences.get(name).map_or("", String::as_str);
-        sentence.replace(&format!("{{{part}}}"), value)
+        self.sentence(name).replace(&format!("{{{part}}}"), value)
     }
 
     /// All sentences, as JSON that can stand in a page.

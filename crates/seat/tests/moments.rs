@@ -8,10 +8,8 @@ use maveric_seat::{Seat, carried};
 use maveric_study::tables::surveys::read_answered;
 use serde_json::{Value, json};
 use std::{fs, path::Path};
-use support::{STUDY, Server, TAB, driven, entered, folder_of, go_on, opened, settings};
+use support::{MISC, STUDY, Server, TAB, driven, entered, folder_of, go_on, opened, settings};
 
-const MISC: &str = "id = \"misc\"\ntitle = \"Misery\"\nreference = \"made for this test\"\nitems = 1\nmin = 0\nmax = 10\nscoring = \"mean\"\n\
-    wording = [\"How sick do you feel?\"]\n[[subscales]]\nid = \"total\"\ntitle = \"Misery\"\nitems = [1]\n";
 const ABOUT: &str = "id = \"about\"\ntitle = \"You\"\nreference = \"made for this test\"\nitems = 2\nmin = 0\nmax = 120\nscoring = \"sum\"\n\
     wording = [\"How old are you?\", \"For how many years have you had a licence?\"]\n[[subscales]]\nid = \"age\"\ntitle = \"Age\"\nitems = [1]\n";
 

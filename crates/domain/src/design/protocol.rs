@@ -146,6 +146,13 @@ pub struct Protocol {
     pub speed: Option<SpeedUnit>,
     /// What is seen of the road.
     pub view: SeatView,
+    /// From which answer to the probe on somebody drives and rides no further.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub stop_if: Option<AnswerRule>,
+    /// What somebody is told who stopped, from the folder of the design's file.
+    pub aftercare: Option<PathBuf>,
+    /// What the study was about, told at the end, from the folder of the design's file.
+    pub debrief: Option<PathBuf>,
     /// What is said at the end, from the folder of the design's file.
     pub thanks: Option<PathBuf>,
     /// A code for the platform that pays.
@@ -182,6 +189,9 @@ impl Default for Protocol {
             ride_s: 600.0,
             speed: None,
             view: SeatView::default(),
+            stop_if: None,
+            aftercare: None,
+            debrief: None,
             thanks: None,
             code: None,
             show_style: false,
@@ -301,6 +311,12 @@ impl Protocol {
                 let key = "protocol.admit_if";
                 return Err(DesignError::word(key, &rule.scale, asked));
             }
+        }
+        let probed = self.probe.iter().map(|probe| probe.scale.as_str());
+        if let Some(rule) = &self.stop_if
+            && !probed.clone().any(|scale| scale == rule.scale)
+        {
+            return Err(DesignError::word("protocol.stop_if", &rule.scale, probed));
         }
         let Some(probe) = &self.probe else {
             return Ok(());
@@ -425,6 +441,23 @@ mod tests {
         refused(
             "screen = [\"age\"]\nsteps = [\"drive\"]",
             &["protocol.screen", "`steps`"],
+        );
+    }
+
+    #[test]
+    fn what_stops_a_ride_is_asked_on_the_way() {
+        refused(
+            "stop_if = \"misc >= 6\"",
+            &["protocol.stop_if", "`misc`", "there is none"],
+        );
+        let probe = "probe = { scale = \"misc\", every_s = 60 }\n";
+        refused(
+            &format!("{probe}stop_if = \"ssq >= 6\""),
+            &["protocol.stop_if", "`ssq`", "`misc`"],
+        );
+        refused(
+            &format!("{probe}stop_if = \"misc\""),
+            &["`misc`", "a whole number"],
         );
     }
 

@@ -19,6 +19,7 @@ export type Step =
   | { kind: "practice"; seconds: number; lane_kept_s: number; passes: number; seed: string; probe?: Probe }
   | { kind: "drive"; condition: string; seconds: number; seed: string; probe?: Probe }
   | { kind: "ride"; condition: string; number: number; seconds: number; seed: string; style: RideStyle; points: number; stretch: number; turns: number | null; probe?: Probe }
+  | { kind: "aftercare"; text: string }
   | { kind: "thanks"; text: string; code: string | null };
 
 /// Whose style drives: the person's own, the average driver's, the own one moved across the dial as a seed says, or this one.

@@ -111,10 +111,13 @@ export class Browser implements Keeper {
     return new Uint8Array(await (await fetch("model.maveric")).arrayBuffer());
   }
 
-  answer(step: number, sheet: unknown): Promise<void> {
+  async answer(step: number, sheet: unknown): Promise<void> {
+    const { rows } = await this.study;
+    const steps = (kept: Kept): Step[] => rows[kept.row] ?? [];
     return this.change((kept) => {
       if (!kept.sheets.some((s) => s.step === step)) kept.sheets.push({ step, sheet });
-      kept.at = Math.max(kept.at, step + 1);
+      const passed = steps(kept)[step + 1]?.kind === "aftercare";
+      kept.at = Math.max(kept.at, step + (passed ? 2 : 1));
     });
   }
 
@@ -126,9 +129,16 @@ export class Browser implements Keeper {
 
   async done(step: number): Promise<void> {
     const { rows } = await this.study;
+    const kept = await this.kept();
+    const lines = await this.shelf.all(lineName(step, Math.max(1, ...kept.drives.filter((d) => d.step === step).map((d) => d.attempt)), 0).slice(0, -9));
+    const stopped = lines.some((line) => String(line).includes(`"stopped: `));
     await this.change((kept) => {
-      if (rows[kept.row]?.[step]?.kind === "thanks") kept.ended ??= "done";
-      kept.at = Math.max(kept.at, step + 1);
+      const steps = rows[kept.row] ?? [], aftercare = steps.findIndex((s) => s.kind === "aftercare");
+      if (steps[step]?.kind === "thanks") kept.ended ??= "done";
+      if (kept.at > step) return;
+      // Whoever stopped drives no more; whoever did not goes past what is told then.
+      if (stopped && aftercare > step) kept.at = aftercare;
+      else kept.at = step + (aftercare === step + 1 ? 2 : 1);
     });
   }
 

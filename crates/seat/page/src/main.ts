@@ -101,6 +101,10 @@ async function once(state: api.State): Promise<boolean> {
       break;
     case "controls": await choose(); await keeper.done(state.at); break;
     case "practice": case "drive": case "ride": await drives(state, step); break;
+    case "aftercare":
+      await text(say("aftercare_title"), step.text, say("continue"));
+      await keeper.done(state.at);
+      break;
     case "thanks":
       await keeper.done(state.at);
       break;

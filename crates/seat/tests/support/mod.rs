@@ -65,6 +65,9 @@ title = "Mood"
 items = [1, 2]
 "#;
 
+pub(crate) const MISC: &str = "id = \"misc\"\ntitle = \"Misery\"\nreference = \"made for this test\"\nitems = 1\nmin = 0\nmax = 10\nscoring = \"mean\"\n\
+    wording = [\"How sick do you feel?\"]\n[[subscales]]\nid = \"total\"\ntitle = \"Misery\"\nitems = [1]\n";
+
 pub(crate) fn folder() -> tempfile::TempDir {
     folder_of(STUDY)
 }
@@ -218,6 +221,8 @@ pub(crate) struct Script {
     pub(crate) own: Option<Embedding>,
     /// How fast they drive, in m/s; none: the foot down for six seconds.
     pub(crate) speed: Option<f64>,
+    /// After how many steps of a ride they stop, and why.
+    pub(crate) stops: Option<(u64, &'static str)>,
     /// What they answer to the item of this number, of a scale from the lowest answer to the highest.
     pub(crate) answers: fn(usize, i64, i64) -> Option<i64>,
 }
@@ -228,6 +233,7 @@ impl Default for Script {
             model: Rc::new(model()),
             own: None,
             speed: None,
+            stops: None,
             answers: |item, _, _| (item == 0).then_some(4),
         }
     }
@@ -276,13 +282,19 @@ impl Script {
             if let Some((what, answer)) = probed(&step["probe"], drive.ticks()) {
                 drive.note(&what, answer);
             }
+            let stops = self
+                .stops
+                .filter(|(tick, _)| !by_hand && drive.ticks() == *tick);
+            if let Some((_, reason)) = stops {
+                drive.note(&format!("stopped: {reason}"), None);
+            }
             let now = drive.session().car().speed_mps;
             let input = if by_hand {
                 keyboard.input(self.keys(&drive), Signal::Off, now)
             } else {
                 Input::default()
             };
-            let goes_on = drive.tick(input);
+            let goes_on = drive.tick(input) && stops.is_none();
             if !goes_on || drive.ticks().is_multiple_of(100) {
                 let chunk = drive.chunk(Frames {
                     drawn: 60,
@@ -342,7 +354,7 @@ impl Script {
             assert_eq!(status, 200, "{path}: {reply}");
         };
         match step["kind"].as_str().unwrap() {
-            "text" => sent(
+            "text" if step["agree"] == true => sent(
                 format!("/api/{token}/answer/{at}"),
                 r#"{"agreed":true,"seconds":4.5}"#,
             ),

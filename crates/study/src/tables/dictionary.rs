@@ -41,6 +41,7 @@ pub enum TableName {
     Reliabilities,
     Rollouts,
     Scores,
+    Stopped,
     SurveysWide,
     Variability,
 }

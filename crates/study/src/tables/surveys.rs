@@ -119,14 +119,14 @@ pub fn read_answered(path: &Path) -> Result<Answered, StudyError> {
     let table = Table::read(path)?;
     let cells: Vec<Cells> = table.records()?;
     let moments = moments(&table)?;
-    let at_s = match table.has("at_s") {
-        true => table.numbers("at_s")?,
-        false => vec![None; cells.len()],
+    let numbers = |column: &str| {
+        if table.has(column) {
+            table.numbers(column)
+        } else {
+            Ok(vec![None; table.rows()])
+        }
     };
-    let seconds = match table.has("seconds") {
-        true => table.numbers("seconds")?,
-        false => vec![None; cells.len()],
-    };
+    let (at_s, seconds) = (numbers("at_s")?, numbers("seconds")?);
     let mut answered = Answered::default();
     let mut sheets: BTreeMap<(ParticipantId, Moment, String), (f64, f64)> = BTreeMap::new();
     for (row, (cells, moment)) in cells.into_iter().zip(moments).enumerate() {
