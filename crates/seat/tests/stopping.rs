@@ -76,7 +76,7 @@ fn who_stops_is_cared_for_rides_no_more_and_the_ride_is_marked_with_the_reason()
     );
     assert_eq!(
         read(folder.path(), "seat/stopped.csv"),
-        "participant,condition,time_s,reason\nP001,calm,15,misc >= 6\n"
+        "participant,condition,time_s,reason\nP001,calm,15.0,misc >= 6\n"
     );
     // What was ridden is kept as a log, and drives again to where it was stopped.
     assert!(folder.path().join("logs/seat/P001-calm.mcap").is_file());
@@ -165,6 +165,6 @@ fn online_who_stopped_hands_over_what_there_is() {
     );
     assert_eq!(
         read(folder.path(), "seat/stopped.csv"),
-        "participant,condition,time_s,reason\nP001,calm,7,unwell\n"
+        "participant,condition,time_s,reason\nP001,calm,7.0,unwell\n"
     );
 }
