@@ -151,7 +151,7 @@ fn the_papers_four_conditions_are_ridden_from_consent_to_page() {
             own: None,
             stops,
             speed: Some(speed),
-            answers: |item, low, high| Some((low + high) / 2 + i64::from(item == 1)),
+            answers: |item, low, high| Some(i64::midpoint(low, high) + i64::from(item == 1)),
         };
         let token = server.seat.let_in().unwrap();
         assert_eq!(

@@ -73,11 +73,8 @@ fn item_of(key: &'static str, rule: &AnswerRule, scale: &Scale) -> Result<usize,
     };
     let item = item.ok_or_else(|| {
         let of_one = scale.subscales.iter().filter(|s| s.items.len() == 1);
-        let named: Vec<String> = of_one.map(|s| format!("{}.{}", scale.id, s.id)).collect();
-        let named = named
-            .iter()
-            .map(|name| format!(", {name}"))
-            .collect::<String>();
+        let named = of_one.map(|s| format!(", {}.{}", scale.id, s.id));
+        let named = named.collect::<Vec<_>>().concat();
         let problem = format!(
             "expected an item: {}.1 to {}.{items}{named}",
             scale.id, scale.id

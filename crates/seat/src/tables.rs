@@ -50,6 +50,9 @@ fn listed(before: Listed, stands: bool, table: bool) -> (Listed, bool) {
     }
 }
 
+/// Participant, moment and scale of a sheet.
+type SheetPlace = (String, String, String);
+
 /// Cells of a row, by column.
 type Row = BTreeMap<String, String>;
 
@@ -132,7 +135,7 @@ fn asked(step: &Step) -> Option<(&str, Moment)> {
 }
 
 /// Participant, moment and scale of every sheet in a table of answers; none where there is no table.
-fn sheets_in(path: &Path) -> Result<Option<BTreeSet<(String, String, String)>>, SeatError> {
+fn sheets_in(path: &Path) -> Result<Option<BTreeSet<SheetPlace>>, SeatError> {
     if !path.is_file() {
         return Ok(None);
     }

@@ -141,7 +141,7 @@ fn online_who_stopped_hands_over_what_there_is() {
                 lines.push(json!({"step": at, "sheet": {"agreed": true, "seconds": 4.5}}));
             }
             "scale" => {
-                lines.push(json!({"step": at, "sheet": {"answers": [4, null], "seconds": 6}}))
+                lines.push(json!({"step": at, "sheet": {"answers": [4, null], "seconds": 6}}));
             }
             "practice" | "drive" | "ride" => {
                 step["seed"] = json!(world(token, &what).to_string());
