@@ -142,19 +142,19 @@ fn the_last_reply_may_be_lost_without_losing_the_code() {
     let folder = folder();
     let server = Server::open(folder.path());
     let token = opened(&server);
-    while server.state(&token)["at"].as_u64().unwrap() < 9 {
+    while server.state(&token)["at"].as_u64().unwrap() < 10 {
         assert!(go_on(&server, &token));
     }
-    let done = format!("/api/{token}/done/9");
+    let done = format!("/api/{token}/done/10");
     let first = server.post(&done, "null");
     assert_eq!(first.0, 200, "{}", first.1);
     assert_eq!(server.post(&done, "null").0, 200);
-    assert_eq!(server.state(&token)["steps"][9]["code"], "C0DE");
+    assert_eq!(server.state(&token)["steps"][10]["code"], "C0DE");
     // What was given before the end stands, and nothing else is taken.
     let answer =
         |step: u64, body: &str| server.post(&format!("/api/{token}/answer/{step}"), body).0;
     assert_eq!(answer(1, r#"{"answers":[4,null],"seconds":6}"#), 200);
-    assert_eq!(answer(10, "{}"), 400);
+    assert_eq!(answer(11, "{}"), 400);
     let fit = r#"{"embedding":[0.1],"covariance":null,"score":null,"readings":1}"#;
     assert_eq!(server.post(&format!("/api/{token}/fit"), fit).0, 400);
 }
