@@ -3,7 +3,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use super::{
-    ByDesign, Chosen, ChosenTest, CorrectedTerm, DesignChoice, DesignColumns, MixedFinding,
+    ByDesign, Chosen, ChosenTest, CorrectedTerm, DesignChoice, DesignColumns, MixedFinding, PERIOD,
     said_of_ordinal,
 };
 use crate::{
@@ -86,9 +86,12 @@ pub(super) fn mixed(
         .collect();
     let between = data.between.iter().map(|(name, cells)| (*name, *cells));
     let within = within.iter().map(|(name, cells)| (*name, cells.as_slice()));
+    let periods = labels(data.periods);
     let factors: Vec<(&str, &[Option<String>])> = between.chain(within).collect();
     let names: Vec<&str> = factors.iter().map(|(name, _)| *name).collect();
-    let covariates: Vec<&str> = data.covariates.iter().map(|(name, _)| *name).collect();
+    let mut beside: Vec<&str> = data.covariates.iter().map(|(name, _)| *name).collect();
+    // It is in no product: each condition is met in every period.
+    beside.extend((!periods.is_empty()).then_some(PERIOD));
     let factors = factors
         .iter()
         .map(|(name, cells)| (*name, Predictor::Factor(cells)));
@@ -96,8 +99,9 @@ pub(super) fn mixed(
         .covariates
         .iter()
         .map(|(name, cells)| (*name, Predictor::Covariate(cells)));
-    let predictors: Vec<(&str, Predictor<'_>)> = factors.chain(numbers).collect();
-    let mut formula = Formula::crossed(&names, &covariates)?;
+    let period = (PERIOD, Predictor::Factor(&periods));
+    let predictors: Vec<(&str, Predictor<'_>)> = factors.chain(numbers).chain([period]).collect();
+    let mut formula = Formula::crossed(&names, &beside)?;
     for (covariate, factors) in products(data)? {
         formula = formula.and_product(covariate, &factors)?;
     }
@@ -118,6 +122,14 @@ pub(super) fn mixed(
         checks: Vec::new(),
         found,
     })))
+}
+
+/// Periods as the labels of a factor.
+pub(super) fn labels(periods: &[usize]) -> Vec<Option<String>> {
+    periods
+        .iter()
+        .map(|period| Some(period.to_string()))
+        .collect()
 }
 
 /// A covariate, and the factors within subjects that it is multiplied by.

@@ -105,6 +105,8 @@ pub struct DesignTable {
     pub covariates: Vec<(String, Vec<Option<f64>>)>,
     /// As [`DesignColumns::with`].
     pub with: Vec<(String, Vec<String>)>,
+    /// As [`DesignColumns::periods`].
+    pub periods: Vec<usize>,
     /// The outcome.
     pub values: Vec<Option<f64>>,
     /// As [`DesignColumns::labels`].
@@ -153,6 +155,10 @@ impl DesignTable {
             with: with
                 .map(|(n, with)| ((*n).to_owned(), products(with)))
                 .collect(),
+            periods: rows
+                .iter()
+                .filter_map(|row| data.periods.get(*row).copied())
+                .collect(),
             values: these(data.values, rows),
             labels: Vec::new(),
         }
@@ -174,6 +180,7 @@ impl DesignTable {
             with: with
                 .map(|(n, with)| (n.as_str(), with.iter().map(String::as_str).collect()))
                 .collect(),
+            periods: &self.periods,
             values: &self.values,
             labels: (self.labels.iter())
                 .map(|(n, label)| (n.as_str(), label.as_str()))
