@@ -59,8 +59,10 @@ pub(crate) fn model_pairs<'a>(
     let names = names.map(|(at, c)| (*c, name(at))).collect();
     let (test, pairs) = match panel.comparison.as_ref()? {
         ByDesign::Mixed(found) => {
-            let pairs = found.found.model.contrast.get(&term.join(":"))?;
-            (ContrastTest::Mixed, pairs)
+            let found = &found.found;
+            let of_model = || found.model.contrast.get(&term.join(":"));
+            let own = Some(&found.own_error).filter(|own| !own.is_empty());
+            (ContrastTest::Mixed, own.or_else(of_model)?)
         }
         ByDesign::Ordinal(found) => (ContrastTest::Ordinal, &found.found.contrast),
         _ => return None,

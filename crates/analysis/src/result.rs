@@ -328,7 +328,7 @@ pub enum ContrastTest {
     T,
     /// Wilcoxon's signed ranks.
     Wilcoxon,
-    /// Differences of a mixed model's means, by Satterthwaite's degrees of freedom.
+    /// Differences of a mixed model's means, each over its own error where everybody has every condition, by Satterthwaite's degrees of freedom.
     Mixed,
     /// Differences of an ordinal model's coefficients, by t.
     Ordinal,

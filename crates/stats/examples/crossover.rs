@@ -154,6 +154,9 @@ impl Study {
                 *place = p;
             }
             found.contrast = match &tested {
+                ByDesign::Mixed(model) if !model.found.own_error.is_empty() => {
+                    pair(&model.found.own_error)
+                }
                 ByDesign::Mixed(model) => {
                     model.found.model.contrast.get("condition").and_then(pair)
                 }

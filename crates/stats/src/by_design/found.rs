@@ -63,6 +63,10 @@ pub struct MixedFinding {
     pub model: RandomIntercept,
     /// Terms with more than one degree of freedom within subjects, by Greenhouse and Geisser's ε of the complete subjects: these count.
     pub corrected: Named<CorrectedTerm>,
+    /// Each pair of the levels of one factor over its own error, where the model was asked for or takes the period and nobody lacks a
+    /// level: these count before those of the model.
+    #[serde(default, skip_serializing_if = "Named::is_empty")]
+    pub own_error: Named<MarginalContrast>,
 }
 
 /// A term of a mixed model with its degrees of freedom times ε.

@@ -115,7 +115,11 @@ pub(super) fn mixed(
                 .to_owned(),
         );
     }
-    let found = MixedFinding { model, corrected };
+    let found = MixedFinding {
+        model,
+        corrected,
+        own_error: Named::default(),
+    };
     Ok(ByDesign::Mixed(Box::new(Chosen {
         chosen: ChosenTest::Mixed,
         reasons,

@@ -8,6 +8,7 @@ mod groups;
 mod kept;
 mod level_contrast;
 mod one_factor;
+mod own_errors;
 mod parts;
 mod period;
 mod plan;

@@ -4,12 +4,11 @@ use std::collections::BTreeSet;
 
 use super::{
     AskedTest, ByDesign, Chosen, ChosenTest, DesignChoice, DesignColumns, OrdinalFinding,
-    SmallSample, carry_over::is_connected, kept, one_factor::as_answers,
+    SmallSample, carry_over::is_connected, kept, one_factor::as_answers, own_errors::own_errors,
 };
 use crate::{
     Adjustment, MarginalContrast, Named, Ordinal, PosthocTest, StatsError, WithinSubjects,
     compare::compare_as,
-    numerics::distributions::{t_quantile_two_sided, t_two_sided},
     ordinal::{Difference, by_period},
 };
 
@@ -68,7 +67,16 @@ pub(super) fn asked(
         (None, Some(conditions)) if as_answers => ordered(data, conditions, reasons),
         (None, _) if !as_answers => {
             reasons.push(kept::model_of(data).to_owned());
-            kept::mixed(data, choice, reasons)
+            let mut found = kept::mixed(data, choice, reasons)?;
+            let own = one_factor.and_then(|conditions| own_errors(data, conditions));
+            if let (ByDesign::Mixed(found), Some(own)) = (&mut found, own) {
+                found.found.own_error = own;
+                found.reasons.push(
+                    "each pair of conditions has an error of its own, over the spread of that difference between people"
+                        .to_owned(),
+                );
+            }
+            Ok(found)
         }
         _ => Err(no_test(
             "the test that was asked for is of one factor within subjects alone",
@@ -129,23 +137,9 @@ fn ordered(
 
 /// Differences of coefficients with their tests.
 fn pairs_by_t(pairs: Vec<(String, Difference)>, df: Option<f64>) -> Named<MarginalContrast> {
-    let one = |(estimate, se): Difference| {
-        let t = estimate / se;
-        let half = df.and_then(|df| Some(se * t_quantile_two_sided(0.05, df)?));
-        MarginalContrast {
-            estimate,
-            se,
-            df,
-            t,
-            p: df.map(|df| t_two_sided(t, df)),
-            p_holm: None,
-            ci_low: half.map(|h| estimate - h),
-            ci_high: half.map(|h| estimate + h),
-        }
-    };
     let mut pairs: Vec<(String, MarginalContrast)> = pairs
         .into_iter()
-        .map(|(name, difference)| (name, one(difference)))
+        .map(|(name, (estimate, se))| (name, MarginalContrast::of(estimate, se, df)))
         .collect();
     let p: Vec<Option<f64>> = pairs.iter().map(|(_, pair)| pair.p).collect();
     for ((_, pair), p) in pairs.iter_mut().zip(Adjustment::Holm.apply_defined(&p)) {

@@ -348,3 +348,87 @@ fn an_item_has_an_ordinal_model_with_the_period_and_its_pairs_by_t() {
         .unwrap();
     assert!(matches!(asked, ByDesign::Ordinal(_)));
 }
+
+#[test]
+fn without_periods_a_pair_with_its_own_error_is_the_paired_t_test() {
+    let mut study = made(&orders(4), 11, |p, c, t, _| {
+        noise(13, 100 * p + 10 * c + t) * if c == 0 { 3.0 } else { 1.0 } + c as f64
+    });
+    study.periods.clear();
+    let ByDesign::Mixed(found) = study
+        .tested(AskedTest::Mixed, OutcomeScale::Measure)
+        .unwrap()
+    else {
+        panic!("a mixed model")
+    };
+    let data =
+        crate::WithinSubjects::from_long(&study.people, &study.conditions, &study.values).unwrap();
+    let pairs = crate::within(&data).paired;
+    for (name, pair) in found.found.own_error.iter() {
+        let known = pairs.get(name).unwrap();
+        assert!((pair.t / known.t.unwrap() - 1.0).abs() < 1e-9, "{name}");
+        assert!(
+            (pair.df.unwrap() - 10.0).abs() < 1e-9
+                && (pair.p.unwrap() / known.p.unwrap() - 1.0).abs() < 1e-6
+        );
+    }
+}
+
+#[test]
+fn of_two_conditions_in_two_orders_it_is_welchs_test_of_the_orders_halves() {
+    let study = made(&orders(2), 12, |p, c, t, _| {
+        noise(14, 100 * p + 10 * c + t) * if p % 2 == 0 { 2.0 } else { 1.0 } + 0.4 * t as f64
+    });
+    let pair = study.mixed().own_error.values().next().unwrap().clone();
+    let difference = |p: usize| {
+        let at = |name: &str| {
+            let row = (0..24)
+                .find(|&i| study.people[i] == format!("p{p}") && study.conditions[i] == name);
+            study.values[row.unwrap()].unwrap()
+        };
+        at("a") - at("b")
+    };
+    let of = |parity: usize| -> (f64, f64) {
+        let own: Vec<f64> = (0..12)
+            .filter(|p| p % 2 == parity)
+            .map(difference)
+            .collect();
+        let mean = own.iter().sum::<f64>() / 6.0;
+        (
+            mean,
+            own.iter().map(|d| (d - mean).powi(2)).sum::<f64>() / 5.0 / 6.0,
+        )
+    };
+    let ((one, first), (two, second)) = (of(0), of(1));
+    assert!((pair.estimate - 0.5 * (one + two)).abs() < 1e-9);
+    assert!((pair.se - 0.5 * (first + second).sqrt()).abs() < 1e-9);
+    assert!((pair.df.unwrap() - 10.0).abs() < 1e-6);
+}
+
+#[test]
+fn the_estimate_of_a_pair_is_the_models_and_its_error_follows_its_own_spread() {
+    let study = made(&orders(4), 24, |p, c, t, _| {
+        noise(15, p)
+            + noise(16, 100 * p + 10 * c + t) * if c == 0 { 4.0 } else { 1.0 }
+            + 0.5 * t as f64
+    });
+    let found = study.mixed();
+    let model = found.model.contrast.get("condition").unwrap();
+    for (name, pair) in found.own_error.iter() {
+        let of_model = model.get(name).unwrap();
+        assert!((pair.estimate - of_model.estimate).abs() < 1e-9, "{name}");
+        let wide = name.split('|').any(|c| c == "a");
+        assert_eq!(
+            pair.se > of_model.se,
+            wide,
+            "{name}: {} {}",
+            pair.se,
+            of_model.se
+        );
+        assert!(pair.df.unwrap() > 18.0 && pair.df.unwrap() < 23.0 + 1e-9);
+    }
+    // Somebody without a condition: the model alone has the pairs.
+    let mut short = study;
+    short.values[5] = None;
+    assert!(short.mixed().own_error.is_empty());
+}
