@@ -13,6 +13,8 @@ if [ "$(wasm-bindgen --version 2>/dev/null)" != "wasm-bindgen $version" ]; then
   echo "needs wasm-bindgen $version: cargo install wasm-bindgen-cli --no-default-features --version $version" >&2
   exit 1
 fi
+# What is built names no folder of the machine that built it.
+export RUSTFLAGS="--remap-path-prefix=${CARGO_HOME:-$HOME/.cargo}/registry/src= --remap-path-prefix=$PWD= ${RUSTFLAGS:-}"
 cargo build --release --locked --lib --target wasm32-unknown-unknown -p maveric-seat-page
 wasm-bindgen --target web --out-dir "$page/built" --out-name seat \
   "${CARGO_TARGET_DIR:-target}/wasm32-unknown-unknown/release/maveric_seat_page.wasm"

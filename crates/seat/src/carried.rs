@@ -105,7 +105,10 @@ pub fn export(seat: &Seat, folder: &Path, post: Option<&str>) -> Result<Exported
     };
     let told = serde_json::to_vec(&told).map_err(|e| refused(e.to_string(), "report this"))?;
     let mut files = vec![
-        ("index.html", assets::static_page(origin.as_deref())),
+        (
+            "index.html",
+            assets::static_page(origin.as_deref(), &settings.texts.words),
+        ),
         ("page.css", assets::bytes("page.css").to_vec()),
         ("page.js", assets::bytes("page.js").to_vec()),
         ("seat.wasm", assets::bytes("seat.wasm").to_vec()),

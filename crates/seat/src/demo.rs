@@ -65,8 +65,8 @@ pub fn settings(cache: &Path, jobs: usize, watch: Watch<'_>) -> Result<SeatSetti
         design,
         scales: Vec::new(),
         texts: Texts {
-            consent: None,
             thanks: Some(THANKS.to_owned()),
+            ..Texts::default()
         },
         scenario: Scenario::paper(),
         model: Some(model(cache, jobs, watch)?),

@@ -3,7 +3,9 @@
 use crate::{
     collected::Collected,
     error::SeatError,
+    steps::Texts,
     tables::{self, Given, Standing},
+    words::Words,
 };
 use maveric_domain::{ConditionId, DriveId, DriveMeta, ParticipantId};
 use maveric_ingest::{Beside, write_mcap_with};
@@ -242,15 +244,16 @@ impl Files {
 /// The texts of a protocol, read from the study's folder.
 ///
 /// # Errors
-/// [`StudyError::Io`] naming the file.
-pub fn texts(study: &DesignFile) -> Result<crate::steps::Texts, StudyError> {
+/// [`SeatError::Study`] naming the file; [`SeatError::Protocol`] for sentences that cannot be said.
+pub fn texts(study: &DesignFile) -> Result<Texts, SeatError> {
     let read = |path: &Option<PathBuf>| {
         let path = path.as_ref().map(|p| study.resolve(p));
         path.as_deref().map(read_text).transpose()
     };
     let protocol = study.design.protocol();
-    Ok(crate::steps::Texts {
+    Ok(Texts {
         consent: read(&protocol.consent)?,
         thanks: read(&protocol.thanks)?,
+        words: Words::of_study(study)?,
     })
 }

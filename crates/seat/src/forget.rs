@@ -1,6 +1,6 @@
 //! Forgetting somebody: all that they gave goes, here and in the study's folder.
 
-use crate::{error::SeatError, files::Files, seat::Seat, store::Store, withdrawal::LASTING};
+use crate::{error::SeatError, files::Files, seat::Seat, store::Store, words::in_english};
 use maveric_domain::nearest;
 use maveric_study::{DesignFile, forget};
 use serde::Serialize;
@@ -41,7 +41,7 @@ pub fn forget(study: &DesignFile, state: &Path, participant: &str) -> Result<For
         participant: participant.to_owned(),
         in_seat,
         study,
-        lasting: LASTING,
+        lasting: in_english("lasting"),
     })
 }
 
@@ -91,7 +91,7 @@ impl Seat {
             participant: participant.to_owned(),
             in_seat: token.is_some(),
             study,
-            lasting: LASTING,
+            lasting: in_english("lasting"),
         })
     }
 

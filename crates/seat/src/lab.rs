@@ -8,7 +8,7 @@ use crate::{
     request::{Answered, Refused, Shared},
     seat::Seat,
     steps::Step,
-    withdrawal::LASTING,
+    words::in_english,
 };
 use axum::{
     Router,
@@ -226,10 +226,10 @@ async fn stop(State(shared): State<Shared>) -> Response {
 }
 
 async fn asks_to_forget(Path(participant): Path<String>) -> Response {
-    let who = plain(&participant);
+    let (who, lasting) = (plain(&participant), plain(in_english("lasting")));
     html(&format!(
         "<h1>Forget {who}?</h1><p>Everything that {who} gave is deleted: answers, drives, logs, style, and what was written down of them. \
-         Their id is left, so that nobody else gets it. {LASTING}</p>\
+         Their id is left, so that nobody else gets it. {lasting}</p>\
          <form method=\"post\"><button>Forget {who}</button></form><p><a href=\"/lab\">Back</a></p>"
     ))
 }

@@ -39,6 +39,7 @@ mod tables;
 mod token;
 mod wire;
 mod withdrawal;
+mod words;
 
 pub use error::SeatError;
 pub use forget::{Forgotten, forget};
@@ -46,6 +47,7 @@ pub use hindrance::Hindrance;
 pub use seat::{Seat, SeatSettings};
 pub use serve::{Serving, run, serve};
 pub use wire::Wire;
+pub use words::Words;
 
 /// A password of 128 random bits.
 ///

@@ -29,7 +29,8 @@ pub(crate) fn hindrances(
         .as_ref()
         .filter(|_| asks(ProtocolStep::Consent));
     if let Some(text) = consent {
-        found.extend(withdrawal::in_consent(text, protocol.withdraw_until.as_deref()).err());
+        let until = protocol.withdraw_until.as_deref();
+        found.extend(withdrawal::in_consent(text, until, &texts.words).err());
     }
     let before = protocol
         .before
@@ -113,7 +114,7 @@ after = ["mood"]
     fn of(design: &str, wording: &str, consent: Option<&str>) -> Vec<Hindrance> {
         let texts = Texts {
             consent: consent.map(str::to_owned),
-            thanks: None,
+            ..Texts::default()
         };
         let design = Design::from_toml(design).unwrap();
         hindrances(&design, (&[mood(wording)], &texts), None)

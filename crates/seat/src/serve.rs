@@ -133,7 +133,7 @@ impl Serving {
 fn router(shared: Shared) -> Router {
     Router::new()
         .route("/", get(front))
-        .route("/p/{token}", get(|| async { assets::page() }))
+        .route("/p/{token}", get(person))
         .route("/page/{version}/{file}", get(file))
         .route("/api/{token}", get(state))
         .route("/api/{token}/model", get(model))
@@ -158,6 +158,11 @@ async fn front() -> Response {
         "<h1>The seat of a driving study</h1><p>Whoever takes part opens the link that they were given. \
          Whoever runs the study goes to <a href=\"/lab\">the laboratory</a>.</p>",
     )
+}
+
+/// The page that everybody with a link opens.
+async fn person(State(shared): State<Shared>) -> Response {
+    assets::page(&shared.seat.settings.texts.words)
 }
 
 async fn file(Path((version, name)): Path<(String, String)>, headers: HeaderMap) -> Response {

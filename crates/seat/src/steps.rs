@@ -1,6 +1,6 @@
 //! What a person is shown, one step after the other: made of a study's design, fixed when the person is let in.
 
-use crate::{error::SeatError, hindrance::Hindrance, withdrawal};
+use crate::{error::SeatError, hindrance::Hindrance, withdrawal, words::Words};
 use maveric_domain::{
     ConditionId, Design, Moment, Scale,
     design::{Car, Condition, Protocol, ProtocolStep, williams},
@@ -155,6 +155,8 @@ pub struct Texts {
     pub consent: Option<String>,
     /// What is said at the end.
     pub thanks: Option<String>,
+    /// What the seat says by itself.
+    pub words: Words,
 }
 
 /// The steps of a person; `world` gives the root of random choices of what is driven (`practice`, or a condition), `riding` is the person's number among those who ride (from 0) and the points of the model for one of the
@@ -185,7 +187,11 @@ pub fn of_design(
                 if let Some(text) = &texts.consent {
                     steps.push(Step::Text {
                         title: design.title().to_owned(),
-                        text: withdrawal::in_consent(text, protocol.withdraw_until.as_deref())?,
+                        text: withdrawal::in_consent(
+                            text,
+                            protocol.withdraw_until.as_deref(),
+                            &texts.words,
+                        )?,
                         agree: true,
                     });
                 }

@@ -1,13 +1,10 @@
 //! Until when somebody can take back what they gave, and how they are told.
 
-use crate::hindrance::Hindrance;
+use crate::{hindrance::Hindrance, words::Words};
 use serde::Serialize;
 
 /// Where a consent names the day.
 const PLACE: &str = "{withdraw_until}";
-
-/// What can no longer be called back, whoever deletes.
-pub(crate) const LASTING: &str = "This cannot be undone. What was handed out before (an export, a published page) cannot be called back.";
 
 /// What a page is told of taking back.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
@@ -16,8 +13,6 @@ pub(crate) struct Withdrawal {
     pub(crate) until: Option<String>,
     /// Whether it can be done today.
     pub(crate) open: bool,
-    /// What is not called back by it.
-    lasting: &'static str,
 }
 
 impl Withdrawal {
@@ -31,7 +26,6 @@ impl Withdrawal {
             // Days written so stand in the order of time.
             open: until.is_none_or(|until| day <= until),
             until: until.map(str::to_owned),
-            lasting: LASTING,
         }
     }
 
@@ -56,12 +50,17 @@ fn today() -> String {
 ///
 /// # Errors
 /// [`Hindrance::NoLastDay`] for a consent that names a day where the study has none.
-pub(crate) fn in_consent(text: &str, until: Option<&str>) -> Result<String, Hindrance> {
+pub(crate) fn in_consent(
+    text: &str,
+    until: Option<&str>,
+    words: &Words,
+) -> Result<String, Hindrance> {
     match until {
         Some(until) if text.contains(PLACE) => Ok(text.replace(PLACE, until)),
         Some(until) => Ok(format!(
-            "{}\n\nUntil {until} you can take back everything that you gave, by the link that you were given: it is deleted then.\n",
-            text.trim_end()
+            "{}\n\n{}\n",
+            text.trim_end(),
+            words.say("withdraw_sentence", ("until", until))
         )),
         None if text.contains(PLACE) => Err(Hindrance::NoLastDay),
         None => Ok(text.to_owned()),
@@ -84,6 +83,7 @@ mod tests {
 
     #[test]
     fn a_consent_names_the_day_once_and_never_a_day_that_there_is_not() {
+        let in_consent = |text, day| super::in_consent(text, day, &Words::default());
         let day = Some("2026-12-31");
         let named = in_consent("Until {withdraw_until} only.", day).unwrap();
         assert_eq!(named, "Until 2026-12-31 only.");

@@ -10,7 +10,7 @@ use maveric_seat::{Seat, SeatSettings, Wire, replay, serve};
 use maveric_study::tables::dial::read_turns;
 use serde_json::{Value, json};
 use std::{fs, net::SocketAddr, path::Path, sync::Arc};
-use support::{STUDY, Server, TAB, driven, folder, folder_of, go_on, opened, settings};
+use support::{STUDY, Server, TAB, driven, folder, folder_of, go_on, opened, seat, settings};
 
 #[test]
 fn a_whole_study_becomes_the_files_that_a_run_reads() {
@@ -458,6 +458,29 @@ fn other_computers_are_served_only_where_that_was_said() {
         assert_ne!(server.ask("GET", "/lab", "", hosts).0, 200, "{hosts:?}");
     }
     assert_eq!(server.ask("GET", "/lab", "", &[("Host", &own)]).0, 200);
+}
+
+#[test]
+fn a_study_in_german_is_served_and_exported_in_german_with_its_own_sentences() {
+    let folder = folder_of(&STUDY.replace(
+        "[protocol]",
+        "[protocol]\nlanguage = \"de\"\nwords = \"words.toml\"\nwithdraw_until = \"2999-12-31\"",
+    ));
+    fs::write(folder.path().join("words.toml"), "begin = \"Los <los>\"").unwrap();
+    let exported = folder.path().join("online");
+    maveric_seat::carried::export(&seat(folder.path()), &exported, None).unwrap();
+    let server = Server::open(folder.path());
+    let token = opened(&server);
+    let (_, served) = server.ask("GET", &format!("/p/{token}"), "", &[]);
+    let online = fs::read_to_string(exported.join("index.html")).unwrap();
+    for page in [&served, &online] {
+        assert!(page.contains("lang=\"de\"") && !page.contains("lang=\"en\""));
+        assert!(page.contains("\"continue\":\"Weiter\""), "{page}");
+        assert!(page.contains("\"begin\":\"Los \\u003clos>\""), "{page}");
+    }
+    assert!(online.contains("data-study=\"study.json\""));
+    let consent = server.state(&token)["steps"][0]["text"].to_string();
+    assert!(consent.contains("Bis 2999-12-31 können Sie"), "{consent}");
 }
 
 #[test]

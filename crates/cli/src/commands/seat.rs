@@ -253,7 +253,7 @@ fn open(folder: &Path, password: Option<String>) -> Result<(Open, Option<String>
     let settings = SeatSettings {
         scales: run_folder::read_scales(&study.resolve(&named.scales))
             .map_err(Failure::study(OPENING))?,
-        texts: maveric_seat::files::texts(&study).map_err(Failure::study(OPENING))?,
+        texts: maveric_seat::files::texts(&study).map_err(failure(OPENING))?,
         scenario: run_folder::read_scenario(world.as_deref(), None)
             .map_err(Failure::study(OPENING))?,
         model: bytes.map_err(|e| Failure::io(OPENING, e))?,

@@ -96,6 +96,11 @@ impl Default for SeatView {
 pub struct Protocol {
     /// The parts in their order; a text that no file is named for is left out.
     pub steps: Vec<ProtocolStep>,
+    /// In which language people are spoken to, such as `en` or `de`.
+    pub language: String,
+    /// The study's own sentences in the place of the seat's, from the folder of the design's file.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub words: Option<PathBuf>,
     /// The text of the consent, from the folder of the design's file.
     pub consent: Option<PathBuf>,
     /// Scales asked before the drives, in this order.
@@ -131,6 +136,8 @@ impl Default for Protocol {
         use ProtocolStep::{Before, Consent, Controls, Drive, Practice as Practises, Rides};
         Self {
             steps: vec![Consent, Before, Controls, Practises, Drive, Rides],
+            language: "en".to_owned(),
+            words: None,
             consent: None,
             before: Vec::new(),
             after: Vec::new(),
@@ -189,6 +196,14 @@ impl Protocol {
                 ));
             }
         }
+        if !is_language(&self.language) {
+            let expected = "a language as the web writes it, such as en, de or pt-br";
+            return Err(DesignError::key(
+                "protocol.language",
+                &self.language,
+                expected,
+            ));
+        }
         if let Some(day) = self.withdraw_until.as_ref().filter(|day| !is_day(day)) {
             let expected = "a day such as 2026-12-31";
             return Err(DesignError::key("protocol.withdraw_until", day, expected));
@@ -215,6 +230,16 @@ impl Protocol {
         }
         Ok(())
     }
+}
+
+/// Whether a text is a language with its region, as `de` or `pt-br`.
+fn is_language(text: &str) -> bool {
+    let mut parts = text.split('-');
+    let letters = |part: &str| part.bytes().all(|b| b.is_ascii_lowercase());
+    let first = parts.next().unwrap_or_default();
+    (2..=3).contains(&first.len())
+        && letters(first)
+        && parts.all(|part| (2..=8).contains(&part.len()) && letters(part))
 }
 
 /// Whether a text is a day of the calendar, as `2026-12-31`.
@@ -245,6 +270,22 @@ fn is_day(text: &str) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_language_is_a_word_as_the_web_writes_it() {
+        for text in ["en", "de", "pt-br", "sgn-ase"] {
+            assert!(is_language(text), "{text}");
+        }
+        for text in ["", "German", "DE", "d", "de_at", "de-", "englisch"] {
+            assert!(!is_language(text), "{text}");
+        }
+        let protocol = Protocol {
+            language: "German".to_owned(),
+            ..Protocol::default()
+        };
+        let told = protocol.check().unwrap_err().to_string();
+        assert!(told.contains("protocol.language"), "{told}");
+    }
 
     #[test]
     fn the_last_day_of_taking_back_is_a_day_of_the_calendar() {

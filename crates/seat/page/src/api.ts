@@ -1,5 +1,7 @@
 // What the page asks of its server.
 
+import { say } from "./say";
+
 export type Step =
   | { kind: "text"; title: string; text: string; agree: boolean }
   | { kind: "scale"; scale: string; title: string; items: string[]; min: number; max: number; moment: string }
@@ -20,8 +22,8 @@ export interface ViewSettings { eye_m: number; field_deg: number; screens: numbe
 /// has learned from.
 export interface Styles { own: number | null; others: number[]; sportier_up: boolean }
 
-/// Until when (`2026-12-31`; null: always) somebody can take back what they gave, whether it is so today, and what no deletion calls back.
-export interface Withdrawal { until: string | null; open: boolean; lasting: string }
+/// Until when (`2026-12-31`; null: always) somebody can take back what they gave, and whether it is so today.
+export interface Withdrawal { until: string | null; open: boolean }
 
 export interface State {
   title: string; synthetic: boolean; made_up_model: boolean; mph: boolean;
@@ -50,6 +52,9 @@ export const tab = random();
 /// The seat's own word on a reply that stays. A reply without it (a proxy's 413, 429 or 502; a full disk) may pass.
 const LASTING = "maveric-refused";
 
+/// How the refusals of the seat are said; every other is said as it came.
+const REFUSALS: Record<string, string> = { "no-such-person": "no_link", over: "over", "other-tab": "open_elsewhere", "too-late": "too_late" };
+
 /// A reply that will not change by asking again.
 export class Refused extends Error {
   constructor(readonly reason: string, message: string) { super(message); }
@@ -63,7 +68,7 @@ export class NotYet extends Error {
 async function ask(path: string, init?: RequestInit): Promise<Response> {
   const reply = await fetch(`/api/${token}${path}`, init);
   const reason = reply.headers.get(LASTING);
-  if (reason !== null) throw new Refused(reason, await reply.text());
+  if (reason !== null) throw new Refused(reason, say(REFUSALS[reason] ?? "not_taken", { why: await reply.text() }));
   if (!reply.ok) throw new NotYet(reply.status, await reply.text());
   return reply;
 }
@@ -72,8 +77,7 @@ const note = document.getElementById("note") as HTMLElement;
 
 /// Says beside the title why something has not arrived yet.
 export function troubled(error: unknown): void {
-  const why = error instanceof NotYet ? `Not taken in yet (${error.status})` : "No connection";
-  note.textContent = `${why}; trying again. Nothing is lost.`;
+  note.textContent = error instanceof NotYet ? say("not_yet", { status: error.status }) : say("no_connection");
 }
 
 export function untroubled(): void { note.textContent = ""; }

@@ -1,6 +1,7 @@
 // What the page needs of its browser, looked at before anything is asked of a person.
 
 import { token, type State } from "./api";
+import { say } from "./say";
 import { make, pressed, show } from "./words";
 
 /// How long the tab before (one that is just being closed or reloaded) may take to go, in ms.
@@ -15,7 +16,7 @@ export async function onlyTab(): Promise<void> {
       done();
       return new Promise(() => {});
     });
-    held.catch(() => failed(new Error("This study is open in another tab of this browser. Go on there, or close that tab and try again here.")));
+    held.catch(() => failed(new Error(say("open_in_tab"))));
   });
 }
 
@@ -33,11 +34,11 @@ export async function checkBrowser(state: State): Promise<void> {
   const left = state.ended ? [] : state.steps.slice(state.at);
   if (!left.some((step) => step.kind === "practice" || step.kind === "drive" || step.kind === "ride")) return;
   if (!draws()) {
-    throw new Error("This browser cannot draw the road: it has no WebGL 2, or it is turned off. Open your link on a computer in a current Firefox, Chrome, Edge or Safari, with hardware acceleration turned on in its settings.");
+    throw new Error(say("no_webgl"));
   }
   if (!fingersOnly()) return;
-  const go = pressed("Go on all the same");
-  show(make("h1", ["This study is driven on a computer"]),
-    make("p", ["It needs a keyboard, a game controller or a steering wheel, and this looks like a phone or a tablet. Open your link on a computer."]), go.all);
+  const go = pressed(say("all_the_same"));
+  show(make("h1", [say("on_a_computer")]),
+    make("p", [say("no_keyboard")]), go.all);
   await go.done;
 }

@@ -2,6 +2,7 @@
 
 import { world } from "../built/seat";
 import { token, type Keeper, type State, type Step } from "./api";
+import { say } from "./say";
 import { make } from "./words";
 
 /// The study, as `maveric seat export` wrote it.
@@ -26,7 +27,7 @@ class Shelf {
     const opening = indexedDB.open("maveric-seat-kept", 1);
     opening.onupgradeneeded = () => opening.result.createObjectStore("kept");
     opening.onsuccess = () => done(opening.result);
-    opening.onerror = () => failed(new Error("This browser keeps nothing (a private window?): the study needs one that does."));
+    opening.onerror = () => failed(new Error(say("keeps_nothing")));
   });
 
   private async ask<T>(mode: IDBTransactionMode, work: (store: IDBObjectStore) => IDBRequest<T>): Promise<T> {
@@ -35,7 +36,7 @@ class Shelf {
       const transaction = db.transaction("kept", mode, { durability: "strict" });
       const asked = work(transaction.objectStore("kept"));
       transaction.oncomplete = () => done(asked.result);
-      transaction.onabort = () => failed(new Error(`This browser could not keep what was given: ${transaction.error?.message ?? "no room"}`));
+      transaction.onabort = () => failed(new Error(say("could_not_keep", { why: transaction.error?.message ?? "" })));
     });
   }
 
@@ -172,19 +173,19 @@ export class Browser implements Keeper {
     if (kept.ended === "deleted") return [];
     const { post } = await this.study;
     const file = await this.file();
-    const save = make("a", ["Save what you gave as a file"], {
+    const save = make("a", [say("save_file")], {
       href: URL.createObjectURL(new Blob([file], { type: "application/jsonl" })), download: `maveric-seat-${token.slice(0, 8)}.jsonl`, className: "button",
     });
-    if (!post) return [make("p", ["One thing is left: hand over what you gave, as you were told."]), make("p", [save])];
+    if (!post) return [make("p", [say("hand_over")]), make("p", [save])];
     if (!kept.sent) {
       try {
         const reply = await fetch(post, { method: "POST", body: file });
         if (!reply.ok) throw new Error(String(reply.status));
         await this.change((k) => { k.sent = true; });
       } catch {
-        return [make("p", ["What you gave could not be sent. Open this page again later, or save it and send it to whoever invited you."]), make("p", [save])];
+        return [make("p", [say("not_sent")]), make("p", [save])];
       }
     }
-    return [make("p", ["What you gave has arrived."])];
+    return [make("p", [say("arrived")])];
   }
 }

@@ -1,5 +1,6 @@
 // Keyboard, gamepad and wheel: where hands and feet are now.
 
+import { say } from "./say";
 import { make, pressed, show } from "./words";
 
 /// How a wheel's axes were found to be: at rest and at their ends.
@@ -99,18 +100,18 @@ function moved(before: readonly number[], after: readonly number[], not: number[
 
 async function calibrate(): Promise<Wheel | null> {
   const look = (): number[] => [...(pads()[0]?.axes ?? [])];
-  const ask = async (what: string): Promise<number[]> => {
-    const go = pressed("Done");
-    show(make("h1", ["Steering wheel"]), make("p", [what]), go.all);
+  const ask = async (name: string): Promise<number[]> => {
+    const go = pressed(say("done"));
+    show(make("h1", [say("wheel")]), make("p", [say(name)]), go.all);
     await go.done;
     return look();
   };
-  const rest = await ask("Let go of the pedals and hold the wheel straight.");
-  const left = await ask("Turn the wheel to the left as far as it goes, and hold it there.");
+  const rest = await ask("wheel_rest");
+  const left = await ask("wheel_left");
   const axis = moved(rest, left);
-  const gas = await ask("Wheel straight again. Press the accelerator all the way down, and hold it.");
+  const gas = await ask("wheel_throttle");
   const throttle = moved(rest, gas, [axis]);
-  const stop = await ask("Let go of the accelerator. Press the brake all the way down, and hold it.");
+  const stop = await ask("wheel_brake");
   const brake = moved(rest, stop, [axis, throttle]);
   if (axis < 0 || throttle < 0 || brake < 0) return null;
   const at = (from: number[], which: number): number => from[which] ?? 0;
@@ -121,6 +122,10 @@ async function calibrate(): Promise<Wheel | null> {
   };
 }
 
+/// A sentence in which [Q] is drawn as a key.
+const withKeys = (sentence: string): (Node | string)[] =>
+  sentence.split(/\[([^\]]+)\]/).map((part, at) => (at % 2 === 1 ? make("kbd", [part]) : part));
+
 /// Lets the person choose, and a wheel be measured.
 export async function choose(): Promise<void> {
   for (;;) {
@@ -130,18 +135,16 @@ export async function choose(): Promise<void> {
         button.addEventListener("click", () => resolve(by));
         return make("p", [button]);
       };
-      const key = (name: string): HTMLElement => make("kbd", [name]);
       show(
-        make("h1", ["How do you want to drive?"]),
-        make("p", ["Keyboard: ", key("←"), " ", key("→"), " steer, ", key("↑"), " faster, ", key("↓"), " slower, ", key("Space"),
-          " brake hard, ", key("Q"), " and ", key("E"), " turn signals, ", key("M"), " sound. Without a key the car keeps its speed."]),
-        make("p", ["A gamepad or a steering wheel is found once one of its buttons was pressed."]),
-        option("keys", "Keyboard"), option("pad", "Gamepad"), option("wheel", "Steering wheel and pedals"),
+        make("h1", [say("how_drive")]),
+        make("p", withKeys(say("keys_help"))),
+        make("p", [say("devices_help")]),
+        option("keys", say("keyboard")), option("pad", say("gamepad")), option("wheel", say("wheel_and_pedals")),
       );
     });
     if (choice !== "keys" && pads().length === 0) {
-      const again = pressed("Back");
-      show(make("h1", ["Not found"]), make("p", ["The browser sees no gamepad and no wheel. Connect it and press one of its buttons."]), again.all);
+      const again = pressed(say("back"));
+      show(make("h1", [say("not_found")]), make("p", [say("no_device")]), again.all);
       await again.done;
       continue;
     }

@@ -4,6 +4,7 @@ import { PageDrive, type PageModel } from "../built/seat";
 import * as api from "./api";
 import * as controls from "./controls";
 import { Outbox } from "./outbox";
+import { say } from "./say";
 import { Sound } from "./sound";
 import { View, type Other, type Road } from "./view";
 import { make } from "./words";
@@ -64,22 +65,21 @@ export async function run(wanted: Wanted, learn: PageModel | null): Promise<stri
   const turn = (by: number): void => {
     const wanted = points + by;
     points = drive.turn(wanted);
-    const end = Math.abs(points - wanted) > 1e-9 ? " (as far as it goes)" : "";
     const sportier = points * (ride?.turns ?? 0) > 0;
-    const far = Math.abs(points) < 0.5 ? "Your own style" : `${Math.round(Math.abs(points))} points ${sportier ? "sportier" : "calmer"} than you`;
-    element("said").textContent = far + end;
+    const style = Math.abs(points) < 0.5 ? say("own_style") : say(sportier ? "points_sportier" : "points_calmer", { n: Math.round(Math.abs(points)) });
+    element("said").textContent = Math.abs(points - wanted) > 1e-9 ? say("far_as_goes", { style }) : style;
   };
   const button = (label: string, press: () => void): void => {
     const made = make("button", [label], { type: "button" });
     made.addEventListener("click", () => { press(); made.blur(); });
     buttons.append(made);
   };
-  const uncomfortable = (): void => { drive.note("uncomfortable"); element("said").textContent = "Noted."; };
-  if (ride) button("Uncomfortable (U)", uncomfortable);
+  const uncomfortable = (): void => { drive.note("uncomfortable"); element("said").textContent = say("noted"); };
+  if (ride) button(say("uncomfortable"), uncomfortable);
   if (ride?.turns) {
     const by = ride.turns;
-    button("Calmer (C)", () => turn(-by));
-    button("Sportier (S)", () => turn(by));
+    button(say("calmer"), () => turn(-by));
+    button(say("sportier"), () => turn(by));
   }
   const forget = controls.onPress((code) => {
     if (code === "KeyQ") signal = signal === 1 ? 0 : 1;
@@ -165,7 +165,7 @@ export async function run(wanted: Wanted, learn: PageModel | null): Promise<stri
       const within = off + 0.5 * road.carWidth < 0.5 * road.laneWidth && speed > SLOW_MPS;
       practised.keptS = within ? practised.keptS + steps * STEP_MS / 1000 : 0;
       const contacts = get(7) + get(8);
-      if (contacts > touched) { touched = contacts; element("said").textContent = get(7) > 0 ? "Contact with another vehicle or the barrier" : "Contact with the barrier"; }
+      if (contacts > touched) { touched = contacts; element("said").textContent = say(get(7) > 0 ? "contact_vehicle" : "contact_barrier"); }
       sound.set(speed, get(12));
       view.draw({ x: x + speed * owed / 1000, y, heading, wheel, others }, now);
       if (pressedAt !== null) input = Math.max(input, performance.now() - pressedAt);

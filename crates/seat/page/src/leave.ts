@@ -2,6 +2,7 @@
 
 import type { State } from "./api";
 import { keeper } from "./keeper";
+import { say } from "./say";
 import { make } from "./words";
 
 /// A choice in a dialog: what its button says, and whether what was given is kept.
@@ -25,7 +26,7 @@ function ask(title: string, words: string[], choices: Choice[], stays: string): 
       await keeper.leave(keep);
       location.reload();
     } catch (error) {
-      problem.textContent = `This cannot be done: ${error instanceof Error ? error.message : String(error)}`;
+      problem.textContent = say("cannot_be_done", { why: error instanceof Error ? error.message : String(error) });
     }
   };
   stay.addEventListener("click", () => dialog.close());
@@ -36,20 +37,20 @@ function ask(title: string, words: string[], choices: Choice[], stays: string): 
 
 /// Leaving stops at once; the person says what becomes of what was recorded.
 export function askWhetherToLeave(): void {
-  ask("Leave the study?", [], [
-    { label: "Leave, and let what I gave be kept", keep: true },
-    { label: "Leave, and have it deleted", keep: false },
-  ], "Stay");
+  ask(say("leave_title"), [], [
+    { label: say("leave_keep"), keep: true },
+    { label: say("leave_delete"), keep: false },
+  ], say("stay"));
 }
 
 /// After the end: until when what was given can be taken back, and the button for it.
 export function takingBack({ withdraw, ended }: State): HTMLElement[] {
   if (!withdraw || ended === "deleted") return [];
-  const { until, open, lasting } = withdraw;
-  if (!open) return [make("p", [`What you gave could be taken back until ${until}. Ask whoever runs the study.`])];
-  const button = make("button", ["Delete what I gave"], { type: "button" });
+  const { until, open } = withdraw;
+  if (!open) return [make("p", [say("withdraw_over", { until: until ?? "" })])];
+  const button = make("button", [say("delete")], { type: "button" });
   button.addEventListener("click", () =>
-    ask("Delete what you gave?", ["Your answers and drives are deleted, and what was learned of you.", lasting], [{ label: "Delete it", keep: false }], "Keep it"));
-  const when = until ? `Until ${until} you can take back what you gave` : "You can take back what you gave at any time";
-  return [make("p", [`${when}: keep the address of this page for that.`]), make("p", [button])];
+    ask(say("delete_title"), [say("delete_what"), say("lasting")], [{ label: say("delete_it"), keep: false }], say("keep_it")));
+  const when = until ? say("withdraw_until", { until }) : say("withdraw_always");
+  return [make("p", [when]), make("p", [button])];
 }

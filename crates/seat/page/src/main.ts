@@ -10,15 +10,10 @@ import { run, type Wanted } from "./drive";
 import { deleteForgotten } from "./forgotten";
 import { askWhetherToLeave, takingBack } from "./leave";
 import { sendLeftovers } from "./outbox";
+import { duration, say, sayWhatStands } from "./say";
 import { styles } from "./styles";
 import { make, paragraphs, pressed, sheet, show, text } from "./words";
 
-/// A duration in words that is not off by more than a twentieth.
-const minutes = (seconds: number): string => {
-  const whole = Math.round(seconds / 60);
-  if (Math.abs(60 * whole - seconds) > 0.05 * seconds) return `${Math.round(seconds)} seconds`;
-  return whole === 1 ? "one minute" : `${whole} minutes`;
-};
 const leaveButton = document.getElementById("leave") as HTMLButtonElement;
 let model: PageModel | null = null;
 
@@ -35,8 +30,8 @@ leaveButton.addEventListener("click", askWhetherToLeave);
 async function drives(state: api.State, step: api.Step & { kind: "practice" | "drive" | "ride" }): Promise<void> {
   // It had ended, and only the word of it was lost.
   if (state.whole) { await keeper.done(state.at); return; }
-  const go = pressed(state.attempts > 0 ? "Begin again" : "Begin");
-  const again = state.attempts > 0 ? [make("p", ["This part was cut short and begins again."])] : [];
+  const go = pressed(say(state.attempts > 0 ? "begin_again" : "begin"));
+  const again = state.attempts > 0 ? [make("p", [say("cut_short")])] : [];
   const [title, body, hint] = told(state, step);
   const ready = theModel();
   show(make("h1", [title]), ...again, ...paragraphs(body), go.all);
@@ -49,10 +44,10 @@ async function drives(state: api.State, step: api.Step & { kind: "practice" | "d
     wanted.enough = (seen) => seen.keptS >= step.lane_kept_s && seen.passes >= step.passes;
   }
   if (step.kind === "ride") {
-    if (!learned) throw new Error("there is no model to ride with");
+    if (!learned) throw new Error(say("no_model"));
     const fitted = state.fit && Float64Array.from(state.fit.embedding);
     const own = step.style === "mean" ? learned.mean() : fitted;
-    if (!own) throw new Error("no style was learned of the drive by hand");
+    if (!own) throw new Error(say("no_style"));
     const beyond = (step.style === "own" && state.fit?.beyond) || null;
     wanted.ride = { model: learned, own, beyond, points: step.points, stretch: step.stretch, turns: step.turns };
   }
@@ -62,29 +57,29 @@ async function drives(state: api.State, step: api.Step & { kind: "practice" | "d
 }
 
 function told(state: api.State, step: api.Step & { kind: "practice" | "drive" | "ride" }): [string, string, string] {
+  const time = duration(step.seconds);
   if (step.kind === "practice") {
-    return ["Practice", `Get to know the car: keep to your lane${step.passes > 0 ? ", and pass a slower car" : ""}. It takes at most ${minutes(step.seconds)}.`, "Practice"];
+    return [say("practice"), say(step.passes > 0 ? "practice_pass" : "practice_keep", { time }), say("practice")];
   }
   if (step.kind === "drive") {
-    return ["Your drive", `Drive for ${minutes(step.seconds)} as you would on such a road, whoever is ahead of you.`, "Drive as you would"];
+    return [say("drive"), say("drive_help", { time }), say("drive_hint")];
   }
-  const made = state.made_up_model ? "\n\nThe model that drives learned from made-up people." : "";
-  const free = step.turns ? "\n\nDuring this ride you may make the car calmer or sportier, as often as you like." : "";
-  return [`Ride ${step.number}`, `The car drives for ${minutes(step.seconds)}. Watch the road. Press U whenever it makes you uncomfortable.${free}${made}`, ""];
+  const more = [...(step.turns ? ["ride_free"] : []), ...(state.made_up_model ? ["ride_made_up"] : [])];
+  return [say("ride", { number: step.number }), [say("ride_help", { time }), ...more.map((name) => say(name))].join("\n\n"), ""];
 }
 
 async function once(state: api.State): Promise<boolean> {
   const step = state.steps[state.at];
   if (state.ended || !step) {
     leaveButton.hidden = true;
-    show(make("h1", [state.ended === "done" || !step ? "Thank you" : "You have left the study"]),
+    show(make("h1", [say(state.ended === "done" || !step ? "thank_you" : "have_left")]),
       ...code(state), ...(state.styles ? styles(state.styles) : []), ...await keeper.handOver(),
-      make("p", [state.ended === "deleted" ? "What you gave was deleted." : "You can close this page."]), ...takingBack(state));
+      make("p", [say(state.ended === "deleted" ? "was_deleted" : "close_page")]), ...takingBack(state));
     return false;
   }
   switch (step.kind) {
     case "text": {
-      const seconds = await text(step.title, step.text, step.agree ? "I agree" : "Continue");
+      const seconds = await text(step.title, step.text, say(step.agree ? "agree" : "continue"));
       if (step.agree) await keeper.answer(state.at, { agreed: true, seconds }); else await keeper.done(state.at);
       break;
     }
@@ -104,19 +99,20 @@ async function once(state: api.State): Promise<boolean> {
 function code(state: api.State): HTMLElement[] {
   const last = state.steps.at(-1);
   if (state.ended !== "done" || last?.kind !== "thanks") return [];
-  const given = last.code ? [make("p", ["Your code: ", make("strong", [last.code])])] : [];
+  const given = last.code ? [make("p", [say("your_code"), " ", make("strong", [last.code])])] : [];
   return [...paragraphs(last.text), ...given];
 }
 
 /// The parts of earlier drives that the seat refuses for good, and why.
 function leftOver(refused: string[]): void {
   if (refused.length === 0) return;
-  const why = make("p", [`Something that was driven here before is not taken in: ${refused.join("; ")}. It stays in this browser; please tell whoever runs the study.`]);
+  const why = make("p", [say("refused_before", { why: refused.join("; ") })]);
   why.setAttribute("role", "alert");
   document.getElementById("main")?.before(why);
 }
 
 async function main(): Promise<void> {
+  sayWhatStands();
   await onlyTab();
   await Promise.all([init({ module_or_path: new URL("seat.wasm", import.meta.url) }), keeper.open()]);
   const first = await keeper.state();
@@ -138,9 +134,9 @@ async function main(): Promise<void> {
 
 main().catch((error: unknown) => {
   const why = error instanceof Error ? error.message : String(error);
-  const again = pressed("Try again");
+  const again = pressed(say("try_again"));
   void again.done.then(() => location.reload());
   // Nothing is read behind the road.
   (document.getElementById("drive") as HTMLElement).hidden = true;
-  show(make("h1", ["This cannot go on"]), make("p", [why]), again.all);
+  show(make("h1", [say("cannot_go_on")]), make("p", [why]), again.all);
 });

@@ -1,6 +1,7 @@
 // One's own style beside those of the others.
 
 import type { Styles } from "./api";
+import { say } from "./say";
 import { make } from "./words";
 
 const SVG = "http://www.w3.org/2000/svg";
@@ -20,16 +21,16 @@ function draw<K extends keyof SVGElementTagNameMap>(tag: K, attributes: Record<s
 
 /// A line from calmer to sportier with a ring for each of the others and a mark for oneself; the same in words above it.
 export function styles({ own, others, sportier_up }: Styles): HTMLElement[] {
-  const title = make("h2", ["Your style and the others’"]);
+  const title = make("h2", [say("style_title")]);
   if (own === null) {
-    return [title, make("p", ["The model of this study has not met anybody who drives like you, so it cannot place your driving among that of the others."])];
+    return [title, make("p", [say("style_unknown")])];
   }
   const towards = (points: number): number => (sportier_up ? points : -points);
   const all = [...others, own].map(towards);
   const [low, high] = [Math.min(...all), Math.max(...all)];
   const at = (points: number): number => EDGE + ((towards(points) - low) / (high - low || 1)) * (WIDTH - 2 * EDGE);
   const calmer = others.filter((o) => towards(o) < towards(own)).length;
-  const words = `Your driving seemed sportier than that of ${calmer} of the ${others.length} others who took part so far, as the model of this study reads it.`;
+  const words = say("style_among", { calmer, others: others.length });
   const picture = draw("svg", { viewBox: `0 0 ${WIDTH} ${HEIGHT}`, role: "img", class: "styles" });
   picture.append(draw("title", {}, words), draw("line", { x1: EDGE, x2: WIDTH - EDGE, y1: LINE, y2: LINE }));
   let [before, row] = [-Infinity, 0];
@@ -40,9 +41,9 @@ export function styles({ own, others, sportier_up }: Styles): HTMLElement[] {
   }
   const here = at(own).toFixed(1);
   picture.append(draw("path", { d: `M${here} ${LINE + 3}l-7 14h14z` }));
-  picture.append(draw("text", { x: here, y: LINE + 34, "text-anchor": "middle" }, "you"));
-  picture.append(draw("text", { x: EDGE, y: LINE + 34, "text-anchor": "start", class: "end" }, "calmer"));
-  picture.append(draw("text", { x: WIDTH - EDGE, y: LINE + 34, "text-anchor": "end", class: "end" }, "sportier"));
+  picture.append(draw("text", { x: here, y: LINE + 34, "text-anchor": "middle" }, say("style_you")));
+  picture.append(draw("text", { x: EDGE, y: LINE + 34, "text-anchor": "start", class: "end" }, say("style_calmer")));
+  picture.append(draw("text", { x: WIDTH - EDGE, y: LINE + 34, "text-anchor": "end", class: "end" }, say("style_sportier")));
   // At an end the word for oneself would stand on the word of that end.
   if (at(own) < EDGE + 70) picture.querySelectorAll("text")[1]?.remove();
   if (at(own) > WIDTH - EDGE - 80) [...picture.querySelectorAll("text")].at(-1)?.remove();

@@ -1,5 +1,7 @@
 // Texts and questionnaires.
 
+import { say } from "./say";
+
 const main = document.getElementById("main") as HTMLElement;
 
 /// An element with text or children; text never becomes markup.
@@ -59,9 +61,9 @@ export async function sheet(
   });
   const said = make("p", [], {});
   said.setAttribute("role", "alert");
-  const button = make("button", ["Continue"], { className: "main", type: "submit" });
+  const button = make("button", [say("continue")], { className: "main", type: "submit" });
   const form = make("form", [...sets, said, make("p", [button])]);
-  show(make("h1", [scale.title]), make("p", [`${scale.min} is the lowest answer, ${scale.max} the highest.`]), form);
+  show(make("h1", [scale.title]), make("p", [say("answers_range", { min: scale.min, max: scale.max })]), form);
   const given = (): (number | null)[] => sets.map((set) => {
     const value = set.querySelector<HTMLInputElement>("input:checked")?.value;
     return value === undefined ? null : Number(value);
@@ -75,7 +77,7 @@ export async function sheet(
     sets.forEach((set, at) => set.classList.toggle("missing", missing.includes(at)));
     if (missing.length > 0 && !asked) {
       asked = true;
-      said.textContent = `Not answered yet: ${missing.map((m) => m + 1).join(", ")}. You may answer, or continue without.`;
+      said.textContent = say("not_answered", { items: missing.map((m) => m + 1).join(", ") });
       sets[missing[0] as number]?.querySelector("input")?.focus();
       return;
     }

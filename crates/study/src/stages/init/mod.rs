@@ -50,6 +50,7 @@ const PAPERS_PROTOCOL: &str = "
 consent = \"consent.md\"
 before = [\"adb\", \"mini_ipip\", \"mdsi\"]  # the file of each needs `wording`
 after = [\"aggressiveness\", \"rosas\", \"godspeed_intelligence\", \"jian_trust\", \"similarity\"]
+# language = \"de\"                      # what the seat says by itself: en (default) or de
 # withdraw_until = \"2027-01-31\"        # last day on which people can take back what they gave
 ";
 /// The paper's design.

@@ -1,0 +1,267 @@
+//! The sentences that the seat says to whoever takes part: a file a language, each of which a study may replace.
+
+use crate::error::SeatError;
+use maveric_domain::{design::Protocol, nearest};
+use maveric_study::{DesignFile, atomic_write::read_text};
+use std::{
+    collections::{BTreeMap, BTreeSet},
+    sync::LazyLock,
+};
+
+type Sentences = BTreeMap<String, String>;
+
+/// The languages that the seat speaks by itself.
+const SHIPPED: [(&str, &str); 2] = [
+    (ENGLISH, include_str!("../words/en.toml")),
+    ("de", include_str!("../words/de.toml")),
+];
+const ENGLISH: &str = "en";
+
+/// What every language has to say.
+static IN_ENGLISH: LazyLock<Sentences> = LazyLock::new(|| shipped(ENGLISH).unwrap_or_default());
+
+/// The sentences of a language that the seat speaks by itself.
+fn shipped(language: &str) -> Option<Sentences> {
+    let (_, text) = SHIPPED.iter().find(|(known, _)| *known == language)?;
+    toml::from_str(text).ok()
+}
+
+/// The English sentence of this name, for whoever runs the study.
+pub(crate) fn in_english(name: &str) -> &'static str {
+    IN_ENGLISH.get(name).map_or("", String::as_str)
+}
+
+/// All that a study says to whoever takes part.
+#[derive(Debug, Clone)]
+pub struct Words {
+    /// As the web writes it.
+    pub(crate) language: String,
+    sentences: Sentences,
+}
+
+impl Default for Words {
+    fn default() -> Self {
+        Self {
+            language: ENGLISH.to_owned(),
+            sentences: IN_ENGLISH.clone(),
+        }
+    }
+}
+
+impl Words {
+    /// Those of a study: its language's, with its own in their place.
+    ///
+    /// # Errors
+    /// [`SeatError::Protocol`] for a language in which a sentence is missing, a sentence that the seat does not say, or one with other parts to
+    /// be filled in; [`SeatError::Study`] for a file that cannot be read.
+    pub fn of_study(study: &DesignFile) -> Result<Self, SeatError> {
+        let protocol = study.design.protocol();
+        let file = protocol.words.as_ref().map(|path| study.resolve(path));
+        let text = file.as_deref().map(read_text).transpose()?;
+        Self::of(protocol, text.as_deref())
+    }
+
+    fn of(protocol: &Protocol, own: Option<&str>) -> Result<Self, SeatError> {
+        let file = protocol.words.clone().unwrap_or_default();
+        let refused = |problem: String, help: String| SeatError::Protocol {
+            problem,
+            help: Some(help),
+        };
+        let name = file.display();
+        let own = own.map(toml::from_str::<Sentences>).transpose();
+        let own = own.map_err(|e| {
+            let help = "expected lines such as begin = \"Start\"".to_owned();
+            refused(format!("{name}: {}", e.message()), help)
+        })?;
+        let own = own.unwrap_or_default();
+        for (key, sentence) in &own {
+            let Some(english) = IN_ENGLISH.get(key) else {
+                let known = IN_ENGLISH.keys().map(String::as_str);
+                let help = nearest(key, known).map_or_else(
+                    || "leave it out".to_owned(),
+                    |near| format!("did you mean `{near}`?"),
+                );
+                return Err(refused(
+                    format!("{name}: `{key}` is no sentence of the seat"),
+                    help,
+                ));
+            };
+            if let Some(part) = parts(sentence).difference(&parts(english)).next() {
+                return Err(refused(
+                    format!("{name}: `{key}` names {{{part}}}, which nothing fills in"),
+                    format!("the sentence is: {english}"),
+                ));
+            }
+        }
+        let language = &protocol.language;
+        let spoken = shipped(language);
+        let speaks = spoken.is_some();
+        let mut sentences = spoken.unwrap_or_default();
+        sentences.extend(own);
+        let lacking: Vec<&str> = IN_ENGLISH
+            .keys()
+            .filter(|key| !sentences.contains_key(*key))
+            .map(String::as_str)
+            .collect();
+        if !speaks && !lacking.is_empty() {
+            let (all, lack) = (IN_ENGLISH.len(), lacking.len());
+            let shipped = SHIPPED.map(|(language, _)| language).join(", ");
+            return Err(refused(
+                format!(
+                    "[protocol] language is `{language}`, which the seat does not speak: {lack} of its {all} sentences are missing ({}{})",
+                    lacking[..lack.min(5)].join(", "),
+                    if lack > 5 { ", …" } else { "" }
+                ),
+                format!(
+                    "write them into a file, and `words` = its name into [protocol]; the seat speaks {shipped}"
+                ),
+            ));
+        }
+        Ok(Self {
+            language: language.clone(),
+            sentences,
+        })
+    }
+
+    /// A sentence with one part filled in.
+    pub(crate) fn say(&self, name: &str, (part, value): (&str, &str)) -> String {
+        let sentence = self.sentences.get(name).map_or("", String::as_str);
+        sentence.replace(&format!("{{{part}}}"), value)
+    }
+
+    /// All sentences, as JSON that can stand in a page.
+    pub(crate) fn for_page(&self) -> String {
+        let json = serde_json::to_string(&self.sentences).unwrap_or_default();
+        json.replace('<', "\\u003c")
+    }
+}
+
+/// What is filled in, in a sentence.
+fn parts(sentence: &str) -> BTreeSet<&str> {
+    let after = sentence.split('{').skip(1);
+    after
+        .filter_map(|rest| Some(rest.split_once('}')?.0))
+        .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::path::{Path, PathBuf};
+
+    fn of(language: &str, own: Option<&str>) -> Result<Words, SeatError> {
+        let protocol = Protocol {
+            language: language.to_owned(),
+            words: own.map(|_| PathBuf::from("words.toml")),
+            ..Protocol::default()
+        };
+        Words::of(&protocol, own)
+    }
+
+    fn refused(language: &str, own: Option<&str>) -> String {
+        let error = of(language, own).unwrap_err();
+        format!("{error}; {}", error.suggestion().unwrap_or_default())
+    }
+
+    #[test]
+    fn every_language_says_the_same_sentences_with_the_same_parts() {
+        for (language, text) in SHIPPED {
+            let sentences: Sentences = toml::from_str(text).unwrap();
+            let names = |s: &Sentences| s.keys().cloned().collect::<Vec<_>>();
+            assert_eq!(names(&sentences), names(&IN_ENGLISH), "{language}");
+            for (name, sentence) in &sentences {
+                let english = &IN_ENGLISH[name];
+                assert_eq!(parts(sentence), parts(english), "{language}: {name}");
+                let keys = |s: &str| s.matches('[').count();
+                assert_eq!(keys(sentence), keys(english), "{language}: {name}");
+            }
+        }
+    }
+
+    /// What the scripts and the page name, between these marks.
+    fn named(files: &[(PathBuf, String)], before: &str) -> BTreeSet<String> {
+        let texts = files
+            .iter()
+            .flat_map(|(_, text)| text.split(before).skip(1));
+        let names = texts.filter_map(|rest| Some(rest.split_once('"')?.0.to_owned()));
+        names.collect()
+    }
+
+    #[test]
+    fn the_page_says_every_sentence_and_no_other_and_has_none_of_its_own() {
+        let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("page/src");
+        let files: Vec<(PathBuf, String)> = std::fs::read_dir(folder)
+            .unwrap()
+            .map(|entry| entry.unwrap().path())
+            .filter(|path| path.extension().is_some_and(|e| e == "ts" || e == "html"))
+            .map(|path| (path.clone(), std::fs::read_to_string(path).unwrap()))
+            .collect();
+        let marks = ["say(\"", "data-say=\"", "data-label=\""];
+        let said: BTreeSet<String> = marks.iter().flat_map(|m| named(&files, m)).collect();
+        let all = |name: &String| IN_ENGLISH.contains_key(name);
+        let unknown: Vec<_> = said.iter().filter(|name| !all(name)).collect();
+        assert!(unknown.is_empty(), "{unknown:?}");
+        // Some are chosen between two, or named in a list; one is said by the server alone.
+        for name in IN_ENGLISH.keys().filter(|n| *n != "withdraw_sentence") {
+            let quoted = format!("\"{name}\"");
+            let used = files.iter().any(|(_, text)| text.contains(&quoted));
+            assert!(used, "`{name}` is said nowhere");
+        }
+        for (path, text) in files
+            .iter()
+            .filter(|(p, _)| p.extension().is_some_and(|e| e == "ts"))
+        {
+            for (number, line) in (1..).zip(text.lines()) {
+                let code = line.split("//").next().unwrap();
+                for string in code.split('"').skip(1).step_by(2) {
+                    let sentence = string.contains(' ')
+                        && string.starts_with(|c: char| c.is_ascii_uppercase());
+                    assert!(!sentence, "{}:{number}: {string}", path.display());
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn a_study_replaces_sentences_and_the_rest_stays() {
+        let words = of("de", Some("begin = \"Los\"")).unwrap();
+        assert_eq!(words.sentences["begin"], "Los");
+        assert_eq!(words.sentences["continue"], "Weiter");
+        let english = of("en", None).unwrap();
+        assert_eq!(english.sentences["begin"], "Begin");
+        let said = words.say("withdraw_sentence", ("until", "2026-12-31"));
+        assert!(said.starts_with("Bis 2026-12-31"), "{said}");
+    }
+
+    #[test]
+    fn a_language_of_which_sentences_are_missing_is_refused_and_one_that_is_whole_is_spoken() {
+        let told = refused("fr", Some("begin = \"Commencer\""));
+        let all = IN_ENGLISH.len();
+        let lacks = format!("{} of its {all}", all - 1);
+        assert!(told.contains("`fr`") && told.contains(&lacks), "{told}");
+        assert!(told.contains("agree") && told.contains("en, de"), "{told}");
+        let whole = toml::to_string(&*IN_ENGLISH).unwrap();
+        assert_eq!(of("fr", Some(&whole)).unwrap().language, "fr");
+    }
+
+    #[test]
+    fn a_sentence_that_the_seat_does_not_say_or_cannot_fill_in_is_refused() {
+        let told = refused("en", Some("begins = \"Go\""));
+        assert!(
+            told.contains("`begins`") && told.contains("`begin`"),
+            "{told}"
+        );
+        let told = refused("en", Some("ride = \"Ride {nr}\""));
+        assert!(told.contains("{nr}") && told.contains("{number}"), "{told}");
+        let told = refused("en", Some("begin = 3"));
+        assert!(told.contains("words.toml"), "{told}");
+    }
+
+    #[test]
+    fn no_sentence_ends_the_place_in_the_page_where_it_stands() {
+        let words = of("en", Some("begin = \"</script><b>\"")).unwrap();
+        assert!(!words.for_page().contains('<'));
+        let read: Sentences = serde_json::from_str(&words.for_page()).unwrap();
+        assert_eq!(read["begin"], "</script><b>");
+    }
+}
