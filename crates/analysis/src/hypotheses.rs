@@ -4,8 +4,7 @@ use crate::{
     AnalysisError,
     data::StudyData,
     pairs::values,
-    primary::PrimaryOutcome,
-    result::{Contrast, Judged, Panel},
+    result::{Contrast, Judged, Panel, PrimaryOutcome},
     verdict::{FEWEST, Verdict, directed, equivalent, one_sided},
 };
 use maveric_domain::{

@@ -47,7 +47,6 @@ pub use finding::{Finding, Needed, Part, Question};
 pub use flow::{Flow, LeftOutFor};
 pub use person::Person;
 pub use planned::{PlannedTest, planned};
-pub use primary::PrimaryOutcome;
 pub use recommendation::{
     Dial, FURTHEST_POINTS, Learned, OnTheScale, Percept, Preferred, Reason, Recommendation,
     SETTINGS, Standard,
@@ -55,7 +54,7 @@ pub use recommendation::{
 pub use result::{
     Above, AggressionLine, Analysis, Bias, ByFactor, Contrast, ContrastTest, Correlation,
     Described, Exclusion, FactorContrast, Group, HomophilyRow, Judged, Kept, LevelMean, LineRow,
-    MixedRow, Nearer, Panel, Preference, Reproduction, SimilarityRow, TestedFactor,
+    MixedRow, Nearer, Panel, Preference, PrimaryOutcome, Reproduction, SimilarityRow, TestedFactor,
 };
 pub use turned::{Settled, Turns};
 pub use verdict::Verdict;

@@ -2,41 +2,10 @@
 
 use crate::{
     data::StudyData,
-    result::{Contrast, Panel},
+    result::{Contrast, Panel, PrimaryOutcome},
     verdict::{ALPHA, FEWEST, Verdict, significant},
 };
-use maveric_domain::{ConditionId, design::DeclaredTest};
-use serde::{Deserialize, Serialize};
-
-/// What became of a primary outcome.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct PrimaryOutcome {
-    /// Id of the outcome.
-    pub outcome: String,
-    /// Name for people.
-    pub title: String,
-    /// Unit of the difference; empty for counts and shares.
-    pub unit: String,
-    /// First condition of the contrast that decides.
-    pub first: ConditionId,
-    /// Second; the difference is first minus second.
-    pub second: ConditionId,
-    /// The declared test.
-    pub test: DeclaredTest,
-    /// People in it.
-    pub n: usize,
-    /// The outcome before it at which the gate closed: then there is neither p nor verdict.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub closed_by: Option<String>,
-    /// Mean difference, of a mixed model with the period taken out.
-    pub mean_difference: Option<f64>,
-    /// Ends of its 95 % interval, of a mixed model.
-    pub interval: Option<(f64, f64)>,
-    /// p of the contrast, two-sided, not adjusted: it is the only one that decides.
-    pub p: Option<f64>,
-    /// Whether p is below α.
-    pub verdict: Verdict,
-}
+use maveric_domain::ConditionId;
 
 impl PrimaryOutcome {
     /// Whether a contrast is the one that decides.

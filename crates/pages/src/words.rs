@@ -129,11 +129,7 @@ pub fn omnibus(design: &Design, panel: &Panel, short: bool) -> String {
 
 /// An effect of several factors by the labels of its factors: `City × Condition`.
 pub(crate) fn effect_title(design: &Design, name: &str) -> String {
-    let label = |part: &str| match part {
-        PERIOD => capital(part),
-        factor => design.factor_label(factor),
-    };
-    let factors: Vec<String> = name.split(':').map(label).collect();
+    let factors: Vec<String> = name.split(':').map(|f| design.factor_label(f)).collect();
     factors.join(" × ")
 }
 

@@ -2,8 +2,7 @@
 
 use crate::{
     finding::{Finding, Part, Question, Rule},
-    primary::PrimaryOutcome,
-    result::Judged,
+    result::{Judged, PrimaryOutcome},
 };
 
 /// A finding a primary outcome: its contrast differs, does not, or was not tested.

@@ -4,7 +4,7 @@ use std::{collections::BTreeMap, fmt};
 
 use serde::{Deserialize, Serialize};
 
-use super::{DesignColumns, kept, period::PERIOD};
+use super::{DesignColumns, DesignTable, PERIOD, kept};
 use crate::{
     FixedEffect, Formula, MarginalContrast, Named, Predictor, StatsError, TermTest,
     numerics::matrix::Matrix, random_by_factor, within_subjects::Index,
@@ -88,7 +88,7 @@ impl fmt::Display for NoCarryOver {
 
 /// Fits first-order carry-over beside condition and period: a sensitivity analysis, never a reason to change the verdict.
 ///
-/// Needs `periods` and one factor within subjects.
+/// Needs `periods` and one factor within subjects; whoever lacks a condition is left out.
 ///
 /// # Errors
 /// [`StatsError::LengthMismatch`].
@@ -109,7 +109,9 @@ impl fmt::Display for NoCarryOver {
 /// ```
 pub fn carry_over(data: &DesignColumns<'_>) -> Result<CarryOver, StatsError> {
     StatsError::same_length(PERIOD, data.periods.len(), data.values.len())?;
-    Ok(match fitted(data) {
+    let whole = kept::listwise(data);
+    let whole = whole.as_ref().map(DesignTable::columns);
+    Ok(match fitted(whole.as_ref().unwrap_or(data)) {
         Ok(found) => CarryOver::Fitted(Box::new(found)),
         Err(why_not) => CarryOver::NotFitted { why_not },
     })

@@ -2,11 +2,14 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::{effects::EffectTest, period::PERIOD};
+use super::effects::EffectTest;
 use crate::{
     AssumptionCheck, Comparison, Factorial, Friedman, GroupsAnalysis, MarginalContrast, Named,
     Ordinal, RandomIntercept, Reasons, Wilcoxon, numerics::distributions::f_upper,
 };
+
+/// Name of the factor of the place in which a subject met a condition.
+pub const PERIOD: &str = "period";
 
 /// The test that a design calls for, where it is not one factor within subjects.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]

@@ -3,8 +3,8 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use super::{
-    ByDesign, Chosen, ChosenTest, CorrectedTerm, DesignChoice, DesignColumns, MixedFinding, PERIOD,
-    said_of_ordinal,
+    ByDesign, Chosen, ChosenTest, CorrectedTerm, DesignChoice, DesignColumns, DesignTable,
+    MixedFinding, PERIOD, said_of_ordinal,
 };
 use crate::{
     FactorialDesign, Formula, Named, Predictor, RandomIntercept, StatsError, TermTest, factorial,
@@ -14,9 +14,21 @@ use crate::{
 
 /// How many subjects lack a cell that others have.
 pub(super) fn incomplete(data: &DesignColumns<'_>) -> usize {
+    subjects_with_gaps(data).len()
+}
+
+/// The rows of subjects who lack no cell, where somebody does.
+pub(super) fn listwise(data: &DesignColumns<'_>) -> Option<DesignTable> {
+    let gaps = subjects_with_gaps(data);
+    let whole = |row: &usize| !gaps.contains(data.subjects[*row].as_str());
+    let rows: Vec<usize> = (0..data.subjects.len()).filter(whole).collect();
+    (!gaps.is_empty()).then(|| DesignTable::rows(data, &rows, None))
+}
+
+fn subjects_with_gaps<'a>(data: &DesignColumns<'a>) -> BTreeSet<&'a str> {
     let rows = data.values.len().min(data.subjects.len());
     if data.within.is_empty() || data.within.iter().any(|(_, cells)| cells.len() < rows) {
-        return 0;
+        return BTreeSet::new();
     }
     let cell = |row: usize| -> Vec<&str> {
         let levels = data.within.iter();
@@ -30,8 +42,10 @@ pub(super) fn incomplete(data: &DesignColumns<'_>) -> usize {
             own.insert(cell(row));
         }
     }
-    let short = filled.values().filter(|own| own.len() < cells.len());
-    short.count()
+    let short = filled
+        .into_iter()
+        .filter(|(_, own)| own.len() < cells.len());
+    short.map(|(subject, _)| subject).collect()
 }
 
 /// The first covariate that has two values for one subject.

@@ -12,17 +12,18 @@ mod own_errors;
 mod parts;
 mod period;
 mod plan;
+mod table;
 
 pub use carry_over::{CarriedOver, CarryOver, NoCarryOver, carry_over};
 pub use effects::EffectTest;
 pub use found::{
     ByDesign, Chosen, ChosenTest, CorrectedTerm, FactorialFinding, MixedFinding, OrdinalFinding,
-    RankCheck, SmallSample,
+    PERIOD, RankCheck, SmallSample,
 };
 pub use level_contrast::{LevelChoice, LevelContrast, level_contrast};
-pub use parts::{DesignTable, SimpleTest, simple_effects};
-pub use period::PERIOD;
+pub use parts::{SimpleTest, simple_effects};
 pub use plan::{DesignPlan, DesignShape, EffectMethod, PlannedEffect};
+pub use table::DesignTable;
 
 use crate::{
     AssumptionCheck, BetweenColumn, ShapiroWilk, StatsError, WithinColumn, reasons::p_words,

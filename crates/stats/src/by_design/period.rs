@@ -3,8 +3,9 @@
 use std::collections::BTreeSet;
 
 use super::{
-    AskedTest, ByDesign, Chosen, ChosenTest, DesignChoice, DesignColumns, OrdinalFinding,
-    SmallSample, carry_over::is_connected, kept, one_factor::as_answers, own_errors::own_errors,
+    AskedTest, ByDesign, Chosen, ChosenTest, DesignChoice, DesignColumns, MissingCells,
+    OrdinalFinding, PERIOD, SmallSample, carry_over::is_connected, kept, one_factor::as_answers,
+    own_errors::own_errors,
 };
 use crate::{
     Adjustment, MarginalContrast, Named, Ordinal, PosthocTest, StatsError, WithinSubjects,
@@ -12,15 +13,16 @@ use crate::{
     ordinal::{Difference, by_period},
 };
 
-/// Name of the factor of the place in which a subject met a condition.
-pub const PERIOD: &str = "period";
-
 /// The test that was asked for; where orders are known, with the period.
 pub(super) fn asked(
     data: &DesignColumns<'_>,
     choice: &DesignChoice,
 ) -> Result<ByDesign, StatsError> {
     let periods = !data.periods.is_empty();
+    if let (MissingCells::Listwise, Some(whole)) = (choice.missing, kept::listwise(data)) {
+        // Nobody is left in whom a cell is missing.
+        return asked(&whole.columns(), choice);
+    }
     if periods {
         StatsError::same_length(PERIOD, data.periods.len(), data.values.len())?;
         if !is_connected(data) {

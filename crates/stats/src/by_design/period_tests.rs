@@ -427,8 +427,27 @@ fn the_estimate_of_a_pair_is_the_models_and_its_error_follows_its_own_spread() {
         );
         assert!(pair.df.unwrap() > 18.0 && pair.df.unwrap() < 23.0 + 1e-9);
     }
-    // Somebody without a condition: the model alone has the pairs.
+    // Somebody without a condition is left out whole, or stays in the model alone.
     let mut short = study;
     short.values[5] = None;
-    assert!(short.mixed().own_error.is_empty());
+    let listwise = short.mixed();
+    assert_eq!((listwise.model.n_subjects, listwise.model.n_obs), (23, 92));
+    assert_eq!(listwise.own_error.len(), 6);
+    let choice = DesignChoice {
+        missing: MissingCells::Mixed,
+        ..DesignChoice::default()
+    };
+    let ByDesign::Mixed(kept) = compare_by_design(&short.columns(), &choice).unwrap() else {
+        panic!("a mixed model")
+    };
+    assert_eq!(
+        (kept.found.model.n_obs, kept.found.own_error.len()),
+        (95, 0)
+    );
+    let carried = short.carried();
+    short.values.drain(4..8);
+    short.people.drain(4..8);
+    short.conditions.drain(4..8);
+    short.periods.drain(4..8);
+    assert_eq!(carried, short.carried());
 }
