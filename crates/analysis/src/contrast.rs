@@ -101,19 +101,18 @@ impl ModelPairs<'_> {
                 ..untested
             };
         };
-        let (mean, se, interval) = match self.test {
-            ContrastTest::Ordinal => (raw, None, None),
-            _ => {
-                let ends = pair.ci_low.zip(pair.ci_high);
-                let turned = ends.map(|(low, high)| {
-                    if sign < 0.0 {
-                        (-high, -low)
-                    } else {
-                        (low, high)
-                    }
-                });
-                (Some(sign * pair.estimate), Some(pair.se), turned)
-            }
+        let (mean, se, interval) = if self.test == ContrastTest::Ordinal {
+            (raw, None, None)
+        } else {
+            let ends = pair.ci_low.zip(pair.ci_high);
+            let turned = ends.map(|(low, high)| {
+                if sign < 0.0 {
+                    (-high, -low)
+                } else {
+                    (low, high)
+                }
+            });
+            (Some(sign * pair.estimate), Some(pair.se), turned)
         };
         Contrast {
             mean_difference: mean,

@@ -117,7 +117,14 @@ mod tests {
         let words: Vec<&str> = cards.iter().map(|c| c.verdict.as_str()).collect();
         assert_eq!(
             words,
-            ["shown", "not shown", "fails", "not asked", "too few to say"]
+            [
+                "shown",
+                "not shown",
+                "fails",
+                "not asked",
+                "too few to say",
+                "not tested"
+            ]
         );
         assert_eq!(cards[0].question, "Is it?");
         let tones = cards.map(|c| c.tone);
@@ -128,7 +135,8 @@ mod tests {
                 Tone::Open,
                 Tone::Bad,
                 Tone::Silent,
-                Tone::Silent
+                Tone::Silent,
+                Tone::Silent,
             ]
         );
     }

@@ -150,12 +150,45 @@ mod tests {
         PageTexts::new(METHODS, values).unwrap().text(key).unwrap()
     }
 
-    fn tests(t: bool, wilcoxon: bool) -> String {
-        let used = context! { factorial => false, simple => false, groups => false, mixed => false, ordinal => false, one_factor => false, t, wilcoxon };
+    /// The paragraph on tests, where nothing but contrasts was tested but for what is given.
+    fn of_tests(used: &Value, primary: &[Value]) -> String {
+        let none = context! {
+            factorial => false, simple => false, groups => false, mixed => false, ordinal => false, one_factor => false, t => false,
+            wilcoxon => false, period => false, carry_over => false,
+        };
+        let used = context! { ..used.clone(), ..none };
         said(
             "tests",
-            &context! { used, of_levels => 0, compare => "all", correlations => false },
+            &context! { used, primary, covariates => Vec::<String>::new(), of_levels => 0, compare => "all", correlations => false,
+            label => Value::from_function(|id: &str| id.to_owned()) },
         )
+    }
+
+    fn tests(t: bool, wilcoxon: bool) -> String {
+        of_tests(&context! { t, wilcoxon }, &[])
+    }
+
+    #[test]
+    fn the_period_and_primary_outcomes_are_told_where_they_are_and_nowhere_else() {
+        let plain = tests(true, false);
+        for word in ["Primary", "period", "carry-over"] {
+            assert!(!plain.contains(word), "{plain}");
+        }
+        let used = context! { mixed => true, period => true, carry_over => true };
+        let primary = |title: &str| context! { title, first => "sporty", second => "calm", declared => "a mixed model" };
+        let one = of_tests(&used, &[primary("Trust")]);
+        assert!(
+            one.starts_with("Primary, as declared: Trust (sporty − calm) by a mixed model. "),
+            "{one}"
+        );
+        assert!(
+            one.contains("whatever its *p*") && one.contains("carry-over was looked at"),
+            "{one}"
+        );
+        // Nobody's covariate was taken out.
+        assert!(!one.contains("take out the influence"), "{one}");
+        let two = of_tests(&used, &[primary("Trust"), primary("Comfort")]);
+        assert!(two.contains("tested in this order, each at .05"), "{two}");
     }
 
     #[test]

@@ -134,7 +134,6 @@ impl Sample {
     }
 
     fn subject(
-        &self,
         terms: &[Term],
         rule: &Rule,
         parameters: &[f64],
@@ -235,9 +234,7 @@ impl<'a> Likelihood<'a> {
             gradient[lower] -= slope;
         }
         for (terms, mode) in self.sample.subjects.iter().zip(&mut self.modes) {
-            total +=
-                self.sample
-                    .subject(terms, self.rule, parameters, gradient, &mut self.work, mode);
+            total += Sample::subject(terms, self.rule, parameters, gradient, &mut self.work, mode);
         }
         total.is_finite().then_some(total)
     }
