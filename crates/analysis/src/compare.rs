@@ -11,7 +11,10 @@ use crate::{
     result::{Contrast, ContrastTest, Group, Panel},
     verdict::ALPHA,
 };
-use maveric_domain::{ConditionId, ParticipantId, design::Factor};
+use maveric_domain::{
+    ConditionId, ParticipantId,
+    design::{DeclaredTest, Factor},
+};
 use maveric_measures::{difference_from_own, objective};
 use maveric_stats::{Adjustment, ByDesign, PosthocTest, WithinSubjects, adjust, posthoc};
 use std::{cmp::Ordering, collections::BTreeMap};
@@ -182,7 +185,10 @@ fn panel(
     }
     panel.reasons.extend(period.reason().map(str::to_owned));
     panel.reasons.extend(cut_drives(data, asked, people));
-    if panel.n < 2 || panel.conditions.len() < 2 {
+    // No other test steps in for one that was declared, or that takes the period, and has no result.
+    let declared = period == Period::Taken || asked.test.is_some_and(|t| t != DeclaredTest::Auto);
+    let no_result = declared && panel.comparison.is_none();
+    if panel.n < 2 || panel.conditions.len() < 2 || no_result {
         let untested = |pair: [ConditionId; 2]| Contrast::untested(pair, expected(pair));
         panel.contrasts = contrasts.into_iter().map(untested).collect();
         return Ok(panel);

@@ -341,3 +341,28 @@ fn an_item_is_tested_by_its_order_with_the_period_and_has_no_carry_over() {
         })
     );
 }
+
+#[test]
+fn where_the_declared_test_has_no_result_no_other_steps_in() {
+    // A speed is no ordered answer.
+    let a = analysed_by(&text(&primary(SPEED, "ordinal")), ridden(16, 0.5, 0.3));
+    let found = panel(&a, SPEED);
+    assert!(found.comparison.is_none() && found.test.is_none());
+    assert!(found.contrasts.len() == 6 && found.contrasts.iter().all(|c| c.p.is_none()));
+    assert!(
+        found.reasons[0].contains("whole number"),
+        "{:?}",
+        found.reasons
+    );
+    assert_eq!((a.primary[0].p, a.primary[0].verdict), (None, NotShown));
+    // One order for all: the condition is one thing with the period.
+    let mut same = ridden(16, 0.5, 0.3);
+    let order = same.people[0].order.clone();
+    for p in &mut same.people {
+        p.order.clone_from(&order);
+    }
+    let b = analysed_by(&text(&primary(SPEED, "mixed")), same);
+    let found = panel(&b, SPEED);
+    assert!(found.reasons[0].contains("condition and period cannot be told apart"));
+    assert!(found.contrasts.iter().all(|c| c.p.is_none()));
+}

@@ -247,7 +247,7 @@ mod tests {
             preregistration(&design, &[]).unwrap()
         };
         let one = text(&primary("mean_velocity_mps", "mixed"));
-        let line = "- Primary: `mean_velocity_mps`, sporty less calm, by a mixed model of condition and period";
+        let line = "- Primary: `mean_velocity_mps`, sporty less calm, by a mixed model of condition, and of period";
         assert!(
             one.contains(line) && !one.contains("in the order written"),
             "{one}"

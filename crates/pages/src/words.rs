@@ -166,9 +166,11 @@ pub fn paired(panel: &Panel, pair: &Contrast) -> Option<String> {
 pub(crate) fn declared_test(test: DeclaredTest) -> &'static str {
     match test {
         DeclaredTest::Auto => "a test chosen by what the data look like",
-        DeclaredTest::Mixed => "a mixed model of condition and period with the person at random",
+        DeclaredTest::Mixed => {
+            "a mixed model of condition, and of period where orders are known, with the person at random"
+        }
         DeclaredTest::Ordinal => {
-            "a cumulative logit model of condition and period with the person at random"
+            "a cumulative logit model of condition, and of period where orders are known, with the person at random"
         }
         DeclaredTest::RmAnova => "analysis of variance, its contrasts by paired *t* tests",
         DeclaredTest::Friedman => "Friedman’s test, its contrasts by Wilcoxon’s signed ranks",
