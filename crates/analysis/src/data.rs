@@ -453,13 +453,26 @@ impl StudyData {
         }
     }
 
+    /// The conditions in the order in which a participant met them; empty where it is not known.
+    pub fn order(&self, participant: &ParticipantId) -> &[ConditionId] {
+        let person = self.people.get(participant);
+        person.map_or(&[], |person| person.order.as_slice())
+    }
+
+    /// In which place of their order a participant met a condition, from 1.
+    pub fn period(&self, participant: &ParticipantId, condition: ConditionId) -> Option<usize> {
+        let place = self.order(participant).iter().position(|c| *c == condition);
+        place.map(|place| place + 1)
+    }
+
+    /// Whether the order of anybody who was tested is known.
+    pub fn has_orders(&self) -> bool {
+        self.participants.iter().any(|p| !self.order(p).is_empty())
+    }
+
     /// How evenly the conditions stand in the orders of those who were tested; none where no order is known.
     pub(crate) fn order_balance(&self) -> Option<OrderBalance> {
-        let order = |id| self.people.get(id).map(|person| person.order.as_slice());
-        let orders = self
-            .participants
-            .iter()
-            .map(|id| order(id).unwrap_or_default());
+        let orders = self.participants.iter().map(|id| self.order(id));
         OrderBalance::of(&self.design, orders)
     }
 

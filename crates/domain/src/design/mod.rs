@@ -16,6 +16,7 @@ mod outcome;
 mod own_measure;
 mod people;
 mod protocol;
+mod tested;
 mod toml_file;
 mod williams;
 
@@ -26,7 +27,7 @@ pub use error::DesignError;
 pub use exclude::Exclude;
 pub use files::{BeyondRule, Files, Mappings, ModelFile, RigMapping, Software};
 pub use orders::OrderPlan;
-pub use outcome::{Homophily, Outcome, Quantity, ScoreName, Style};
+pub use outcome::{DeclaredTest, Homophily, Outcome, Quantity, ScoreName, Style};
 pub use own_measure::{ABOUT_A_ROW, OwnMeasure};
 pub use people::{CONDITION, Covariate, Factor, People};
 pub use protocol::{Practice, Probe, Protocol, ProtocolStep, SeatView};
