@@ -3,7 +3,7 @@
 use crate::{
     Analysis, AnalysisError, Exclusion, Panel, Reproduction, StudyData, by_factor, compare,
     crossed::crossed, describe, design_test::Friedman, findings, homophily, hypotheses, line,
-    mixed, reproduction,
+    mixed, presses, reproduction,
 };
 use maveric_domain::design::{Condition, Outcome, Quantity};
 use maveric_measures::objective;
@@ -44,6 +44,7 @@ pub fn analyse(data: &StudyData, friedman: Friedman) -> Result<Analysis, Analysi
         mixed: mixed::mixed(data)?,
         similarity: homophily::similarity(data)?,
         preferences: homophily::preferences(data),
+        presses: presses::presses(data)?,
         beyond_training: beyond_training(data),
         notes: notes(data),
         exclusions,

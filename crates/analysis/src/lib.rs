@@ -22,6 +22,7 @@ mod mixed;
 mod outcomes;
 mod person;
 mod planned;
+mod presses;
 mod recommendation;
 mod reproduction;
 mod result;
@@ -43,6 +44,7 @@ pub use finding::{Finding, Needed, Part, Question};
 pub use flow::{Flow, LeftOutFor};
 pub use person::Person;
 pub use planned::{PlannedTest, planned};
+pub use presses::{BeforePress, CoursePoint, FEWEST_PEOPLE, FEWEST_PRESSES, PressCourse, Presses};
 pub use recommendation::{
     Dial, FURTHEST_POINTS, Learned, OnTheScale, Percept, Preferred, Reason, Recommendation,
     SETTINGS, Standard,

@@ -1,6 +1,8 @@
 //! What the analyses of a study give: everything that a figure, a table or a claim is made from.
 
-use crate::{balance::OrderBalance, finding::Finding, flow::Flow, verdict::Verdict};
+use crate::{
+    balance::OrderBalance, finding::Finding, flow::Flow, presses::Presses, verdict::Verdict,
+};
 use maveric_domain::{
     ConditionId,
     design::{ScoreName, Sign},
@@ -52,6 +54,9 @@ pub struct Analysis {
     pub mixed: Vec<MixedRow>,
     /// 9.5, who preferred another style to their own.
     pub preferences: Vec<Preference>,
+    /// What people pressed during the rides; none where nothing could be pressed.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub presses: Option<Presses>,
     /// Share of embeddings away from 0 on the dial that lie further out than any training driver's.
     pub beyond_training: Option<f64>,
     /// What the design asks for and this analysis does in another way, or not at all, in sentences.

@@ -10,6 +10,7 @@ pub mod apa;
 mod bayes;
 mod bootstrap;
 mod by_design;
+mod case_crossover;
 mod cochran_q;
 mod compare;
 mod complete;
@@ -17,6 +18,7 @@ mod correlation;
 mod describe;
 mod equivalence;
 mod error;
+mod event_rates;
 mod factorial;
 mod friedman;
 mod groups;
@@ -59,6 +61,7 @@ pub use by_design::{
     LevelContrast, MissingCells, MixedFinding, OrdinalFinding, OutcomeScale, PlannedEffect,
     RankCheck, SimpleTest, SmallSample, compare_by_design, level_contrast, simple_effects,
 };
+pub use case_crossover::{CaseCrossover, CaseStratum, case_crossover};
 pub use cochran_q::{CochranQ, CochranQTest, McNemarPair, cochran_q};
 pub use compare::{
     AssumptionCheck, Comparison, Omnibus, OmnibusP, OmnibusTest, compare, compare_without_exact,
@@ -70,6 +73,7 @@ pub use correlation::{
 pub use describe::{mean, mean_interval, quantile, standard_deviation, within_subject_intervals};
 pub use equivalence::{Bounds, Equivalence, Tost, equivalence, equivalence_one};
 pub use error::StatsError;
+pub use event_rates::{EventRates, Exposed, event_rates};
 pub use factorial::{
     AlignedRanks, ArtEffect, ArtStrata, BetweenColumn, CellContrast, ExactTest, Factor, Factorial,
     FactorialDesign, FactorialEffect, MarginalMean, SimpleEffect, WithinColumn, aligned_ranks,

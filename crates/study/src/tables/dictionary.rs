@@ -37,6 +37,8 @@ pub enum TableName {
     OutcomesWide,
     OwnMeasurements,
     Participants,
+    PressMoments,
+    Presses,
     Reliabilities,
     Rollouts,
     Scores,
