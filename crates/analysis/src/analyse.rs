@@ -3,7 +3,7 @@
 use crate::{
     Analysis, AnalysisError, Exclusion, Panel, Reproduction, StudyData, by_factor, compare,
     crossed::crossed, describe, design_test::Purpose, findings, homophily, hypotheses, line, mixed,
-    primary, reproduction,
+    presses, primary, reproduction,
 };
 use maveric_domain::design::{Condition, DeclaredTest, Outcome, Quantity};
 use maveric_measures::objective;
@@ -47,6 +47,7 @@ pub fn analyse(data: &StudyData, purpose: Purpose) -> Result<Analysis, AnalysisE
         mixed: mixed::mixed(data)?,
         similarity: homophily::similarity(data)?,
         preferences: homophily::preferences(data),
+        presses: presses::presses(data)?,
         beyond_training: beyond_training(data),
         notes: notes(data),
         exclusions,

@@ -12,6 +12,7 @@ use maveric_domain::{
     Answer, ConditionId, ConditionRow, Design, DriveId, DrivenBy, EmbeddingRow, MeasureValues,
     MeasuredDrive, Moment, OwnMeasurement, ParticipantId, Scale, Score,
     design::{Condition, ScoreName, Sign},
+    press::{PressMoment, PressedRide},
 };
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -101,6 +102,8 @@ pub struct StudyData {
     scales: Vec<Scale>,
     /// Where people left the dial, a ride each.
     settled: BTreeMap<ParticipantId, Vec<Settled>>,
+    /// What was pressed in the rides, and when.
+    pressed: (Vec<PressedRide>, Vec<PressMoment>),
     /// The study's own measures by condition and participant.
     own: BTreeMap<ConditionId, BTreeMap<ParticipantId, BTreeMap<String, f64>>>,
     /// Drives of tested people by condition and participant.
@@ -212,6 +215,7 @@ impl StudyData {
             participants,
             flow,
             settled: BTreeMap::new(),
+            pressed: Default::default(),
             own,
             drives,
             before: subscales(&pre),
@@ -254,6 +258,25 @@ impl StudyData {
             }
         }
         self
+    }
+
+    /// The same, with what people pressed in their rides.
+    #[must_use]
+    pub fn with_presses(mut self, rides: Vec<PressedRide>, moments: Vec<PressMoment>) -> Self {
+        self.pressed = (rides, moments);
+        self
+    }
+
+    /// Rides in which people could press, of whoever is not left out.
+    pub(crate) fn pressed_rides(&self) -> impl Iterator<Item = &PressedRide> {
+        let rides = self.pressed.0.iter();
+        rides.filter(|ride| self.drive(&ride.participant, ride.condition).is_some())
+    }
+
+    /// The moments of these rides.
+    pub(crate) fn press_moments(&self) -> impl Iterator<Item = &PressMoment> {
+        let moments = self.pressed.1.iter();
+        moments.filter(|m| self.drive(&m.participant, m.condition).is_some())
     }
 
     /// Where somebody left the dial, a ride each.

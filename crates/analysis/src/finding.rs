@@ -35,6 +35,10 @@ pub enum Question {
     Preferred,
     /// Does personality tell which style one wants?
     Personality,
+    /// Do people press more in some conditions than in others?
+    Pressed,
+    /// Was the ride another one just before they press?
+    BeforePress,
     /// Do the paper's numbers come out?
     Paper,
     /// Is a driver recognised on another day?
@@ -68,7 +72,7 @@ pub enum Question {
 }
 
 /// Ids of the questions that are asked once, in JSON and on pages; a hypothesis is `hypothesis-1`, and so on.
-const IDS: [(Question, &str); 25] = [
+const IDS: [(Question, &str); 27] = [
     (Question::OwnStyle, "own-style"),
     (Question::Nearer, "nearer"),
     (Question::Dial, "dial"),
@@ -79,6 +83,8 @@ const IDS: [(Question, &str); 25] = [
     (Question::Across, "across"),
     (Question::Preferred, "preferred"),
     (Question::Personality, "personality"),
+    (Question::Pressed, "pressed"),
+    (Question::BeforePress, "before-press"),
     (Question::Paper, "paper"),
     (Question::Recognised, "recognised"),
     (Question::Safe, "safe"),

@@ -4,6 +4,7 @@ use crate::{
     balance::{Balance, OrderBalance},
     finding::Finding,
     flow::Flow,
+    presses::Presses,
     verdict::Verdict,
 };
 use maveric_domain::{
@@ -60,6 +61,9 @@ pub struct Analysis {
     pub mixed: Vec<MixedRow>,
     /// 9.5, who preferred another style to their own.
     pub preferences: Vec<Preference>,
+    /// What people pressed during the rides; none where nothing could be pressed.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub presses: Option<Presses>,
     /// Share of embeddings away from 0 on the dial that lie further out than any training driver's.
     pub beyond_training: Option<f64>,
     /// What the design asks for and this analysis does in another way, or not at all, in sentences.

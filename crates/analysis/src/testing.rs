@@ -4,6 +4,8 @@ use crate::{Analysis, Panel, Purpose, StudyData, Tables, analyse};
 use maveric_domain::{
     ConditionId, ConditionRow, Design, DriveId, DriveMeta, DrivenBy, Embedding, EmbeddingRow,
     MeasuredDrive, Moment, ParticipantId, Score,
+    press::{PressMoment, PressedRide},
+    stream_seed,
 };
 use std::collections::BTreeMap;
 
@@ -181,4 +183,57 @@ pub(crate) fn steered(
         sweep: None,
         embedding: Embedding::new(vec![0.0]).unwrap(),
     }
+}
+
+/// People who rode fast and slow and pressed so often (by person and condition); braking was so much stronger before a press.
+pub(crate) fn pressing(
+    people: usize,
+    presses: impl Fn(usize, usize) -> usize,
+    braking: f64,
+) -> StudyData {
+    let conditions = ["fast", "slow"];
+    let (mut tables, mut rides, mut moments) = (Tables::default(), Vec::new(), Vec::new());
+    for i in 0..people {
+        tables.measurements.push(drive(i, "own", Some(25.0)));
+        for (k, condition) in conditions.into_iter().enumerate() {
+            let ridden = drive(i, condition, Some(25.0 + (i + k) as f64));
+            rides.push(PressedRide {
+                participant: person(i),
+                condition: id(condition),
+                drive: ridden.meta.drive.clone(),
+                minutes: 20.0,
+                presses: presses(i, k),
+            });
+            tables.measurements.push(ridden);
+            for minute in 0..presses(i, k) as u32 {
+                for second in 20..50 {
+                    let draw = |what: &str| {
+                        let key = format!("{i} {k} {minute} {second} {what}");
+                        Some(stream_seed(1, &[&key]) as f64 / u64::MAX as f64)
+                    };
+                    let pressed = second == 35;
+                    let before = if pressed { braking } else { 0.0 };
+                    moments.push(PressMoment {
+                        participant: person(i),
+                        condition: id(condition),
+                        minute,
+                        time_s: f64::from(60 * minute + second),
+                        pressed,
+                        at_risk: true,
+                        to_press_s: (25..=35).contains(&second).then(|| f64::from(35 - second)),
+                        least_gap_m: draw("gap"),
+                        inverse_time_to_collision_per_s: draw("closing"),
+                        braking_mps2: draw("braking").map(|b| b + before),
+                        jerk_mps3: draw("jerk"),
+                        lateral_acceleration_mps2: draw("aside"),
+                        lane_change: draw("change").map(f64::round),
+                        cut_in: draw("cut in").map(f64::round),
+                    });
+                }
+            }
+        }
+    }
+    let design = design(&plain(&conditions, ""));
+    let data = StudyData::new(&design, tables).unwrap();
+    data.with_presses(rides, moments)
 }

@@ -9,6 +9,7 @@ pub mod fitted;
 pub mod ids;
 pub mod measurement;
 mod nearest;
+pub mod press;
 pub mod recording;
 pub mod scene;
 pub mod seed;

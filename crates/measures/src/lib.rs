@@ -1,12 +1,14 @@
 #![doc = include_str!("../README.md")]
 
 pub mod accuracy;
+mod before_press;
 pub mod error;
 pub mod likeness;
 pub mod objective;
 pub mod survey;
 
 pub use accuracy::{Accuracy, difference_from_own, drive_accuracy, mean_accuracy};
+pub use before_press::press_moments;
 pub use error::MeasureError;
 pub use objective::Measure;
 pub use survey::{ItemMatrix, ScoreWarning, Scored, parse_scale, score};

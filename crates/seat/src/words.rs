@@ -3,6 +3,7 @@
 use crate::error::SeatError;
 use maveric_domain::{design::Protocol, nearest};
 use maveric_study::{DesignFile, atomic_write::read_text};
+use path_slash::PathExt as _;
 use std::{
     collections::{BTreeMap, BTreeSet},
     sync::LazyLock,
@@ -67,7 +68,7 @@ impl Words {
             problem,
             help: Some(help),
         };
-        let name = file.display();
+        let name = file.to_slash_lossy();
         let own = own.map(toml::from_str::<Sentences>).transpose();
         let own = own.map_err(|e| {
             let help = "expected lines such as begin = \"Start\"".to_owned();
@@ -222,7 +223,7 @@ mod tests {
                 for string in code.split('"').skip(1).step_by(2) {
                     let sentence = string.contains(' ')
                         && string.starts_with(|c: char| c.is_ascii_uppercase());
-                    assert!(!sentence, "{}:{number}: {string}", path.display());
+                    assert!(!sentence, "{}:{number}: {string}", path.to_slash_lossy());
                 }
             }
         }

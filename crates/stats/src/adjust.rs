@@ -103,7 +103,7 @@ impl Adjustment {
     }
 
     /// Corrects those p values that exist; the others are no part of the family.
-    pub(crate) fn apply_defined(self, p: &[Option<f64>]) -> Vec<Option<f64>> {
+    pub fn apply_defined(self, p: &[Option<f64>]) -> Vec<Option<f64>> {
         let defined: Vec<f64> = p.iter().copied().flatten().collect();
         let mut adjusted = self.apply(&defined).into_iter();
         p.iter().map(|p| p.and_then(|_| adjusted.next())).collect()

@@ -10,6 +10,7 @@ pub mod apa;
 mod bayes;
 mod bootstrap;
 mod by_design;
+mod case_crossover;
 mod cochran_q;
 mod compare;
 mod complete;
@@ -17,6 +18,7 @@ mod correlation;
 mod describe;
 mod equivalence;
 mod error;
+mod event_rates;
 mod factorial;
 mod friedman;
 mod groups;
@@ -60,6 +62,7 @@ pub use by_design::{
     OrdinalFinding, OutcomeScale, PERIOD, PlannedEffect, RankCheck, SimpleTest, SmallSample,
     carry_over, compare_by_design, level_contrast, simple_effects,
 };
+pub use case_crossover::{CaseCrossover, CaseStratum, case_crossover};
 pub use cochran_q::{CochranQ, CochranQTest, McNemarPair, cochran_q};
 pub use compare::{
     AssumptionCheck, Comparison, Omnibus, OmnibusP, OmnibusTest, compare, compare_without_exact,
@@ -73,6 +76,7 @@ pub use equivalence::{
     Bounds, Equivalence, EstimateTost, Tost, equivalence, equivalence_one, tost_of_estimate,
 };
 pub use error::StatsError;
+pub use event_rates::{EventRates, Exposed, event_rates};
 pub use factorial::{
     AlignedRanks, ArtEffect, ArtStrata, BetweenColumn, CellContrast, ExactTest, Factor, Factorial,
     FactorialDesign, FactorialEffect, MarginalMean, SimpleEffect, WithinColumn, aligned_ranks,

@@ -18,6 +18,7 @@ mod named;
 mod once;
 pub mod outcome;
 mod outputs;
+mod presses;
 mod recordings;
 pub mod run_folder;
 mod stage;

@@ -64,6 +64,16 @@ pub fn own_path(out: &Path) -> PathBuf {
     beside(out, "_own.csv")
 }
 
+/// The file beside the measurements with presses, a row a ride.
+pub(crate) fn presses_path(measurements: &Path) -> PathBuf {
+    beside(measurements, "_presses.csv")
+}
+
+/// The file beside the measurements with the moments around presses.
+pub(crate) fn press_moments_path(measurements: &Path) -> PathBuf {
+    beside(measurements, "_press_moments.csv")
+}
+
 /// The file beside `out` that lists what was left out: who, what, why.
 pub fn exclusions_path(out: &Path) -> PathBuf {
     beside(out, "_exclusions.csv")
@@ -246,7 +256,9 @@ pub(crate) fn read_study(
         kept_out: drives_kept_out(folder)?,
         stopped: study.stopped()?,
     };
-    Ok(StudyData::new(design, tables)?)
+    let rides = if_there(&presses_path(&measurements), read_rows)?;
+    let moments = if_there(&press_moments_path(&measurements), read_rows)?;
+    Ok(StudyData::new(design, tables)?.with_presses(rides, moments))
 }
 
 /// The files with what [`read_study`] reads.
@@ -268,7 +280,8 @@ pub(crate) fn study_files(
     ];
     let mut files = files
         .reads([study.resolve(&design.files().scales)])
-        .reads_if_there([own_path(&measurements), measurements])
+        .reads_if_there([own_path(&measurements), presses_path(&measurements)])
+        .reads_if_there([press_moments_path(&measurements), measurements])
         .reads_if_there(tables.map(|name| folder.join(name)));
     files = match participants {
         Some(given) => files.reads([given]),

@@ -4,6 +4,7 @@ mod car;
 mod conditions;
 mod declared;
 mod people;
+mod presses;
 mod study;
 mod style;
 

@@ -52,7 +52,7 @@ pub(super) const TIME_TO_COLLISION: Measure = Measure {
 const BESIDE: f64 = 0.25;
 
 /// The rows at which a vehicle has just cut in.
-fn cut_ins(drive: &Drive) -> impl Iterator<Item = usize> {
+pub(crate) fn cut_ins(drive: &Drive) -> impl Iterator<Item = usize> {
     let rows = drive.rows();
     let beside_m = BESIDE * drive.road().lane_width_m;
     let keeps_lane = move |row: usize| {

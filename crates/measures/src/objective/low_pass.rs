@@ -8,13 +8,22 @@ const BORDER_HZ: f64 = 2.0;
 /// Lowest rate at which it is applied, in Hz.
 const LOWEST_HZ: f64 = 10.0;
 
-/// Acceleration (m/s²) and jerk (m/s³) at each row: central differences of the speed behind a second-order low pass, that never span two
+/// Acceleration (m/s²) and jerk (m/s³) at each row, as [`derivatives`] of the speed.
+pub(super) fn acceleration_and_jerk(drive: &Drive) -> Option<[Vec<Option<f64>>; 2]> {
+    derivatives(drive, &drive.rows().ego_speed_mps, BORDER_HZ)
+}
+
+/// First and second derivative of a signal at each row: central differences of it behind a second-order low pass, that never span two
 /// segments. `None` below 10 Hz; a row at the rim of a segment has neither.
 ///
 /// # Source
 /// A Butterworth filter by the bilinear transform, as Oppenheim and Schafer have it (?); run forwards once, from the state in which the
 /// first speed had lasted for ever.
-pub(super) fn acceleration_and_jerk(drive: &Drive) -> Option<[Vec<Option<f64>>; 2]> {
+pub(crate) fn derivatives(
+    drive: &Drive,
+    signal: &[f64],
+    border_hz: f64,
+) -> Option<[Vec<Option<f64>>; 2]> {
     if drive.rate_hz() < LOWEST_HZ {
         return None;
     }
@@ -22,20 +31,20 @@ pub(super) fn acceleration_and_jerk(drive: &Drive) -> Option<[Vec<Option<f64>>; 
     let mut smooth = Vec::with_capacity(drive.len());
     for piece in rows.segment.chunk_by(|a, b| a == b) {
         let from = smooth.len();
-        let speed_mps = &rows.ego_speed_mps[from..from + piece.len()];
-        smooth.extend(low_pass(speed_mps, drive.rate_hz()));
+        let values = &signal[from..from + piece.len()];
+        smooth.extend(low_pass(values, drive.rate_hz(), border_hz));
     }
     let smooth: Vec<Option<f64>> = smooth.into_iter().map(Some).collect();
-    let acceleration = slopes(drive, &smooth);
-    let jerk = slopes(drive, &acceleration);
-    Some([acceleration, jerk])
+    let first = slopes(drive, &smooth);
+    let second = slopes(drive, &first);
+    Some([first, second])
 }
 
-fn low_pass(values: &[f64], rate_hz: f64) -> Vec<f64> {
+fn low_pass(values: &[f64], rate_hz: f64, border_hz: f64) -> Vec<f64> {
     let Some(first) = values.first() else {
         return Vec::new();
     };
-    let k = libm::tan(PI * BORDER_HZ / rate_hz);
+    let k = libm::tan(PI * border_hz / rate_hz);
     let scale = 1.0 / (1.0 + SQRT_2 * k + k * k);
     let b0 = k * k * scale;
     let (b1, b2) = (2.0 * b0, b0);
@@ -79,7 +88,7 @@ mod tests {
                 .collect()
         };
         let height = |hz: f64| {
-            let out = low_pass(&wave(hz), 20.0);
+            let out = low_pass(&wave(hz), 20.0, BORDER_HZ);
             // Of whole periods.
             (out[200..].iter().map(|v| v * v).sum::<f64>() / 100.0).sqrt()
         };
@@ -95,7 +104,7 @@ mod tests {
             "{}",
             height(2.0)
         );
-        let level = low_pass(&[20.0; 50], 20.0);
+        let level = low_pass(&[20.0; 50], 20.0, BORDER_HZ);
         assert!(level.iter().all(|v| (v - 20.0).abs() < 1e-12));
     }
 

@@ -18,8 +18,11 @@ mod time_gap;
 mod time_gap_following;
 mod time_to_collision;
 
+pub(crate) use cut_in::cut_ins;
 pub use exposure::{Comparable, Exposure, comparable};
+pub(crate) use low_pass::derivatives;
 pub use time_gap::median_time_gap_s;
+pub(crate) use time_to_collision::inverse_time_to_collision;
 
 use maveric_domain::{Drive, Measurement, SpeedUnit, design::Sign};
 
@@ -180,7 +183,7 @@ fn mean(values: &[f64]) -> Option<f64> {
 }
 
 /// Whether the reference vehicle is ahead in ego's own lane at `row`.
-fn lead_ahead(drive: &Drive, row: usize) -> bool {
+pub(crate) fn lead_ahead(drive: &Drive, row: usize) -> bool {
     let rows = drive.rows();
     rows.lead_present[row]
         && rows.lead_dx_m[row] > 0.0

@@ -70,6 +70,17 @@ pub(super) fn time_to_collision_s(drive: &Drive, row: usize) -> Option<f64> {
     closes.then(|| rows.lead_dx_m[row] / closing_mps)
 }
 
+/// The inverse of the time to collision at a row, in 1/s, with a vehicle ahead in ego's lane: 0 where the gap opens or nobody is ahead.
+pub(crate) fn inverse_time_to_collision(drive: &Drive, row: usize) -> f64 {
+    let rows = drive.rows();
+    let closing_mps = (rows.ego_speed_mps[row] - rows.lead_speed_mps[row]).max(0.0);
+    if lead_ahead(drive, row) {
+        closing_mps / rows.lead_dx_m[row]
+    } else {
+        0.0
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::super::testing::*;

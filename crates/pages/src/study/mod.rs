@@ -9,6 +9,7 @@ mod line;
 mod manuscript;
 mod methods;
 mod people;
+mod presses;
 mod results;
 mod tested;
 

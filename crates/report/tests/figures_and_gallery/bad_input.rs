@@ -49,6 +49,7 @@ fn kinds() -> Vec<Kind> {
         learning_curve,
         perpendicular,
         preference,
+        press_course,
         recommendation,
         residuals,
         simulator_view,

@@ -220,7 +220,7 @@ fn check(settings: &BootstrapSettings) -> Result<(), StatsError> {
 
 /// The generator of one chunk: state and increment are SplitMix64 steps from the seed, so
 /// that neighbouring chunks share nothing.
-fn stream(seed: u64, chunk: u64) -> Pcg64 {
+pub(crate) fn stream(seed: u64, chunk: u64) -> Pcg64 {
     let mix = |value: u64| {
         let z = value.wrapping_add(0x9e37_79b9_7f4a_7c15);
         let z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);

@@ -6,7 +6,8 @@ use crate::{
     gate::{Gate, counted},
     once::{count, told_once},
     outcome::{Outcome, Watch},
-    run_folder::own_path,
+    presses::{PressTables, Presses, events_path},
+    run_folder::{own_path, press_moments_path, presses_path},
     stage::{Files, Stage},
     tables::{
         TableName,
@@ -70,6 +71,13 @@ impl Stage for Measure {
             .reads_people(root, design, self.participants.as_deref())
             .writes([&self.out]);
         let study = DesignFile::below(root, design);
+        let seat = study.as_ref().map(events_path);
+        let files = match seat.filter(|events| events.is_file()) {
+            Some(events) => files
+                .reads([events])
+                .writes([presses_path(&self.out), press_moments_path(&self.out)]),
+            None => files,
+        };
         Ok(match study.filter(|s| !s.design.measures().is_empty()) {
             Some(study) => files
                 .reads_if_there([study.resolve(&study.design.files().measures)])
@@ -88,6 +96,8 @@ impl Stage for Measure {
             .map(|study| Gate::of(study, self.participants.as_deref()))
             .transpose()?;
         let own = self.average_own(study.as_ref())?;
+        let presses = study.as_ref().map(Presses::of).transpose()?.flatten();
+        let mut pressed = PressTables::default();
         let (mut rows, mut left_out, mut exposures) = (Vec::new(), Vec::new(), Vec::new());
         let mut from: BTreeMap<DriveId, &PathBuf> = BTreeMap::new();
         for (done, folder) in self.drives.iter().enumerate() {
@@ -125,6 +135,9 @@ impl Stage for Measure {
                     counted_s: None,
                 });
                 exposures.push((done, Exposure::of(&drive)));
+                if let Some(presses) = &presses {
+                    pressed.add(presses, &drive);
+                }
             }
             watch.step(done + 1, self.drives.len(), "folders measured")?;
         }
@@ -137,6 +150,7 @@ impl Stage for Measure {
         let parts = comparable_parts(&rows, &exposures, compared);
         let cut = count_in_parts(&self.drives, &measures, &parts, &mut rows, watch)?;
         write_measurements(&self.out, &rows)?;
+        let pressed = presses.map(|_| pressed.write(&self.out)).transpose()?;
         let missing: Vec<usize> = names
             .iter()
             .map(|name| rows.iter().filter(|r| r.values[*name].is_none()).count())
@@ -168,6 +182,14 @@ impl Stage for Measure {
             ["drive", "drives"],
             left_out.iter().map(|(_, why)| why),
         ));
+        summary.extend(pressed.map(|(rides, presses)| {
+            format!(
+                "{} in {} of the seat: {}",
+                count(presses, "press", "presses"),
+                count(rides, "ride", "rides"),
+                presses_path(&self.out).to_slash_lossy()
+            )
+        }));
         summary.extend(own.summary);
         Ok(Outcome {
             value: Measured {

@@ -38,6 +38,8 @@ pub enum TableName {
     OutcomesWide,
     OwnMeasurements,
     Participants,
+    PressMoments,
+    Presses,
     Reliabilities,
     Rollouts,
     Scores,

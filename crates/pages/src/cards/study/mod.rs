@@ -4,6 +4,7 @@ mod car;
 mod conditions;
 mod data;
 mod people;
+mod presses;
 mod results;
 mod style;
 

@@ -29,6 +29,7 @@ pub(crate) mod lane_change_quality;
 pub(crate) mod learning_curve;
 pub(crate) mod perpendicular;
 pub(crate) mod preference;
+pub(crate) mod press_course;
 pub(crate) mod recommendation;
 pub(crate) mod residuals;
 pub(crate) mod scatter;
@@ -66,7 +67,7 @@ pub(crate) const PARTICIPANTS: usize = 24;
 pub(crate) type Draw = fn(&Context) -> Result<Figure, ReportError>;
 
 /// Every kind: the name of its function, and one that draws it from made-up numbers.
-pub(crate) const KINDS: [(&str, Draw); 32] = [
+pub(crate) const KINDS: [(&str, Draw); 33] = [
     ("flow", flow::draw),
     ("completeness", completeness::draw),
     ("domain", domain::draw),
@@ -86,6 +87,7 @@ pub(crate) const KINDS: [(&str, Draw); 32] = [
     ("scatter", scatter::draw),
     ("forest", forest::draw),
     ("preference", preference::draw),
+    ("press_course", press_course::draw),
     ("family", family::draw),
     ("intervals", intervals::draw),
     ("recommendation", recommendation::draw),
