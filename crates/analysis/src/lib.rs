@@ -1,1 +1,62 @@
+#![doc = include_str!("../README.md")]
 
+mod analyse;
+mod balance;
+mod by_factor;
+mod compare;
+mod contrast;
+mod correlations;
+mod crossed;
+#[cfg(test)]
+mod crossover_tests;
+mod data;
+mod describe;
+mod design_test;
+mod error;
+pub mod exclusions;
+pub mod finding;
+pub mod findings;
+mod flow;
+mod homophily;
+mod hypotheses;
+mod line;
+mod mixed;
+mod outcomes;
+mod pairs;
+mod person;
+mod planned;
+mod primary;
+mod presses;
+mod recommendation;
+mod reproduction;
+mod result;
+#[cfg(test)]
+mod testing;
+#[cfg(test)]
+mod tests;
+mod turned;
+pub mod verdict;
+
+pub use analyse::analyse;
+pub use balance::{Balance, OrderBalance, PlacesOf};
+pub use data::{StudyData, Tables};
+pub use describe::{Observed, observed};
+pub use design_test::Purpose;
+pub use error::AnalysisError;
+pub use exclusions::{Driven, LeftOut, Rule, Stopped, Why};
+pub use finding::{Finding, Needed, Part, Question};
+pub use flow::{Flow, LeftOutFor};
+pub use person::Person;
+pub use planned::{PlannedTest, planned};
+pub use presses::{BeforePress, CoursePoint, FEWEST_PEOPLE, FEWEST_PRESSES, PressCourse, Presses};
+pub use recommendation::{
+    Dial, FURTHEST_POINTS, Learned, OnTheScale, Percept, Preferred, Reason, Recommendation,
+    SETTINGS, Standard,
+};
+pub use result::{
+    Above, AggressionLine, Analysis, Bias, ByFactor, Contrast, ContrastTest, Correlation,
+    Described, Exclusion, FactorContrast, Group, HomophilyRow, Judged, Kept, LevelMean, LineRow,
+    MixedRow, Nearer, Panel, Preference, PrimaryOutcome, Reproduction, SimilarityRow, TestedFactor,
+};
+pub use turned::{Settled, Turns};
+pub use verdict::Verdict;
