@@ -42,7 +42,7 @@ pub use data::{StudyData, Tables};
 pub use describe::{Observed, observed};
 pub use design_test::Purpose;
 pub use error::AnalysisError;
-pub use exclusions::{Driven, LeftOut, Rule, Why};
+pub use exclusions::{Driven, LeftOut, Rule, Stopped, Why};
 pub use finding::{Finding, Needed, Part, Question};
 pub use flow::{Flow, LeftOutFor};
 pub use person::Person;

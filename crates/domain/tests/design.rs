@@ -605,6 +605,7 @@ fn the_schema_for_editors_has_the_keys_of_the_reader() {
         ("[exclude]\nzzz = 1", "/exclude"),
         ("[protocol]\nzzz = 1", "/protocol"),
         ("[protocol.view]\nzzz = 1", "/protocol/properties/view"),
+        ("[protocol.probe]\nzzz = 1", "/protocol/properties/probe"),
         (
             "[protocol.practice]\nzzz = 1",
             "/protocol/properties/practice",
