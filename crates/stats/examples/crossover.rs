@@ -212,7 +212,7 @@ fn main() {
         of("a fifth of the people left out", |s| s.left_out = 0.2),
         of("lognormal errors", |s| s.skewed = true),
         of("the first condition varies 1.5 times as much", |s| {
-            s.first = 1.5
+            s.first = 1.5;
         }),
         of("carry-over planted", |s| s.carried = true),
         of("three conditions, carry-over planted", |s| {
