@@ -9,4 +9,4 @@ pub mod survey;
 pub use accuracy::{Accuracy, difference_from_own, drive_accuracy, mean_accuracy};
 pub use error::MeasureError;
 pub use objective::Measure;
-pub use survey::{ItemMatrix, ScoreWarning, Scored, parse_scale, score};
+pub use survey::{ItemMatrix, ScoreWarning, Scored, score};

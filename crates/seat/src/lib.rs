@@ -33,6 +33,7 @@ mod seat;
 mod servable;
 mod serve;
 mod sheet;
+mod sheet_page;
 pub mod steps;
 mod store;
 mod tables;
@@ -46,6 +47,7 @@ pub use forget::{Forgotten, forget};
 pub use hindrance::Hindrance;
 pub use seat::{Seat, SeatSettings};
 pub use serve::{Serving, run, serve};
+pub use sheet_page::{SheetPages, write_sheet_pages};
 pub use wire::Wire;
 pub use words::Words;
 

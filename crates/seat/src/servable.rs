@@ -38,7 +38,7 @@ pub(crate) fn hindrances(
         .filter(|_| asks(ProtocolStep::Before));
     let after = protocol.after.iter().filter(|_| asks(ProtocolStep::Rides));
     for id in before.chain(after) {
-        let missing = sheet(scales, id, Moment::Pre).err();
+        let missing = sheet(scales, id, Moment::Pre, &protocol.language).err();
         found.extend(missing.filter(|hindrance| !found.contains(hindrance)));
     }
     let learns = design.model().is_none() && design.people().learn.is_some();

@@ -1,7 +1,15 @@
 //! What is answered on one page.
 
-use crate::{steps::Step, token};
+use crate::{
+    steps::{Asked, Step},
+    token,
+};
+use maveric_domain::survey::Kind;
 use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
+
+/// Most characters that somebody may write into one field.
+const LONGEST_TEXT: usize = 4000;
 
 /// Answers to one scale, or agreeing to a text.
 #[derive(Deserialize, Serialize)]
@@ -10,6 +18,9 @@ pub(crate) struct Sheet {
     /// One an item; null where it was left out.
     #[serde(default)]
     pub(crate) answers: Vec<Option<i32>>,
+    /// What was written, by number of the item that asks for words.
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    pub(crate) texts: BTreeMap<usize, String>,
     /// Whether the text was agreed to.
     #[serde(default)]
     pub(crate) agreed: bool,
@@ -28,18 +39,7 @@ impl Sheet {
             return Err(format!("seconds {}", self.seconds));
         }
         match found {
-            Step::Scale {
-                items, min, max, ..
-            } => {
-                let range = *min..=*max;
-                let all = self.answers.len() == items.len();
-                if !all || self.answers.iter().flatten().any(|a| !range.contains(a)) {
-                    let (n, low, high) = (items.len(), range.start(), range.end());
-                    return Err(format!(
-                        "expected {n} answers, each {low} to {high} or left out"
-                    ));
-                }
-            }
+            Step::Scale { items, .. } => self.fits(items)?,
             Step::Text {
                 agree: true, text, ..
             } if self.agreed && self.answers.is_empty() => {
@@ -48,5 +48,31 @@ impl Sheet {
             _ => return Err("nothing is asked here".to_owned()),
         }
         serde_json::to_string(&self).map_err(|e| e.to_string())
+    }
+
+    /// Whether these are answers to the items.
+    fn fits(&self, items: &[Asked]) -> Result<(), String> {
+        let n = items.len();
+        if self.answers.len() != n {
+            return Err(format!("expected {n} answers, each given or left out"));
+        }
+        for (number, (asked, answer)) in (1..).zip(items.iter().zip(&self.answers)) {
+            if let Some(answer) = answer.filter(|a| !asked.item.takes(*a)) {
+                let range = asked.item.range();
+                return Err(format!(
+                    "item {number}: {answer}, expected {range} or left out"
+                ));
+            }
+        }
+        for (number, text) in &self.texts {
+            let asked = number.checked_sub(1).and_then(|place| items.get(place));
+            let asks_words = asked.is_some_and(|asked| asked.item.kind == Kind::Text);
+            if !asks_words || text.chars().count() > LONGEST_TEXT {
+                return Err(format!(
+                    "item {number}: a text of at most {LONGEST_TEXT} characters is expected of an item that asks for words alone"
+                ));
+            }
+        }
+        Ok(())
     }
 }

@@ -90,7 +90,10 @@ pub(crate) fn write_answers(
         }
     }
     let columns = TableName::Answers.entry().columns.iter();
-    let columns: Vec<&str> = columns.map(|column| column.name.as_str()).collect();
+    let columns = columns.map(|column| column.name.as_str());
+    let is_text = |column: &&str| *column == "text";
+    let written = rows.iter().any(|row: &Row| row.contains_key("text"));
+    let columns: Vec<&str> = columns.filter(|c| written || !is_text(c)).collect();
     merge(path, &columns, &rows)
 }
 
@@ -110,7 +113,7 @@ fn sheets_in(path: &Path) -> Result<Option<BTreeSet<[String; 3]>>, SeatError> {
 fn rows_of(place: &[String; 3], sheet: &Sheet) -> Vec<Row> {
     let [who, moment, scale] = place;
     let each_s = sheet.seconds / sheet.answers.len().max(1) as f64;
-    let row = |(item, answer): (i32, &Option<i32>)| {
+    let row = |(item, answer): (usize, &Option<i32>)| {
         let answer = answer.map_or_else(String::new, |a| a.to_string());
         let cells = [
             ("participant", who.clone()),
@@ -120,7 +123,11 @@ fn rows_of(place: &[String; 3], sheet: &Sheet) -> Vec<Row> {
             ("answer", answer),
             ("seconds", format!("{each_s:.3}")),
         ];
-        Row::from(cells.map(|(column, cell)| (column.to_owned(), cell)))
+        let words = sheet.texts.get(&item).map(|words| ("text", words.clone()));
+        let cells = cells.into_iter().chain(words);
+        cells
+            .map(|(column, cell)| (column.to_owned(), cell))
+            .collect()
     };
     (1..).zip(&sheet.answers).map(row).collect()
 }

@@ -123,6 +123,15 @@ impl Words {
         })
     }
 
+    /// Those of a language that the seat speaks by itself; English for another.
+    pub(crate) fn shipped(language: &str) -> Self {
+        let general = language.split('-').next().unwrap_or_default();
+        shipped(general).map_or_else(Self::default, |sentences| Self {
+            language: general.to_owned(),
+            sentences,
+        })
+    }
+
     /// A sentence with one part filled in.
     pub(crate) fn say(&self, name: &str, (part, value): (&str, &str)) -> String {
         let sentence = self.sentences.get(name).map_or("", String::as_str);

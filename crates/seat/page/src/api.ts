@@ -1,10 +1,11 @@
 // What the page asks of its server.
 
 import { say } from "./say";
+import type { Asked } from "./sheet";
 
 export type Step =
   | { kind: "text"; title: string; text: string; agree: boolean }
-  | { kind: "scale"; scale: string; title: string; items: string[]; min: number; max: number; moment: string }
+  | { kind: "scale"; scale: string; moment: string } & Asked
   | { kind: "controls" }
   | { kind: "practice"; seconds: number; lane_kept_s: number; passes: number; seed: string }
   | { kind: "drive"; condition: string; seconds: number; seed: string }
