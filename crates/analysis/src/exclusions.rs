@@ -295,16 +295,11 @@ mod tests {
         };
         let otherwise =
             "of the items that are there for attention answered otherwise than asked for";
-        let both = format!("P1 2 {otherwise}");
-        assert_eq!(
-            left_out("[exclude]\nattention_missed_at_least = 2"),
-            [both.clone()]
-        );
-        let one = format!("P2 1 {otherwise}");
-        assert_eq!(
-            left_out("[exclude]\nattention_missed_at_least = 1"),
-            [both, one]
-        );
+        let (both, one) = (format!("P1 2 {otherwise}"), format!("P2 1 {otherwise}"));
+        let from_one = left_out("[exclude]\nattention_missed_at_least = 1");
+        assert_eq!(from_one, [both.clone(), one]);
+        let from_two = left_out("[exclude]\nattention_missed_at_least = 2");
+        assert_eq!(from_two, [both]);
         assert!(left_out("").is_empty());
         assert!(design("[exclude]\nattention_missed_at_least = 0").is_err());
     }

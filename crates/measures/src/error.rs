@@ -1,6 +1,6 @@
 //! What can be wrong with a questionnaire or with the answers to it.
 
-use maveric_domain::{Moment, ParticipantId};
+use maveric_domain::{Moment, ParticipantId, survey::Item};
 
 /// A questionnaire definition or an answer that is refused.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -44,7 +44,7 @@ pub enum MeasureError {
     },
     /// An answer that the item does not have.
     #[error(
-        "participant {participant} ({moment}), scale `{scale}`, item {item}: answer {found} is not in {range}"
+        "participant {participant} ({moment}), scale `{scale}`, item {item}: answer {found} is not in {}", asked.range()
     )]
     AnswerOutOfRange {
         /// Who answered.
@@ -57,8 +57,8 @@ pub enum MeasureError {
         item: u32,
         /// The answer.
         found: i32,
-        /// The answers that the item has.
-        range: String,
+        /// What the item asks for; boxed, as the other errors are small.
+        asked: Box<Item>,
     },
     /// Two answers of one participant to one item at one moment.
     #[error("participant {participant} ({moment}), scale `{scale}`: item {item} is answered twice")]

@@ -217,18 +217,7 @@ impl ScaleFile {
         );
         let step = table.step.or(of_scale(self.step));
         if kind.has_levels() {
-            let of_scale = if kind == self.kind {
-                self.levels.len()
-            } else {
-                0
-            };
-            let mut levels = Some(table.levels.len())
-                .filter(|n| *n > 0)
-                .unwrap_or(of_scale);
-            let unworded = kind == Kind::Ladder && levels == 0;
-            if let (true, Some(min), Some(max)) = (unworded, min, max) {
-                levels = max.saturating_sub(min).saturating_add(1).max(0) as usize;
-            }
+            let levels = self.levels_of(table, kind, min.zip(max));
             if levels < 2 {
                 let kind = kind.name();
                 return bad(format!(
@@ -236,7 +225,7 @@ impl ScaleFile {
                 ));
             }
             let lowest = min.unwrap_or(1);
-            let highest = lowest.saturating_add(levels as i32 - 1);
+            let highest = lowest.saturating_add(levels - 1);
             if let Some(max) = max.filter(|max| *max != highest) {
                 return bad(format!(
                     "{levels} levels from {lowest} end at {highest}, and max is {max}"
@@ -285,6 +274,18 @@ impl ScaleFile {
                 ))
             }
             _ => Ok(item),
+        }
+    }
+
+    /// How many levels a ladder or a choice has: those that are written, or as many as a ladder without words leads through.
+    fn levels_of(&self, table: &ItemTable, kind: Kind, ends: Option<(i32, i32)>) -> i32 {
+        let of_scale = self.levels.len() * usize::from(kind == self.kind);
+        let own = Some(table.levels.len()).filter(|n| *n > 0);
+        match (own.unwrap_or(of_scale), ends) {
+            (0, Some((min, max))) if kind == Kind::Ladder => {
+                max.saturating_sub(min).saturating_add(1).max(0)
+            }
+            (written, _) => i32::try_from(written).unwrap_or(i32::MAX),
         }
     }
 
@@ -524,7 +525,7 @@ source = "chosen"
     fn a_scale_speaks_the_languages_that_it_has_whole() {
         let german = "[translation.de]\ninstruction = \"Es ist\"\npairs = [[\"nützlich\", \"nutzlos\"], [\"schlecht\", \"gut\"]]\n";
         let scale = made(PAIRS, german).unwrap();
-        let said = |language| Some(scale.wording_in(language)?.instruction.clone()?);
+        let said = |language| scale.wording_in(language)?.instruction.clone();
         assert_eq!(said("en").unwrap(), "It is");
         assert_eq!(said("de").unwrap(), "Es ist");
         assert_eq!(said("de-at").unwrap(), "Es ist");

@@ -147,7 +147,7 @@ fn checked(
             scale: scale.id.clone(),
             item: answer.item,
             found,
-            range: item.range(),
+            asked: Box::new(item.clone()),
         }),
         _ => Ok(position),
     }

@@ -62,6 +62,7 @@ fn further_scales(ids: &[String]) -> Result<Vec<(&'static str, &'static str)>, S
 }
 
 /// A word that is refused, with what is possible.
+#[expect(clippy::needless_pass_by_value, reason = "`map_err` gives it away")]
 fn refused(error: DesignError) -> StudyError {
     StudyError::NotPossible {
         problem: error.to_string(),
