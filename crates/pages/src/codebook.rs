@@ -53,7 +53,10 @@ fn described(scale: &Scale) -> Value {
         let reversed = items.iter().copied();
         let reversed = reversed.filter(|i| scale.is_reversed(subscale, *i));
         let reversed: Vec<u32> = reversed.collect();
+        // A weight such as 9.54 leaves a tail of binary digits.
+        let rounded = |score: f64| (score * 1e9).round() / 1e9;
         let (low, high) = scale.score_range(subscale);
+        let (low, high) = (rounded(low), rounded(high));
         context! { reversed, low, high, items, ..value(subscale) }
     });
     let worded = scale.wording.items.iter().zip(&scale.items).enumerate();

@@ -76,3 +76,63 @@ impl Sheet {
         Ok(())
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::steps::sheet;
+    use maveric_domain::{Moment, Scale};
+
+    fn checked(body: &str) -> Result<String, String> {
+        let scale = "id = \"all\"\ntitle = \"All\"\nreference = \"made up\"\n\
+                     [[item]]\nkind = \"slider\"\ntext = \"a\"\nmin = 0\nmax = 100\nstep = 5\n\
+                     [[item]]\nkind = \"choice\"\ntext = \"b\"\nlevels = [\"x\", \"y\"]\n\
+                     [[item]]\nkind = \"number\"\ntext = \"c\"\nmin = 18\nmax = 99\n\
+                     [[item]]\nkind = \"text\"\ntext = \"d\"\n";
+        let scale = Scale::from_toml(scale).unwrap();
+        let step = sheet(&[scale], "all", Moment::Pre, "en").unwrap();
+        let sheet: Sheet = serde_json::from_str(body).map_err(|e| e.to_string())?;
+        sheet.checked(&step)
+    }
+
+    #[test]
+    fn answers_are_taken_as_each_item_can_be_answered_and_no_others() {
+        let words = "\"texts\":{\"4\":\"cars\"}";
+        for answers in ["[95,2,18,null]", "[null,null,null,null]"] {
+            let kept =
+                checked(&format!("{{\"answers\":{answers},{words},\"seconds\":3}}")).unwrap();
+            assert!(kept.contains(words) && kept.contains(answers), "{kept}");
+        }
+        for (answers, words, said) in [
+            (
+                "[96,null,null,null]",
+                "{}",
+                "item 1: 96, expected 0 to 100 by 5",
+            ),
+            ("[null,3,null,null]", "{}", "item 2: 3, expected 1 to 2"),
+            ("[null,null,17,null]", "{}", "item 3: 17, expected 18 to 99"),
+            ("[null,null,null,0]", "{}", "item 4: 0, expected words"),
+            ("[null,null,null]", "{}", "expected 4 answers"),
+            (
+                "[null,null,null,null]",
+                "{\"1\":\"cars\"}",
+                "item 1: a text",
+            ),
+            (
+                "[null,null,null,null]",
+                "{\"5\":\"cars\"}",
+                "item 5: a text",
+            ),
+            ("[1.5,null,null,null]", "{}", "expected i32"),
+        ] {
+            let body = format!("{{\"answers\":{answers},\"texts\":{words},\"seconds\":3}}");
+            let error = checked(&body).err().unwrap();
+            assert!(error.contains(said), "{answers}: {error}");
+        }
+        let long = "x".repeat(LONGEST_TEXT + 1);
+        let body = format!(
+            "{{\"answers\":[null,null,null,null],\"texts\":{{\"4\":\"{long}\"}},\"seconds\":3}}"
+        );
+        assert!(checked(&body).is_err());
+    }
+}

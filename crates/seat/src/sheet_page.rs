@@ -1,7 +1,7 @@
 //! A questionnaire as a page of its own, for whoever judges a study: one file, drawn by the seat's own script and style.
 
 use crate::{
-    Words, assets,
+    Hindrance, Words, assets,
     markup::plain,
     steps::{Step, sheet},
 };
@@ -36,10 +36,30 @@ pub fn write_sheet_pages(
                 atomic_write_bytes(&folder.join(&name), page(scale, &step, language).as_bytes())?;
                 pages.written.push(name);
             }
-            Err(hindrance) => pages.lacking.push(hindrance.to_string()),
+            Err(hindrance) => pages.lacking.push(lacking(&hindrance)),
         }
     }
     Ok(pages)
+}
+
+/// Why there is no page of a questionnaire, whoever asks it.
+fn lacking(hindrance: &Hindrance) -> String {
+    match hindrance {
+        Hindrance::NoWording {
+            scale,
+            worded,
+            items,
+        } => format!("scale `{scale}` has wording for {worded} of {items} items"),
+        Hindrance::NoTranslation {
+            scale,
+            language,
+            languages,
+        } => format!(
+            "scale `{scale}` is there in {}, not in `{language}`",
+            languages.join(", ")
+        ),
+        other => other.to_string(),
+    }
 }
 
 fn page(scale: &Scale, step: &Step, language: &str) -> String {
@@ -89,7 +109,7 @@ mod tests {
         assert!(page.contains("Kreuzen Sie 2 an.") && page.contains("Weiter"));
         let none = write_sheet_pages(&scales, Some("nl"), folder.path()).unwrap();
         assert!(
-            none.written.is_empty() && none.lacking[0].contains("in `nl`"),
+            none.written.is_empty() && none.lacking[0].contains("not in `nl`"),
             "{none:?}"
         );
     }

@@ -233,6 +233,17 @@ mod tests {
     }
 
     #[test]
+    fn what_was_written_stands_in_a_column_of_its_own_beside_the_item_that_asks_for_it() {
+        let body = r#"{"answers":[4,null],"texts":{"2":"cars, or trust"},"seconds":6}"#;
+        let sheet: Sheet = serde_json::from_str(body).unwrap();
+        let rows = rows_of(&["P001", "pre", "purpose"].map(str::to_owned), &sheet);
+        let cell = |row: usize, column: &str| rows[row].get(column).map(String::as_str);
+        assert_eq!((cell(0, "answer"), cell(0, "text")), (Some("4"), None));
+        let second = (cell(1, "answer"), cell(1, "text"));
+        assert_eq!(second, (Some(""), Some("cars, or trust")));
+    }
+
+    #[test]
     fn rows_of_others_and_their_columns_stay() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("people.csv");
