@@ -1,6 +1,6 @@
 //! The files of `study_data` and `pipelines` that travel inside the program and the crates: questionnaires, scenarios, mappings, designs,
 //! the claims of the paper and what a run consists of. They stand at the top of the project, where a researcher sees and changes them;
-//! this package has no code but the list of them.
+//! this package has no code but the list of them and a look into it.
 //!
 //! ```
 //! assert!(maveric_data::SCALES_ADB.contains("id = \"adb\""));
