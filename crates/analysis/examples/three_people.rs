@@ -1,7 +1,7 @@
 //! Three people who rode three ways, analysed.
 #![expect(clippy::print_stdout, reason = "an example shows its result")]
 
-use maveric_analysis::{Friedman, StudyData, Tables, analyse};
+use maveric_analysis::{Purpose, StudyData, Tables, analyse};
 use maveric_domain::{
     ConditionId, Design, DriveId, DriveMeta, DrivenBy, MeasuredDrive, ParticipantId,
 };
@@ -43,7 +43,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
             });
         }
     }
-    let found = analyse(&StudyData::new(&design, tables)?, Friedman::Exact)?;
+    let found = analyse(&StudyData::new(&design, tables)?, Purpose::Report)?;
     for contrast in &found.panels[0].contrasts {
         let [kmh, p] = [contrast.mean_difference, contrast.p_holm];
         println!(

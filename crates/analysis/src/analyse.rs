@@ -2,10 +2,10 @@
 
 use crate::{
     Analysis, AnalysisError, Exclusion, Panel, Reproduction, StudyData, by_factor, compare,
-    crossed::crossed, describe, design_test::Friedman, findings, homophily, hypotheses, line,
-    mixed, reproduction,
+    crossed::crossed, describe, design_test::Purpose, findings, homophily, hypotheses, line, mixed,
+    primary, reproduction,
 };
-use maveric_domain::design::{Condition, Outcome, Quantity};
+use maveric_domain::design::{Condition, DeclaredTest, Outcome, Quantity};
 use maveric_measures::objective;
 
 /// Every analysis that the design of a study asks for.
@@ -15,24 +15,27 @@ use maveric_measures::objective;
 ///
 /// # Source
 /// Method section 9.
-pub fn analyse(data: &StudyData, friedman: Friedman) -> Result<Analysis, AnalysisError> {
+pub fn analyse(data: &StudyData, purpose: Purpose) -> Result<Analysis, AnalysisError> {
     if let Some(outcome) = data.design.outcomes().iter().find(|o| unanswered(data, o)) {
         return Err(AnalysisError::Unanswered {
             outcome: outcome.id(),
         });
     }
     by_factor::check(data)?;
-    let panels = compare::panels(data, friedman)?;
+    without_periods(data)?;
+    let panels = compare::panels(data, purpose)?;
     let reproduction = reproduction::reproduction(data, &panels)?;
     let nearer = reproduction::nearer(data, &panels)?;
     let exclusions = exclusions(&panels, &reproduction);
+    let primary = primary::primary(data, &panels);
     let mut analysis = Analysis {
         synthetic: data.is_synthetic(),
         scripted: data.is_scripted(),
         participants: data.participants.len(),
         flow: data.flow.clone(),
         orders: data.order_balance(),
-        hypotheses: hypotheses::verdicts(data, &panels)?,
+        hypotheses: hypotheses::verdicts(data, &panels, &primary)?,
+        primary,
         line: line::line(data, true)?,
         line_without_adb: line::line(data, false)?,
         reproduction,
@@ -51,6 +54,30 @@ pub fn analyse(data: &StudyData, friedman: Friedman) -> Result<Analysis, Analysi
     };
     analysis.findings = findings::of_study(&data.design, &analysis);
     Ok(analysis)
+}
+
+/// Refuses a declared test that takes no period, where orders are known.
+fn without_periods(data: &StudyData) -> Result<(), AnalysisError> {
+    let people = data
+        .participants
+        .iter()
+        .filter(|p| !data.order(p).is_empty())
+        .count();
+    for outcome in data.design.outcomes() {
+        let test = match outcome.test {
+            Some(DeclaredTest::RmAnova) => "rm-anova",
+            Some(DeclaredTest::Friedman) => "friedman",
+            _ => continue,
+        };
+        if people > 0 {
+            return Err(AnalysisError::NoPeriod {
+                outcome: outcome.id(),
+                test,
+                people,
+            });
+        }
+    }
+    Ok(())
 }
 
 /// Whether an outcome is a score that nobody has of any condition.
@@ -121,7 +148,9 @@ fn exclusions(panels: &[Panel], reproduction: &[Reproduction]) -> Vec<Exclusion>
             found.push(Exclusion {
                 who: who.clone(),
                 what: format!("comparison of {}", panel.title.to_lowercase()),
-                why: if panel.differences_from.is_some() {
+                why: if panel.without_order.contains(who) {
+                    "the order in which the conditions were met is not known".to_owned()
+                } else if panel.differences_from.is_some() {
                     "no value in at least one condition or in the baseline drive".to_owned()
                 } else {
                     "no value in at least one condition".to_owned()

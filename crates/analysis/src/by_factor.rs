@@ -241,7 +241,7 @@ pub(crate) fn check(data: &StudyData) -> Result<(), AnalysisError> {
 #[cfg(test)]
 mod tests {
     use crate::{
-        AnalysisError, Friedman, StudyData, analyse,
+        AnalysisError, Purpose, StudyData, analyse,
         testing::{CONDITIONS, SPEED, design, near, panel, plain, tables},
     };
     use maveric_stats::LevelChoice;
@@ -271,7 +271,7 @@ mod tests {
             "{ pace = [\"fast\", \"slow\"], road = [\"town\", \"land\"] }, { pace = [\"slow\", \"fast\"] }",
         );
         let data = StudyData::new(&design(&text), tables()).unwrap();
-        let a = analyse(&data, Friedman::Exact).unwrap();
+        let a = analyse(&data, Purpose::Report).unwrap();
         let panel = panel(&a, SPEED);
         let found = panel.by_factor.as_ref().unwrap();
         let score = |weights: [f64; 4]| -> Vec<f64> {
@@ -319,7 +319,7 @@ mod tests {
         near(Some(cell.mean), by_hand(&score([0.0, 0.0, 0.0, 1.0])).0);
         assert!(cell.within.is_some() && slow.within.is_none());
         // A rehearsal does without.
-        let quick = analyse(&data, Friedman::Approximate).unwrap();
+        let quick = analyse(&data, Purpose::Simulation).unwrap();
         assert!(quick.panels.iter().all(|p| p.by_factor.is_none()));
     }
 
@@ -327,7 +327,7 @@ mod tests {
     fn a_contrast_that_no_test_can_have_is_refused_before_anything_is_tested() {
         let refused = |text: &str| {
             let data = StudyData::new(&design(text), tables()).unwrap();
-            analyse(&data, Friedman::Exact).unwrap_err()
+            analyse(&data, Purpose::Report).unwrap_err()
         };
         let one = plain(
             &["fast", "slow"],

@@ -2,22 +2,25 @@
 
 use crate::{
     AnalysisError,
+    balance::OrderBalance,
     contrast::from_zero,
     data::StudyData,
-    design_test::{Friedman, Tested, by_design},
+    design_test::{Compared, Period, Purpose, Tested, by_design},
     outcomes::{Asked, outcome, outcomes},
-    result::{Contrast, Group, Panel},
+    pairs::{mean_difference, model_pairs, test_of_pairs, values},
+    result::{Contrast, ContrastTest, Group, Panel},
     verdict::ALPHA,
 };
-use maveric_domain::{ConditionId, ParticipantId, design::Factor};
-use maveric_measures::{difference_from_own, objective};
-use maveric_stats::{
-    Adjustment, ByDesign, ChosenTest, PosthocTest, WithinSubjects, adjust, posthoc,
+use maveric_domain::{
+    ConditionId, ParticipantId,
+    design::{DeclaredTest, Factor},
 };
+use maveric_measures::{difference_from_own, objective};
+use maveric_stats::{Adjustment, ByDesign, PosthocTest, WithinSubjects, adjust, posthoc};
 use std::{cmp::Ordering, collections::BTreeMap};
 
 /// A panel an outcome over everybody, and one a group of people where the design divides them; those that only a hypothesis asks for last.
-pub(crate) fn panels(data: &StudyData, friedman: Friedman) -> Result<Vec<Panel>, AnalysisError> {
+pub(crate) fn panels(data: &StudyData, purpose: Purpose) -> Result<Vec<Panel>, AnalysisError> {
     let mut asked = outcomes(data);
     for hypothesis in data.design.hypotheses() {
         if !asked.iter().any(|a| a.id == hypothesis.outcome) {
@@ -26,12 +29,12 @@ pub(crate) fn panels(data: &StudyData, friedman: Friedman) -> Result<Vec<Panel>,
     }
     let mut found = Vec::new();
     for asked in &asked {
-        let mut whole = vec![panel(data, friedman, asked, None, &data.participants)?];
+        let mut whole = vec![panel(data, purpose, asked, None, &data.participants)?];
         correct(&mut whole)?;
         found.extend(whole);
         let mut family = Vec::new();
         for (group, people) in groups(data) {
-            family.push(panel(data, friedman, asked, Some(group), &people)?);
+            family.push(panel(data, purpose, asked, Some(group), &people)?);
         }
         correct(&mut family)?;
         found.extend(family);
@@ -71,7 +74,7 @@ fn groups(data: &StudyData) -> Vec<(Group, Vec<ParticipantId>)> {
 
 fn panel(
     data: &StudyData,
-    friedman: Friedman,
+    purpose: Purpose,
     asked: &Asked,
     group: Option<Group>,
     people: &[ParticipantId],
@@ -93,9 +96,20 @@ fn panel(
         Some(b) => difference_from_own(asked.value(data, p, c), asked.value(data, p, b)),
         None => asked.value(data, p, c),
     };
+    let period = Period::of(data, asked, &conditions, group.is_some());
+    let placed = |p: &ParticipantId| conditions.iter().all(|c| data.period(p, *c).is_some());
+    let unplaced = |p: &&ParticipantId| period == Period::Taken && !placed(p);
+    let without_order = people
+        .iter()
+        .filter(unplaced)
+        .map(ToString::to_string)
+        .collect();
     let rows: Vec<Vec<Option<f64>>> = people
         .iter()
         .map(|p| {
+            if unplaced(&p) {
+                return vec![None; conditions.len()];
+            }
             let shown = |c: &ConditionId| value(p, *c).map(|v| v * asked.factor);
             conditions.iter().map(shown).collect()
         })
@@ -114,9 +128,12 @@ fn panel(
         rows,
         n: 0,
         dropped: Vec::new(),
+        without_order,
         test: None,
         reasons: Vec::new(),
         comparison: None,
+        balance: None,
+        carry_over: None,
         contrasts: Vec::new(),
         by_factor: None,
     };
@@ -131,17 +148,30 @@ fn panel(
         }
     }
     panel.n = subjects.len();
+    if period == Period::Taken {
+        let tested = people
+            .iter()
+            .filter(|p| !panel.dropped.contains(&p.to_string()));
+        let orders = OrderBalance::of(&data.design, tested.map(|p| data.order(p)));
+        panel.balance = orders.map(|orders| orders.balance);
+    }
     let expected = |[first, second]: [ConditionId; 2]| asked.expected(data, first, second);
     let tested = Tested {
         data,
         asked,
         panel: &panel,
         people,
-        friedman,
+        purpose,
+        period,
     };
     match by_design(&tested)? {
-        Ok((found, by_factor)) => {
+        Ok(Compared {
+            found,
+            by_factor,
+            carry_over,
+        }) => {
             panel.reasons = found.reasons().to_vec();
+            panel.carry_over = carry_over;
             if let Some((by_factor, untested)) = by_factor {
                 panel.reasons.extend(untested);
                 panel.by_factor = Some(by_factor);
@@ -153,10 +183,24 @@ fn panel(
         }
         Err(why) => panel.reasons.push(why),
     }
+    panel.reasons.extend(period.reason().map(str::to_owned));
     panel.reasons.extend(cut_drives(data, asked, people));
-    if panel.n < 2 || panel.conditions.len() < 2 {
+    // No other test steps in for one that was declared, or that takes the period, and has no result.
+    let declared = period == Period::Taken || asked.test.is_some_and(|t| t != DeclaredTest::Auto);
+    let no_result = declared && panel.comparison.is_none();
+    if panel.n < 2 || panel.conditions.len() < 2 || no_result {
         let untested = |pair: [ConditionId; 2]| Contrast::untested(pair, expected(pair));
         panel.contrasts = contrasts.into_iter().map(untested).collect();
+        return Ok(panel);
+    }
+    if let Some(pairs) = model_pairs(data, asked, &panel, period) {
+        let of_model = |pair| {
+            let contrast = pairs.contrast(pair, mean_difference(&panel, pair), expected(pair));
+            let people = counted(&panel, &contrast);
+            Contrast { people, ..contrast }
+        };
+        let found = contrasts.into_iter().map(of_model).collect();
+        (panel.test, panel.contrasts) = (Some(pairs.test), found);
         return Ok(panel);
     }
     let names: Vec<String> = panel.conditions.iter().map(ToString::to_string).collect();
@@ -166,7 +210,10 @@ fn panel(
         Some(found) => found.posthoc.clone(),
         None => posthoc(&tested, test, Adjustment::None, ALPHA)?,
     };
-    panel.test = Some(pairs.test);
+    panel.test = Some(match pairs.test {
+        PosthocTest::Wilcoxon => ContrastTest::Wilcoxon,
+        _ => ContrastTest::T,
+    });
     for pair in contrasts {
         let against = |b| pair.contains(&b);
         panel.contrasts.push(match from.filter(|b| against(*b)) {
@@ -227,36 +274,6 @@ fn counted(panel: &Panel, contrast: &Contrast) -> [usize; 3] {
         }] += 1;
     }
     found
-}
-
-/// Values of both conditions of those whom the panel's tests are of: whoever lacks a value of any condition is in none of them. The
-/// baseline of a panel of differences is 0.
-pub(crate) fn values(panel: &Panel, first: ConditionId, second: ConditionId) -> Vec<[f64; 2]> {
-    let column = |id| panel.conditions.iter().position(|c| *c == id);
-    let value = |row: &[Option<f64>], id| match column(id) {
-        Some(at) => row[at],
-        None => (panel.differences_from == Some(id)).then_some(0.0),
-    };
-    let complete = panel
-        .rows
-        .iter()
-        .filter(|row| row.iter().all(Option::is_some));
-    complete
-        .filter_map(|row| Some([value(row, first)?, value(row, second)?]))
-        .collect()
-}
-
-/// Ranks where ranks were compared, or the order of the answers alone counts.
-fn test_of_pairs(found: Option<&ByDesign>) -> PosthocTest {
-    let chosen = match found {
-        Some(ByDesign::Factorial(found)) => found.chosen,
-        Some(ByDesign::Ordinal(found)) => found.chosen,
-        _ => return PosthocTest::T,
-    };
-    match chosen {
-        ChosenTest::Ranks | ChosenTest::Ordinal => PosthocTest::Wilcoxon,
-        _ => PosthocTest::T,
-    }
 }
 
 /// The declared contrasts, and those that a hypothesis about this outcome adds; each that one is about the way round it says it, so that

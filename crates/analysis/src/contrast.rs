@@ -1,8 +1,12 @@
 //! Two conditions held against each other.
 
-use crate::{AnalysisError, result::Contrast, verdict::ALPHA};
+use crate::{
+    AnalysisError,
+    result::{Contrast, ContrastTest},
+    verdict::ALPHA,
+};
 use maveric_domain::{ConditionId, design::Sign};
-use maveric_stats::{Posthoc, PosthocTest, WithinSubjects, compare};
+use maveric_stats::{MarginalContrast, Named, Posthoc, PosthocTest, WithinSubjects, compare};
 
 impl Contrast {
     pub(crate) fn untested([first, second]: [ConditionId; 2], expected: Option<Sign>) -> Self {
@@ -14,6 +18,8 @@ impl Contrast {
             mean_difference: None,
             statistic: None,
             df: None,
+            se: None,
+            interval: None,
             effect: None,
             p: None,
             p_holm: None,
@@ -53,10 +59,69 @@ impl Contrast {
             people: [0; 3],
             mean_difference: Some(sign * found.mean_diff).filter(|d| d.is_finite()),
             statistic,
-            df: found.df,
+            df: found.df.map(|df| df as f64),
+            se: None,
+            interval: None,
             effect: Some(effect),
             p: found.p,
             p_holm: None,
+        }
+    }
+}
+
+/// The pairs of conditions of a model, and what each condition is called in it.
+pub(crate) struct ModelPairs<'a> {
+    pub(crate) test: ContrastTest,
+    pub(crate) pairs: &'a Named<MarginalContrast>,
+    pub(crate) names: Vec<(ConditionId, String)>,
+}
+
+impl ModelPairs<'_> {
+    /// First minus second with the period taken out; `raw` is the mean difference as it was measured, which stands where the model's is on
+    /// another scale.
+    pub(crate) fn contrast(
+        &self,
+        [first, second]: [ConditionId; 2],
+        raw: Option<f64>,
+        expected: Option<Sign>,
+    ) -> Contrast {
+        let name = |id| {
+            self.names
+                .iter()
+                .find(|(c, _)| *c == id)
+                .map_or("", |(_, n)| n)
+        };
+        let pair = |a, b| self.pairs.get(&format!("{}|{}", name(a), name(b)));
+        let known = pair(first, second).map(|pair| (pair, 1.0));
+        let known = known.or_else(|| Some((pair(second, first)?, -1.0)));
+        let untested = Contrast::untested([first, second], expected);
+        let Some((pair, sign)) = known else {
+            return Contrast {
+                mean_difference: raw,
+                ..untested
+            };
+        };
+        let (mean, se, interval) = if self.test == ContrastTest::Ordinal {
+            (raw, None, None)
+        } else {
+            let ends = pair.ci_low.zip(pair.ci_high);
+            let turned = ends.map(|(low, high)| {
+                if sign < 0.0 {
+                    (-high, -low)
+                } else {
+                    (low, high)
+                }
+            });
+            (Some(sign * pair.estimate), Some(pair.se), turned)
+        };
+        Contrast {
+            mean_difference: mean,
+            statistic: Some(sign * pair.t),
+            df: pair.df,
+            se,
+            interval,
+            p: pair.p,
+            ..untested
         }
     }
 }

@@ -3,7 +3,7 @@
 use crate::{
     AnalysisError,
     balance::OrderBalance,
-    exclusions::{Driven, LeftOut},
+    exclusions::{Driven, LeftOut, Stopped},
     flow::{self, Flow},
     person::Person,
     turned::{Settled, Turns},
@@ -78,6 +78,8 @@ pub struct Tables {
     pub durations_s: BTreeMap<DriveId, f64>,
     /// Drives that the design kept from being measured.
     pub kept_out: Vec<Driven>,
+    /// Drives and rides that people stopped.
+    pub stopped: Vec<Stopped>,
 }
 
 /// What the analyses of a study read: whoever is left out by the design is not in it.
@@ -133,7 +135,7 @@ impl StudyData {
             tables.people.is_empty() || tables.people.iter().any(|q| q.id == *p && q.tested)
         };
         let rated = tables.post.iter().filter_map(|s| match s.moment {
-            Moment::After(c) if s.value.is_some() => Some((&s.participant, c)),
+            Moment::After(c) | Moment::Probe(c) if s.value.is_some() => Some((&s.participant, c)),
             _ => None,
         });
         let own = tables.own.iter().map(|m| (&m.participant, m.condition));
@@ -141,6 +143,7 @@ impl StudyData {
         let came = judged.iter().map(|d| (&d.participant, d.condition));
         let came = came.chain(without_drive.clone());
         let mut left_out = LeftOut::named(design)
+            .with_stopped(&tables.stopped)
             .with_careless(design, &tables.scales, &tables.answers)
             .with_short(design, &judged)
             .with_few_conditions(design, came.clone());
@@ -161,9 +164,9 @@ impl StudyData {
         measurements.retain(|d| left_out.keeps(&d.meta.participant, d.meta.condition));
         let (mut pre, mut post) = (tables.pre, tables.post);
         for scores in [&mut pre, &mut post] {
-            scores.retain(|s| match s.moment {
-                Moment::After(c) => left_out.keeps(&s.participant, c),
-                Moment::Pre => left_out.keeps_person(&s.participant),
+            scores.retain(|s| match s.moment.condition() {
+                Some(c) => left_out.keeps(&s.participant, c),
+                None => left_out.keeps_person(&s.participant),
             });
         }
         let mut drives: BTreeMap<ConditionId, BTreeMap<ParticipantId, usize>> = BTreeMap::new();
@@ -371,22 +374,27 @@ impl StudyData {
         })
     }
 
-    /// A questionnaire score from before the drives.
+    /// A questionnaire score from before the drives, or from the end where it was asked then alone.
     pub fn pre(&self, participant: &ParticipantId, name: &ScoreName) -> Option<f64> {
-        self.pre
-            .get(participant, Moment::Pre, &name.scale, &name.subscale)
+        let at = |moment| {
+            self.pre
+                .get(participant, moment, &name.scale, &name.subscale)
+        };
+        at(Moment::Pre).or_else(|| at(Moment::Post))
     }
 
-    /// A questionnaire score about a condition.
+    /// A questionnaire score about a condition: from after the ride, or the mean of what was asked during it.
     pub fn rated(
         &self,
         participant: &ParticipantId,
         condition: ConditionId,
         name: &ScoreName,
     ) -> Option<f64> {
-        let moment = Moment::After(condition);
-        self.post
-            .get(participant, moment, &name.scale, &name.subscale)
+        let at = |moment| {
+            self.post
+                .get(participant, moment, &name.scale, &name.subscale)
+        };
+        at(Moment::After(condition)).or_else(|| at(Moment::Probe(condition)))
     }
 
     /// A participant's row of the conditions.
@@ -445,13 +453,26 @@ impl StudyData {
         }
     }
 
+    /// The conditions in the order in which a participant met them; empty where it is not known.
+    pub fn order(&self, participant: &ParticipantId) -> &[ConditionId] {
+        let person = self.people.get(participant);
+        person.map_or(&[], |person| person.order.as_slice())
+    }
+
+    /// In which place of their order a participant met a condition, from 1.
+    pub fn period(&self, participant: &ParticipantId, condition: ConditionId) -> Option<usize> {
+        let place = self.order(participant).iter().position(|c| *c == condition);
+        place.map(|place| place + 1)
+    }
+
+    /// Whether the order of anybody who was tested is known.
+    pub fn has_orders(&self) -> bool {
+        self.participants.iter().any(|p| !self.order(p).is_empty())
+    }
+
     /// How evenly the conditions stand in the orders of those who were tested; none where no order is known.
     pub(crate) fn order_balance(&self) -> Option<OrderBalance> {
-        let order = |id| self.people.get(id).map(|person| person.order.as_slice());
-        let orders = self
-            .participants
-            .iter()
-            .map(|id| order(id).unwrap_or_default());
+        let orders = self.participants.iter().map(|id| self.order(id));
         OrderBalance::of(&self.design, orders)
     }
 

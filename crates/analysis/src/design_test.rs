@@ -10,20 +10,22 @@ use crate::{
     verdict::ALPHA,
 };
 use maveric_domain::{
-    ParticipantId,
-    design::{Covariate, Factor, Quantity},
+    ConditionId, ParticipantId,
+    design::{Covariate, DeclaredTest, Factor, Quantity},
 };
 use maveric_stats::{
-    ByDesign, DesignChoice, DesignTable, MissingCells, OutcomeScale, compare_by_design,
+    AskedTest, ByDesign, CarryOver, DesignChoice, DesignTable, MissingCells, NoCarryOver,
+    OutcomeScale, carry_over, compare_by_design,
 };
 
-/// How much work Friedman's p is worth.
+/// What an analysis is for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Friedman {
-    /// Exact where it is feasible, as a study is reported.
-    Exact,
-    /// By Iman and Davenport's F: a thousand times faster, for many studies.
-    Approximate,
+pub enum Purpose {
+    /// A study's page: everything, and Friedman's p exact where it is feasible.
+    Report,
+    /// One of many made-up studies, of which the tests alone are counted: Friedman's p by Iman and Davenport's F, a thousand times faster,
+    /// no simple effects, no carry-over.
+    Simulation,
 }
 
 /// One outcome of some people.
@@ -33,11 +35,68 @@ pub(crate) struct Tested<'a> {
     /// With its conditions and rows.
     pub(crate) panel: &'a Panel,
     pub(crate) people: &'a [ParticipantId],
-    pub(crate) friedman: Friedman,
+    pub(crate) purpose: Purpose,
+    pub(crate) period: Period,
 }
 
-/// The test of a design, and what its factors did with the reasons of what was not tested.
-pub(crate) type Compared = (ByDesign, Option<(ByFactor, Vec<String>)>);
+/// Whether a test takes the period in which a condition was met.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Period {
+    /// As a factor.
+    Taken,
+    /// Nobody's order is known, or what is compared was not met in an order.
+    None,
+    /// The design declares the choice by what the data look like.
+    Declined,
+    /// The test is one of several factors, groups or covariates.
+    SeveralFactors,
+}
+
+impl Period {
+    pub(crate) fn of(
+        data: &StudyData,
+        asked: &Asked,
+        conditions: &[ConditionId],
+        grouped: bool,
+    ) -> Self {
+        let in_orders = |c: &ConditionId| data.design.condition(*c).is_some();
+        if conditions.len() < 2 || !data.has_orders() || !conditions.iter().all(in_orders) {
+            return Self::None;
+        }
+        if asked.test == Some(DeclaredTest::Auto) {
+            return Self::Declined;
+        }
+        let between = !grouped && !data.design.factors().is_empty();
+        let several = between
+            || !data.design.covariates().is_empty()
+            || factors_within(&data.design, conditions).len() > 1;
+        if several && asked.test.is_none() {
+            return Self::SeveralFactors;
+        }
+        Self::Taken
+    }
+
+    /// Why the period is not in the test, where orders are known.
+    pub(crate) fn reason(self) -> Option<&'static str> {
+        match self {
+            Self::Taken | Self::None => None,
+            Self::Declined => Some(
+                "chosen by what the data look like, as declared (`test = \"auto\"`): the period in which a condition was met is not in the test",
+            ),
+            Self::SeveralFactors => Some(
+                "the period in which a condition was met is not in this test of several factors: `test = \"mixed\"` takes it out",
+            ),
+        }
+    }
+}
+
+/// A test with what stands beside it.
+pub(crate) struct Compared {
+    pub(crate) found: ByDesign,
+    /// What the factors did, with the reasons of what was not tested.
+    pub(crate) by_factor: Option<(ByFactor, Vec<String>)>,
+    pub(crate) carry_over: Option<CarryOver>,
+}
 
 /// Runs the test; else why there is none.
 pub(crate) fn by_design(tested: &Tested) -> Result<Result<Compared, String>, AnalysisError> {
@@ -71,30 +130,47 @@ pub(crate) fn by_design(tested: &Tested) -> Result<Result<Compared, String>, Ana
     let table = table(tested, within, between)?;
     let columns = table.columns();
     let choice = DesignChoice {
+        test: match tested.asked.test {
+            None | Some(DeclaredTest::Auto) => AskedTest::Chosen,
+            Some(DeclaredTest::Mixed) => AskedTest::Mixed,
+            Some(DeclaredTest::Ordinal) => AskedTest::Ordinal,
+            Some(DeclaredTest::RmAnova) => AskedTest::RmAnova,
+            Some(DeclaredTest::Friedman) => AskedTest::Friedman,
+        },
         scale: match tested.asked.quantity {
             Quantity::Measure(_) => OutcomeScale::Measure,
             Quantity::Score(_) => OutcomeScale::Rating,
         },
         missing: MissingCells::Listwise,
         alpha: ALPHA,
-        exact: tested.friedman == Friedman::Exact,
+        exact: tested.purpose == Purpose::Report,
     };
     // What one outcome lacks is no fault of the study.
     let found = match compare_by_design(&columns, &choice) {
         Ok(found) => found,
         Err(refused) => return Ok(Err(refused.to_string())),
     };
-    // A simulation of many studies asks for the omnibus tests alone.
-    if tested.friedman == Friedman::Approximate || panel.group.is_some() {
-        return Ok(Ok((found, None)));
+    let (mut factors, mut carried) = (None, None);
+    if tested.purpose == Purpose::Report && panel.group.is_none() {
+        factors = match &found {
+            ByDesign::Factorial(tests) if tests.found.anova.levels.len() > 1 => {
+                Some(by_factor(&data.design, &columns, tests)?)
+            }
+            _ => None,
+        };
+        carried = match (tested.period, &found) {
+            (Period::Taken, ByDesign::Ordinal(_)) => Some(CarryOver::NotFitted {
+                why_not: NoCarryOver::OrderedAnswers,
+            }),
+            (Period::Taken, _) => Some(carry_over(&columns)?),
+            _ => None,
+        };
     }
-    let by_factor = match &found {
-        ByDesign::Factorial(tests) if tests.found.anova.levels.len() > 1 => {
-            Some(by_factor(&data.design, &columns, tests)?)
-        }
-        _ => None,
-    };
-    Ok(Ok((found, by_factor)))
+    Ok(Ok(Compared {
+        found,
+        by_factor: factors,
+        carry_over: carried,
+    }))
 }
 
 /// The rows of a test: one of each person in each condition.
@@ -133,6 +209,11 @@ fn table(
         labels: labels.filter(|(name, label)| name != label).collect(),
         subjects: rows().map(|(p, ..)| p.to_string()).collect(),
         with: with.map(|c| (c.column.clone(), c.with.clone())).collect(),
+        periods: rows()
+            .filter(|_| tested.period == Period::Taken)
+            // Whose order is not known has no values either.
+            .map(|(p, at, _)| data.period(p, panel.conditions[at]).unwrap_or(0))
+            .collect(),
         values: rows().map(|(.., value)| value).collect(),
         within,
         between,

@@ -78,6 +78,19 @@ pub enum AnalysisError {
         /// The one.
         factor: String,
     },
+    /// A declared test that takes no period, where orders are known.
+    #[error(
+        "`[[outcome]]` declares `test = \"{test}\"` of `{outcome}`, and the order in which {people} people met the conditions is known: \
+         expected \"mixed\" or \"ordinal\", which take the period out"
+    )]
+    NoPeriod {
+        /// The outcome.
+        outcome: String,
+        /// The test.
+        test: &'static str,
+        /// Whose order is known.
+        people: usize,
+    },
     /// Too little to learn a recommendation from.
     #[error("{problem}")]
     NothingToLearn {
@@ -119,6 +132,9 @@ impl AnalysisError {
             ),
             Self::OneFactor { .. } => Some(
                 "compare conditions by `[contrasts] compare`, or give every condition its `levels` of two factors",
+            ),
+            Self::NoPeriod { .. } => Some(
+                "declare `test = \"mixed\"`; `rm-anova` and `friedman` are for studies in which nobody's order is known",
             ),
             Self::NothingToLearn { .. } => Some(
                 "a recommendation needs a study with at least 6 people, own drives, all conditions and ratings",

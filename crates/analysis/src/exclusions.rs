@@ -24,6 +24,19 @@ pub struct Driven {
     pub duration_s: Option<f64>,
 }
 
+/// A drive or a ride that somebody stopped, since they felt unwell.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Stopped {
+    /// Who.
+    pub participant: ParticipantId,
+    /// In which condition.
+    pub condition: ConditionId,
+    /// How long they had driven, in s.
+    pub time_s: f64,
+    /// `unwell` where they pressed the button, else the rule that held.
+    pub reason: String,
+}
+
 /// What somebody or something is left out by.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 pub enum Rule {
@@ -33,6 +46,9 @@ pub enum Rule {
     /// A drive that the design names.
     #[serde(rename = "exclude.drives")]
     Drives,
+    /// A drive or a ride that the person stopped.
+    #[serde(rename = "stopped")]
+    Stopped,
     /// A drive below the shortest that counts.
     #[serde(rename = "exclude.drive_shorter_than_s")]
     Short,
@@ -65,6 +81,7 @@ impl Rule {
         match self {
             Self::People => "exclude.people",
             Self::Drives => "exclude.drives",
+            Self::Stopped => "stopped",
             Self::Short => "exclude.drive_shorter_than_s",
             Self::StraightLined => "exclude.straight_lined",
             Self::Attention => "exclude.attention_missed_at_least",
@@ -154,6 +171,28 @@ impl LeftOut {
             self.cells.entry((who, what)).or_insert(why.clone());
         }
         self.drives.entry(drive).or_insert(why);
+    }
+
+    /// And drives and rides that were stopped, with what was said of them.
+    #[must_use]
+    pub fn with_stopped(mut self, stopped: &[Stopped]) -> Self {
+        for ride in stopped {
+            let Stopped {
+                participant,
+                condition,
+                reason,
+                ..
+            } = ride;
+            let why = Why::by(
+                Rule::Stopped,
+                format!("`{condition}` was stopped: {reason}"),
+            );
+            // Of whoever has no name for a drive there is none.
+            if let Ok(drive) = DriveId::new(format!("{participant}-{condition}")) {
+                self.and_drive(drive, why);
+            }
+        }
+        self
     }
 
     /// And drives below the shortest that counts.
@@ -302,6 +341,51 @@ mod tests {
         assert_eq!(from_two, [both]);
         assert!(left_out("").is_empty());
         assert!(design("[exclude]\nattention_missed_at_least = 0").is_err());
+    }
+
+    #[test]
+    fn a_stopped_ride_is_left_out_with_what_was_said_of_it_and_named_with_its_condition_and_reason()
+    {
+        let design = Design::from_toml(
+            "[study]\ntitle = \"t\"\n[[condition]]\nid = \"a\"\n[[condition]]\nid = \"b\"",
+        )
+        .unwrap();
+        let who = |id: &str| ParticipantId::new(id).unwrap();
+        let stop = |id: &str, condition: &str, reason: &str| Stopped {
+            participant: who(id),
+            condition: condition.parse().unwrap(),
+            time_s: 34.0,
+            reason: reason.to_owned(),
+        };
+        let stopped = [
+            stop("P1", "a", "misc >= 6"),
+            stop("P2", "a", "misc >= 6"),
+            stop("P3", "b", "unwell"),
+        ];
+        let left_out = LeftOut::named(&design).with_stopped(&stopped);
+        assert!(!left_out.keeps(&who("P1"), "a".parse().unwrap()));
+        assert!(
+            left_out.keeps(&who("P1"), "b".parse().unwrap()) && left_out.keeps_person(&who("P1"))
+        );
+        let flow = crate::flow::flow(
+            &design,
+            &[],
+            &[who("P1"), who("P2"), who("P3")].into(),
+            &left_out,
+        );
+        let rows: Vec<(&str, usize)> = flow
+            .drives
+            .iter()
+            .map(|row| (row.why.as_str(), row.who.len()))
+            .collect();
+        assert_eq!(
+            rows,
+            [
+                ("`a` was stopped: misc >= 6", 2),
+                ("`b` was stopped: unwell", 1)
+            ]
+        );
+        assert!(flow.drives.iter().all(|row| row.rule == Rule::Stopped));
     }
 
     #[test]

@@ -13,6 +13,8 @@ use std::fmt;
 pub enum Question {
     /// What was declared before the study, by its place in the design, from 1.
     Hypothesis(usize),
+    /// Does a primary outcome differ as declared, by its place among them, from 1?
+    Primary(usize),
     /// Does the car at 0 on the dial drive as its driver does?
     OwnStyle,
     /// Is it nearer to its driver than the other cars are?
@@ -94,11 +96,14 @@ const IDS: [(Question, &str); 25] = [
     (Question::Direction, "direction"),
 ];
 const HYPOTHESIS: &str = "hypothesis-";
+const PRIMARY: &str = "primary-";
 
 impl fmt::Display for Question {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        if let Self::Hypothesis(number) = self {
-            return write!(f, "{HYPOTHESIS}{number}");
+        match self {
+            Self::Hypothesis(number) => return write!(f, "{HYPOTHESIS}{number}"),
+            Self::Primary(number) => return write!(f, "{PRIMARY}{number}"),
+            _ => {}
         }
         let id = IDS.iter().find(|(question, _)| question == self);
         f.write_str(id.map_or("", |(_, id)| id))
@@ -115,10 +120,11 @@ impl TryFrom<String> for Question {
     type Error = String;
 
     fn try_from(id: String) -> Result<Self, String> {
-        let number = id.strip_prefix(HYPOTHESIS).and_then(|n| n.parse().ok());
+        let number = |prefix: &str| id.strip_prefix(prefix).and_then(|n| n.parse().ok());
         let named = IDS.iter().find(|(_, known)| *known == id);
-        let question = number.map(Self::Hypothesis);
-        question
+        let hypothesis = number(HYPOTHESIS).map(Self::Hypothesis);
+        hypothesis
+            .or_else(|| number(PRIMARY).map(Self::Primary))
             .or_else(|| named.map(|(question, _)| *question))
             .ok_or_else(|| format!("`{id}` is not a known question"))
     }
@@ -351,6 +357,14 @@ mod tests {
         }
         let ids: std::collections::BTreeSet<&str> = IDS.iter().map(|(_, id)| *id).collect();
         assert_eq!(ids.len(), IDS.len());
+        assert!(
+            Question::try_from("primary-x".to_owned())
+                .unwrap_err()
+                .contains("`primary-x`")
+        );
+        for numbered in [Question::Primary(2), Question::Hypothesis(2)] {
+            assert_eq!(Question::try_from(numbered.to_string()), Ok(numbered));
+        }
         assert!(
             Question::try_from("own".to_owned())
                 .unwrap_err()

@@ -2,29 +2,41 @@
 
 use crate::{
     AnalysisError,
-    compare::values,
     data::StudyData,
-    result::{Judged, Panel},
-    verdict::{FEWEST, Verdict, directed, equivalent},
+    pairs::values,
+    result::{Contrast, Judged, Panel, PrimaryOutcome},
+    verdict::{FEWEST, Verdict, directed, equivalent, one_sided},
 };
 use maveric_domain::{
     ConditionId,
     design::{Claim, Hypothesis, Sign},
 };
+use maveric_stats::tost_of_estimate;
 
 /// Every hypothesis against the panel of its outcome over everybody.
-pub(crate) fn verdicts(data: &StudyData, panels: &[Panel]) -> Result<Vec<Judged>, AnalysisError> {
+///
+/// Of the contrast that decides about a primary outcome p is not adjusted, and behind a closed gate nothing is judged.
+pub(crate) fn verdicts(
+    data: &StudyData,
+    panels: &[Panel],
+    primary: &[PrimaryOutcome],
+) -> Result<Vec<Judged>, AnalysisError> {
     let mut found = Vec::new();
     for hypothesis in data.design.hypotheses() {
         let whole = |p: &&Panel| p.outcome == hypothesis.outcome && p.group.is_none();
         for panel in panels.iter().filter(whole) {
-            found.push(judge(hypothesis, panel)?);
+            let decides = |p: &&PrimaryOutcome| p.is_of(&hypothesis.outcome, hypothesis.contrast);
+            found.push(judge(hypothesis, panel, primary.iter().find(decides))?);
         }
     }
     Ok(found)
 }
 
-fn judge(hypothesis: &Hypothesis, panel: &Panel) -> Result<Judged, AnalysisError> {
+fn judge(
+    hypothesis: &Hypothesis,
+    panel: &Panel,
+    primary: Option<&PrimaryOutcome>,
+) -> Result<Judged, AnalysisError> {
     let [first, second] = hypothesis.contrast;
     let pairs = values(panel, first, second);
     let mut judged = Judged {
@@ -32,7 +44,7 @@ fn judge(hypothesis: &Hypothesis, panel: &Panel) -> Result<Judged, AnalysisError
         outcome: hypothesis.outcome.clone(),
         first,
         second,
-        rule: rule(&hypothesis.claim, panel),
+        rule: rule(&hypothesis.claim, panel, primary),
         verdict: Verdict::NotAsked,
         n: pairs.len(),
         mean_difference: None,
@@ -54,14 +66,38 @@ fn judge(hypothesis: &Hypothesis, panel: &Panel) -> Result<Judged, AnalysisError
         judged.verdict = Verdict::TooFew;
         return Ok(judged);
     }
+    if primary.is_some_and(|p| p.closed_by.is_some()) {
+        judged.verdict = Verdict::NotTested;
+        return Ok(judged);
+    }
     let differences: Vec<f64> = pairs.iter().map(|[a, b]| a - b).collect();
+    let tested = contrast(panel, first, second);
+    let model = tested
+        .as_ref()
+        .and_then(|c| Some((c.mean_difference?, c.se?, c.df?)));
     match hypothesis.claim {
         Claim::Direction(sign) => {
-            // The interval is the same whatever the bounds.
-            let ordinary = equivalent((-1.0, 1.0), &differences)?.1;
-            judged.interval = ordinary.and_then(|t| t.ci_low.zip(t.ci_high));
-            (judged.mean_difference, judged.p) = contrast(panel, first, second).unzip();
+            if let Some(tested) = tested.filter(|tested| tested.p_holm.is_some()) {
+                judged.mean_difference = tested.mean_difference;
+                judged.p = tested.p_holm;
+                judged.interval = tested.interval;
+                if primary.is_some() {
+                    judged.p = tested.p;
+                }
+            }
+            if model.is_none() {
+                // The interval is the same whatever the bounds.
+                let ordinary = equivalent((-1.0, 1.0), &differences)?.1;
+                judged.interval = ordinary.and_then(|t| t.ci_low.zip(t.ci_high));
+            }
             judged.verdict = directed(judged.n, judged.mean_difference, judged.p, sign);
+        }
+        Claim::Equivalent([low, high]) if let Some((mean, se, df)) = model => {
+            let test = tost_of_estimate((mean, se), df, (low, high));
+            judged.mean_difference = Some(mean);
+            judged.interval = test.ci90;
+            judged.p = Some(test.p_lower.max(test.p_upper));
+            judged.verdict = one_sided(judged.n, Some((test.p_lower, test.p_upper)));
         }
         Claim::Equivalent([low, high]) => {
             let n = pairs.len() as f64;
@@ -75,7 +111,7 @@ fn judge(hypothesis: &Hypothesis, panel: &Panel) -> Result<Judged, AnalysisError
     Ok(judged)
 }
 
-fn rule(claim: &Claim, panel: &Panel) -> String {
+fn rule(claim: &Claim, panel: &Panel, primary: Option<&PrimaryOutcome>) -> String {
     let unit = match panel.unit.as_str() {
         unit if panel.measured && !unit.is_empty() => format!(" {unit}"),
         _ => String::new(),
@@ -88,8 +124,13 @@ fn rule(claim: &Claim, panel: &Panel) -> String {
                 "below"
             };
             format!(
-                "shown if the first lies {way} the second with p < .05 (two-sided, Holm over the contrasts of this outcome); fails if it lies on \
-                 the other side by the same rule"
+                "shown if the first lies {way} the second with p < .05 (two-sided, {}); fails if it lies on \
+                 the other side by the same rule",
+                if primary.is_some() {
+                    "the primary contrast of a primary outcome"
+                } else {
+                    "Holm over the contrasts of this outcome"
+                }
             )
         }
         Claim::Equivalent([low, high]) => format!(
@@ -99,16 +140,20 @@ fn rule(claim: &Claim, panel: &Panel) -> String {
     }
 }
 
-/// The contrast, first minus second, whichever way round it was declared: mean difference and Holm's p.
-fn contrast(panel: &Panel, first: ConditionId, second: ConditionId) -> Option<(f64, f64)> {
+/// The contrast, first minus second, whichever way round it was declared.
+fn contrast(panel: &Panel, first: ConditionId, second: ConditionId) -> Option<Contrast> {
+    let turned = |c: &Contrast| Contrast {
+        mean_difference: c.mean_difference.map(|d| -d),
+        interval: c.interval.map(|(low, high)| (-high, -low)),
+        ..c.clone()
+    };
     panel.contrasts.iter().find_map(|c| {
-        let sign = if (c.first, c.second) == (first, second) {
-            1.0
+        if (c.first, c.second) == (first, second) {
+            Some(c.clone())
         } else if (c.first, c.second) == (second, first) {
-            -1.0
+            Some(turned(c))
         } else {
-            return None;
-        };
-        Some((sign * c.mean_difference?, c.p_holm?))
+            None
+        }
     })
 }

@@ -7,6 +7,8 @@ mod compare;
 mod contrast;
 mod correlations;
 mod crossed;
+#[cfg(test)]
+mod crossover_tests;
 mod data;
 mod describe;
 mod design_test;
@@ -20,8 +22,10 @@ mod hypotheses;
 mod line;
 mod mixed;
 mod outcomes;
+mod pairs;
 mod person;
 mod planned;
+mod primary;
 mod recommendation;
 mod reproduction;
 mod result;
@@ -36,9 +40,9 @@ pub use analyse::analyse;
 pub use balance::{Balance, OrderBalance, PlacesOf};
 pub use data::{StudyData, Tables};
 pub use describe::{Observed, observed};
-pub use design_test::Friedman;
+pub use design_test::Purpose;
 pub use error::AnalysisError;
-pub use exclusions::{Driven, LeftOut, Rule, Why};
+pub use exclusions::{Driven, LeftOut, Rule, Stopped, Why};
 pub use finding::{Finding, Needed, Part, Question};
 pub use flow::{Flow, LeftOutFor};
 pub use person::Person;
@@ -48,9 +52,9 @@ pub use recommendation::{
     SETTINGS, Standard,
 };
 pub use result::{
-    Above, AggressionLine, Analysis, Bias, ByFactor, Contrast, Correlation, Described, Exclusion,
-    FactorContrast, Group, HomophilyRow, Judged, Kept, LevelMean, LineRow, MixedRow, Nearer, Panel,
-    Preference, Reproduction, SimilarityRow, TestedFactor,
+    Above, AggressionLine, Analysis, Bias, ByFactor, Contrast, ContrastTest, Correlation,
+    Described, Exclusion, FactorContrast, Group, HomophilyRow, Judged, Kept, LevelMean, LineRow,
+    MixedRow, Nearer, Panel, Preference, PrimaryOutcome, Reproduction, SimilarityRow, TestedFactor,
 };
 pub use turned::{Settled, Turns};
 pub use verdict::Verdict;

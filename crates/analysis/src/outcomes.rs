@@ -3,7 +3,7 @@
 use crate::data::StudyData;
 use maveric_domain::{
     ConditionId, Design, ParticipantId,
-    design::{Condition, Outcome, Quantity, ScoreName, Sign},
+    design::{Condition, DeclaredTest, Outcome, Quantity, ScoreName, Sign},
 };
 use maveric_measures::objective;
 
@@ -26,6 +26,10 @@ pub(crate) struct Asked {
     pub(crate) range: Option<(f64, f64)>,
     /// Differences of at most this much count as none, where the design says so.
     pub(crate) same_within: Option<f64>,
+    /// Its test, where the design declares one.
+    pub(crate) test: Option<DeclaredTest>,
+    /// The contrast that decides about a primary outcome.
+    pub(crate) primary: Option<[ConditionId; 2]>,
 }
 
 impl Asked {
@@ -38,6 +42,7 @@ impl Asked {
             asked.title.clone_from(label);
         }
         asked.same_within = outcome.same_within;
+        (asked.test, asked.primary) = (outcome.test, outcome.primary);
         asked
     }
 
@@ -61,6 +66,8 @@ impl Asked {
             quantity: Quantity::Measure(name.to_owned()),
             range: None,
             same_within: None,
+            test: None,
+            primary: None,
         }
     }
 
@@ -79,6 +86,8 @@ impl Asked {
             quantity: Quantity::Score(name.clone()),
             range,
             same_within: None,
+            test: None,
+            primary: None,
         }
     }
 

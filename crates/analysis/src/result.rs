@@ -1,12 +1,17 @@
 //! What the analyses of a study give: everything that a figure, a table or a claim is made from.
 
-use crate::{balance::OrderBalance, finding::Finding, flow::Flow, verdict::Verdict};
+use crate::{
+    balance::{Balance, OrderBalance},
+    finding::Finding,
+    flow::Flow,
+    verdict::Verdict,
+};
 use maveric_domain::{
     ConditionId,
-    design::{ScoreName, Sign},
+    design::{DeclaredTest, ScoreName, Sign},
 };
 use maveric_stats::{
-    ByDesign, Effect, LevelChoice, LevelContrast, MixedModel, Named, PosthocTest, Proportion,
+    ByDesign, CarryOver, Effect, LevelChoice, LevelContrast, MixedModel, Named, Proportion,
     SimpleTest, apa,
 };
 use serde::{Deserialize, Serialize};
@@ -26,6 +31,9 @@ pub struct Analysis {
     /// How evenly the conditions stand in the orders in which people met them; none where no order is known.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub orders: Option<OrderBalance>,
+    /// The primary outcomes in the order written, each tested if all before it were below .05.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub primary: Vec<PrimaryOutcome>,
     /// The hypotheses of the design, judged by their rules.
     pub hypotheses: Vec<Judged>,
     /// What became of each question that the study asks, in the order in which a reader asks; a page words them.
@@ -231,15 +239,24 @@ pub struct Panel {
     pub rows: Vec<Vec<Option<f64>>>,
     /// Participants in the test.
     pub n: usize,
-    /// Participants left out for a missing value.
+    /// Participants left out for a missing value, or for an order that is not known.
     pub dropped: Vec<String>,
+    /// Those of them whose order is not known, where the test takes the period.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub without_order: Vec<String>,
     /// The test of the contrasts; none where nothing could be tested.
-    pub test: Option<PosthocTest>,
+    pub test: Option<ContrastTest>,
     /// Why this test, a sentence a step.
     pub reasons: Vec<String>,
     /// The test that the design calls for, with every check that was made: over the conditions, and between people where it divides
     /// them and this panel is of everybody.
     pub comparison: Option<ByDesign>,
+    /// How even the orders of those in the test are, where it takes the period.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub balance: Option<Balance>,
+    /// The model with first-order carry-over, where the test takes the period: a look at how much rests on there being none.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub carry_over: Option<CarryOver>,
     /// The declared contrasts: one family over everybody, and one over all groups of this outcome.
     pub contrasts: Vec<Contrast>,
     /// Means, simple effects and declared contrasts of the factors' levels, where everybody was tested by several factors.
@@ -302,6 +319,30 @@ pub struct FactorContrast {
     pub p_holm: Option<f64>,
 }
 
+/// The test of a panel's contrasts.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum ContrastTest {
+    /// Paired t tests.
+    T,
+    /// Wilcoxon's signed ranks.
+    Wilcoxon,
+    /// Differences of a mixed model's means, each over its own error where everybody has every condition, by Satterthwaite's degrees of freedom.
+    Mixed,
+    /// Differences of an ordinal model's coefficients, by t.
+    Ordinal,
+}
+
+/// Degrees of freedom: whole numbers but of a model.
+#[expect(clippy::ref_option, reason = "as serde calls it")]
+fn degrees<S: serde::Serializer>(df: &Option<f64>, serializer: S) -> Result<S::Ok, S::Error> {
+    match *df {
+        Some(df) if df.fract().abs() > 0.0 => serializer.serialize_f64(df),
+        Some(df) => serializer.serialize_u64(df as u64),
+        None => serializer.serialize_none(),
+    }
+}
+
 /// Two conditions of a panel held against each other.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct Contrast {
@@ -318,7 +359,14 @@ pub struct Contrast {
     /// t or W+ of the test.
     pub statistic: Option<f64>,
     /// Degrees of freedom of a t.
-    pub df: Option<usize>,
+    #[serde(serialize_with = "degrees")]
+    pub df: Option<f64>,
+    /// Standard error of the mean difference, of a mixed model.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub se: Option<f64>,
+    /// Ends of the 95 % interval of the mean difference, of a mixed model.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub interval: Option<(f64, f64)>,
     /// Effect size with its interval.
     pub effect: Option<Effect>,
     /// p value, two-sided.
@@ -490,6 +538,36 @@ pub struct Exclusion {
     pub what: String,
     /// The reason.
     pub why: String,
+}
+
+/// What became of a primary outcome.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct PrimaryOutcome {
+    /// Id of the outcome.
+    pub outcome: String,
+    /// Name for people.
+    pub title: String,
+    /// Unit of the difference; empty for counts and shares.
+    pub unit: String,
+    /// First condition of the contrast that decides.
+    pub first: ConditionId,
+    /// Second; the difference is first minus second.
+    pub second: ConditionId,
+    /// The declared test.
+    pub test: DeclaredTest,
+    /// People in it.
+    pub n: usize,
+    /// The outcome before it at which the gate closed: then there is neither p nor verdict.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub closed_by: Option<String>,
+    /// Mean difference, of a mixed model with the period taken out.
+    pub mean_difference: Option<f64>,
+    /// Ends of its 95 % interval, of a mixed model.
+    pub interval: Option<(f64, f64)>,
+    /// p of the contrast, two-sided, not adjusted: it is the only one that decides.
+    pub p: Option<f64>,
+    /// Whether p is below α.
+    pub verdict: Verdict,
 }
 
 /// A hypothesis of the design, judged.

@@ -1,6 +1,6 @@
 //! Six people whose drives, scores and answers can be worked out by hand.
 
-use crate::{Analysis, Friedman, Panel, StudyData, Tables, analyse};
+use crate::{Analysis, Panel, Purpose, StudyData, Tables, analyse};
 use maveric_domain::{
     ConditionId, ConditionRow, Design, DriveId, DriveMeta, DrivenBy, Embedding, EmbeddingRow,
     MeasuredDrive, Moment, ParticipantId, Score,
@@ -133,7 +133,7 @@ pub(crate) fn design(text: &str) -> Design {
 
 pub(crate) fn analysed_by(text: &str, tables: Tables) -> Analysis {
     let data = StudyData::new(&design(text), tables).unwrap();
-    analyse(&data, Friedman::Exact).unwrap()
+    analyse(&data, Purpose::Report).unwrap()
 }
 
 pub(crate) fn analysed(tables: Tables) -> Analysis {

@@ -1,8 +1,8 @@
 //! A study of six people, computed by hand.
 
 use crate::{
-    AnalysisError, Described, Friedman, Judged, Panel, Person, PlannedTest, StudyData, Tables,
-    Verdict, analyse, compare, planned,
+    AnalysisError, ContrastTest, Described, Judged, Panel, Person, PlannedTest, Purpose, StudyData,
+    Tables, Verdict, analyse, pairs, planned,
     testing::{
         DESIGN, FASTER, SPEED, analysed, analysed_by, design, drive as drive_of, id, near, panel,
         person, plain, steered, tables,
@@ -12,7 +12,7 @@ use maveric_domain::{
     Moment, Scale,
     design::{ScoreName, Sign},
 };
-use maveric_stats::{ByDesign, EffectMethod, FactorialDesign, OmnibusTest, PosthocTest, factorial};
+use maveric_stats::{ByDesign, EffectMethod, FactorialDesign, OmnibusTest, factorial};
 use std::collections::BTreeMap;
 
 #[test]
@@ -137,7 +137,7 @@ fn a_table_a_sentence_and_an_equivalence_of_one_outcome_are_of_the_same_people_t
     // Of a claim that two are the same the interval is the narrower one.
     let width = |judged: &Judged| judged.interval.map(|(low, high)| high - low).unwrap();
     let (same, below) = (&a.hypotheses[0], &a.hypotheses[1]);
-    let pairs = compare::values(panel, below.first, below.second);
+    let pairs = pairs::values(panel, below.first, below.second);
     let differences: Vec<f64> = pairs.iter().map(|[a, b]| a - b).collect();
     let test = crate::verdict::equivalent((-1.0, 1.0), &differences)
         .unwrap()
@@ -147,7 +147,7 @@ fn a_table_a_sentence_and_an_equivalence_of_one_outcome_are_of_the_same_people_t
         Some(width(below)),
         test.ci_high.unwrap() - test.ci_low.unwrap(),
     );
-    let pairs = compare::values(panel, same.first, same.second);
+    let pairs = pairs::values(panel, same.first, same.second);
     let differences: Vec<f64> = pairs.iter().map(|[a, b]| a - b).collect();
     let test = crate::verdict::equivalent((-1.0, 1.0), &differences)
         .unwrap()
@@ -339,7 +339,7 @@ fn two_conditions_get_a_paired_test() {
     let panel = panel(&a, SPEED);
     let found = panel.comparison.as_ref().unwrap().one_factor().unwrap();
     assert_eq!(found.chosen, OmnibusTest::PairedT);
-    assert_eq!(panel.test, Some(PosthocTest::T));
+    assert_eq!(panel.test, Some(ContrastTest::T));
     // Differences 5, 5.5, 4.5, 5, 5, 5 m/s: mean 5, s² = 0.1.
     let [pair] = &panel.contrasts[..] else {
         panic!("one pair")
@@ -516,7 +516,7 @@ fn a_covariate_of_people_enters_between_them_alone_and_must_be_a_number() {
     let mut ages = AGES;
     ages[2] = "old";
     let data = StudyData::new(&design(&text), with_people(ages)).unwrap();
-    let refused = analyse(&data, Friedman::Exact).unwrap_err().to_string();
+    let refused = analyse(&data, Purpose::Report).unwrap_err().to_string();
     assert!(refused.contains("`age` of `P3` is `old`"), "{refused}");
 }
 
@@ -654,7 +654,7 @@ fn an_item_of_few_whole_answers_is_ordinal_with_the_rank_tests_beside_it() {
         panic!("an item: {:?}", panel.reasons)
     };
     assert_eq!(found.found.model.conditions, ["same", "fast", "slow"]);
-    assert_eq!(panel.test, Some(PosthocTest::Wilcoxon));
+    assert_eq!(panel.test, Some(ContrastTest::Wilcoxon));
     let pair = &panel.contrasts[0];
     let beside = found.found.beside.as_ref().unwrap();
     assert_eq!(pair.p, beside.wilcoxon.get("same|fast").unwrap().p);
@@ -910,7 +910,7 @@ fn what_cannot_be_analysed_is_refused_by_name() {
     ] {
         let text = DESIGN.replace("\"mini_ipip\"", &format!("\"{factor}\""));
         let data = StudyData::new(&design(&text), tables()).unwrap();
-        let error = analyse(&data, Friedman::Exact).unwrap_err();
+        let error = analyse(&data, Purpose::Report).unwrap_err();
         assert!(
             error.to_string().contains(said) && error.suggestion().is_some(),
             "{error}"

@@ -19,6 +19,8 @@ pub enum Verdict {
     NotAsked,
     /// Fewer than [`FEWEST`] have a value.
     TooFew,
+    /// A primary outcome before it was not below .05.
+    NotTested,
 }
 
 /// Level of every test.
@@ -36,6 +38,7 @@ impl Verdict {
             Self::Fails => "fails",
             Self::NotAsked => "not asked",
             Self::TooFew => "too few to say",
+            Self::NotTested => "not tested",
         }
     }
 
@@ -49,8 +52,8 @@ impl Verdict {
             Self::Fails
         } else if every(Self::Shown) {
             Self::Shown
-        } else if every(Self::TooFew) {
-            Self::TooFew
+        } else if every(Self::TooFew) || every(Self::NotTested) {
+            parts[0]
         } else {
             Self::NotShown
         }
@@ -129,16 +132,19 @@ pub fn equivalent(
     let values: Vec<Option<f64>> = differences.iter().copied().map(Some).collect();
     let found = equivalence_one(&values, 0.0, Bounds::Raw { low, high })?;
     let test = found.tost.values().next().cloned();
-    let of = test
-        .as_ref()
-        .and_then(|t| Some((t.p?, t.p_lower?, t.p_upper?)));
-    let verdict = match of {
-        _ if differences.len() < FEWEST => Verdict::TooFew,
-        Some((p, ..)) if p < ALPHA => Verdict::Shown,
-        Some((_, lower, upper)) if 1.0 - lower < ALPHA || 1.0 - upper < ALPHA => Verdict::Fails,
+    let sides = test.as_ref().and_then(|t| t.p_lower.zip(t.p_upper));
+    Ok((one_sided(differences.len(), sides), test))
+}
+
+/// Two one-sided tests of `n` people, each p against what lies beyond its bound: shown where both are below .05, fails where one places
+/// the estimate outside with less than .05.
+pub(crate) fn one_sided(n: usize, sides: Option<(f64, f64)>) -> Verdict {
+    match sides {
+        _ if n < FEWEST => Verdict::TooFew,
+        Some((lower, upper)) if lower.max(upper) < ALPHA => Verdict::Shown,
+        Some((lower, upper)) if 1.0 - lower < ALPHA || 1.0 - upper < ALPHA => Verdict::Fails,
         _ => Verdict::NotShown,
-    };
-    Ok((verdict, test))
+    }
 }
 
 #[cfg(test)]

@@ -5,8 +5,8 @@
 use maveric_domain::{
     ConditionId, Design, DriveId, ParticipantId,
     design::{
-        Car, Claim, Color, Compare, Condition, Factor, Mappings, ProtocolStep, ScoreName, Sign,
-        Software,
+        Car, Claim, Color, Compare, Condition, DeclaredTest, Factor, Mappings, ProtocolStep,
+        ScoreName, Sign, Software,
     },
 };
 use serde_json::Value;
@@ -605,6 +605,7 @@ fn the_schema_for_editors_has_the_keys_of_the_reader() {
         ("[exclude]\nzzz = 1", "/exclude"),
         ("[protocol]\nzzz = 1", "/protocol"),
         ("[protocol.view]\nzzz = 1", "/protocol/properties/view"),
+        ("[protocol.probe]\nzzz = 1", "/protocol/properties/probe"),
         (
             "[protocol.practice]\nzzz = 1",
             "/protocol/properties/practice",
@@ -765,5 +766,61 @@ fn a_contrast_of_levels_names_what_is_there_and_holds_at_least_one_pair() {
         let refused = refused.unwrap_err();
         let said = format!("{refused} {}", refused.suggestion().unwrap_or_default());
         assert!(said.contains(words), "{factor}: {said}");
+    }
+}
+
+#[test]
+fn a_primary_outcome_declares_its_test_and_one_contrast_and_is_refused_without() {
+    let outcome = |more: &str| {
+        with(&format!(
+            "[[outcome]]\nmeasure = \"mean_velocity_mps\"\n{more}\n"
+        ))
+    };
+    let design = outcome("primary = true\ntest = \"mixed\"\ncontrast = [\"sporty\", \"calm\"]");
+    let declared = &design.unwrap().outcomes()[0].clone();
+    assert_eq!(declared.test, Some(DeclaredTest::Mixed));
+    assert_eq!(declared.primary, Some([id("sporty"), id("calm")]));
+    for (more, key, said) in [
+        (
+            "primary = true\ntest = \"auto\"\ncontrast = [\"sporty\", \"calm\"]",
+            "outcome[1].test",
+            "`auto` of a primary outcome",
+        ),
+        (
+            "primary = true\ncontrast = [\"sporty\", \"calm\"]",
+            "outcome[1].test",
+            "none of a primary outcome",
+        ),
+        (
+            "primary = true\ntest = \"mixed\"",
+            "outcome[1].contrast",
+            "none of a primary outcome",
+        ),
+        (
+            "primary = true\ntest = \"mixed\"\ncontrast = [\"sporty\", \"clam\"]",
+            "outcome[1].contrast",
+            "`clam`",
+        ),
+        (
+            "primary = true\ntest = \"mixed\"\ncontrast = [\"calm\", \"calm\"]",
+            "outcome[1].contrast",
+            "a pair that `[contrasts]` compares",
+        ),
+        (
+            "test = \"mixed\"\ncontrast = [\"sporty\", \"calm\"]",
+            "outcome[1].contrast",
+            "not primary",
+        ),
+        ("test = \"anova\"", "", "rm-anova"),
+    ] {
+        let refused = outcome(more).unwrap_err();
+        assert!(
+            refused.contains(key) && refused.contains(said),
+            "{more}: {refused}"
+        );
+    }
+    // Others may leave the test to what the data look like, or to the design.
+    for (more, test) in [("test = \"auto\"", Some(DeclaredTest::Auto)), ("", None)] {
+        assert_eq!(outcome(more).unwrap().outcomes()[0].test, test);
     }
 }

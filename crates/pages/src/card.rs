@@ -1,7 +1,7 @@
 //! A card of a finding: its words from a file of texts, its tone from the verdict.
 
 use crate::texts::Texts;
-use maveric_analysis::{Finding, Part, Verdict};
+use maveric_analysis::{Finding, Part, Question, Verdict};
 use maveric_report::{
     Card, CardNumber, ReportError, Tone,
     figures::intervals::{IntervalRow, Intervals},
@@ -14,7 +14,7 @@ fn tone(verdict: Verdict) -> Tone {
         Verdict::Shown => Tone::Good,
         Verdict::NotShown => Tone::Open,
         Verdict::Fails => Tone::Bad,
-        Verdict::NotAsked | Verdict::TooFew => Tone::Silent,
+        Verdict::NotAsked | Verdict::TooFew | Verdict::NotTested => Tone::Silent,
     }
 }
 
@@ -39,7 +39,8 @@ pub(crate) fn card(
 ) -> Result<Card, ReportError> {
     let name = finding.question.to_string();
     let table = match finding.question {
-        maveric_analysis::Question::Hypothesis(_) => "hypothesis",
+        Question::Hypothesis(_) => "hypothesis",
+        Question::Primary(_) => "primary",
         _ => &name,
     };
     let text = |key: &str| texts.say(table, key, values);
@@ -100,14 +101,13 @@ pub(crate) fn share_row(label: impl Into<String>, part: &Part) -> IntervalRow {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use maveric_analysis::Question;
 
     #[test]
     fn every_verdict_has_its_own_words_and_silence_looks_like_nothing_else() {
-        use Verdict::{Fails, NotAsked, NotShown, Shown, TooFew};
+        use Verdict::{Fails, NotAsked, NotShown, NotTested, Shown, TooFew};
         let text = "[nearer]\nquestion = \"Is {{ it }}?\"\n";
         let texts = Texts::read("nearer.toml", text).unwrap();
-        let cards = [Shown, NotShown, Fails, NotAsked, TooFew].map(|verdict| {
+        let cards = [Shown, NotShown, Fails, NotAsked, TooFew, NotTested].map(|verdict| {
             let finding = Finding {
                 verdict,
                 ..Finding::every(Question::Nearer, Vec::new())
@@ -117,7 +117,14 @@ mod tests {
         let words: Vec<&str> = cards.iter().map(|c| c.verdict.as_str()).collect();
         assert_eq!(
             words,
-            ["shown", "not shown", "fails", "not asked", "too few to say"]
+            [
+                "shown",
+                "not shown",
+                "fails",
+                "not asked",
+                "too few to say",
+                "not tested"
+            ]
         );
         assert_eq!(cards[0].question, "Is it?");
         let tones = cards.map(|c| c.tone);
@@ -128,7 +135,8 @@ mod tests {
                 Tone::Open,
                 Tone::Bad,
                 Tone::Silent,
-                Tone::Silent
+                Tone::Silent,
+                Tone::Silent,
             ]
         );
     }

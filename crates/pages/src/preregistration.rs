@@ -1,10 +1,13 @@
 //! A design as the text of a preregistration; its words are `texts/preregistration.md`.
 
-use crate::texts::document;
+use crate::{texts::document, words::declared_test};
 use maveric_analysis::{PlannedTest, planned};
 use maveric_domain::{
     Design,
-    design::{Car, Claim, Compare, Condition, Hypothesis, LevelContrast, Levels, Outcome, Sign},
+    design::{
+        Car, Claim, Compare, Condition, DeclaredTest, Hypothesis, LevelContrast, Levels, Outcome,
+        Sign,
+    },
 };
 use maveric_measures::objective;
 use maveric_report::ReportError;
@@ -53,6 +56,8 @@ pub fn preregistration(design: &Design, sample_size: &[String]) -> Result<String
         pairs => design.contrasts().into_iter().map(pair).collect::<Vec<_>>(),
         of_levels => design.level_contrasts().iter().map(|c| levels(design, c)).collect::<Vec<_>>(),
         tests => tests(design),
+        primary => design.outcomes().iter().filter_map(|o| primary(design, o)).collect::<Vec<_>>(),
+        by_looks => by_looks(design),
         homophily,
         exclude => exclude(design),
     };
@@ -152,6 +157,20 @@ fn outcome(design: &Design, o: &Outcome) -> Value {
     }
 }
 
+/// A primary outcome with its declared test and the contrast that decides.
+fn primary(design: &Design, o: &Outcome) -> Option<Value> {
+    let [first, second] = o.primary?.map(|c| design.label(c));
+    let test = declared_test(o.test?);
+    Some(context! { id => o.id(), first, second, test })
+}
+
+/// The outcomes whose test is declared to be chosen by what the data look like, whether orders are known or not.
+fn by_looks(design: &Design) -> Vec<String> {
+    let outcomes = design.outcomes().iter();
+    let auto = outcomes.filter(|o| o.test == Some(DeclaredTest::Auto));
+    auto.map(Outcome::id).collect()
+}
+
 /// The test of each outcome, from the value that the analysis goes by.
 fn tests(design: &Design) -> Value {
     let kind = |kind: &str| context! { kind };
@@ -215,6 +234,38 @@ mod tests {
         let named = preregistration(&Design::from_toml(&design).unwrap(), &[]).unwrap();
         let line = "- Take-over time (`tor_s`): a measure of the study's own, in s;";
         assert!(named.contains(line), "{named}");
+    }
+
+    #[test]
+    fn primary_outcomes_are_declared_with_test_contrast_and_gate_and_the_period_is() {
+        let primary = |measure: &str, test: &str| {
+            format!(
+                "[[outcome]]\nmeasure = \"{measure}\"\nprimary = true\ntest = \"{test}\"\ncontrast = [\"sporty\", \"calm\"]\n"
+            )
+        };
+        let text = |more: &str| {
+            let design = Design::from_toml(&format!("{STUDY}{more}")).unwrap();
+            preregistration(&design, &[]).unwrap()
+        };
+        let one = text(&primary("mean_velocity_mps", "mixed"));
+        let line = "- Primary: `mean_velocity_mps`, sporty less calm, by a mixed model of condition, and of period";
+        assert!(
+            one.contains(line) && !one.contains("in the order written"),
+            "{one}"
+        );
+        let two =
+            text(&(primary("mean_velocity_mps", "mixed") + &primary("lane_changes", "mixed")));
+        assert!(two.contains("in the order written, each at .05"), "{two}");
+        let none = text("[[outcome]]\nmeasure = \"mean_velocity_mps\"\n");
+        assert!(
+            !none.contains("Primary:") && none.contains("the period is a factor"),
+            "{none}"
+        );
+        let auto = text("[[outcome]]\nmeasure = \"mean_velocity_mps\"\ntest = \"auto\"\n");
+        assert!(
+            auto.contains("`mean_velocity_mps` has no period in its test"),
+            "{auto}"
+        );
     }
 
     #[test]

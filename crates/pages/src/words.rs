@@ -1,13 +1,13 @@
 //! Phrases that pages share: lists, shares, intervals, and tests as APA writes them.
 
-use maveric_analysis::{Contrast, Correlation, Panel};
-use maveric_domain::{ConditionId, Design};
+use maveric_analysis::{Contrast, ContrastTest, Correlation, Panel};
+use maveric_domain::{ConditionId, Design, design::DeclaredTest};
 use maveric_report::{
     apa,
     claims::{Claim, Quantity},
     markup,
 };
-use maveric_stats::{Adjustment, PosthocTest, apa::Statements};
+use maveric_stats::{Adjustment, PERIOD, apa::Statements};
 
 /// A sentence with its first letter large.
 pub fn capital(text: &str) -> String {
@@ -103,7 +103,8 @@ pub fn omnibus(design: &Design, panel: &Panel, short: bool) -> String {
     let effects = found.effects();
     // Of several effects the highest of factors, whatever covariates stand behind it.
     let is_covariate = |part: &str| design.covariates().iter().any(|c| c.column == part);
-    let counts = |name: &str| !short || !name.split(':').any(is_covariate);
+    let beside = |part: &str| is_covariate(part) || part == PERIOD;
+    let counts = |name: &str| !short || !name.split(':').any(beside);
     let all: Vec<String> = found
         .statements()
         .into_iter()
@@ -137,7 +138,7 @@ pub fn paired(panel: &Panel, pair: &Contrast) -> Option<String> {
     let effect = pair.effect.as_ref();
     let p = pair.p_holm?;
     Some(match (panel.test?, pair.df) {
-        (PosthocTest::T, Some(df)) => {
+        (ContrastTest::T | ContrastTest::Mixed | ContrastTest::Ordinal, Some(df)) => {
             let interval = effect.and_then(|e| {
                 Some(apa::Interval {
                     level: e.confidence,
@@ -146,7 +147,7 @@ pub fn paired(panel: &Panel, pair: &Contrast) -> Option<String> {
                 })
             });
             let size = effect.and_then(|e| Some((e.value?, interval)));
-            apa::t(pair.statistic?, df as f64, p, Adjustment::None, size)
+            apa::t(pair.statistic?, df, p, Adjustment::None, size)
                 .markup()
                 .to_owned()
         }
@@ -159,6 +160,21 @@ pub fn paired(panel: &Panel, pair: &Contrast) -> Option<String> {
         .markup()
         .to_owned(),
     })
+}
+
+/// A declared test in words that end a sentence.
+pub(crate) fn declared_test(test: DeclaredTest) -> &'static str {
+    match test {
+        DeclaredTest::Auto => "a test chosen by what the data look like",
+        DeclaredTest::Mixed => {
+            "a mixed model of condition, and of period where orders are known, with the person at random"
+        }
+        DeclaredTest::Ordinal => {
+            "a cumulative logit model of condition, and of period where orders are known, with the person at random"
+        }
+        DeclaredTest::RmAnova => "analysis of variance, its contrasts by paired *t* tests",
+        DeclaredTest::Friedman => "Friedman’s test, its contrasts by Wilcoxon’s signed ranks",
+    }
 }
 
 /// What a design calls a condition, the baseline or a role, with marks.

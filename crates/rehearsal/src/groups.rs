@@ -39,7 +39,7 @@ pub(crate) fn rows(design: &Design, people: &[Participant]) -> Vec<Person> {
 #[cfg(test)]
 mod tests {
     use crate::{World, found_in, testing};
-    use maveric_analysis::{Friedman, analyse};
+    use maveric_analysis::{Purpose, analyse};
     use maveric_domain::Design;
 
     const CROSSED: &str = r#"
@@ -88,7 +88,7 @@ mod tests {
     fn a_rehearsal_tests_every_effect_of_factors_groups_and_covariates_and_judges_equivalence() {
         let effects = |more: &str| -> Vec<(String, bool)> {
             let study = world(more).study(12, 3).unwrap();
-            let found = found_in(&analyse(&study.data, Friedman::Approximate).unwrap());
+            let found = found_in(&analyse(&study.data, Purpose::Simulation).unwrap());
             assert_eq!(found.judged.len(), 1);
             let panel = "panel.mean_velocity_mps.";
             let tests = found.tests.iter().filter_map(|t| {

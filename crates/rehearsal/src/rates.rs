@@ -208,7 +208,7 @@ pub fn n_for(curve: &[(usize, f64)], wanted: f64) -> Option<f64> {
 mod tests {
     use super::*;
     use crate::{World, found_in, testing::world};
-    use maveric_analysis::Friedman;
+    use maveric_analysis::Purpose;
 
     fn found(p: f64, p_holm: f64, estimate: f64) -> Found {
         Found {
@@ -264,7 +264,7 @@ mod tests {
         let found: Vec<_> = (0..studies)
             .map(|seed| {
                 let study = world.study(n, 1000 + seed).unwrap();
-                let a = maveric_analysis::analyse(&study.data, Friedman::Approximate);
+                let a = maveric_analysis::analyse(&study.data, Purpose::Simulation);
                 found_in(&a.unwrap())
             })
             .collect();

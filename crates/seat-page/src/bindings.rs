@@ -44,11 +44,6 @@ impl PageModel {
             .map(|m| Self(Rc::new(m)))
             .map_err(said)
     }
-
-    /// The average driver.
-    pub fn mean(&self) -> Vec<f64> {
-        self.0.mean_embedding().coordinates().to_vec()
-    }
 }
 
 /// The dial of a ride.
@@ -91,21 +86,32 @@ impl PageDrive {
         })
     }
 
-    /// A ride in a style, at so many points of the study's on the dial; `stretch` is points of the model for one of them.
+    /// A ride in a style (as a step has it, in JSON) of somebody whose own is `own` (empty: nothing was learned), at so many points of the study's on the dial; `stretch`
+    /// is points of the model for one of them.
+    #[expect(
+        clippy::too_many_arguments,
+        reason = "a page gives one after the other"
+    )]
     pub fn ride(
         json: &str,
         seconds: f64,
         seed: &str,
         model: &PageModel,
         own: Vec<f64>,
+        style: &str,
         points: f64,
         stretch: f64,
     ) -> Result<PageDrive, String> {
         let scenario = scenario(json, seconds)?;
-        let own = Embedding::new(own).map_err(said)?;
         let given = &scenario.settings().controllers;
-        let (model, style) = (Rc::clone(&model.0), own.clone());
-        let rider = Rider::new(Rc::clone(&model), style, points * stretch, given).map_err(said)?;
+        let model = Rc::clone(&model.0);
+        let own = if own.is_empty() {
+            model.mean_embedding().clone()
+        } else {
+            Embedding::new(own).map_err(said)?
+        };
+        let style = (serde_json::from_str(style).map_err(said)?, points * stretch);
+        let rider = Rider::new(Rc::clone(&model), own.clone(), style, given).map_err(said)?;
         let dial = Dial {
             points: rider.dial(),
             stretch,
@@ -115,7 +121,9 @@ impl PageDrive {
         let controllers: &'static ControllerSettings = Box::leak(Box::new(rider.controllers()));
         let rider: &'static mut Rider = Box::leak(Box::new(rider));
         let seed = seed.parse().map_err(said)?;
+        let style = rider.begins_with();
         let drive = SeatDrive::ride(scenario, seed, rider, controllers).map_err(said)?;
+        let drive = drive.in_style(style);
         Ok(Self {
             drive,
             scenario,
@@ -261,9 +269,9 @@ impl PageDrive {
         Ok(now)
     }
 
-    /// Writes something down.
-    pub fn note(&mut self, what: &str) {
-        self.drive.note(what, None);
+    /// Writes something down, with a number where it has one.
+    pub fn note(&mut self, what: &str, number: Option<f64>) {
+        self.drive.note(what, number);
     }
 
     /// The piece of the record since the last, as a line; `frames` as in [`Frames`]: drawn, late, left out, longest, input.

@@ -6,7 +6,7 @@ use crate::{
     input::Input,
     record::{Asked, Chunk, End, Event, Frames, Header, Held},
 };
-use maveric_domain::DrivenBy;
+use maveric_domain::{DrivenBy, Embedding};
 use maveric_simulator::{ControllerSettings, Driver, Planner, Rollout, Scenario, Session};
 
 /// A drive by a person, or a ride, one step of 0.01 s at a time.
@@ -105,6 +105,7 @@ impl<'a> SeatDrive<'a> {
                 seed,
                 scenario: scenario.clone(),
                 controllers,
+                style: None,
             },
             tick: 0,
             sent: 0,
@@ -115,6 +116,13 @@ impl<'a> SeatDrive<'a> {
             rows: 0,
             input: Input::default(),
         }
+    }
+
+    /// Writes down in which style a ride begins.
+    #[must_use]
+    pub fn in_style(mut self, style: Embedding) -> Self {
+        self.header.style = Some(style);
+        self
     }
 
     /// The record so far: its first line.

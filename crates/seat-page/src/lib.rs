@@ -26,3 +26,5 @@ pub use record::{Asked, Chunk, End, Event, Frames, Header, Held, Record};
 pub use replay::{Replayed, replay};
 pub use rider::Rider;
 pub use world::world;
+
+pub use maveric_steering::{RideStyle, Seed};

@@ -4,7 +4,7 @@
 //! was cut short has no end; what was kept of it drives again all the same.
 
 use crate::{error::SeatPageError, input::Input};
-use maveric_domain::{DrivenBy, LaneWish, Setpoints, When};
+use maveric_domain::{DrivenBy, Embedding, LaneWish, Setpoints, When};
 use maveric_simulator::{ControllerSettings, Scenario};
 use serde::{Deserialize, Serialize};
 
@@ -23,6 +23,9 @@ pub struct Header {
     /// The controllers of a ride.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub controllers: Option<ControllerSettings>,
+    /// The style in which a ride begins; records of before have none.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub style: Option<Embedding>,
 }
 
 impl Header {

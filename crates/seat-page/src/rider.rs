@@ -2,9 +2,9 @@
 
 use crate::error::SeatPageError;
 use maveric_domain::{Embedding, Setpoints};
-use maveric_model::{Model, style_space::LinearHead};
+use maveric_model::Model;
 use maveric_simulator::{ControllerSettings, Planner, View};
-use maveric_steering::ModelPlanner;
+use maveric_steering::{ModelPlanner, RideStyle};
 use std::{cell::Cell, rc::Rc};
 
 /// A style that drives; its dial is turned from outside.
@@ -12,6 +12,8 @@ use std::{cell::Cell, rc::Rc};
 pub struct Rider {
     model: Rc<Model>,
     own: Embedding,
+    style: RideStyle,
+    begins_with: Embedding,
     settings: ControllerSettings,
     planner: ModelPlanner,
     dial: Rc<Cell<f64>>,
@@ -19,20 +21,23 @@ pub struct Rider {
 }
 
 impl Rider {
-    /// The style at `points` on the dial from `own`.
+    /// A style for somebody whose own is `own`, at `points` of the model on the dial.
     ///
     /// # Errors
-    /// [`SeatPageError::Model`] if the embedding is not of the model's size, or there is no dial to turn.
+    /// [`SeatPageError::Model`] if an embedding is not of the model's size, or there is no dial to turn.
     pub fn new(
         model: Rc<Model>,
         own: Embedding,
-        points: f64,
+        (style, points): (RideStyle, f64),
         settings: &ControllerSettings,
     ) -> Result<Self, SeatPageError> {
-        let planner = ModelPlanner::new(&model, &at(&model, &own, points)?, settings)?;
+        let begins_with = style.place(&model, &own, points)?.embedding;
+        let planner = ModelPlanner::new(&model, &begins_with, settings)?;
         Ok(Self {
             model,
             own,
+            style,
+            begins_with,
             settings: settings.clone(),
             planner,
             dial: Rc::new(Cell::new(points)),
@@ -45,18 +50,15 @@ impl Rider {
         Rc::clone(&self.dial)
     }
 
+    /// The style that the ride begins with.
+    pub fn begins_with(&self) -> Embedding {
+        self.begins_with.clone()
+    }
+
     /// The controllers that go with this rider.
     pub fn controllers(&self) -> ControllerSettings {
         self.planner.controllers()
     }
-}
-
-/// The embedding at `points` on the dial from `own`; `own` itself at 0, dial or not.
-fn at(model: &Model, own: &Embedding, points: f64) -> Result<Embedding, SeatPageError> {
-    if points.abs() <= 0.0 {
-        return Ok(own.clone());
-    }
-    Ok(LinearHead::aggression(model)?.shift(own, points)?.embedding)
 }
 
 impl Planner for Rider {
@@ -65,8 +67,9 @@ impl Planner for Rider {
         if (wanted - self.turned_to).abs() > 0.0 {
             self.turned_to = wanted;
             // A dial that cannot be turned leaves the style where it is.
-            let turned = at(&self.model, &self.own, wanted)
-                .and_then(|w| Ok(ModelPlanner::new(&self.model, &w, &self.settings)?));
+            let turned = self.style.place(&self.model, &self.own, wanted);
+            let turned =
+                turned.and_then(|to| ModelPlanner::new(&self.model, &to.embedding, &self.settings));
             if let Ok(planner) = turned {
                 self.planner = planner;
             }

@@ -10,7 +10,7 @@ use base64::prelude::{BASE64_STANDARD, Engine as _};
 use maveric_domain::{DrivenBy, Embedding, Seconds};
 use maveric_model::model_file;
 use maveric_seat_page::{
-    Fit, Frames, Input, Keyboard, Keys, Record, Rider, SeatDrive, Signal, fit, replay,
+    Fit, Frames, Input, Keyboard, Keys, Record, RideStyle, Rider, SeatDrive, Signal, fit, replay,
 };
 use maveric_simulator::Scenario;
 use serde::Deserialize;
@@ -68,7 +68,7 @@ fn here(scenario: &Scenario) -> (Record, Fit) {
 fn ride(scenario: &Scenario) -> Record {
     let own = Embedding::new(vec![0.4]).unwrap();
     let settings = &scenario.settings().controllers;
-    let mut rider = Rider::new(Rc::new(model()), own, 5.0, settings).unwrap();
+    let mut rider = Rider::new(Rc::new(model()), own, (RideStyle::Own, 5.0), settings).unwrap();
     let controllers = rider.controllers();
     let mut drive = SeatDrive::ride(scenario, 8, &mut rider, &controllers).unwrap();
     let mut record = drive.begun();

@@ -6,8 +6,8 @@ mod support;
 
 use maveric_domain::{DrivenBy, Embedding, MetresPerSecond, Seconds};
 use maveric_seat_page::{
-    Driven, Frames, Input, Keyboard, Keys, Record, Rider, SeatDrive, SeatPageError, Signal, fit,
-    replay,
+    Driven, Frames, Input, Keyboard, Keys, Record, RideStyle, Rider, SeatDrive, SeatPageError,
+    Signal, fit, replay,
 };
 use maveric_simulator::Scenario;
 use std::rc::Rc;
@@ -61,7 +61,7 @@ fn by_keys(scenario: &Scenario, seed: u64) -> (Record, Driven) {
 fn a_ride(scenario: &Scenario, seed: u64) -> Record {
     let settings = &scenario.settings().controllers;
     let own = Embedding::new(vec![0.2]).unwrap();
-    let mut rider = Rider::new(Rc::new(model()), own, 0.0, settings).unwrap();
+    let mut rider = Rider::new(Rc::new(model()), own, (RideStyle::Own, 0.0), settings).unwrap();
     let (dial, controllers) = (rider.dial(), rider.controllers());
     let mut drive = SeatDrive::ride(scenario, seed, &mut rider, &controllers).unwrap();
     let mut record = drive.begun();

@@ -5,6 +5,7 @@ use crate::{
     listed::{KeptSheet, Listed},
     parts::Carried,
     person::Person,
+    steps::Step,
     token,
 };
 use maveric_study::forget::is_about;
@@ -111,24 +112,49 @@ impl Books<'_> {
 
     /// Goes on from step `from` to the next; nothing where that was done before.
     pub(crate) fn go_on(&self, person: &Person, from: usize) -> Result<(), SeatError> {
+        let passed = matches!(person.steps.get(from + 1), Some(Step::Aftercare { .. }));
+        self.go_to(person, from, from + 1 + usize::from(passed))
+    }
+
+    /// Goes from step `from` to `to`; nothing where somebody is elsewhere.
+    fn go_to(&self, person: &Person, from: usize, to: usize) -> Result<(), SeatError> {
         self.ask(|c| {
             c.execute(
-                "UPDATE person SET at = ?2 + 1 WHERE token = ?1 AND at = ?2",
-                params![person.token, whole(from)],
+                "UPDATE person SET at = ?3 WHERE token = ?1 AND at = ?2",
+                params![person.token, whole(from), whole(to)],
             )
         })
         .map(drop)
     }
 
-    /// Keeps the answers of a step and goes on; what was answered before stays.
+    /// Goes from a step at which somebody stopped to what they are told then, or to the end: nothing is driven any more.
+    pub(crate) fn stop(&self, person: &Person, from: usize) -> Result<(), SeatError> {
+        let told = |step: &Step| matches!(step, Step::Aftercare { .. });
+        let aftercare = person.steps.iter().position(told);
+        let end = person.steps.len().saturating_sub(1);
+        self.go_to(person, from, aftercare.unwrap_or(end))
+    }
+
+    /// Keeps the answers of a step and goes on.
     pub(crate) fn answer(&self, person: &Person, step: usize, body: &str) -> Result<(), SeatError> {
+        self.keep_sheet(person, step, body)?;
+        self.go_on(person, step)
+    }
+
+    /// Keeps the answers of a step; what was answered before stays.
+    pub(crate) fn keep_sheet(
+        &self,
+        person: &Person,
+        step: usize,
+        body: &str,
+    ) -> Result<(), SeatError> {
         self.ask(|c| {
             c.execute(
                 "INSERT OR IGNORE INTO answer (participant, step, body, given) VALUES (?1, ?2, ?3, ?4)",
                 params![person.participant, whole(step), body, now()],
             )
-        })?;
-        self.go_on(person, step)
+        })
+        .map(drop)
     }
 
     /// Every sheet of a person, in the order of the steps.

@@ -5,9 +5,11 @@ use crate::{
     error::SeatError,
     intake,
     parts::Carried,
+    person::NOT_ADMITTED,
+    plan::Whose,
     seat::{Seat, SeatSettings},
     sheet::Sheet,
-    steps::Step,
+    steps::{STOPPED, Step},
     token,
 };
 use maveric_domain::design::SeatView;
@@ -89,7 +91,7 @@ pub fn export(seat: &Seat, folder: &Path, post: Option<&str>) -> Result<Exported
         ));
     }
     let rows: Vec<Vec<Step>> = (0..seat.orders())
-        .map(|row| seat.steps_in(row, &|_| String::new()))
+        .map(|row| seat.steps_of(Whose::Nobody, row))
         .collect::<Result<_, _>>()?;
     let orders = rows.len();
     let told = Static {
@@ -155,6 +157,10 @@ enum Line {
     Ended {
         ended: String,
     },
+    /// A rule of the screening held them back: nothing else is there.
+    NotAdmitted {
+        not_admitted: usize,
+    },
 }
 
 /// Somebody who was taken in.
@@ -166,7 +172,7 @@ pub struct TakenIn {
     pub sheets: usize,
     /// Drives and rides that came to their end.
     pub drives: usize,
-    /// `done` or `left`.
+    /// `done`, `left` or `not admitted`.
     pub ended: String,
 }
 
@@ -181,7 +187,17 @@ fn missing(steps: &[Step], given: &Carried) -> Option<String> {
         return Some("nothing was given: expected answers or drives from step 1 on".to_owned());
     }
     let through = given.ended == "done";
+    let stopped = given.drives.iter().find_map(|(step, _, parts)| {
+        let stops = |piece: &(u64, u64, String)| piece.2.contains(STOPPED);
+        parts.pieces.iter().any(stops).then_some(*step)
+    });
+    let told = |step: &Step| matches!(step, Step::Aftercare { .. });
+    let told = steps.iter().position(told).unwrap_or(steps.len());
     let lacks = |(at, step): (usize, &Step)| {
+        // Whoever stopped was asked nothing more.
+        if stopped.is_some_and(|stopped| (stopped + 1..told).contains(&at)) {
+            return None;
+        }
         let (is_there, what) = match step {
             Step::Text { agree: true, .. } => (sheet(at), "was not agreed to"),
             Step::Scale { .. } if through => (sheet(at), "has no answers of its questionnaire"),
@@ -192,6 +208,33 @@ fn missing(steps: &[Step], given: &Carried) -> Option<String> {
         (!is_there).then(|| format!("step {} of {} {what}", at + 1, steps.len()))
     };
     steps.iter().enumerate().find_map(lacks)
+}
+
+/// Counts somebody whom a rule of the screening held back, once; gives what is wrong with it.
+fn hold_back(
+    seat: &Seat,
+    token: &str,
+    steps: &[Step],
+    place: usize,
+) -> Result<Option<String>, SeatError> {
+    let rules = steps.iter().find_map(|step| match step {
+        Step::Screen { rules, .. } => Some(rules),
+        _ => None,
+    });
+    let Some(judged) = rules.and_then(|rules| rules.get(place)) else {
+        return Ok(Some(format!(
+            "rule {place} is none of this study's screening"
+        )));
+    };
+    let first = seat.store.within(|b| {
+        let first = b.first_time(token)?;
+        if first {
+            b.hold_back(&judged.rule)?;
+        }
+        Ok::<_, SeatError>(first)
+    })?;
+    seat.write_files()?;
+    Ok((!first).then(|| "counted before".to_owned()))
 }
 
 /// Takes in what somebody handed back: checked as the server checks what a page sends it; nothing of a file that is wrong anywhere.
@@ -255,10 +298,20 @@ pub fn take_in(seat: &Seat, path: &Path) -> Result<TakenIn, SeatError> {
             "who handed this over is forgotten: it is not taken in again".to_owned(),
         ));
     }
-    let steps = seat.steps_in(row, &|what| {
-        maveric_seat_page::world(&token, what).to_string()
-    })?;
+    let steps = seat.steps_of(Whose::Link(&token), row)?;
     let rest: Vec<(usize, Line)> = lines.collect();
+    if let [(number, Line::NotAdmitted { not_admitted })] = rest[..] {
+        let why = hold_back(seat, &token, &steps, not_admitted)?;
+        return why.map_or(
+            Ok(TakenIn {
+                participant: String::new(),
+                sheets: 0,
+                drives: 0,
+                ended: NOT_ADMITTED.to_owned(),
+            }),
+            |why| Err(bad(number, why)),
+        );
+    }
     let Some((last, Line::Ended { ended })) = rest.last() else {
         return Err(bad(
             rest.len() + 1,
@@ -306,11 +359,22 @@ pub fn take_in(seat: &Seat, path: &Path) -> Result<TakenIn, SeatError> {
             Line::Fit { fit } => given.style = Some(intake::style(&fit).map_err(wrong)?),
             Line::Ended { .. } => missing(&steps, &given).map_or(Ok(()), |why| Err(wrong(why)))?,
             Line::Head { .. } => return Err(wrong("a second head".to_owned())),
+            Line::NotAdmitted { .. } => {
+                let why = "held back by a rule, and something was given all the same";
+                return Err(wrong(why.to_owned()));
+            }
         }
     }
     let person = seat.take_in(&token, &steps, &given)?;
     let mut drives = 0;
     for (step, found) in steps.iter().enumerate() {
+        let reason = seat
+            .store
+            .look(|b| b.stopped(&person.participant, (step, found)))?;
+        if let Some(reason) = reason {
+            seat.stop_drive(&person, (step, found), &reason)?;
+            continue;
+        }
         let whole = found.drives().is_some() && seat.finish_drive(&person, step, found)?;
         if !whole && given.ended == "left" {
             seat.keep_unfinished(&person, step)?;

@@ -6,31 +6,31 @@ use crate::{
     listed::{KeptSheet, Listed},
     person::Person,
     sheet::Sheet,
-    steps::Step,
+    steps::{STOPPED, Step, TICKS_PER_S},
     tables::{Given, Standing},
 };
 use maveric_domain::ParticipantId;
 use maveric_seat_page::Chunk;
 use maveric_study::{
     StudyError,
-    tables::collected::{ConsentRow, EventRow, NoteRow},
+    tables::collected::{ConsentRow, EventRow, NoteRow, Stopped},
 };
 use rusqlite::params;
 use std::collections::BTreeSet;
 
+/// The page of the practice.
+const PRACTICE: &str = "practice";
 /// The page of the row that says how somebody's part ended.
 const END: &str = "end";
 /// How the text of an experimenter's note begins among the seat's events.
 pub(crate) const NOTE: &str = "note: ";
-/// Steps that a second of driving has.
-const TICKS_A_SECOND: f64 = 100.0;
-
 /// All three tables.
 #[derive(Debug, Default)]
 pub(crate) struct Collected {
     pub(crate) events: Vec<EventRow>,
     pub(crate) consents: Vec<ConsentRow>,
     pub(crate) notes: Vec<NoteRow>,
+    pub(crate) stopped: Vec<Stopped>,
 }
 
 /// A moment as it is written, in UTC.
@@ -65,6 +65,7 @@ impl Books<'_> {
             }
             collected.consents.extend(consents_of(sheets, &who));
         }
+        collected.stopped = collected.events.iter().filter_map(stopped_in).collect();
         let known: BTreeSet<&str> = given
             .iter()
             .filter(stays)
@@ -168,7 +169,7 @@ impl Books<'_> {
         for begun in self.begun(who, step)? {
             let of_drive = |what: &str, tick: u64| EventRow {
                 attempt: Some(begun.attempt),
-                time_s: Some(tick as f64 / TICKS_A_SECOND),
+                time_s: Some(tick as f64 / TICKS_PER_S),
                 ..row(what)
             };
             let (at, lines) = self.noted(who, (step, begun.attempt))?;
@@ -183,7 +184,7 @@ impl Books<'_> {
                     ..of_drive(&event.what, event.tick)
                 }));
             }
-            let in_time = (begun.ticks as f64) < seconds * TICKS_A_SECOND;
+            let in_time = (begun.ticks as f64) < seconds * TICKS_PER_S;
             let how = match found {
                 _ if !begun.ended => "cut short",
                 Step::Practice { .. } if in_time => "practice passed",
@@ -193,6 +194,23 @@ impl Books<'_> {
             events.push(of_drive(how, begun.ticks));
         }
         Ok(())
+    }
+
+    /// Why somebody stopped in what they drove last at a step; none where they did not.
+    pub(crate) fn stopped(
+        &self,
+        participant: &str,
+        (step, found): (usize, &Step),
+    ) -> Result<Option<String>, SeatError> {
+        let Some(last) = self.begun(participant, step)?.pop() else {
+            return Ok(None);
+        };
+        let (_, lines) = self.noted(participant, (step, last.attempt))?;
+        let chunks = lines.iter().map(|line| serde_json::from_str::<Chunk>(line));
+        let events = chunks.filter_map(Result::ok).flat_map(|chunk| chunk.events);
+        // Only what was checked was kept.
+        let mut reasons = events.filter_map(|event| found.stopped(&event)?.ok());
+        Ok(reasons.next())
     }
 
     /// When a drive was begun, and those of its pieces in which something happened.
@@ -217,6 +235,17 @@ impl Books<'_> {
     }
 }
 
+/// A drive or a ride that somebody stopped; the practice is none of the study's.
+fn stopped_in(event: &EventRow) -> Option<Stopped> {
+    let reason = event.what.strip_prefix(STOPPED)?;
+    Some(Stopped {
+        participant: event.participant.clone(),
+        condition: event.page.parse().ok().filter(|_| event.page != PRACTICE)?,
+        time_s: event.time_s?,
+        reason: reason.to_owned(),
+    })
+}
+
 /// The texts that somebody agreed to.
 fn consents_of<'a>(
     sheets: &'a [KeptSheet],
@@ -236,13 +265,15 @@ fn consents_of<'a>(
 /// What a step is called in the tables, and the moment of a scale.
 fn place(step: &Step) -> (String, Option<String>) {
     match step {
+        Step::Screen { .. } => ("screening".to_owned(), None),
         Step::Text { .. } => ("consent".to_owned(), None),
         Step::Scale { scale, moment, .. } => (scale.clone(), Some(moment.to_string())),
         Step::Controls => ("controls".to_owned(), None),
-        Step::Practice { .. } => ("practice".to_owned(), None),
+        Step::Practice { .. } => (PRACTICE.to_owned(), None),
         Step::Drive { condition, .. } | Step::Ride { condition, .. } => {
             (condition.to_string(), None)
         }
+        Step::Aftercare { .. } => ("aftercare".to_owned(), None),
         Step::Thanks { .. } => ("thanks".to_owned(), None),
     }
 }

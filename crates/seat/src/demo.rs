@@ -167,13 +167,21 @@ fn train_in(work: &Path, jobs: usize, watch: Watch<'_>) -> Result<Vec<u8>, SeatE
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::steps::{Step, of_design};
+    use crate::{
+        plan::{Riding, Styles, Whose, of_design},
+        steps::Step,
+    };
 
     #[test]
     fn the_demonstration_is_a_study_of_a_drive_and_two_rides() {
         let design = Design::from_toml(DESIGN).unwrap();
-        let world = |what: &str| what.to_owned();
-        let steps = of_design(&design, &[], &Texts::default(), &world, Some((0, 1.0))).unwrap();
+        let riding = Riding {
+            index: 0,
+            stretch: 1.0,
+            styles: &Styles::new(),
+        };
+        let (texts, nobody) = (Texts::default(), Whose::Nobody);
+        let steps = of_design(&design, &[], &texts, nobody, Some(riding)).unwrap();
         let [
             Step::Controls,
             Step::Drive { seconds, .. },
@@ -181,6 +189,7 @@ mod tests {
             Step::Ride {
                 turns: Some(5.0), ..
             },
+            Step::Aftercare { .. },
             Step::Thanks { .. },
         ] = &steps[..]
         else {

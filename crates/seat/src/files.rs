@@ -3,12 +3,15 @@
 use crate::{
     collected::Collected,
     error::SeatError,
+    hindrance::Hindrance,
+    plan::Styles,
     steps::Texts,
     tables::{self, Given, Standing},
     words::Words,
 };
-use maveric_domain::{ConditionId, DriveId, DriveMeta, ParticipantId};
+use maveric_domain::{ConditionId, DriveId, DriveMeta, ParticipantId, design::Car};
 use maveric_ingest::{Beside, write_mcap_with};
+use maveric_model::Model;
 use maveric_seat_page::{Record, Replayed};
 use maveric_study::{
     DesignFile, StudyError,
@@ -16,12 +19,16 @@ use maveric_study::{
     forget::{Forgotten, forget_person},
     tables::{
         TableName,
-        collected::{CONSENTS, EVENTS, EventRow, NOTES},
+        collected::{CONSENTS, EVENTS, EventRow, NOT_ADMITTED, NOTES, NotAdmittedRow, STOPPED},
         dial::{ENDING, Turn},
+        embeddings::read_styles,
         read_rows, write_rows,
     },
 };
-use std::{collections::BTreeSet, path::PathBuf};
+use std::{
+    collections::BTreeSet,
+    path::{Path, PathBuf},
+};
 
 /// Name under which a drive's record is attached to its log.
 pub(crate) const RECORD: &str = "seat.jsonl";
@@ -84,6 +91,30 @@ impl Files {
             place.people_made = true;
         }
         Ok(())
+    }
+
+    /// The styles that conditions of the study name, for `model`, and what keeps them from being ridden; none without a model.
+    pub(crate) fn styles(&self, model: Option<&Model>, hindrances: &mut Vec<Hindrance>) -> Styles {
+        let mut styles = Styles::new();
+        let Some((place, model)) = self.0.as_ref().zip(model) else {
+            return styles;
+        };
+        for condition in place.study.design.conditions() {
+            let Some(Car::Embedding(file)) = &condition.car else {
+                continue;
+            };
+            match read_styles(&place.study.resolve(file), model.embedding_size()) {
+                Ok(rows) => drop(styles.insert(file.clone(), rows)),
+                Err(error) => hindrances.push(Hindrance::Styles {
+                    condition: condition.id,
+                    problem: error.to_string(),
+                    remedy: error.suggestion().unwrap_or_else(|| {
+                        "write the file, or give the condition another `car`".to_owned()
+                    }),
+                }),
+            }
+        }
+        styles
     }
 
     /// What the table of people is called.
@@ -220,6 +251,10 @@ impl Files {
                 &place.records.join(CONSENTS),
                 &collected.consents,
             )?;
+            let stopped = place.study.resolve(Path::new(STOPPED));
+            if !collected.stopped.is_empty() || stopped.is_file() {
+                write_rows(TableName::Stopped, &stopped, &collected.stopped)?;
+            }
             write_rows(
                 TableName::Notes,
                 &place.records.join(NOTES),
@@ -227,6 +262,17 @@ impl Files {
             )?;
         }
         Ok(())
+    }
+
+    /// Writes how many people each rule of the screening held back, once it held somebody back.
+    pub(crate) fn not_admitted(&self, rows: &[NotAdmittedRow]) -> Result<(), SeatError> {
+        match self.0.as_ref().filter(|_| !rows.is_empty()) {
+            Some(place) => {
+                let path = place.records.join(NOT_ADMITTED);
+                Ok(write_rows(TableName::NotAdmitted, &path, rows)?)
+            }
+            None => Ok(()),
+        }
     }
 
     /// Adds people and answers to the study's tables that are not in them yet; what stands there then.
@@ -253,6 +299,8 @@ pub fn texts(study: &DesignFile) -> Result<Texts, SeatError> {
     let protocol = study.design.protocol();
     Ok(Texts {
         consent: read(&protocol.consent)?,
+        aftercare: read(&protocol.aftercare)?,
+        debrief: read(&protocol.debrief)?,
         thanks: read(&protocol.thanks)?,
         words: Words::of_study(study)?,
     })

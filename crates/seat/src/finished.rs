@@ -6,9 +6,11 @@ use crate::{
     error::SeatError,
     person::{Person, on_the_scale},
     seat::Seat,
-    steps::{RideStyle, Step},
+    sheet::Sheet,
+    steps::{Step, TICKS_PER_S},
 };
-use maveric_seat_page::{Record, Replayed, fit, replay};
+use maveric_domain::Embedding;
+use maveric_seat_page::{Record, Replayed, RideStyle, fit, replay};
 use maveric_study::beyond_in_words;
 use std::fmt;
 
@@ -28,7 +30,29 @@ impl Seat {
         step: usize,
         found: &Step,
     ) -> Result<bool, SeatError> {
-        self.write_drive(person, (step, found), false)
+        self.write_drive(person, (step, found), None)
+    }
+
+    /// Writes what somebody drove of a step at which they stopped, since they felt unwell: nothing is learned of it, and nothing is driven
+    /// after it.
+    ///
+    /// # Errors
+    /// As [`Seat::finish_drive`].
+    pub(crate) fn stop_drive(
+        &self,
+        person: &Person,
+        (step, found): (usize, &Step),
+        reason: &str,
+    ) -> Result<(), SeatError> {
+        let why = format!("the person stopped ({reason})");
+        self.write_drive(person, (step, found), Some(&why))?;
+        self.store.within(|b| {
+            b.event(
+                Some(&person.participant),
+                &format!("step {}: {why}", step + 1),
+            )?;
+            b.stop(person, step)
+        })
     }
 
     /// Writes what somebody drove of a step at which they left and let it be kept, cut short as it is: nothing is learned of it.
@@ -37,7 +61,10 @@ impl Seat {
     /// As [`Seat::finish_drive`].
     pub(crate) fn keep_unfinished(&self, person: &Person, step: usize) -> Result<(), SeatError> {
         match person.steps.get(step) {
-            Some(found) => self.write_drive(person, (step, found), true).map(drop),
+            Some(found) => {
+                let why = "the person left";
+                self.write_drive(person, (step, found), Some(why)).map(drop)
+            }
             None => Ok(()),
         }
     }
@@ -46,7 +73,7 @@ impl Seat {
         &self,
         person: &Person,
         (step, found): (usize, &Step),
-        left: bool,
+        left: Option<&str>,
     ) -> Result<bool, SeatError> {
         let read = self.store.look(|b| {
             let begun = b.begun(&person.participant, step)?;
@@ -57,7 +84,7 @@ impl Seat {
         let (lines, begun) = read?;
         let last = || begun.iter().rposition(|b| b.ticks > 0);
         let ended = begun.iter().position(|b| b.ended);
-        let Some(whole) = ended.or_else(|| last().filter(|_| left)) else {
+        let Some(whole) = ended.or_else(|| last().filter(|_| left.is_some())) else {
             return Ok(false);
         };
         let Some((condition, by_hand)) = found.drives() else {
@@ -76,9 +103,9 @@ impl Seat {
             Err(error) => outcome.tell(format!("{name}: cannot be driven again: {error}")),
             Ok((again, record)) => {
                 let pictures = Pictures::of(&record);
-                let cut = ended.is_none().then(|| {
-                    let seconds = record.ticks() as f64 / 100.0;
-                    format!("the person left after {seconds:.0} s, and what was driven is kept")
+                let cut = left.map(|why| {
+                    let seconds = record.ticks() as f64 / TICKS_PER_S;
+                    format!("{why} after {seconds:.0} s, and what was driven is kept")
                 });
                 let beyond = mark(person, found);
                 outcome
@@ -94,6 +121,7 @@ impl Seat {
                     let text = "the page came through other states than its record gives here";
                     outcome.tell(format!("{name}: {text}"));
                 }
+                outcome.probes = probes_of(found, &record);
                 if let Step::Ride {
                     turns: Some(step), ..
                 } = found
@@ -106,13 +134,42 @@ impl Seat {
                     let seconds = record.ticks() as f64 / 100.0;
                     files.turns((&name, who), &turned, step.abs(), seconds)?;
                 }
-                if by_hand && !left {
+                if let Some(apart) = self.style_apart(person, found, &record) {
+                    outcome.tell(format!(
+                        "{name}: the page drove another style than the study's for this person, {apart:.2e} apart"
+                    ));
+                }
+                if by_hand && left.is_none() {
                     self.learn(person, &name, (&record, &again), &mut outcome);
                 }
             }
         }
-        self.keep(person, (step, left), &outcome)?;
+        self.keep(person, (step, left.is_some()), &outcome)?;
         Ok(true)
+    }
+
+    /// How far the style that a ride began with is from the one that the step asks for; none where they agree, or nobody can say.
+    fn style_apart(&self, person: &Person, found: &Step, record: &Record) -> Option<f64> {
+        let Step::Ride {
+            style,
+            points,
+            stretch,
+            ..
+        } = found
+        else {
+            return None;
+        };
+        let model = self.model.as_ref()?;
+        let fitted = person
+            .style()
+            .and_then(|fit| Embedding::new(fit.embedding).ok());
+        let own = fitted.unwrap_or_else(|| model.mean_embedding().clone());
+        let asked = style.place(model, &own, points * stretch).ok()?.embedding;
+        let apart = apart(
+            record.header.style.as_ref()?.coordinates(),
+            asked.coordinates(),
+        );
+        (apart > SAME_STYLE).then_some(apart)
     }
 
     /// Keeps what came of a drive and goes on, both or neither. Who was forgotten meanwhile has nothing kept, and what was written of
@@ -131,6 +188,9 @@ impl Seat {
                 }
                 if let Some(style) = &outcome.style {
                     b.fit(person, style)?;
+                }
+                if let Some(probes) = &outcome.probes {
+                    b.keep_sheet(person, step, probes)?;
                 }
                 if !left {
                     b.go_on(person, step)?;
@@ -169,10 +229,8 @@ impl Seat {
         let Some(page) = person.style() else {
             return;
         };
-        let apart = (page.embedding.iter().zip(&here.embedding))
-            .map(|(a, b)| (a - b).abs())
-            .fold(0.0, f64::max);
-        if page.embedding.len() != here.embedding.len() || apart > SAME_STYLE {
+        let apart = apart(&page.embedding, &here.embedding);
+        if apart > SAME_STYLE {
             outcome.tell(format!(
                 "{name}: the page learned another style than its record gives here, {apart:.2e} apart; the record's is kept"
             ));
@@ -180,10 +238,40 @@ impl Seat {
     }
 }
 
+/// The largest difference of two styles' numbers.
+fn apart(one: &[f64], other: &[f64]) -> f64 {
+    if one.len() != other.len() {
+        return f64::INFINITY;
+    }
+    let differences = one.iter().zip(other).map(|(a, b)| (a - b).abs());
+    differences.fold(0.0, f64::max)
+}
+
+/// What was answered on the way, as a sheet; none where nothing was asked. Of several answers to one probe the first counts.
+fn probes_of(step: &Step, record: &Record) -> Option<String> {
+    let Step::Ride {
+        probe: Some(probe), ..
+    } = step
+    else {
+        return None;
+    };
+    let events = record.chunks.iter().flat_map(|chunk| &chunk.events);
+    // Only what was checked was kept.
+    let answers = events.filter_map(|event| probe.answer(event)?.ok());
+    let mut sheet = Sheet::default();
+    for (at_s, answer) in answers {
+        let before = sheet.probes.last().map(|(before_s, _)| *before_s);
+        if before.is_none_or(|before_s| at_s > before_s) {
+            sheet.probes.push((at_s, answer));
+        }
+    }
+    serde_json::to_string(&sheet).ok()
+}
+
 /// What is said of a ride in a style that was learned of a drive beyond what the model has learned from.
 fn mark(person: &Person, step: &Step) -> Option<String> {
     let Step::Ride {
-        style: RideStyle::Own,
+        style: RideStyle::Own | RideStyle::Across(_),
         ..
     } = step
     else {
@@ -202,6 +290,8 @@ struct Outcome {
     told: Vec<String>,
     /// The style that was learned.
     style: Option<String>,
+    /// What was answered on the way, as a sheet.
+    probes: Option<String>,
 }
 
 impl Outcome {
@@ -274,6 +364,7 @@ mod tests {
             points: 0.0,
             stretch: 1.0,
             turns: None,
+            probe: None,
         };
         let mut person = Person::new("t".to_owned(), "P001".to_owned(), Vec::new());
         assert_eq!(mark(&person, &ride(RideStyle::Own)), None);

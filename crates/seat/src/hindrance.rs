@@ -61,11 +61,23 @@ pub enum Hindrance {
     /// Rides, and nothing that could drive them.
     #[error("the study has rides and no model that could drive them")]
     NoModel,
-    /// A condition that turns the dial of a model without one.
-    #[error("a condition turns the dial, and the model has none: {why}")]
-    NoDial {
+    /// A condition that asks of the model what it does not have.
+    #[error("condition `{condition}` cannot be driven by the model: {why}")]
+    NotByModel {
+        /// The condition.
+        condition: ConditionId,
         /// What the model says.
         why: String,
+    },
+    /// A condition whose file of styles cannot be used.
+    #[error("condition `{condition}`: {problem}")]
+    Styles {
+        /// The condition.
+        condition: ConditionId,
+        /// What is wrong with the file.
+        problem: String,
+        /// What to do.
+        remedy: String,
     },
     /// A condition whose drives the program would make again.
     #[error(
@@ -83,12 +95,34 @@ pub enum Hindrance {
         /// Which car it has.
         problem: &'static str,
     },
+    /// A scale of more than one item that is to be asked on the way.
+    #[error("[protocol] `probe` asks scale `{scale}`, which has {items} items, expected one")]
+    ProbeItems {
+        /// Its id.
+        scale: String,
+        /// Its items.
+        items: u32,
+    },
+    /// A rule on an item that is not asked, or on an answer that it does not have.
+    #[error("[protocol] `{key}`: `{rule}`: {problem}")]
+    Rule {
+        /// The key of the design.
+        key: &'static str,
+        /// The rule.
+        rule: String,
+        /// What would be possible.
+        problem: String,
+    },
     /// A consent that names a day which the study does not have.
     #[error("the consent says {{withdraw_until}}, and [protocol] has no `withdraw_until`")]
     NoLastDay,
 }
 
 impl Hindrance {
+    pub(crate) fn no_car(condition: ConditionId, problem: &'static str) -> Self {
+        Self::Car { condition, problem }
+    }
+
     /// What to do.
     pub fn remedy(&self) -> String {
         match self {
@@ -112,13 +146,20 @@ impl Hindrance {
             Self::NoModel => {
                 "name one in [model] file, or say in [people] learn who is learned from first".to_owned()
             }
-            Self::NoDial { .. } => "learn a model from people who answered the scale of [style]".to_owned(),
+            Self::NotByModel { .. } => {
+                "learn a model of two numbers or more from people who answered the scale of [style]".to_owned()
+            }
+            Self::Styles { remedy, .. } => remedy.clone(),
             Self::SimulatedAgain { .. } => {
                 "write `recorded = true` into its `car`: what was ridden in the seat is what is analysed".to_owned()
             }
             Self::Car { .. } => {
-                "the seat drives `car = { dial = 8, recorded = true }`, `mean` and `free`".to_owned()
+                "the seat drives `car = { dial = 8, recorded = true }`, `across`, `mean`, `embedding` and `free`".to_owned()
             }
+            Self::ProbeItems { .. } => {
+                "name a scale of one item, such as probe = { scale = \"misc\", every_s = 60 }".to_owned()
+            }
+            Self::Rule { .. } => "write SCALE.NUMBER, or SCALE.SUBSCALE of one item".to_owned(),
             Self::NoLastDay => {
                 "write withdraw_until = \"2027-01-31\" there, or leave it out of the text".to_owned()
             }

@@ -5,7 +5,7 @@ use crate::{
     parts::Parts,
     request::{Answered, Refused, Shared, json},
     seat::Seat,
-    steps::Step,
+    steps::{AskedProbe, Step, TICKS_PER_S},
 };
 use axum::{
     body::Bytes,
@@ -15,8 +15,6 @@ use axum::{
 use maveric_domain::DrivenBy;
 use maveric_seat_page::{Chunk, End, Fit, Header};
 
-/// Steps that a second of driving has.
-const TICKS_PER_S: f64 = 100.0;
 /// Longest line, in bytes: a piece of a second has some thousand.
 const LONGEST_LINE: usize = 16 << 10;
 /// Events in a piece, beside one a step; and letters of what happened.
@@ -133,6 +131,7 @@ pub(crate) fn parts(seat: &Seat, found: &Step, text: &str) -> Result<Parts, Stri
                     "{events} events in a piece, expected at most {most}, each of at most {LONGEST_EVENT} letters"
                 ));
             }
+            check_events(found, &chunk)?;
             parts
                 .pieces
                 .push((chunk.from_tick, chunk.ticks, line.to_owned()));
@@ -145,6 +144,22 @@ pub(crate) fn parts(seat: &Seat, found: &Step, text: &str) -> Result<Parts, Stri
         }
     }
     Ok(parts)
+}
+
+/// Whether every answer to a probe is one that the step asks, and whoever stopped did so for a reason that it has.
+fn check_events(found: &Step, chunk: &Chunk) -> Result<(), String> {
+    for event in &chunk.events {
+        found.stopped(event).unwrap_or_else(|| Ok(String::new()))?;
+    }
+    let answers = chunk
+        .events
+        .iter()
+        .filter(|e| AskedProbe::is_answered_by(e));
+    for event in answers {
+        let read = found.probe().and_then(|probe| probe.answer(event));
+        read.unwrap_or_else(|| Err("an answer to a probe where none is asked".to_owned()))?;
+    }
+    Ok(())
 }
 
 fn check_header(

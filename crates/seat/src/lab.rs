@@ -2,6 +2,7 @@
 
 use crate::{
     above, assets, entrance,
+    error::SeatError,
     markup::{form_field, html, plain, to_lab},
     person::Person,
     refusals::Refusal,
@@ -150,21 +151,31 @@ fn row(person: &Person) -> String {
 
 fn what(step: &Step) -> &'static str {
     match step {
+        Step::Screen { .. } => "screening",
         Step::Text { .. } => "reading",
         Step::Scale { .. } => "questionnaire",
         Step::Controls => "controls",
         Step::Practice { .. } => "practice",
         Step::Drive { .. } => "driving",
         Step::Ride { .. } => "riding",
+        Step::Aftercare { .. } => "stopped: aftercare",
         Step::Thanks { .. } => "thanks",
     }
 }
 
 async fn next(State(shared): State<Shared>) -> Answered<Response> {
     shared
-        .blocking(|seat| seat.let_in().map_err(Refused::from))
+        .blocking(|seat| seat.let_in().map_err(with_help))
         .await?;
     Ok(to_lab())
+}
+
+/// A refusal that says what to do, where something can be done.
+fn with_help(error: SeatError) -> Refused {
+    match error.suggestion() {
+        Some(help) => Refused::NotThis(format!("{error}: {help}")),
+        None => Refused::Failed(error),
+    }
 }
 
 /// What somebody drives now, or drove last.
@@ -240,10 +251,7 @@ async fn forget(
 ) -> Answered<Response> {
     let who = participant.clone();
     let gone = shared.blocking(move |seat: &Seat| match seat.forget(&who) {
-        Err(error @ crate::SeatError::Nobody { .. }) => {
-            let help = error.suggestion().unwrap_or_default();
-            Err(Refused::NotThis(format!("{error}: {help}")))
-        }
+        Err(error @ SeatError::Nobody { .. }) => Err(with_help(error)),
         other => Ok(other?),
     });
     let gone = gone.await?;

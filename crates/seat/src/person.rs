@@ -14,6 +14,9 @@ pub(crate) fn on_the_scale(style: Fit) -> Fit {
     }
 }
 
+/// How the part of somebody ended who does not take part.
+pub(crate) const NOT_ADMITTED: &str = "not admitted";
+
 /// Somebody with a link.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Person {
@@ -43,6 +46,18 @@ impl Person {
             fit: None,
             listed: Listed::NotYet,
         }
+    }
+
+    /// Whether they were not admitted.
+    pub(crate) fn was_refused(&self) -> bool {
+        self.ended.as_deref() == Some(NOT_ADMITTED)
+    }
+
+    /// Whether they take part: nobody does before the screening is passed.
+    pub(crate) fn is_admitted(&self) -> bool {
+        let ahead = self.steps.iter().skip(self.at);
+        let judges = |step: &Step| matches!(step, Step::Screen { .. });
+        !self.was_refused() && !ahead.into_iter().any(judges)
     }
 
     /// The conditions that they ride, in their order.

@@ -8,8 +8,9 @@ use crate::{
     listed::Listed,
     parts::Carried,
     person::Person,
+    plan::{self, Riding, Styles, Whose},
     servable::hindrances,
-    steps::{self, Step, Texts},
+    steps::{Step, Texts},
     store::Store,
     tables::{Given, Standing},
     token,
@@ -18,7 +19,6 @@ use crate::{
 use maveric_domain::{
     Design, Scale, SpeedUnit,
     design::{ProtocolStep, williams_rows},
-    stream_seed,
 };
 use maveric_model::{Model, model_file};
 use maveric_simulator::Scenario;
@@ -68,6 +68,7 @@ pub struct Seat {
     pub(crate) store: Store,
     pub(crate) scenario_json: String,
     pub(crate) model: Option<Model>,
+    styles: Styles,
     links: Mutex<Links>,
     /// Whether the experimenter has closed it.
     stopping: AtomicBool,
@@ -103,7 +104,8 @@ impl Seat {
         let model = settings.model.as_deref().map(model_file::from_bytes);
         let model = model.transpose()?;
         let words = (&settings.scales[..], &settings.texts);
-        let hindrances = hindrances(&settings.design, words, model.as_ref());
+        let mut hindrances = hindrances(&settings.design, words, model.as_ref());
+        let styles = settings.files.styles(model.as_ref(), &mut hindrances);
         if !hindrances.is_empty() {
             return Err(SeatError::Unfit(hindrances));
         }
@@ -117,6 +119,7 @@ impl Seat {
                 }
             })?,
             model,
+            styles,
             settings,
             links: Mutex::default(),
             stopping: AtomicBool::new(false),
@@ -207,21 +210,15 @@ impl Seat {
         self.settings.design.protocol().steps.contains(&step)
     }
 
-    fn steps_of(&self, participant: &str, index: usize) -> Result<Vec<Step>, SeatError> {
-        let root = self.settings.design.protocol().seed;
-        let world = |what: &str| stream_seed(root, &[participant, what, "world"]).to_string();
-        self.steps_in(index, &world)
-    }
-
-    /// The steps in the row `index` of the square, each in the world that `world` gives it.
-    pub(crate) fn steps_in(
-        &self,
-        index: usize,
-        world: &dyn Fn(&str) -> String,
-    ) -> Result<Vec<Step>, SeatError> {
+    /// The steps of `whose` in the row `index` of the square.
+    pub(crate) fn steps_of(&self, whose: Whose<'_>, index: usize) -> Result<Vec<Step>, SeatError> {
         let s = &self.settings;
-        let rides = self.rides().then_some((index, s.stretch));
-        steps::of_design(&s.design, &s.scales, &s.texts, world, rides)
+        let riding = self.rides().then_some(Riding {
+            index,
+            stretch: s.stretch,
+            styles: &self.styles,
+        });
+        plan::of_design(&s.design, &s.scales, &s.texts, whose, riding)
     }
 
     /// Rows of the square; one while nobody rides.
@@ -279,8 +276,9 @@ impl Seat {
         let person = self.store.within(|b| {
             let here = b.everybody()?;
             let participant = self.next_id(b, &here)?;
-            let riders = here.iter().filter(|p| !p.rides().is_empty()).count();
-            let steps = self.steps_of(&participant, riders)?;
+            let rides = |p: &&Person| !p.rides().is_empty() && !p.was_refused();
+            let riders = here.iter().filter(rides).count();
+            let steps = self.steps_of(Whose::Person(&participant), riders)?;
             let person = Person::new(token.clone(), participant, steps);
             b.add(&person)?;
             Ok::<_, SeatError>(person)
@@ -318,15 +316,15 @@ impl Seat {
             return Ok(());
         }
         let answered = self.asked.load(Ordering::SeqCst);
-        let given = self.store.look(|b| {
-            let people = b.everybody()?.into_iter();
+        let (given, not_admitted) = self.store.look(|b| {
+            let people = b.everybody()?.into_iter().filter(Person::is_admitted);
             let with_answers = |p: Person| Ok((b.answers(&p.participant)?, p));
-            people
-                .map(with_answers)
-                .collect::<Result<Vec<_>, SeatError>>()
+            let given: Vec<_> = people.map(with_answers).collect::<Result<_, SeatError>>()?;
+            Ok::<_, SeatError>((given, b.not_admitted()?))
         })?;
         let given = given.into_iter().map(|(answers, person)| (person, answers));
         let given: Vec<_> = given.collect();
+        self.settings.files.not_admitted(&not_admitted)?;
         if !given.is_empty() {
             let listed = self.settings.files.write(&given)?;
             self.store

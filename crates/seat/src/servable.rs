@@ -2,14 +2,19 @@
 
 use crate::{
     hindrance::Hindrance,
-    steps::{Texts, car, sheet},
+    moments,
+    plan::car,
+    steps::{Texts, sheet},
     withdrawal,
 };
 use maveric_domain::{
     Design, Moment, Scale,
-    design::{Car, ProtocolStep, Software},
+    design::{Car, Condition, ProtocolStep, Software},
 };
-use maveric_model::{Model, style_space::LinearHead};
+use maveric_model::{
+    Model, ModelError,
+    style_space::{LinearHead, PerpendicularEllipse},
+};
 
 /// All that keeps the seat from running a study, in the order of the design; nothing for one that it can run to its end.
 pub(crate) fn hindrances(
@@ -37,9 +42,19 @@ pub(crate) fn hindrances(
         .iter()
         .filter(|_| asks(ProtocolStep::Before));
     let after = protocol.after.iter().filter(|_| asks(ProtocolStep::Rides));
-    for id in before.chain(after) {
+    let (screen, post) = (&protocol.screen, &protocol.post);
+    for id in screen.iter().chain(before).chain(after).chain(post) {
         let missing = sheet(scales, id, Moment::Pre, &protocol.language).err();
         found.extend(missing.filter(|hindrance| !found.contains(hindrance)));
+    }
+    let asked = [
+        moments::screen(protocol, scales).err(),
+        moments::probe(protocol, scales).err(),
+    ];
+    for hindrance in asked.into_iter().flatten() {
+        if !found.contains(&hindrance) {
+            found.push(hindrance);
+        }
     }
     let learns = design.model().is_none() && design.people().learn.is_some();
     let asked = |scale| asks(ProtocolStep::Before) && protocol.before.contains(scale);
@@ -59,20 +74,25 @@ pub(crate) fn hindrances(
         found.push(Hindrance::NoModel);
     }
     for condition in conditions {
-        found.extend(car(design, condition).err());
-    }
-    let turned = |car: &Option<Car>| match car {
-        Some(Car::Dial(points)) => points.abs() > 0.0,
-        Some(Car::Free) => true,
-        _ => false,
-    };
-    if conditions.iter().any(|c| turned(&c.car))
-        && let Some(Err(error)) = model.map(LinearHead::aggression)
-    {
-        let why = error.to_string();
-        found.push(Hindrance::NoDial { why });
+        found.extend(car(condition).err());
+        if let Some(Err(error)) = model.map(|model| asked_of(model, condition)) {
+            found.push(Hindrance::NotByModel {
+                condition: condition.id,
+                why: error.to_string(),
+            });
+        }
     }
     found
+}
+
+/// Whether the model has what a condition asks of it.
+fn asked_of(model: &Model, condition: &Condition) -> Result<(), ModelError> {
+    match &condition.car {
+        Some(Car::Across) => PerpendicularEllipse::of(model).map(drop),
+        Some(Car::Free) => LinearHead::aggression(model).map(drop),
+        _ if condition.side().is_some() => LinearHead::aggression(model).map(drop),
+        _ => Ok(()),
+    }
 }
 
 #[cfg(test)]

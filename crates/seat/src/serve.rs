@@ -255,13 +255,24 @@ async fn answer(
     body: Bytes,
 ) -> Answered<Response> {
     let kept = shared.blocking(move |seat| {
-        seat.store.within(|b| {
+        let (at, judged) = seat.store.within(|b| {
             let (person, found) = b.at(&token, step)?;
             let sheet: Sheet = read(&body)?;
+            let refused = sheet.refused;
             let kept = sheet.checked(&found).map_err(Refused::NotThis)?;
-            b.answer(&person, step, &kept)?;
-            Ok::<_, Refused>(b.somebody(&token)?.at)
-        })
+            let judged = if let Step::Screen { rules, .. } = &found {
+                b.judge((&person, step), rules, refused)?;
+                true
+            } else {
+                b.answer(&person, step, &kept)?;
+                false
+            };
+            Ok::<_, Refused>((b.somebody(&token)?.at, judged))
+        })?;
+        if judged {
+            seat.write_files()?;
+        }
+        Ok::<_, Refused>(at)
     });
     Ok(json(&kept.await?))
 }
@@ -294,8 +305,18 @@ async fn done(
 ) -> Answered<Response> {
     let at = shared.blocking(move |seat| {
         let (person, found) = seat.store.look(|b| b.at(&token, step))?;
+        if step == person.at
+            && let Some(reason) = seat
+                .store
+                .look(|b| b.stopped(&person.participant, (step, &found)))?
+        {
+            seat.stop_drive(&person, (step, &found), &reason)?;
+            return seat
+                .store
+                .look(|b| Ok::<_, Refused>(b.somebody(&token)?.at));
+        }
         match &found {
-            Step::Scale { .. } | Step::Text { agree: true, .. } => {
+            Step::Screen { .. } | Step::Scale { .. } | Step::Text { agree: true, .. } => {
                 return Err(Refused::NotThis("answers are asked here".to_owned()));
             }
             Step::Drive { .. } | Step::Ride { .. }

@@ -1,18 +1,33 @@
-//! What a person is shown, one step after the other: made of a study's design, fixed when the person is let in.
+//! What a person is shown, one step after the other.
 
-use crate::{error::SeatError, hindrance::Hindrance, withdrawal, words::Words};
+use crate::{hindrance::Hindrance, words::Words};
 use maveric_domain::{
-    ConditionId, Design, Moment, Scale,
-    design::{Car, Condition, Protocol, ProtocolStep, williams},
+    ConditionId, Moment, Scale,
+    design::Than,
     nearest,
     survey::{Item, ItemWords},
 };
+use maveric_seat_page::{Event, RideStyle};
 use serde::{Deserialize, Serialize};
+
+/// Steps of a drive in a second.
+pub(crate) const TICKS_PER_S: f64 = 100.0;
+
+/// How an event of a drive begins that ends it since the person stopped, and the reason of who pressed the button.
+pub(crate) const STOPPED: &str = "stopped: ";
+const UNWELL: &str = "unwell";
 
 /// One step.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(tag = "kind", rename_all = "snake_case")]
 pub enum Step {
+    /// Scales by which the page judges who takes part; no answer leaves it.
+    Screen {
+        /// A page each, of the kind [`Step::Scale`].
+        sheets: Vec<Step>,
+        /// What has to be so, all of it.
+        rules: Vec<Judged>,
+    },
     /// A text to read, to agree to where it says so.
     Text {
         /// Heading.
@@ -47,6 +62,9 @@ pub enum Step {
         passes: u32,
         /// Root of the world's random choices.
         seed: String,
+        /// As in [`Step::Ride`].
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        probe: Option<AskedProbe>,
     },
     /// The drive by hand that is learned from.
     Drive {
@@ -56,6 +74,9 @@ pub enum Step {
         seconds: f64,
         /// Root of the world's random choices.
         seed: String,
+        /// As in [`Step::Ride`].
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        probe: Option<AskedProbe>,
     },
     /// A ride.
     Ride {
@@ -75,6 +96,14 @@ pub enum Step {
         stretch: f64,
         /// Points a step of the dial towards sportier (negative on a score of calmness), where the person may turn it.
         turns: Option<f64>,
+        /// What is asked on the way.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        probe: Option<AskedProbe>,
+    },
+    /// What somebody is told who stopped; whoever did not goes past it.
+    Aftercare {
+        /// As in [`Step::Text`].
+        text: String,
     },
     /// The end.
     Thanks {
@@ -96,6 +125,77 @@ pub struct Asked {
     pub words: ItemWords,
 }
 
+/// A rule on one answer of a screening.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Judged {
+    /// As the design has it.
+    pub rule: String,
+    /// Which of the sheets, from 0.
+    pub sheet: usize,
+    /// Which of its items, from 0.
+    pub item: usize,
+    /// How the answer is held against the number.
+    pub than: Than,
+    /// The number.
+    pub value: i32,
+}
+
+/// A scale of one item that is asked again and again on the way.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct AskedProbe {
+    /// Its id.
+    pub scale: String,
+    /// What is asked.
+    pub question: String,
+    /// Lowest answer.
+    pub min: i32,
+    /// Highest answer.
+    pub max: i32,
+    /// How far apart, in s.
+    pub every_s: f64,
+    /// What is not answered by then is missing, in s.
+    pub within_s: f64,
+    /// From which answer on nobody goes on.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub stop: Option<StopRule>,
+}
+
+/// From which answer to a probe on nobody goes on.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct StopRule {
+    /// As the design has it.
+    pub rule: String,
+    /// How the answer is held against the number.
+    pub than: Than,
+    /// The number.
+    pub value: i32,
+}
+
+impl AskedProbe {
+    /// How an event of a drive that answers it begins.
+    const EVENT: &str = "probe:";
+
+    /// When it was asked and what was answered, of an event of a drive; an error is an answer that it does not have.
+    pub(crate) fn answer(&self, event: &Event) -> Option<Result<(f64, Option<i32>), String>> {
+        let scale = event.what.strip_prefix(Self::EVENT)?;
+        let asked = (event.tick as f64 / TICKS_PER_S / self.every_s).floor();
+        let range = f64::from(self.min)..=f64::from(self.max);
+        let possible = |answer: f64| range.contains(&answer) && answer.fract() == 0.0;
+        if scale != self.scale || asked < 1.0 || !event.points.is_none_or(possible) {
+            let (low, high) = (self.min, self.max);
+            return Some(Err(format!(
+                "an answer to a probe that is not asked here, or not {low} to {high}"
+            )));
+        }
+        Some(Ok((asked * self.every_s, event.points.map(|a| a as i32))))
+    }
+
+    /// Whether an event of a drive answers a probe.
+    pub(crate) fn is_answered_by(event: &Event) -> bool {
+        event.what.starts_with(Self::EVENT)
+    }
+}
+
 /// Each ride of these steps, and what the page calls it.
 pub(crate) fn coded_rides(steps: &[Step]) -> Vec<(ConditionId, ConditionId)> {
     let coded = |step: &Step| match step {
@@ -108,16 +208,6 @@ pub(crate) fn coded_rides(steps: &[Step]) -> Vec<(ConditionId, ConditionId)> {
         _ => None,
     };
     steps.iter().filter_map(coded).collect()
-}
-
-/// Whose style drives.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum RideStyle {
-    /// The person's own.
-    Own,
-    /// The average driver's.
-    Mean,
 }
 
 impl Step {
@@ -147,6 +237,28 @@ impl Step {
         step
     }
 
+    /// What is asked here on the way.
+    pub(crate) fn probe(&self) -> Option<&AskedProbe> {
+        match self {
+            Self::Practice { probe, .. } | Self::Drive { probe, .. } | Self::Ride { probe, .. } => {
+                probe.as_ref()
+            }
+            _ => None,
+        }
+    }
+
+    /// Why somebody stopped here, of an event of a drive; an error is a reason that the step does not have.
+    pub(crate) fn stopped(&self, event: &Event) -> Option<Result<String, String>> {
+        let reason = event.what.strip_prefix(STOPPED)?;
+        let rule = self.probe().and_then(|probe| probe.stop.as_ref());
+        let known = reason == UNWELL || rule.is_some_and(|stop| stop.rule == reason);
+        Some(if known {
+            Ok(reason.to_owned())
+        } else {
+            Err("stopped for a reason that this step does not have".to_owned())
+        })
+    }
+
     /// Seed and length in s of what is driven here, practice included.
     pub fn world(&self) -> Option<(&str, f64)> {
         match self {
@@ -163,141 +275,14 @@ impl Step {
 pub struct Texts {
     /// What is agreed to.
     pub consent: Option<String>,
+    /// What somebody is told who stopped.
+    pub aftercare: Option<String>,
+    /// What the study was about.
+    pub debrief: Option<String>,
     /// What is said at the end.
     pub thanks: Option<String>,
     /// What the seat says by itself.
     pub words: Words,
-}
-
-/// The steps of a person; `world` gives the root of random choices of what is driven (`practice`, or a condition), `riding` is the person's number among those who ride (from 0) and the points of the model for one of the
-/// study's style, none while nobody rides.
-///
-/// # Errors
-/// [`SeatError::Protocol`] for a scale without wording, a condition that the seat cannot drive or one that the design lets the program
-/// simulate instead.
-pub fn of_design(
-    design: &Design,
-    scales: &[Scale],
-    texts: &Texts,
-    world: &dyn Fn(&str) -> String,
-    riding: Option<(usize, f64)>,
-) -> Result<Vec<Step>, SeatError> {
-    let protocol = design.protocol();
-    let own = design
-        .baseline_id()
-        .map_or_else(|| ConditionId::new("own"), Ok);
-    let own = own.map_err(|e| SeatError::Protocol {
-        problem: e.to_string(),
-        help: None,
-    })?;
-    let mut steps = Vec::new();
-    for step in &protocol.steps {
-        match step {
-            ProtocolStep::Consent => {
-                if let Some(text) = &texts.consent {
-                    steps.push(Step::Text {
-                        title: design.title().to_owned(),
-                        text: withdrawal::in_consent(
-                            text,
-                            protocol.withdraw_until.as_deref(),
-                            &texts.words,
-                        )?,
-                        agree: true,
-                    });
-                }
-            }
-            ProtocolStep::Before => {
-                for id in &protocol.before {
-                    steps.push(sheet(scales, id, Moment::Pre, &protocol.language)?);
-                }
-            }
-            ProtocolStep::Controls => steps.push(Step::Controls),
-            ProtocolStep::Practice => steps.push(Step::Practice {
-                seconds: protocol.practice.at_most_s,
-                lane_kept_s: protocol.practice.lane_kept_s,
-                passes: protocol.practice.passes,
-                seed: world("practice"),
-            }),
-            ProtocolStep::Drive => steps.push(Step::Drive {
-                condition: own,
-                seconds: protocol.drive_s,
-                seed: world(own.as_str()),
-            }),
-            ProtocolStep::Rides => {
-                if let Some(who) = riding {
-                    rides(design, scales, world, who, &mut steps)?;
-                }
-            }
-        }
-    }
-    steps.push(Step::Thanks {
-        text: texts.thanks.clone().unwrap_or_default(),
-        code: protocol.code.clone(),
-    });
-    Ok(steps)
-}
-
-fn rides(
-    design: &Design,
-    scales: &[Scale],
-    world: &dyn Fn(&str) -> String,
-    (index, stretch): (usize, f64),
-    steps: &mut Vec<Step>,
-) -> Result<(), SeatError> {
-    let protocol: &Protocol = design.protocol();
-    let conditions = design.conditions();
-    for (number, place) in williams(conditions.len(), index).into_iter().enumerate() {
-        let condition = &conditions[place];
-        let (style, points, turns) = car(design, condition)?;
-        steps.push(Step::Ride {
-            condition: condition.id,
-            number: number + 1,
-            seconds: protocol.ride_s,
-            seed: world(condition.id.as_str()),
-            style,
-            points,
-            stretch,
-            turns,
-        });
-        for id in &protocol.after {
-            let moment = Moment::After(condition.id);
-            steps.push(sheet(scales, id, moment, &protocol.language)?);
-        }
-    }
-    Ok(())
-}
-
-/// Points that the dial turns at a press where the design has no step: a third of the paper's 15.
-const DIAL_STEP: f64 = 5.0;
-
-/// What a car does: whose style, where on the dial it begins, and points a turn where it can be turned.
-type Driven = (RideStyle, f64, Option<f64>);
-
-/// What the car does in a condition.
-pub(crate) fn car(design: &Design, condition: &Condition) -> Result<Driven, Hindrance> {
-    let id = condition.id;
-    if condition.simulated() {
-        return Err(Hindrance::SimulatedAgain { condition: id });
-    }
-    let step = design.style().map_or(DIAL_STEP, |style| {
-        let points = style.points.map_or(DIAL_STEP, |points| points / 3.0);
-        points * style.aggression.factor()
-    });
-    match &condition.car {
-        Some(Car::Dial(points)) => Ok((RideStyle::Own, *points, None)),
-        Some(Car::Mean) => Ok((RideStyle::Mean, 0.0, None)),
-        Some(Car::Free) => Ok((RideStyle::Own, 0.0, Some(step))),
-        other => Err(Hindrance::Car {
-            condition: id,
-            problem: match other {
-                None => "it has no `car`",
-                Some(Car::Embedding(_)) => {
-                    "its `car` drives by a file of embeddings, which the seat does not"
-                }
-                Some(_) => "its `car` drives `across` the dial, which the seat does not",
-            },
-        }),
-    }
 }
 
 /// A scale as a page, in the study's language.

@@ -39,6 +39,8 @@ CREATE TABLE IF NOT EXISTS event (
     given INTEGER NOT NULL, participant TEXT, what TEXT NOT NULL) STRICT;
 CREATE TABLE IF NOT EXISTS forgotten (
     participant TEXT PRIMARY KEY, link TEXT UNIQUE, swept INTEGER NOT NULL DEFAULT 0) STRICT;
+CREATE TABLE IF NOT EXISTS not_admitted (rule TEXT PRIMARY KEY, people INTEGER NOT NULL) STRICT;
+CREATE TABLE IF NOT EXISTS judged (link TEXT PRIMARY KEY) STRICT;
 ";
 
 /// What the first version had not. Who was through then had been written into the study's tables.

@@ -7,8 +7,11 @@ use crate::{
     sheet::Sheet,
     steps::Step,
 };
-use maveric_domain::Design;
-use maveric_study::tables::{Table, TableBuilder, TableName};
+use maveric_domain::{Design, Moment};
+use maveric_study::tables::{
+    Table, TableBuilder, TableName,
+    surveys::{moment_word, moments},
+};
 use std::{
     collections::{BTreeMap, BTreeSet},
     path::Path,
@@ -47,6 +50,9 @@ fn listed(before: Listed, stands: bool, table: bool) -> (Listed, bool) {
     }
 }
 
+/// Participant, moment and scale of a sheet.
+type SheetPlace = (String, String, String);
+
 /// Cells of a row, by column.
 type Row = BTreeMap<String, String>;
 
@@ -72,7 +78,7 @@ pub(crate) fn write_answers(
             continue;
         }
         for kept in sheets {
-            let Some(Step::Scale { scale, moment, .. }) = person.steps.get(kept.step) else {
+            let Some((scale, moment)) = person.steps.get(kept.step).and_then(asked) else {
                 continue;
             };
             // Only what was checked was kept.
@@ -80,48 +86,90 @@ pub(crate) fn write_answers(
                 continue;
             };
             let who = &person.participant;
-            let place = [who.clone(), moment.to_string(), scale.clone()];
+            let place = (who.clone(), moment.to_string(), scale.to_owned());
             let stands = there.as_ref().is_some_and(|t| t.contains(&place));
             let (now, written) = listed(kept.listed, stands, there.is_some());
             standing.sheets.insert((who.clone(), kept.step), now);
             if written {
-                rows.extend(rows_of(&place, &sheet));
+                rows.extend(rows_of((who, moment, scale), &sheet));
             }
         }
     }
+    // Beside its condition a moment stands where a word alone would not do.
+    let steps = given.iter().flat_map(|(person, _)| &person.steps);
+    let moments = steps.filter_map(asked).map(|(_, moment)| moment);
+    let beside = moments
+        .into_iter()
+        .any(|moment| matches!(moment, Moment::Probe(_) | Moment::Post));
+    let beside = beside || path.is_file() && Table::read(path)?.has(CONDITION);
+    let alone = |column: &&str| beside || ![CONDITION, AT_S].contains(column);
     let columns = TableName::Answers.entry().columns.iter();
-    let columns = columns.map(|column| column.name.as_str());
-    let is_text = |column: &&str| *column == "text";
     let written = rows.iter().any(|row: &Row| row.contains_key("text"));
-    let columns: Vec<&str> = columns.filter(|c| written || !is_text(c)).collect();
+    let columns = columns.map(|column| column.name.as_str()).filter(alone);
+    let columns: Vec<&str> = columns.filter(|c| written || *c != "text").collect();
+    for row in &mut rows {
+        row.retain(|column, _| columns.contains(&column.as_str()));
+        if beside && let Some(moment) = row.get_mut("moment") {
+            *moment = moment
+                .parse()
+                .map_or(moment.clone(), |m| moment_word(m).to_owned());
+        }
+    }
     merge(path, &columns, &rows)
 }
 
+/// Columns that tables of before have not.
+const CONDITION: &str = "condition";
+const AT_S: &str = "at_s";
+
+/// What a step asks, and when: a questionnaire, or the probe of a ride.
+fn asked(step: &Step) -> Option<(&str, Moment)> {
+    match step {
+        Step::Scale { scale, moment, .. } => Some((scale, *moment)),
+        Step::Ride {
+            condition,
+            probe: Some(probe),
+            ..
+        } => Some((&probe.scale, Moment::Probe(*condition))),
+        _ => None,
+    }
+}
+
 /// Participant, moment and scale of every sheet in a table of answers; none where there is no table.
-fn sheets_in(path: &Path) -> Result<Option<BTreeSet<[String; 3]>>, SeatError> {
+fn sheets_in(path: &Path) -> Result<Option<BTreeSet<SheetPlace>>, SeatError> {
     if !path.is_file() {
         return Ok(None);
     }
     let table = Table::read(path)?;
     let column = |name| table.text(name);
-    let (who, moment, scale) = (column("participant")?, column("moment")?, column("scale")?);
-    let rows = who.into_iter().zip(moment).zip(scale);
-    let place = |((who, moment), scale)| [who, moment, scale].map(Option::unwrap_or_default);
+    let (who, scale) = (column("participant")?, column("scale")?);
+    let moments = moments(&table)?;
+    let rows = who.into_iter().zip(moments).zip(scale);
+    let place = |((who, moment), scale): ((Option<String>, Moment), Option<String>)| {
+        (
+            who.unwrap_or_default(),
+            moment.to_string(),
+            scale.unwrap_or_default(),
+        )
+    };
     Ok(Some(rows.map(place).collect()))
 }
 
-fn rows_of(place: &[String; 3], sheet: &Sheet) -> Vec<Row> {
-    let [who, moment, scale] = place;
-    let each_s = sheet.seconds / sheet.answers.len().max(1) as f64;
-    let row = |(item, answer): (usize, &Option<i32>)| {
-        let answer = answer.map_or_else(String::new, |a| a.to_string());
+fn rows_of((who, moment, scale): (&str, Moment, &str), sheet: &Sheet) -> Vec<Row> {
+    let row = |item: usize, answer: Option<i32>, more: (&str, String)| {
         let cells = [
-            ("participant", who.clone()),
-            ("moment", moment.clone()),
-            ("scale", scale.clone()),
+            ("participant", who.to_owned()),
+            ("moment", moment.to_string()),
+            (
+                CONDITION,
+                moment
+                    .condition()
+                    .map_or_else(String::new, |c| c.to_string()),
+            ),
+            ("scale", scale.to_owned()),
             ("item", item.to_string()),
-            ("answer", answer),
-            ("seconds", format!("{each_s:.3}")),
+            ("answer", answer.map_or_else(String::new, |a| a.to_string())),
+            more,
         ];
         let words = sheet.texts.get(&item).map(|words| ("text", words.clone()));
         let cells = cells.into_iter().chain(words);
@@ -129,7 +177,17 @@ fn rows_of(place: &[String; 3], sheet: &Sheet) -> Vec<Row> {
             .map(|(column, cell)| (column.to_owned(), cell))
             .collect()
     };
-    (1..).zip(&sheet.answers).map(row).collect()
+    if let Moment::Probe(_) = moment {
+        let probes = sheet.probes.iter();
+        return probes
+            .map(|(at_s, answer)| row(1, *answer, (AT_S, at_s.to_string())))
+            .collect();
+    }
+    let each_s = sheet.seconds / sheet.answers.len().max(1) as f64;
+    let answers = (1..).zip(&sheet.answers);
+    answers
+        .map(|(item, answer)| row(item, *answer, ("seconds", format!("{each_s:.3}"))))
+        .collect()
 }
 
 /// Adds to the table of people who is not in it yet; who was taken out by hand stays out.
@@ -236,7 +294,7 @@ mod tests {
     fn what_was_written_stands_in_a_column_of_its_own_beside_the_item_that_asks_for_it() {
         let body = r#"{"answers":[4,null],"texts":{"2":"cars, or trust"},"seconds":6}"#;
         let sheet: Sheet = serde_json::from_str(body).unwrap();
-        let rows = rows_of(&["P001", "pre", "purpose"].map(str::to_owned), &sheet);
+        let rows = rows_of(("P001", Moment::Pre, "purpose"), &sheet);
         let cell = |row: usize, column: &str| rows[row].get(column).map(String::as_str);
         assert_eq!((cell(0, "answer"), cell(0, "text")), (Some("4"), None));
         let second = (cell(1, "answer"), cell(1, "text"));

@@ -40,7 +40,7 @@ fn who_is_through_can_take_everything_back_by_the_link_that_they_keep_and_no_byt
             // Nobody else's pictures came as theirs did.
             lines = driven(step).0;
             for line in &mut lines {
-                *line = line.replace("\"drawn\":60", "\"drawn\":4711");
+                *line = line.replace("\"drawn\":60", "\"drawn\":31415926");
             }
             let path = format!("/api/{token}/drive/{}/1/{TAB}", state["at"]);
             assert_eq!(server.post(&path, &(lines.join("\n") + "\n")).0, 200);
@@ -52,7 +52,9 @@ fn who_is_through_can_take_everything_back_by_the_link_that_they_keep_and_no_byt
     }
     while go_on(&server, &other) {}
     assert!(server.state(&token)["fit"].is_object());
-    let secrets = [&*token, "P001-", "P001,2", "P001,pre", &lines[3], "4711"];
+    let secrets = [
+        &*token, "P001-", "P001,2", "P001,pre", &lines[3], "31415926",
+    ];
     assert!(holding(folder.path(), &secrets).len() > 4);
     let (status, reply) = server.post(&format!("/api/{token}/leave"), DELETE);
     assert!(status == 200 && reply.ends_with("\"deleted\""), "{reply}");

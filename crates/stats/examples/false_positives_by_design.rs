@@ -10,7 +10,7 @@
 use std::collections::BTreeMap;
 
 use maveric_stats::{
-    ByDesign, DesignChoice, DesignColumns, MissingCells, OutcomeScale, StatsError,
+    AskedTest, ByDesign, DesignChoice, DesignColumns, MissingCells, OutcomeScale, StatsError,
     compare_by_design, proportion,
 };
 use rand::Rng;
@@ -363,10 +363,12 @@ impl Cell {
             } else {
                 Vec::new()
             },
+            periods: &[],
             labels: Vec::new(),
             values: &values,
         };
         let choice = DesignChoice {
+            test: AskedTest::Chosen,
             scale: if self.item {
                 OutcomeScale::Rating
             } else {

@@ -169,6 +169,41 @@ pub fn equivalence_one(
     })
 }
 
+/// Two one-sided t tests of an estimate of a model.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct EstimateTost {
+    /// One-sided p against an estimate at or below the lower bound.
+    pub p_lower: f64,
+    /// One-sided p against one at or above the upper bound.
+    pub p_upper: f64,
+    /// Ends of the 90 % interval, which lies within the bounds where both are below .05.
+    pub ci90: Option<(f64, f64)>,
+}
+
+/// Tests an estimate with its standard error and degrees of freedom against both bounds.
+///
+/// # Source
+/// Schuirmann (1987).
+///
+/// # Example
+/// ```
+/// let test = maveric_stats::tost_of_estimate((0.1, 0.2), 18.0, (-0.5, 0.5));
+/// let (low, high) = test.ci90.unwrap();
+/// assert!(test.p_lower < 0.05 && test.p_upper < 0.05 && low > -0.5 && high < 0.5);
+/// ```
+pub fn tost_of_estimate(
+    (estimate, se): (f64, f64),
+    df: f64,
+    (low, high): (f64, f64),
+) -> EstimateTost {
+    let half = t_quantile_two_sided(2.0 * LEVEL, df).map(|t| se * t);
+    EstimateTost {
+        p_lower: distributions::t_upper((estimate - low) / se, df),
+        p_upper: distributions::t_upper((high - estimate) / se, df),
+        ci90: half.map(|half| (estimate - half, estimate + half)),
+    }
+}
+
 /// The values that are there, less `mu`, and whether they are all equal.
 pub(crate) fn less(values: &[Option<f64>], mu: f64) -> Result<(Vec<f64>, bool), StatsError> {
     finite("mu", mu)?;

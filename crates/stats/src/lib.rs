@@ -54,10 +54,11 @@ pub use bayes::{
 };
 pub use bootstrap::{Bootstrap, BootstrapData, BootstrapSettings, Interval, Statistic, bootstrap};
 pub use by_design::{
-    ByDesign, Chosen, ChosenTest, CorrectedTerm, DesignChoice, DesignColumns, DesignPlan,
-    DesignShape, DesignTable, EffectMethod, EffectTest, FactorialFinding, LevelChoice,
-    LevelContrast, MissingCells, MixedFinding, OrdinalFinding, OutcomeScale, PlannedEffect,
-    RankCheck, SimpleTest, SmallSample, compare_by_design, level_contrast, simple_effects,
+    AskedTest, ByDesign, CarriedOver, CarryOver, Chosen, ChosenTest, CorrectedTerm, DesignChoice,
+    DesignColumns, DesignPlan, DesignShape, DesignTable, EffectMethod, EffectTest,
+    FactorialFinding, LevelChoice, LevelContrast, MissingCells, MixedFinding, NoCarryOver,
+    OrdinalFinding, OutcomeScale, PERIOD, PlannedEffect, RankCheck, SimpleTest, SmallSample,
+    carry_over, compare_by_design, level_contrast, simple_effects,
 };
 pub use cochran_q::{CochranQ, CochranQTest, McNemarPair, cochran_q};
 pub use compare::{
@@ -68,7 +69,9 @@ pub use correlation::{
     Spearman, SpearmanCompat, correlate, rm_correlation, simultaneous_interval,
 };
 pub use describe::{mean, mean_interval, quantile, standard_deviation, within_subject_intervals};
-pub use equivalence::{Bounds, Equivalence, Tost, equivalence, equivalence_one};
+pub use equivalence::{
+    Bounds, Equivalence, EstimateTost, Tost, equivalence, equivalence_one, tost_of_estimate,
+};
 pub use error::StatsError;
 pub use factorial::{
     AlignedRanks, ArtEffect, ArtStrata, BetweenColumn, CellContrast, ExactTest, Factor, Factorial,

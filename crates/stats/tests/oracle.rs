@@ -116,6 +116,7 @@ fn answer(case: &Value, table: &Table) -> Value {
         }
         "factorial" => factorial(case, table),
         "by_design" => by_design(case, table),
+        "crossover" => crossover(table),
         "groups" => {
             let (group, value) = (table.text("group"), table.numbers("value"));
             json(&stats::groups(&group, &value).unwrap())
@@ -217,10 +218,34 @@ fn by_design(case: &Value, table: &Table) -> Value {
             })
             .collect(),
         labels: Vec::new(),
+        periods: &[],
         values: &values,
     };
     let chosen = stats::compare_by_design(&columns, &stats::DesignChoice::default());
     serde_json::to_value(chosen.unwrap()).unwrap()
+}
+
+/// The model with the period, and that with carry-over.
+fn crossover(table: &Table) -> Value {
+    let (subjects, conditions) = (table.text("subject"), table.text("condition"));
+    let periods = table.text("period");
+    let periods: Vec<usize> = periods.iter().map(|p| p.parse().unwrap()).collect();
+    let values = table.numbers("value");
+    let columns = stats::DesignColumns {
+        subjects: &subjects,
+        within: vec![("condition", &conditions)],
+        periods: &periods,
+        values: &values,
+        ..Default::default()
+    };
+    let choice = stats::DesignChoice {
+        test: stats::AskedTest::Mixed,
+        ..Default::default()
+    };
+    serde_json::json!({
+        "by_design": stats::compare_by_design(&columns, &choice).unwrap(),
+        "carry_over": stats::carry_over(&columns).unwrap(),
+    })
 }
 
 fn equivalence(case: &Value, table: &Table) -> Value {
@@ -281,7 +306,11 @@ fn random_intercept(case: &Value, table: &Table) -> Value {
         .iter()
         .zip(labels.iter().zip(&numbers))
         .map(|(name, (labels, numbers))| {
+            let zero = case["sum_to_zero"].as_array().into_iter().flatten();
             let predictor = match numbers {
+                _ if zero.clone().any(|n| n == name.as_str()) => {
+                    stats::Predictor::SumToZero(labels)
+                }
                 Some(numbers) => stats::Predictor::Covariate(numbers),
                 None => stats::Predictor::Factor(labels),
             };

@@ -5,10 +5,13 @@ use crate::{
     error::StudyError,
     forgotten::ForgottenList,
     tables::{
+        collected::STOPPED,
         drives::read_drives,
         participants::{Enrolled, read_enrolled},
+        read_rows,
     },
 };
+use maveric_analysis::Stopped;
 use maveric_domain::{Design, Drive, ParticipantId};
 use maveric_participants::Part;
 use path_slash::PathExt as _;
@@ -138,6 +141,18 @@ impl DesignFile {
             return Ok(ForgottenList::default());
         }
         ForgottenList::read(&self.folder())
+    }
+
+    /// The drives and rides that people stopped in the seat.
+    ///
+    /// # Errors
+    /// As [`read_rows`].
+    pub fn stopped(&self) -> Result<Vec<Stopped>, StudyError> {
+        let path = self.resolve(Path::new(STOPPED));
+        if self.path.is_none() || !path.is_file() {
+            return Ok(Vec::new());
+        }
+        read_rows(&path)
     }
 
     /// Who takes part, of a run: `given`, or `participants.csv` among its results, or the design's own table.

@@ -12,7 +12,7 @@ use crate::{
         embeddings::read_embeddings, own_measures::read_own_measures, participants::Enrolled,
     },
 };
-use maveric_analysis::Why;
+use maveric_analysis::{LeftOut, Why};
 use maveric_domain::{
     Design, Scale,
     design::{DesignError, Quantity, ScoreName},
@@ -231,7 +231,8 @@ fn style_range(study: &DesignFile, scales: &[Scale]) -> Result<(), DesignError> 
 pub fn study_notes(study: &DesignFile, results: &Path) -> Result<Vec<String>, StudyError> {
     check_design(study)?;
     let design = &study.design;
-    let left_out = analysed(design, results)?;
+    let named = LeftOut::named(design).with_stopped(&study.stopped()?);
+    let left_out = analysed(named, results)?;
     let people = left_out.people.iter();
     let people = people.map(|(id, why)| (id.as_str(), why));
     let drives = left_out.drives.iter();

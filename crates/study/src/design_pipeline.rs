@@ -28,6 +28,8 @@ pub fn design_pipeline(study: &DesignFile) -> String {
         design => DESIGN_FILE,
         title => design.title().replace(['\n', '\r'], " "),
         software => Some(design.files().software).filter(|s| *s != Software::Table).map(Software::id),
+        // What the seat draws and what a run draws are the same.
+        seed => design.protocol().seed,
         simulates,
         varies => design.conditions().iter().any(|c| c.vary),
         logs => there.logs,

@@ -34,12 +34,11 @@ struct Counted {
     flow: Flow,
 }
 
-/// Whom and which drives the analysis among the results of a study left out, after whom and which the design names.
+/// Whom and which drives the analysis among the results of a study left out, after those that are left out already.
 ///
 /// # Errors
 /// [`StudyError`] for an analysis that cannot be read.
-pub(crate) fn analysed(design: &Design, results: &Path) -> Result<LeftOut, StudyError> {
-    let mut left_out = LeftOut::named(design);
+pub(crate) fn analysed(mut left_out: LeftOut, results: &Path) -> Result<LeftOut, StudyError> {
     let file = results.join("analysis.json");
     if !file.is_file() {
         return Ok(left_out);
@@ -80,7 +79,7 @@ impl Gate {
             people,
             design: study.design.clone(),
             forgotten: study.forgotten()?,
-            left_out: LeftOut::named(&study.design),
+            left_out: LeftOut::named(&study.design).with_stopped(&study.stopped()?),
         })
     }
 
@@ -98,7 +97,7 @@ impl Gate {
             design: study.design.clone(),
             listed: None,
             forgotten: study.forgotten()?,
-            left_out: LeftOut::named(&study.design),
+            left_out: LeftOut::named(&study.design).with_stopped(&study.stopped()?),
         })
     }
 
@@ -118,7 +117,7 @@ impl Gate {
     /// # Errors
     /// As [`analysed`].
     pub(crate) fn with_analysis(mut self, results: &Path) -> Result<Self, StudyError> {
-        self.left_out = analysed(&self.design, results)?;
+        self.left_out = analysed(self.left_out, results)?;
         Ok(self)
     }
 
@@ -154,7 +153,7 @@ impl Gate {
     /// Why an answer is left out; one about an excluded drive goes with the drive.
     pub fn answer(&self, participant: &ParticipantId, moment: Moment) -> Option<Why> {
         let person = self.person(participant);
-        let Moment::After(condition) = moment else {
+        let Some(condition) = moment.condition() else {
             return person;
         };
         person

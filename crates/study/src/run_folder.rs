@@ -243,6 +243,7 @@ pub(crate) fn read_study(
         answers: answers(folder, study)?,
         durations_s: durations(folder)?,
         kept_out: drives_kept_out(folder)?,
+        stopped: study.stopped()?,
     };
     Ok(StudyData::new(design, tables)?)
 }

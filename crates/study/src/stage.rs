@@ -5,6 +5,7 @@ use crate::{
     error::StudyError,
     outcome::{Outcome, Watch},
     outputs::spare_inputs,
+    tables::collected::STOPPED,
 };
 use std::path::{Path, PathBuf};
 
@@ -101,9 +102,11 @@ impl Files {
             (None, Some(study)) => Some(study.resolve(&study.design.people().file)),
             _ => None,
         };
+        let stopped = DesignFile::below(root, design).map(|s| s.resolve(Path::new(STOPPED)));
         self.reads_design(design)
             .reads(participants)
             .reads_if_there(of_design)
+            .reads_if_there(stopped)
     }
 
     /// With the questionnaires that say the range of a design's style, where the design does not say it itself.

@@ -2,8 +2,25 @@
 
 use crate::{
     finding::{Finding, Part, Question, Rule},
-    result::Judged,
+    result::{Judged, PrimaryOutcome},
 };
+
+/// A finding a primary outcome: its contrast differs, does not, or was not tested.
+pub(super) fn primary(outcomes: &[PrimaryOutcome]) -> Vec<Finding> {
+    let one = |(number, o): (usize, &PrimaryOutcome)| {
+        let part = Part {
+            of: format!("{}.{}-{}", o.outcome, o.first, o.second),
+            n: o.n,
+            estimate: o.mean_difference,
+            interval: o.interval,
+            p: o.p,
+            rule: Rule::Differs,
+            verdict: o.verdict,
+        };
+        Finding::every(Question::Primary(number), vec![part])
+    };
+    (1..).zip(outcomes).map(one).collect()
+}
 
 /// A finding a hypothesis, as it was judged.
 pub(super) fn hypotheses(judged: &[Judged]) -> Vec<Finding> {

@@ -12,7 +12,8 @@ use maveric_stats::proportion;
 /// else is asked of them.
 pub fn of_study(design: &Design, analysis: &Analysis) -> Vec<Finding> {
     let steered = design.style().is_some();
-    let mut findings = declared::hypotheses(&analysis.hypotheses);
+    let mut findings = declared::primary(&analysis.primary);
+    findings.extend(declared::hypotheses(&analysis.hypotheses));
     findings.extend(car::own_style(&analysis.reproduction));
     findings.extend(car::nearer(&analysis.nearer));
     let changed = if steered {

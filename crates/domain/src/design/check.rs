@@ -2,21 +2,21 @@
 
 use super::{
     condition::{Baseline, Car, Condition, Role, Sign},
-    contrast::{Claim, Compare, Hypothesis},
     error::DesignError,
     exclude::Exclude,
     factors,
     files::ModelFile,
-    outcome::{Outcome, Quantity, Style},
+    outcome::Style,
     own_measure::own_measures,
     people::{People, Wanted},
+    tested::{compare, hypothesis, once, outcomes},
     toml_file::{
-        CarToml, CellToml, CompareToml, ConditionToml, DesignToml, DialToml, HypothesisToml,
-        ModelToml, OutcomeToml, PeopleToml, RoleToml, StyleToml, Units,
+        CarToml, CellToml, ConditionToml, DesignToml, DialToml, ModelToml, PeopleToml, RoleToml,
+        StyleToml, Units,
     },
 };
-use crate::{condition::ConditionId, design::Design, units::SpeedUnit};
-use std::collections::{BTreeMap, BTreeSet};
+use crate::{design::Design, units::SpeedUnit};
+use std::collections::BTreeMap;
 
 type Checked<T> = Result<T, DesignError>;
 
@@ -58,9 +58,9 @@ fn design(raw: DesignToml) -> Checked<Design> {
     });
     let roles = roles(raw.role, baseline.as_ref(), style.as_ref())?;
     let measures = own_measures(raw.measure)?;
-    let outcomes = outcomes(raw.outcome)?;
     let compare = compare(raw.contrasts.compare, &conditions)?;
     let pairs = compare.pairs(&conditions);
+    let outcomes = outcomes(raw.outcome, &conditions, &pairs)?;
     let hypotheses = raw
         .hypothesis
         .into_iter()
@@ -192,22 +192,6 @@ fn roles(
         }
     }
     Ok(roles)
-}
-
-/// Refuses the second of two that are called the same.
-fn once(key: &str, names: impl IntoIterator<Item = String>) -> Checked<()> {
-    let mut seen = BTreeSet::new();
-    for name in names {
-        if seen.contains(&name) {
-            return Err(DesignError::key(
-                key,
-                format!("`{name}` twice"),
-                "each once",
-            ));
-        }
-        seen.insert(name);
-    }
-    Ok(())
 }
 
 fn people(raw: PeopleToml) -> People {
@@ -422,142 +406,6 @@ fn dial(key: &str, raw: DialToml, style: Option<&Style>) -> Checked<f64> {
             format!("at most {widest} points either way, the width of `style.range`"),
         ))
     }
-}
-
-fn outcomes(raw: Vec<OutcomeToml>) -> Checked<Vec<Outcome>> {
-    let outcome = |raw: OutcomeToml| match (raw.measure, raw.scale) {
-        (Some(measure), None) => Ok((Quantity::Measure(measure), raw.label)),
-        (None, Some(score)) => Ok((Quantity::Score(score), raw.label)),
-        (Some(measure), Some(score)) => Err(DesignError::key(
-            "outcome",
-            format!("measure `{measure}` and scale `{score}`"),
-            "one of them; two outcomes stand in two [[outcome]]",
-        )),
-        (None, None) => Err(DesignError::key(
-            "outcome",
-            "neither `measure` nor `scale`",
-            "one of them",
-        )),
-    };
-    let whole = |raw: OutcomeToml| {
-        let same_within = raw.same_within;
-        if let Some(within) = same_within.filter(|w| !w.is_finite() || *w <= 0.0) {
-            let expected = "a number above 0, in the unit of the page";
-            return Err(DesignError::key("outcome.same_within", within, expected));
-        }
-        outcome(raw).map(|(quantity, label)| Outcome {
-            quantity,
-            label,
-            same_within,
-        })
-    };
-    let outcomes: Vec<Outcome> = raw.into_iter().map(whole).collect::<Checked<_>>()?;
-    once("outcome", outcomes.iter().map(Outcome::id))?;
-    Ok(outcomes)
-}
-
-/// Refuses a condition that is none.
-fn known(key: &str, id: ConditionId, conditions: &[Condition]) -> Checked<()> {
-    if conditions.iter().any(|c| c.id == id) {
-        return Ok(());
-    }
-    let ids = conditions.iter().map(|c| c.id.as_str());
-    Err(DesignError::word(key, id.as_str(), ids))
-}
-
-fn compare(raw: Option<CompareToml>, conditions: &[Condition]) -> Checked<Compare> {
-    const KEY: &str = "contrasts.compare";
-    match raw {
-        None => Ok(Compare::All),
-        Some(CompareToml::Word(word)) => match word.split_whitespace().collect::<Vec<_>>()[..] {
-            ["all"] => Ok(Compare::All),
-            ["against", one] => {
-                let id =
-                    ConditionId::new(one).map_err(|e| DesignError::key(KEY, e, "a condition"))?;
-                known(KEY, id, conditions)?;
-                Ok(Compare::Against(id))
-            }
-            _ => Err(DesignError::key(
-                KEY,
-                format!("`{word}`"),
-                "\"all\", \"against ID\", or a list of pairs of conditions",
-            )),
-        },
-        Some(CompareToml::Pairs(pairs)) => {
-            for &[first, second] in &pairs {
-                known(KEY, first, conditions)?;
-                known(KEY, second, conditions)?;
-                if first == second {
-                    return Err(DesignError::key(
-                        KEY,
-                        format!("`{first}` with itself"),
-                        "two conditions",
-                    ));
-                }
-            }
-            once(
-                KEY,
-                pairs
-                    .iter()
-                    .map(|&[a, b]| format!("{} and {}", a.min(b), a.max(b))),
-            )?;
-            Ok(Compare::Pairs(pairs))
-        }
-    }
-}
-
-fn hypothesis(
-    at: usize,
-    raw: HypothesisToml,
-    conditions: &[Condition],
-    pairs: &[[ConditionId; 2]],
-    outcomes: &[Outcome],
-) -> Checked<Hypothesis> {
-    let key = |field: &str| format!("hypothesis[{}].{field}", at + 1);
-    let [first, second] = raw.contrast;
-    known(&key("contrast"), first, conditions)?;
-    known(&key("contrast"), second, conditions)?;
-    if !pairs.contains(&[first, second]) && !pairs.contains(&[second, first]) {
-        let said: Vec<String> = pairs.iter().map(|[a, b]| format!("{a} and {b}")).collect();
-        return Err(DesignError::key(
-            key("contrast"),
-            format!("`{first}` and `{second}`"),
-            format!("a pair that `[contrasts]` compares: {}", said.join("; ")),
-        ));
-    }
-    if !outcomes.is_empty() && !outcomes.iter().any(|o| o.id() == raw.outcome) {
-        let ids: Vec<String> = outcomes.iter().map(Outcome::id).collect();
-        let ids = ids.iter().map(String::as_str);
-        return Err(DesignError::word(key("outcome"), &raw.outcome, ids));
-    }
-    let claim = match (raw.direction, raw.equivalent) {
-        (Some(sign), None) => Claim::Direction(sign),
-        (None, Some([low, high])) if low < high => Claim::Equivalent([low, high]),
-        (None, Some([low, high])) => {
-            return Err(DesignError::key(
-                key("equivalent"),
-                format!("[{low}, {high}]"),
-                "a lower bound, then a higher one",
-            ));
-        }
-        (found, _) => {
-            return Err(DesignError::key(
-                key("direction"),
-                if found.is_some() {
-                    "both `direction` and `equivalent`"
-                } else {
-                    "neither `direction` nor `equivalent`"
-                },
-                "one of them",
-            ));
-        }
-    };
-    Ok(Hypothesis {
-        says: raw.says,
-        outcome: raw.outcome,
-        contrast: raw.contrast,
-        claim,
-    })
 }
 
 fn exclude(rules: &Exclude) -> Checked<()> {

@@ -3,6 +3,7 @@
 //! [`Design::from_toml`] checks the file's shape once; whether its scales, measures and people exist is for those who
 //! hold them to say.
 
+mod answer_rule;
 mod check;
 mod condition;
 mod contrast;
@@ -15,19 +16,21 @@ mod outcome;
 mod own_measure;
 mod people;
 mod protocol;
+mod tested;
 mod toml_file;
 mod williams;
 
+pub use answer_rule::{AnswerRule, Than};
 pub use condition::{Baseline, By, Car, Color, Condition, Role, Sign};
 pub use contrast::{Claim, Compare, Hypothesis, LevelContrast, Levels};
 pub use error::DesignError;
 pub use exclude::Exclude;
 pub use files::{BeyondRule, Files, Mappings, ModelFile, RigMapping, Software};
 pub use orders::OrderPlan;
-pub use outcome::{Homophily, Outcome, Quantity, ScoreName, Style};
+pub use outcome::{DeclaredTest, Homophily, Outcome, Quantity, ScoreName, Style};
 pub use own_measure::{ABOUT_A_ROW, OwnMeasure};
 pub use people::{CONDITION, Covariate, Factor, People};
-pub use protocol::{Practice, Protocol, ProtocolStep, SeatView};
+pub use protocol::{Practice, Probe, Protocol, ProtocolStep, SeatView};
 pub use williams::{Square, williams, williams_rows};
 
 use crate::{condition::ConditionId, units::SpeedUnit};

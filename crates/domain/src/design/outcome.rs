@@ -1,6 +1,7 @@
 //! What is measured, and what the dial turns.
 
 use super::condition::Sign;
+use crate::condition::ConditionId;
 use serde::{Deserialize, Serialize};
 use std::{fmt, str::FromStr};
 
@@ -61,6 +62,22 @@ pub enum Quantity {
     Score(ScoreName),
 }
 
+/// The test of an outcome, as its design declares it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum DeclaredTest {
+    /// Chosen by what the data look like, without the period in which a condition was met.
+    Auto,
+    /// Mixed model of the condition, and of the period where orders are known, with the person at random.
+    Mixed,
+    /// Cumulative logit of the same.
+    Ordinal,
+    /// Analysis of variance and paired t tests.
+    RmAnova,
+    /// Friedman's test and Wilcoxon's.
+    Friedman,
+}
+
 /// Something that is tested.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Outcome {
@@ -70,6 +87,10 @@ pub struct Outcome {
     pub label: Option<String>,
     /// Differences of at most this much count as none, in the unit of the page; half a standard deviation between people without.
     pub same_within: Option<f64>,
+    /// Its test; without one the choice is the design's: with the period where orders are known, else by what the data look like.
+    pub test: Option<DeclaredTest>,
+    /// The contrast that decides, first less second: the outcome is then primary, and its test is declared.
+    pub primary: Option<[ConditionId; 2]>,
 }
 
 impl Outcome {

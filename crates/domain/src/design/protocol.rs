@@ -1,6 +1,6 @@
 //! What a person meets in the seat: the order of steps, their texts and lengths.
 
-use super::DesignError;
+use super::{AnswerRule, DesignError};
 use crate::units::SpeedUnit;
 use serde::{Deserialize, Serialize};
 use std::path::PathBuf;
@@ -9,6 +9,8 @@ use std::path::PathBuf;
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum ProtocolStep {
+    /// The scales by which it is judged who takes part; nothing of them is kept.
+    Screen,
     /// The text of the consent, and agreeing to it.
     Consent,
     /// The scales asked before the drives.
@@ -21,6 +23,23 @@ pub enum ProtocolStep {
     Drive,
     /// The rides in the person's order, each with the scales asked after it.
     Rides,
+    /// The scales asked at the end.
+    Post,
+}
+
+/// A scale of one item that is asked again and again during a ride.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Probe {
+    /// The scale.
+    pub scale: String,
+    /// How far apart, in s.
+    pub every_s: f64,
+}
+
+impl Probe {
+    /// What is not answered by then is missing, in s.
+    pub const ANSWERED_WITHIN_S: f64 = 10.0;
 }
 
 /// When a person has practised enough.
@@ -103,10 +122,19 @@ pub struct Protocol {
     pub words: Option<PathBuf>,
     /// The text of the consent, from the folder of the design's file.
     pub consent: Option<PathBuf>,
+    /// Scales by which it is judged who takes part, in this order.
+    pub screen: Vec<String>,
+    /// What has to be so of the answers to them.
+    pub admit_if: Vec<AnswerRule>,
     /// Scales asked before the drives, in this order.
     pub before: Vec<String>,
+    /// What is asked again and again during a ride.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub probe: Option<Probe>,
     /// Scales asked after each ride, in this order.
     pub after: Vec<String>,
+    /// Scales asked at the end, in this order.
+    pub post: Vec<String>,
     /// When a person has practised enough.
     pub practice: Practice,
     /// Length of the drive by hand, in s.
@@ -118,6 +146,13 @@ pub struct Protocol {
     pub speed: Option<SpeedUnit>,
     /// What is seen of the road.
     pub view: SeatView,
+    /// From which answer to the probe on somebody drives and rides no further.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub stop_if: Option<AnswerRule>,
+    /// What somebody is told who stopped, from the folder of the design's file.
+    pub aftercare: Option<PathBuf>,
+    /// What the study was about, told at the end, from the folder of the design's file.
+    pub debrief: Option<PathBuf>,
     /// What is said at the end, from the folder of the design's file.
     pub thanks: Option<PathBuf>,
     /// A code for the platform that pays.
@@ -133,19 +168,30 @@ pub struct Protocol {
 
 impl Default for Protocol {
     fn default() -> Self {
-        use ProtocolStep::{Before, Consent, Controls, Drive, Practice as Practises, Rides};
+        use ProtocolStep::{
+            Before, Consent, Controls, Drive, Post, Practice as Practises, Rides, Screen,
+        };
         Self {
-            steps: vec![Consent, Before, Controls, Practises, Drive, Rides],
+            steps: vec![
+                Screen, Consent, Before, Controls, Practises, Drive, Rides, Post,
+            ],
             language: "en".to_owned(),
             words: None,
             consent: None,
+            screen: Vec::new(),
+            admit_if: Vec::new(),
             before: Vec::new(),
+            probe: None,
             after: Vec::new(),
+            post: Vec::new(),
             practice: Practice::default(),
             drive_s: 600.0,
             ride_s: 600.0,
             speed: None,
             view: SeatView::default(),
+            stop_if: None,
+            aftercare: None,
+            debrief: None,
             thanks: None,
             code: None,
             show_style: false,
@@ -218,6 +264,7 @@ impl Protocol {
                 return Err(DesignError::key("protocol.steps", found, "each once"));
             }
         }
+        self.check_moments()?;
         let place = |step| self.steps.iter().position(|s| *s == step);
         if let Some(rides) = place(ProtocolStep::Rides)
             && place(ProtocolStep::Drive).is_none_or(|drive| drive > rides)
@@ -240,6 +287,54 @@ fn is_language(text: &str) -> bool {
     (2..=3).contains(&first.len())
         && letters(first)
         && parts.all(|part| (2..=8).contains(&part.len()) && letters(part))
+}
+
+impl Protocol {
+    /// Whether what is to be asked can be asked, and what is judged is asked.
+    fn check_moments(&self) -> Result<(), DesignError> {
+        for (key, scales, step) in [
+            ("screen", &self.screen, ProtocolStep::Screen),
+            ("post", &self.post, ProtocolStep::Post),
+        ] {
+            if !scales.is_empty() && !self.steps.contains(&step) {
+                let expected = format!("`{key}` among `steps`, or no scales here");
+                return Err(DesignError::key(
+                    format!("protocol.{key}"),
+                    scales.join(", "),
+                    expected,
+                ));
+            }
+        }
+        for rule in &self.admit_if {
+            if !self.screen.contains(&rule.scale) {
+                let asked = self.screen.iter().map(String::as_str);
+                let key = "protocol.admit_if";
+                return Err(DesignError::word(key, &rule.scale, asked));
+            }
+        }
+        let probed = self.probe.iter().map(|probe| probe.scale.as_str());
+        if let Some(rule) = &self.stop_if
+            && !probed.clone().any(|scale| scale == rule.scale)
+        {
+            return Err(DesignError::word("protocol.stop_if", &rule.scale, probed));
+        }
+        let Some(probe) = &self.probe else {
+            return Ok(());
+        };
+        if !(Probe::ANSWERED_WITHIN_S..self.ride_s).contains(&probe.every_s) {
+            let (low, high) = (Probe::ANSWERED_WITHIN_S, self.ride_s);
+            let expected = format!("{low} s to less than {high} s, the length of a ride");
+            let key = "protocol.probe.every_s";
+            return Err(DesignError::key(key, probe.every_s, expected));
+        }
+        if self.after.contains(&probe.scale) {
+            let expected =
+                "a scale that is not in `after`: each condition has one score of a scale";
+            let key = "protocol.probe.scale";
+            return Err(DesignError::key(key, &probe.scale, expected));
+        }
+        Ok(())
+    }
 }
 
 /// Whether a text is a day of the calendar, as `2026-12-31`.
@@ -314,5 +409,74 @@ mod tests {
             told.contains("withdraw_until") && told.contains("2026-02-30"),
             "{told}"
         );
+    }
+
+    fn refused(protocol: &str, words: &[&str]) {
+        let text =
+            format!("[study]\ntitle = \"x\"\n[[condition]]\nid = \"a\"\n[protocol]\n{protocol}");
+        let told = crate::Design::from_toml(&text).unwrap_err().to_string();
+        for word in words {
+            assert!(told.contains(word), "{protocol}: {told}");
+        }
+    }
+
+    #[test]
+    fn what_is_judged_is_asked_and_what_is_to_be_asked_has_its_step() {
+        refused(
+            "admit_if = [\"age.1 >= 18\"]",
+            &["protocol.admit_if", "`age`", "there is none"],
+        );
+        refused(
+            "screen = [\"health\"]\nadmit_if = [\"age.1 >= 18\"]",
+            &["protocol.admit_if", "`age`", "`health`"],
+        );
+        refused(
+            "screen = [\"age\"]\nadmit_if = [\"age\"]",
+            &["age", "a whole number"],
+        );
+        refused(
+            "post = [\"ssq\"]\nsteps = [\"drive\"]",
+            &["protocol.post", "ssq", "`steps`"],
+        );
+        refused(
+            "screen = [\"age\"]\nsteps = [\"drive\"]",
+            &["protocol.screen", "`steps`"],
+        );
+    }
+
+    #[test]
+    fn what_stops_a_ride_is_asked_on_the_way() {
+        refused(
+            "stop_if = \"misc >= 6\"",
+            &["protocol.stop_if", "`misc`", "there is none"],
+        );
+        let probe = "probe = { scale = \"misc\", every_s = 60 }\n";
+        refused(
+            &format!("{probe}stop_if = \"ssq >= 6\""),
+            &["protocol.stop_if", "`ssq`", "`misc`"],
+        );
+        refused(
+            &format!("{probe}stop_if = \"misc\""),
+            &["`misc`", "a whole number"],
+        );
+    }
+
+    #[test]
+    fn a_probe_comes_at_least_once_a_ride_and_is_no_scale_of_afterwards() {
+        let every =
+            |s: f64| format!("ride_s = 60\nprobe = {{ scale = \"misc\", every_s = {s:?} }}");
+        for s in [60.0, 600.0, 9.9] {
+            refused(&every(s), &["protocol.probe.every_s", "10 s", "60 s"]);
+        }
+        refused(
+            &format!("{}\nafter = [\"misc\"]", every(30.0)),
+            &["protocol.probe.scale", "misc", "`after`"],
+        );
+        let text = format!(
+            "[study]\ntitle = \"x\"\n[[condition]]\nid = \"a\"\n[protocol]\n{}",
+            every(30.0)
+        );
+        let design = crate::Design::from_toml(&text).unwrap();
+        assert_eq!(design.protocol().probe.as_ref().unwrap().scale, "misc");
     }
 }

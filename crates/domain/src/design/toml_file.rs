@@ -5,7 +5,7 @@ use super::{
     contrast::LevelContrast,
     exclude::Exclude,
     files::{BeyondRule, Files},
-    outcome::{Homophily, ScoreName},
+    outcome::{DeclaredTest, Homophily, ScoreName},
     people::Covariate,
     protocol::Protocol,
 };
@@ -207,6 +207,10 @@ pub(super) struct OutcomeToml {
     pub(super) scale: Option<ScoreName>,
     pub(super) label: Option<String>,
     pub(super) same_within: Option<f64>,
+    #[serde(default)]
+    pub(super) primary: bool,
+    pub(super) test: Option<DeclaredTest>,
+    pub(super) contrast: Option<[ConditionId; 2]>,
 }
 
 #[derive(Debug, Deserialize)]

@@ -17,7 +17,7 @@ pub struct Scored {
 }
 
 /// The answers of one participant at one moment to one scale, by item; `None` was left out.
-type Sheet = BTreeMap<u32, Option<i32>>;
+pub(super) type Sheet = BTreeMap<u32, Option<i32>>;
 /// Sheets by participant, moment and position of the scale.
 type Sheets = BTreeMap<(ParticipantId, Moment, usize), Sheet>;
 
@@ -28,7 +28,7 @@ type Sheets = BTreeMap<(ParticipantId, Moment, usize), Sheet>;
 /// when at least [`Scale::min_answered`] of its items are answered, the mean of the answered ones standing in for the others;
 /// else its score is `None`, with a warning.
 ///
-/// A participant is expected to answer the scales that anybody answered before the drives, and, after a drive, those that they
+/// A participant is expected to answer the scales that anybody answered before the drives or at the end, and, after a drive, those that they
 /// answered themselves after another drive and anybody answered after this one: professionals who answer one
 /// scale in a role are not asked for the rest.
 ///
@@ -103,7 +103,7 @@ pub fn score(
     Ok(scored)
 }
 
-fn index(scales: &[Scale]) -> Result<BTreeMap<&str, usize>, MeasureError> {
+pub(super) fn index(scales: &[Scale]) -> Result<BTreeMap<&str, usize>, MeasureError> {
     let mut index = BTreeMap::new();
     for (position, scale) in scales.iter().enumerate() {
         if index.insert(scale.id.as_str(), position).is_some() {
@@ -116,7 +116,7 @@ fn index(scales: &[Scale]) -> Result<BTreeMap<&str, usize>, MeasureError> {
 }
 
 /// The position of the scale that an answer belongs to, if the answer is possible.
-fn checked(
+pub(super) fn checked(
     scales: &[Scale],
     index: &BTreeMap<&str, usize>,
     answer: &Answer,
@@ -185,7 +185,7 @@ fn raw(scale: &Scale, subscale: &Subscale, sheet: &Sheet) -> Option<f64> {
     })
 }
 
-fn one(
+pub(super) fn one(
     scale: &Scale,
     subscale: &Subscale,
     participant: &ParticipantId,
@@ -225,11 +225,11 @@ fn unanswered(
         }
         for &(moment, position) in &asked {
             let answered_after_another = || {
-                sheets
-                    .keys()
-                    .any(|(p, m, s)| p == participant && *s == position && *m != Moment::Pre)
+                sheets.keys().any(|(p, m, s)| {
+                    p == participant && *s == position && matches!(m, Moment::After(_))
+                })
             };
-            let expected = moment == Moment::Pre || answered_after_another();
+            let expected = moment.condition().is_none() || answered_after_another();
             if expected && !sheets.contains_key(&(participant.clone(), moment, position)) {
                 warnings.push(ScoreWarning::Unanswered {
                     participant: participant.clone(),

@@ -62,13 +62,15 @@ impl StudyPage<'_> {
         if let Some(drive) = drive {
             figures.push(time_space(drive, self.context)?);
         }
-        let mut tables = vec![
+        let mut tables: Vec<Table> = self.primary()?.into_iter().collect();
+        tables.extend([
             self.texts
                 .table("descriptives", &self.analysis.descriptives)?,
             self.omnibus()?,
-        ];
+        ]);
         tables.extend(self.factor_tables()?);
         tables.push(self.contrasts()?);
+        tables.extend(self.carry_over()?);
         tables.extend(self.accuracy()?);
         let values = context! { from => from.map(|id| id.to_string()), drawn => drawn.len() };
         self.texts

@@ -2,9 +2,10 @@
 
 use super::StudyPage;
 use crate::{orders::orders, preregistration::condition, texts::value};
+use maveric_analysis::ContrastTest;
 use maveric_domain::design::Compare;
 use maveric_report::ReportError;
-use maveric_stats::{ByDesign, PosthocTest};
+use maveric_stats::{ByDesign, PERIOD};
 use minijinja::{Value, context};
 
 /// A paragraph with what it is about; of a note that is nothing.
@@ -63,10 +64,11 @@ impl StudyPage<'_> {
         let covariates = covariates.map(|c| design.factor_label(&c.column));
         let compared = || a.panels.iter().filter_map(|p| p.comparison.as_ref());
         // How contrasts were tested, of those that were.
-        let tested = |test: PosthocTest| {
+        let tested = |test: ContrastTest| {
             let mut panels = a.panels.iter().filter(|p| p.test == Some(test));
             panels.any(|p| p.contrasts.iter().any(|c| c.p.is_some()))
         };
+        let with_period = |f: &ByDesign| f.effects().iter().any(|(name, _)| *name == PERIOD);
         let (compare, against) = match design.compare() {
             Compare::All => ("all", None),
             Compare::Against(one) => ("against", Some(one.to_string())),
@@ -78,6 +80,7 @@ impl StudyPage<'_> {
             factors => factors.collect::<Vec<_>>(),
             covariates => covariates.collect::<Vec<_>>(),
             of_levels => design.level_contrasts().len(),
+            primary => self.primary_rows(),
             used => context! {
                 factorial => compared().any(|f| matches!(f, ByDesign::Factorial(_))),
                 simple => a.panels.iter().any(|p| p.by_factor.is_some()),
@@ -85,8 +88,10 @@ impl StudyPage<'_> {
                 mixed => compared().any(|f| matches!(f, ByDesign::Mixed(_))),
                 ordinal => compared().any(|f| matches!(f, ByDesign::Ordinal(_))),
                 one_factor => compared().any(|f| f.one_factor().is_some_and(|c| c.k > 2)),
-                t => tested(PosthocTest::T),
-                wilcoxon => tested(PosthocTest::Wilcoxon),
+                t => tested(ContrastTest::T),
+                wilcoxon => tested(ContrastTest::Wilcoxon),
+                period => compared().any(with_period),
+                carry_over => !self.carry_over_rows().is_empty(),
             },
             compare,
             against,
@@ -145,12 +150,45 @@ mod tests {
         PageTexts::new(METHODS, values).unwrap().text(key).unwrap()
     }
 
-    fn tests(t: bool, wilcoxon: bool) -> String {
-        let used = context! { factorial => false, simple => false, groups => false, mixed => false, ordinal => false, one_factor => false, t, wilcoxon };
+    /// The paragraph on tests, where nothing but contrasts was tested but for what is given.
+    fn of_tests(used: &Value, primary: &[Value]) -> String {
+        let none = context! {
+            factorial => false, simple => false, groups => false, mixed => false, ordinal => false, one_factor => false, t => false,
+            wilcoxon => false, period => false, carry_over => false,
+        };
+        let used = context! { ..used.clone(), ..none };
         said(
             "tests",
-            &context! { used, of_levels => 0, compare => "all", correlations => false },
+            &context! { used, primary, covariates => Vec::<String>::new(), of_levels => 0, compare => "all", correlations => false,
+            label => Value::from_function(|id: &str| id.to_owned()) },
         )
+    }
+
+    fn tests(t: bool, wilcoxon: bool) -> String {
+        of_tests(&context! { t, wilcoxon }, &[])
+    }
+
+    #[test]
+    fn the_period_and_primary_outcomes_are_told_where_they_are_and_nowhere_else() {
+        let plain = tests(true, false);
+        for word in ["Primary", "period", "carry-over"] {
+            assert!(!plain.contains(word), "{plain}");
+        }
+        let used = context! { mixed => true, period => true, carry_over => true };
+        let primary = |title: &str| context! { title, first => "sporty", second => "calm", declared => "a mixed model" };
+        let one = of_tests(&used, &[primary("Trust")]);
+        assert!(
+            one.starts_with("Primary, as declared: Trust (sporty − calm) by a mixed model. "),
+            "{one}"
+        );
+        assert!(
+            one.contains("whatever its *p*") && one.contains("carry-over was looked at"),
+            "{one}"
+        );
+        // Nobody's covariate was taken out.
+        assert!(!one.contains("take out the influence"), "{one}");
+        let two = of_tests(&used, &[primary("Trust"), primary("Comfort")]);
+        assert!(two.contains("tested in this order, each at .05"), "{two}");
     }
 
     #[test]

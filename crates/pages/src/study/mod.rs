@@ -2,6 +2,7 @@
 
 mod accuracy;
 mod conditions;
+mod crossover;
 mod factors;
 mod homophily;
 mod line;

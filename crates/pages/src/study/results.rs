@@ -22,6 +22,10 @@ impl StudyPage<'_> {
     pub(super) fn results(&self) -> Result<Vec<Block>, ReportError> {
         let a = self.analysis;
         let mut blocks = vec![Block::Heading(1, self.results.text("heading")?)];
+        blocks.extend(headed(
+            self.results.text("primary_heading")?,
+            self.each("primary", self.primary_rows().into_iter())?,
+        ));
         let judged = a.hypotheses.iter().map(value);
         blocks.extend(headed(
             self.results.text("hypotheses")?,
@@ -55,6 +59,10 @@ impl StudyPage<'_> {
             let values = context! { angle, ..value(kept) };
             line.push(self.results.with(&values).text("kept")?);
         }
+        blocks.extend(headed(
+            self.results.text("carry_over_heading")?,
+            self.each("carry_over", self.carry_over_rows().into_iter())?,
+        ));
         blocks.extend(headed(self.results.text("line")?, line));
         blocks.extend(headed(self.results.text("people")?, self.preferences()?));
         Ok(blocks)

@@ -8,7 +8,8 @@ use crate::{
 use maveric_analysis::{Contrast, Panel};
 use maveric_domain::Design;
 use maveric_stats::{
-    ByDesign, Chosen, ChosenTest, EffectMethod, FactorialFinding, GroupsAnalysis, apa::Statements,
+    ByDesign, Chosen, ChosenTest, EffectMethod, FactorialFinding, GroupsAnalysis, PERIOD,
+    SmallSample, apa::Statements,
 };
 use minijinja::{Value, context};
 use serde::Serialize;
@@ -84,15 +85,22 @@ pub(super) fn tested(design: &Design, panel: &Panel) -> Vec<Tested> {
         }
         Some(ByDesign::Groups(found)) => return alone(of_groups(found)),
         Some(ByDesign::Ordinal(found)) => {
-            let test = found.found.small_sample.as_ref();
-            return alone(Numbers {
+            let ratio = |test: Option<&SmallSample>| Numbers {
                 test: Some("F"),
                 statistic: test.map(|t| t.f),
                 df1: test.map(|t| t.df1 as f64),
                 df2: test.map(|t| t.df2 as f64),
                 p: test.map(|t| t.p),
                 ..Numbers::default()
-            });
+            };
+            let conditions = ratio(found.found.small_sample.as_ref());
+            match &found.found.period {
+                None => return alone(conditions),
+                Some(period) => vec![
+                    ("conditions".to_owned(), conditions),
+                    (PERIOD.to_owned(), ratio(Some(period))),
+                ],
+            }
         }
         Some(found) => return alone(found.one_factor().map_or_else(Numbers::default, of_one)),
     };
@@ -241,6 +249,8 @@ pub(super) fn contrast(panel: &Panel, pair: &Contrast) -> Value {
         unit => panel.unit.as_str(),
         sentence => paired(panel, pair),
         test => value(&panel.test),
+        se => pair.se,
+        interval => value(&pair.interval),
         n => panel.n,
         ..value(pair)
     }

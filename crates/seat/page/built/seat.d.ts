@@ -29,9 +29,9 @@ export class PageDrive {
      */
     keys(down: number, way: number, steps: number): boolean;
     /**
-     * Writes something down.
+     * Writes something down, with a number where it has one.
      */
-    note(what: string): void;
+    note(what: string, number?: number | null): void;
     /**
      * Drives so many steps by a gamepad's stick and triggers.
      */
@@ -41,9 +41,10 @@ export class PageDrive {
      */
     places(road: Float64Array | number[]): Float64Array;
     /**
-     * A ride in a style, at so many points of the study's on the dial; `stretch` is points of the model for one of them.
+     * A ride in a style (as a step has it, in JSON) of somebody whose own is `own` (empty: nothing was learned), at so many points of the study's on the dial; `stretch`
+     * is points of the model for one of them.
      */
-    static ride(json: string, seconds: number, seed: string, model: PageModel, own: Float64Array | number[], points: number, stretch: number): PageDrive;
+    static ride(json: string, seconds: number, seed: string, model: PageModel, own: Float64Array | number[], style: string, points: number, stretch: number): PageDrive;
     /**
      * Rides so many steps.
      */
@@ -99,10 +100,6 @@ export class PageModel {
     free(): void;
     [Symbol.dispose](): void;
     /**
-     * The average driver.
-     */
-    mean(): Float64Array;
-    /**
      * Reads a model file.
      */
     constructor(bytes: Uint8Array | number[]);
@@ -130,10 +127,10 @@ export interface InitOutput {
     readonly pagedrive_finish: (a: number) => [number, number, number];
     readonly pagedrive_header: (a: number) => [number, number, number, number];
     readonly pagedrive_keys: (a: number, b: number, c: number, d: number) => number;
-    readonly pagedrive_note: (a: number, b: number, c: number) => void;
+    readonly pagedrive_note: (a: number, b: number, c: number, d: number, e: number) => void;
     readonly pagedrive_pad: (a: number, b: number, c: number, d: number, e: number, f: number) => number;
     readonly pagedrive_places: (a: number, b: number, c: number) => [number, number];
-    readonly pagedrive_ride: (a: number, b: number, c: number, d: number, e: number, f: number, g: number, h: number, i: number, j: number) => [number, number, number];
+    readonly pagedrive_ride: (a: number, b: number, c: number, d: number, e: number, f: number, g: number, h: number, i: number, j: number, k: number, l: number) => [number, number, number];
     readonly pagedrive_rides: (a: number, b: number) => number;
     readonly pagedrive_road: (a: number) => [number, number];
     readonly pagedrive_seen: (a: number) => [number, number];
@@ -143,7 +140,6 @@ export interface InitOutput {
     readonly pagedriven_contacts: (a: number) => [number, number];
     readonly pagedriven_end: (a: number) => [number, number, number, number];
     readonly pagedriven_fit: (a: number, b: number) => [number, number, number, number];
-    readonly pagemodel_mean: (a: number) => [number, number];
     readonly pagemodel_new: (a: number, b: number) => [number, number, number];
     readonly replay: (a: number, b: number) => [number, number, number, number];
     readonly world: (a: number, b: number, c: number, d: number) => [number, number];

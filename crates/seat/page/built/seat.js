@@ -121,13 +121,15 @@ export class PageDrive {
         return ret !== 0;
     }
     /**
-     * Writes something down.
+     * Writes something down, with a number where it has one.
      * @param {string} what
+     * @param {number | null} [number]
      */
-    note(what) {
+    note(what, number) {
+        const val2 = +(isLikeNone(number) ? 0 : number);
         const ptr0 = passStringToWasm0(what, wasm.__wbindgen_malloc, wasm.__wbindgen_realloc);
         const len0 = WASM_VECTOR_LEN;
-        wasm.pagedrive_note(this.__wbg_ptr, ptr0, len0);
+        wasm.pagedrive_note(this.__wbg_ptr, ptr0, len0, !isLikeNone(number), val2);
     }
     /**
      * Drives so many steps by a gamepad's stick and triggers.
@@ -156,22 +158,24 @@ export class PageDrive {
         return v2;
     }
     /**
-     * A ride in a style, at so many points of the study's on the dial; `stretch` is points of the model for one of them.
+     * A ride in a style (as a step has it, in JSON) of somebody whose own is `own` (empty: nothing was learned), at so many points of the study's on the dial; `stretch`
+     * is points of the model for one of them.
      * @param {string} json
      * @param {number} seconds
      * @param {string} seed
      * @param {PageModel} model
      * @param {Float64Array | number[]} own
+     * @param {string} style
      * @param {number} points
      * @param {number} stretch
      * @returns {PageDrive}
      */
-    static ride(json, seconds, seed, model, own, points, stretch) {
+    static ride(json, seconds, seed, model, own, style, points, stretch) {
         _assertClass(model, PageModel);
-        const val4 = +seconds;
-        const val5 = +points;
-        const val6 = +stretch;
-        let ptr0, len0, ptr1, len1, ptr2, len2;
+        const val5 = +seconds;
+        const val6 = +points;
+        const val7 = +stretch;
+        let ptr0, len0, ptr1, len1, ptr2, len2, ptr3, len3;
         try {
             ptr0 = passStringToWasm0(json, wasm.__wbindgen_malloc, wasm.__wbindgen_realloc);
             len0 = WASM_VECTOR_LEN;
@@ -179,13 +183,16 @@ export class PageDrive {
             len1 = WASM_VECTOR_LEN;
             ptr2 = passArrayF64ToWasm0(own, wasm.__wbindgen_malloc);
             len2 = WASM_VECTOR_LEN;
+            ptr3 = passStringToWasm0(style, wasm.__wbindgen_malloc, wasm.__wbindgen_realloc);
+            len3 = WASM_VECTOR_LEN;
         } catch (e) {
+            if (ptr3) { wasm.__wbindgen_free(ptr3, len3 * 1, 1); }
             if (ptr2) { wasm.__wbindgen_free(ptr2, len2 * 8, 8); }
             if (ptr1) { wasm.__wbindgen_free(ptr1, len1 * 1, 1); }
             if (ptr0) { wasm.__wbindgen_free(ptr0, len0 * 1, 1); }
             throw e;
         }
-        const ret = wasm.pagedrive_ride(ptr0, len0, val4, ptr1, len1, model.__wbg_ptr, ptr2, len2, val5, val6);
+        const ret = wasm.pagedrive_ride(ptr0, len0, val5, ptr1, len1, model.__wbg_ptr, ptr2, len2, ptr3, len3, val6, val7);
         if (ret[2]) {
             throw takeFromExternrefTable0(ret[1]);
         }
@@ -351,16 +358,6 @@ export class PageModel {
         wasm.__wbg_pagemodel_free(ptr, 0);
     }
     /**
-     * The average driver.
-     * @returns {Float64Array}
-     */
-    mean() {
-        const ret = wasm.pagemodel_mean(this.__wbg_ptr);
-        var v1 = getArrayF64FromWasm0(ret[0], ret[1]).slice();
-        wasm.__wbindgen_free(ret[0], ret[1] * 8, 8);
-        return v1;
-    }
-    /**
      * Reads a model file.
      * @param {Uint8Array | number[]} bytes
      */
@@ -512,6 +509,10 @@ function getUint8ArrayMemory0() {
         cachedUint8ArrayMemory0 = new Uint8Array(wasm.memory.buffer);
     }
     return cachedUint8ArrayMemory0;
+}
+
+function isLikeNone(x) {
+    return x === undefined || x === null;
 }
 
 function passArray32ToWasm0(arg, malloc) {

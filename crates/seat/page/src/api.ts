@@ -1,16 +1,30 @@
 // What the page asks of its server.
 
+import type { Probe } from "./probe";
 import { say } from "./say";
 import type { Asked } from "./sheet";
 
+/// How an answer is held against a number.
+export type Than = ">=" | "<=" | ">" | "<" | "==" | "!=";
+
+/// A rule on one answer of a screening: which sheet, which item of it.
+export interface Judged { rule: string; sheet: number; item: number; than: Than; value: number }
+
+export type Sheet = Step & { kind: "scale" };
+
 export type Step =
+  | { kind: "screen"; sheets: Sheet[]; rules: Judged[] }
   | { kind: "text"; title: string; text: string; agree: boolean }
   | { kind: "scale"; scale: string; moment: string } & Asked
   | { kind: "controls" }
-  | { kind: "practice"; seconds: number; lane_kept_s: number; passes: number; seed: string }
-  | { kind: "drive"; condition: string; seconds: number; seed: string }
-  | { kind: "ride"; condition: string; number: number; seconds: number; seed: string; style: "own" | "mean"; points: number; stretch: number; turns: number | null }
+  | { kind: "practice"; seconds: number; lane_kept_s: number; passes: number; seed: string; probe?: Probe }
+  | { kind: "drive"; condition: string; seconds: number; seed: string; probe?: Probe }
+  | { kind: "ride"; condition: string; number: number; seconds: number; seed: string; style: RideStyle; points: number; stretch: number; turns: number | null; probe?: Probe }
+  | { kind: "aftercare"; text: string }
   | { kind: "thanks"; text: string; code: string | null };
+
+/// Whose style drives: the person's own, the average driver's, the own one moved across the dial as a seed says, or this one.
+export type RideStyle = "own" | "mean" | { across: string } | { given: number[] };
 
 /// `beyond`: why the drive is beyond what the model has learned from, such as `scale` or `style:pass`; left out where it is not.
 export interface Fit { embedding: number[]; covariance: number[] | null; score: number | null; readings: number; beyond?: string }
@@ -108,6 +122,8 @@ export interface Keeper {
   open(): Promise<unknown>;
   model(): Promise<Uint8Array>;
   answer(step: number, sheet: unknown): Promise<unknown>;
+  /// Says whether a rule of a screening holds somebody back, and which; the answers stay in the page.
+  judged(step: number, refused: number | null, seconds: number): Promise<unknown>;
   done(step: number): Promise<unknown>;
   keepFit(fit: string): Promise<unknown>;
   leave(keep: boolean): Promise<unknown>;
@@ -122,6 +138,7 @@ export const server: Keeper = {
   open: () => json(`/open/${tab}`, post(null)),
   model: () => surely(async () => new Uint8Array(await (await ask("/model")).arrayBuffer())),
   answer: (step, sheet) => json(`/answer/${step}`, post(sheet)),
+  judged: (step, refused, seconds) => json(`/answer/${step}`, post({ refused, seconds })),
   done: (step) => json(`/done/${step}`, post(null)),
   keepFit: (fit) => json("/fit", { method: "POST", body: fit }),
   leave: (keep) => json("/leave", post({ keep })),

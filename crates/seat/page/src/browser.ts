@@ -19,6 +19,8 @@ interface Drive { step: number; attempt: number; ticks: number; ended: boolean }
 /// What is kept of a person beside the lines of drives.
 interface Kept {
   row: number; at: number; ended: string | null; sheets: { step: number; sheet: unknown }[]; drives: Drive[]; fit: string | null; sent: boolean;
+  /// Which rule of the screening held them back.
+  refused?: number;
 }
 
 /// A table of values by their names, in this browser.
@@ -91,6 +93,9 @@ export class Browser implements Keeper {
     const { rows, model: _model, post: _post, ...told } = study;
     const steps = (rows[kept.row] as Step[]).map((step): Step => {
       if (step.kind === "practice") return { ...step, seed: world(token, "practice") };
+      if (step.kind === "ride" && typeof step.style === "object" && "across" in step.style) {
+        step = { ...step, style: { across: world(token, `${step.condition} across`) } };
+      }
       return step.kind === "drive" || step.kind === "ride" ? { ...step, seed: world(token, step.condition) } : step;
     });
     const begun = kept.drives.filter((d) => d.step === kept.at);
@@ -106,18 +111,34 @@ export class Browser implements Keeper {
     return new Uint8Array(await (await fetch("model.maveric")).arrayBuffer());
   }
 
-  answer(step: number, sheet: unknown): Promise<void> {
+  async answer(step: number, sheet: unknown): Promise<void> {
+    const { rows } = await this.study;
+    const steps = (kept: Kept): Step[] => rows[kept.row] ?? [];
     return this.change((kept) => {
       if (!kept.sheets.some((s) => s.step === step)) kept.sheets.push({ step, sheet });
-      kept.at = Math.max(kept.at, step + 1);
+      const passed = steps(kept)[step + 1]?.kind === "aftercare";
+      kept.at = Math.max(kept.at, step + (passed ? 2 : 1));
+    });
+  }
+
+  judged(step: number, refused: number | null): Promise<void> {
+    return this.change((kept) => {
+      if (refused !== null) { kept.ended ??= "not admitted"; kept.refused = refused; } else kept.at = Math.max(kept.at, step + 1);
     });
   }
 
   async done(step: number): Promise<void> {
     const { rows } = await this.study;
+    const kept = await this.kept();
+    const lines = await this.shelf.all(lineName(step, Math.max(1, ...kept.drives.filter((d) => d.step === step).map((d) => d.attempt)), 0).slice(0, -9));
+    const stopped = lines.some((line) => String(line).includes(`"stopped: `));
     await this.change((kept) => {
-      if (rows[kept.row]?.[step]?.kind === "thanks") kept.ended ??= "done";
-      kept.at = Math.max(kept.at, step + 1);
+      const steps = rows[kept.row] ?? [], aftercare = steps.findIndex((s) => s.kind === "aftercare");
+      if (steps[step]?.kind === "thanks") kept.ended ??= "done";
+      if (kept.at > step) return;
+      // Whoever stopped drives no more; whoever did not goes past what is told then.
+      if (stopped && aftercare > step) kept.at = aftercare;
+      else kept.at = step + (aftercare === step + 1 ? 2 : 1);
     });
   }
 
@@ -158,7 +179,9 @@ export class Browser implements Keeper {
   /// Everything as lines, as `maveric seat import` takes it in.
   private async file(): Promise<string> {
     const kept = await this.kept();
-    const lines: unknown[] = [{ maveric_seat_person: 1, token, row: kept.row }, ...kept.sheets];
+    const head = { maveric_seat_person: 1, token, row: kept.row };
+    if (kept.refused !== undefined) return [head, { not_admitted: kept.refused }].map((line) => `${JSON.stringify(line)}\n`).join("");
+    const lines: unknown[] = [head, ...kept.sheets];
     for (const { step, attempt } of kept.drives) {
       const record = await this.shelf.all(lineName(step, attempt, 0).slice(0, -9));
       lines.push({ step, attempt, record: record.map((line) => `${String(line)}\n`).join("") });
@@ -172,6 +195,7 @@ export class Browser implements Keeper {
     const kept = await this.kept();
     if (kept.ended === "deleted") return [];
     const { post } = await this.study;
+    if (kept.ended === "not admitted" && !post) return [];
     const file = await this.file();
     const save = make("a", [say("save_file")], {
       href: URL.createObjectURL(new Blob([file], { type: "application/jsonl" })), download: `maveric-seat-${token.slice(0, 8)}.jsonl`, className: "button",
@@ -186,6 +210,6 @@ export class Browser implements Keeper {
         return [make("p", [say("not_sent")]), make("p", [save])];
       }
     }
-    return [make("p", [say("arrived")])];
+    return kept.ended === "not admitted" ? [] : [make("p", [say("arrived")])];
   }
 }

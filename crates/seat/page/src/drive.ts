@@ -4,6 +4,7 @@ import { PageDrive, type PageModel } from "../built/seat";
 import * as api from "./api";
 import * as controls from "./controls";
 import { Outbox } from "./outbox";
+import { Asking, type Probe } from "./probe";
 import { say } from "./say";
 import { Sound } from "./sound";
 import { View, type Other, type Road } from "./view";
@@ -20,10 +21,12 @@ const element = (id: string): HTMLElement => document.getElementById(id) as HTML
 export interface Wanted {
   state: api.State; step: number; attempt: number;
   /// Who drives: a person by these means, or a model.
-  ride: { model: PageModel; own: Float64Array; beyond: string | null; points: number; stretch: number; turns: number | null } | null;
+  ride: { model: PageModel; own: Float64Array; style: string; beyond: string | null; points: number; stretch: number; turns: number | null } | null;
   seconds: number; seed: string;
   /// What is said above the speed, at first.
   hint: string;
+  /// What is asked on the way.
+  probe: Probe | null;
   /// Whether the drive may end now: for practice; looked at each second.
   enough?: (seen: Practised) => boolean;
 }
@@ -37,7 +40,7 @@ const driver = navigator.webdriver ? "scripted" : "human";
 export async function run(wanted: Wanted, learn: PageModel | null): Promise<string | null> {
   const { state, ride } = wanted;
   const drive = ride
-    ? PageDrive.ride(state.scenario, wanted.seconds, wanted.seed, ride.model, ride.own, ride.points, ride.stretch)
+    ? PageDrive.ride(state.scenario, wanted.seconds, wanted.seed, ride.model, ride.own, ride.style, ride.points, ride.stretch)
     : PageDrive.by_hand(state.scenario, wanted.seconds, wanted.seed, driver);
   const told = drive.road();
   const at = (i: number): number => told[i] as number;
@@ -81,7 +84,13 @@ export async function run(wanted: Wanted, learn: PageModel | null): Promise<stri
     button(say("calmer"), () => turn(-by));
     button(say("sportier"), () => turn(by));
   }
+  let stopped = false;
+  const stop = (why: string): void => { drive.note(`stopped: ${why}`); stopped = true; };
+  button(say("unwell"), () => stop("unwell"));
+  const note = (what: string, answer: number | null): void => drive.note(what, answer ?? undefined);
+  const asking = wanted.probe && new Asking(wanted.probe, element("probe"), note, stop);
   const forget = controls.onPress((code) => {
+    asking?.press(code);
     if (code === "KeyQ") signal = signal === 1 ? 0 : 1;
     if (code === "KeyE") signal = signal === -1 ? 0 : -1;
     if (code === "KeyM") sound.on = !sound.on;
@@ -173,13 +182,15 @@ export async function run(wanted: Wanted, learn: PageModel | null): Promise<stri
         sent = now;
         void piece();
         if (wanted.enough?.(practised)) goesOn = false;
+        asking?.tick(drive.ticks() * STEP_MS / 1000);
         if (outbox.refused) { element("said").textContent = outbox.refused.message; goesOn = false; }
       }
-      if (!goesOn) over = true;
+      if (!goesOn || stopped) over = true;
       if (over) finished(); else requestAnimationFrame(frame);
     };
     requestAnimationFrame((now) => { before = now; frame(now); });
   });
+  asking?.close();
   const rest = drive.ticks();
   document.removeEventListener("visibilitychange", hidden);
   removeEventListener("gamepadconnected", plugged);
@@ -196,7 +207,7 @@ export async function run(wanted: Wanted, learn: PageModel | null): Promise<stri
   const canvas = element("view");
   canvas.replaceWith(canvas.cloneNode());
   panel.hidden = true;
-  const fit = learn ? driven.fit(learn) : null;
+  const fit = learn && !stopped ? driven.fit(learn) : null;
   while (!outbox.empty && !outbox.refused) {
     await outbox.flush();
     if (!outbox.empty) await new Promise((later) => setTimeout(later, 700));

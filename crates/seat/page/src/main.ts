@@ -10,6 +10,7 @@ import { run, type Wanted } from "./drive";
 import { deleteForgotten } from "./forgotten";
 import { askWhetherToLeave, takingBack } from "./leave";
 import { sendLeftovers } from "./outbox";
+import { holds } from "./probe";
 import { duration, say, sayWhatStands } from "./say";
 import { sheet } from "./sheet";
 import { styles } from "./styles";
@@ -39,7 +40,7 @@ async function drives(state: api.State, step: api.Step & { kind: "practice" | "d
   await go.done;
   const learned = await ready;
   const wanted: Wanted = {
-    state, step: state.at, attempt: state.attempts + 1, ride: null, seconds: step.seconds, seed: step.seed, hint,
+    state, step: state.at, attempt: state.attempts + 1, ride: null, seconds: step.seconds, seed: step.seed, hint, probe: step.probe ?? null,
   };
   if (step.kind === "practice") {
     wanted.enough = (seen) => seen.keptS >= step.lane_kept_s && seen.passes >= step.passes;
@@ -47,10 +48,10 @@ async function drives(state: api.State, step: api.Step & { kind: "practice" | "d
   if (step.kind === "ride") {
     if (!learned) throw new Error(say("no_model"));
     const fitted = state.fit && Float64Array.from(state.fit.embedding);
-    const own = step.style === "mean" ? learned.mean() : fitted;
-    if (!own) throw new Error(say("no_style"));
-    const beyond = (step.style === "own" && state.fit?.beyond) || null;
-    wanted.ride = { model: learned, own, beyond, points: step.points, stretch: step.stretch, turns: step.turns };
+    const theirs = step.style === "own" || (typeof step.style === "object" && "across" in step.style);
+    if (theirs && !fitted) throw new Error(say("no_style"));
+    const beyond = (theirs && state.fit?.beyond) || null;
+    wanted.ride = { model: learned, own: fitted ?? new Float64Array(), style: JSON.stringify(step.style), beyond, points: step.points, stretch: step.stretch, turns: step.turns };
   }
   const fit = await run(wanted, step.kind === "drive" ? learned : null);
   if (fit) await keeper.keepFit(fit);
@@ -69,16 +70,27 @@ function told(state: api.State, step: api.Step & { kind: "practice" | "drive" | 
   return [say("ride", { number: step.number }), [say("ride_help", { time }), ...more.map((name) => say(name))].join("\n\n"), ""];
 }
 
+/// Judges here who takes part: no answer leaves this page or is kept in it.
+async function screens(at: number, step: api.Step & { kind: "screen" }): Promise<void> {
+  const begun = performance.now();
+  const given: (number | null)[][] = [];
+  for (const asked of step.sheets) given.push((await sheet(asked, [], () => {})).answers);
+  const broken = step.rules.findIndex((rule) => !holds(given[rule.sheet]?.[rule.item] ?? null, rule.than, rule.value));
+  await keeper.judged(at, broken < 0 ? null : broken, (performance.now() - begun) / 1000);
+}
+
 async function once(state: api.State): Promise<boolean> {
   const step = state.steps[state.at];
   if (state.ended || !step) {
     leaveButton.hidden = true;
-    show(make("h1", [say(state.ended === "done" || !step ? "thank_you" : "have_left")]),
+    const through = state.ended === "done" || state.ended === "not admitted" || !step;
+    show(make("h1", [say(through ? "thank_you" : "have_left")]), ...(state.ended === "not admitted" ? [make("p", [say("not_admitted")])] : []),
       ...code(state), ...(state.styles ? styles(state.styles) : []), ...await keeper.handOver(),
       make("p", [say(state.ended === "deleted" ? "was_deleted" : "close_page")]), ...takingBack(state));
     return false;
   }
   switch (step.kind) {
+    case "screen": await screens(state.at, step); break;
     case "text": {
       const seconds = await text(step.title, step.text, say(step.agree ? "agree" : "continue"));
       if (step.agree) await keeper.answer(state.at, { agreed: true, seconds }); else await keeper.done(state.at);
@@ -90,6 +102,10 @@ async function once(state: api.State): Promise<boolean> {
       break;
     case "controls": await choose(); await keeper.done(state.at); break;
     case "practice": case "drive": case "ride": await drives(state, step); break;
+    case "aftercare":
+      await text(say("aftercare_title"), step.text, say("continue"));
+      await keeper.done(state.at);
+      break;
     case "thanks":
       await keeper.done(state.at);
       break;

@@ -8,8 +8,8 @@ use super::{
 use crate::{
     Adjustment, AlignedRanks, BayesCorrelationAnalysis, BayesTAnalysis, ByDesign, ChosenTest,
     EffectMethod, EffectTest, Equivalence, Factorial, FactorialEffect, FactorialFinding,
-    GroupsAnalysis, MixedFinding, Ordinal, OrdinalFinding, OrdinalParameter, Prior,
-    RandomIntercept, SphericityCorrection,
+    GroupsAnalysis, MixedFinding, Ordinal, OrdinalFinding, OrdinalParameter, PERIOD, Prior,
+    RandomIntercept, SphericityCorrection, TermTest,
 };
 
 says_itself!(
@@ -178,14 +178,19 @@ impl Statements for BayesCorrelationAnalysis {
     }
 }
 
+impl TermTest {
+    /// `F(2, 23.40) = 4.10, p = .030`; none without degrees of freedom.
+    pub fn statement(&self) -> Option<Statement> {
+        let df = [self.df1 as f64, self.df2?];
+        Some(Statement::of("*F*", &df, self.f).p(self.p?, Adjustment::None))
+    }
+}
+
 impl Statements for RandomIntercept {
     fn statements(&self) -> Vec<(String, Statement)> {
-        let terms = self.anova.iter().filter_map(|(name, test)| {
-            let df = [test.df1 as f64, test.df2?];
-            let said = Statement::of("*F*", &df, test.f).p(test.p?, Adjustment::None);
-            Some((name.to_owned(), said))
-        });
-        terms.collect()
+        let terms = self.anova.iter();
+        let said = |(name, test): (&str, &TermTest)| Some((name.to_owned(), test.statement()?));
+        terms.filter_map(said).collect()
     }
 }
 
@@ -237,6 +242,11 @@ impl Statements for OrdinalFinding {
             let df = [test.df1 as f64, test.df2 as f64];
             let conditions = Statement::of("*F*", &df, test.f).p(test.p, Adjustment::None);
             said.insert(0, ("conditions".to_owned(), conditions));
+        }
+        if let Some(test) = &self.period {
+            let df = [test.df1 as f64, test.df2 as f64];
+            let period = Statement::of("*F*", &df, test.f).p(test.p, Adjustment::None);
+            said.push((PERIOD.to_owned(), period));
         }
         said
     }

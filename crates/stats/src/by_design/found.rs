@@ -4,9 +4,12 @@ use serde::{Deserialize, Serialize};
 
 use super::effects::EffectTest;
 use crate::{
-    AssumptionCheck, Comparison, Factorial, Friedman, GroupsAnalysis, Named, Ordinal,
-    RandomIntercept, Reasons, Wilcoxon, numerics::distributions::f_upper,
+    AssumptionCheck, Comparison, Factorial, Friedman, GroupsAnalysis, MarginalContrast, Named,
+    Ordinal, RandomIntercept, Reasons, Wilcoxon, numerics::distributions::f_upper,
 };
+
+/// Name of the factor of the place in which a subject met a condition.
+pub const PERIOD: &str = "period";
 
 /// The test that a design calls for, where it is not one factor within subjects.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
@@ -63,6 +66,10 @@ pub struct MixedFinding {
     pub model: RandomIntercept,
     /// Terms with more than one degree of freedom within subjects, by Greenhouse and Geisser's ε of the complete subjects: these count.
     pub corrected: Named<CorrectedTerm>,
+    /// Each pair of the levels of one factor over its own error, where the model was asked for or takes the period and nobody lacks a
+    /// level: these count before those of the model.
+    #[serde(default, skip_serializing_if = "Named::is_empty")]
+    pub own_error: Named<MarginalContrast>,
 }
 
 /// A term of a mixed model with its degrees of freedom times ε.
@@ -97,7 +104,14 @@ pub struct OrdinalFinding {
     /// The conditions, as few subjects ask; `None` without a likelihood ratio or without degrees of freedom.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub small_sample: Option<SmallSample>,
-    /// The rank test of the complete subjects, as a check; `None` where too few are complete.
+    /// The periods, held against F as the conditions are; `None` without periods.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub period: Option<SmallSample>,
+    /// Every pair of conditions with the period taken out, on the scale of the logit, by t with the degrees of freedom within subjects that
+    /// the model leaves; empty without periods.
+    #[serde(default, skip_serializing_if = "Named::is_empty")]
+    pub contrast: Named<MarginalContrast>,
+    /// The rank test of the complete subjects, as a check; `None` where too few are complete, or with periods, which ranks do not take out.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub beside: Option<RankCheck>,
 }
@@ -122,12 +136,17 @@ pub struct SmallSample {
 
 impl SmallSample {
     pub(super) fn of(model: &Ordinal) -> Option<Self> {
-        let df1 = model.quadrature.lr.df;
-        let df2 = model.n_obs.checked_sub(model.n_subjects + df1)?;
+        let lr = &model.quadrature.lr;
+        Self::of_ratio(model, lr.chi2?, lr.df, 0)
+    }
+
+    /// A ratio of `df1` degrees of freedom beside `other` coefficients more.
+    pub(super) fn of_ratio(model: &Ordinal, chi2: f64, df1: usize, other: usize) -> Option<Self> {
+        let df2 = model.n_obs.checked_sub(model.n_subjects + df1 + other)?;
         if df1 == 0 || df2 == 0 {
             return None;
         }
-        let f = model.quadrature.lr.chi2? / df1 as f64;
+        let f = chi2 / df1 as f64;
         let p = f_upper(f, df1 as f64, df2 as f64);
         Some(Self { f, df1, df2, p })
     }
@@ -196,7 +215,7 @@ impl ByDesign {
         }
     }
 
-    /// p of each effect by its name; of one factor, of groups and of answers the single one is `omnibus`.
+    /// p of each effect by its name; of one factor, of groups and of answers without periods the single one is `omnibus`.
     pub fn effects(&self) -> Vec<(&str, Option<f64>)> {
         match self {
             Self::OneFactor(found) => vec![("omnibus", found.omnibus.p)],
@@ -210,8 +229,11 @@ impl ByDesign {
                 terms.map(|(name, _)| (name, found.found.p(name))).collect()
             }
             Self::Ordinal(found) => {
-                let small_sample = found.found.small_sample.as_ref();
-                vec![("omnibus", small_sample.map(|test| test.p))]
+                let p = found.found.small_sample.as_ref().map(|test| test.p);
+                match &found.found.period {
+                    None => vec![("omnibus", p)],
+                    Some(period) => vec![("conditions", p), (PERIOD, Some(period.p))],
+                }
             }
         }
     }

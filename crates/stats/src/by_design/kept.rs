@@ -3,8 +3,8 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use super::{
-    ByDesign, Chosen, ChosenTest, CorrectedTerm, DesignChoice, DesignColumns, MixedFinding,
-    said_of_ordinal,
+    ByDesign, Chosen, ChosenTest, CorrectedTerm, DesignChoice, DesignColumns, DesignTable,
+    MixedFinding, PERIOD, said_of_ordinal,
 };
 use crate::{
     FactorialDesign, Formula, Named, Predictor, RandomIntercept, StatsError, TermTest, factorial,
@@ -14,9 +14,21 @@ use crate::{
 
 /// How many subjects lack a cell that others have.
 pub(super) fn incomplete(data: &DesignColumns<'_>) -> usize {
+    subjects_with_gaps(data).len()
+}
+
+/// The rows of subjects who lack no cell, where somebody does.
+pub(super) fn listwise(data: &DesignColumns<'_>) -> Option<DesignTable> {
+    let gaps = subjects_with_gaps(data);
+    let whole = |row: &usize| !gaps.contains(data.subjects[*row].as_str());
+    let rows: Vec<usize> = (0..data.subjects.len()).filter(whole).collect();
+    (!gaps.is_empty()).then(|| DesignTable::rows(data, &rows, None))
+}
+
+fn subjects_with_gaps<'a>(data: &DesignColumns<'a>) -> BTreeSet<&'a str> {
     let rows = data.values.len().min(data.subjects.len());
     if data.within.is_empty() || data.within.iter().any(|(_, cells)| cells.len() < rows) {
-        return 0;
+        return BTreeSet::new();
     }
     let cell = |row: usize| -> Vec<&str> {
         let levels = data.within.iter();
@@ -30,8 +42,10 @@ pub(super) fn incomplete(data: &DesignColumns<'_>) -> usize {
             own.insert(cell(row));
         }
     }
-    let short = filled.values().filter(|own| own.len() < cells.len());
-    short.count()
+    let short = filled
+        .into_iter()
+        .filter(|(_, own)| own.len() < cells.len());
+    short.map(|(subject, _)| subject).collect()
 }
 
 /// The first covariate that has two values for one subject.
@@ -86,9 +100,12 @@ pub(super) fn mixed(
         .collect();
     let between = data.between.iter().map(|(name, cells)| (*name, *cells));
     let within = within.iter().map(|(name, cells)| (*name, cells.as_slice()));
+    let periods = labels(data.periods);
     let factors: Vec<(&str, &[Option<String>])> = between.chain(within).collect();
     let names: Vec<&str> = factors.iter().map(|(name, _)| *name).collect();
-    let covariates: Vec<&str> = data.covariates.iter().map(|(name, _)| *name).collect();
+    let mut beside: Vec<&str> = data.covariates.iter().map(|(name, _)| *name).collect();
+    // It is in no product: each condition is met in every period.
+    beside.extend((!periods.is_empty()).then_some(PERIOD));
     let factors = factors
         .iter()
         .map(|(name, cells)| (*name, Predictor::Factor(cells)));
@@ -96,8 +113,9 @@ pub(super) fn mixed(
         .covariates
         .iter()
         .map(|(name, cells)| (*name, Predictor::Covariate(cells)));
-    let predictors: Vec<(&str, Predictor<'_>)> = factors.chain(numbers).collect();
-    let mut formula = Formula::crossed(&names, &covariates)?;
+    let period = (PERIOD, Predictor::Factor(&periods));
+    let predictors: Vec<(&str, Predictor<'_>)> = factors.chain(numbers).chain([period]).collect();
+    let mut formula = Formula::crossed(&names, &beside)?;
     for (covariate, factors) in products(data)? {
         formula = formula.and_product(covariate, &factors)?;
     }
@@ -111,13 +129,25 @@ pub(super) fn mixed(
                 .to_owned(),
         );
     }
-    let found = MixedFinding { model, corrected };
+    let found = MixedFinding {
+        model,
+        corrected,
+        own_error: Named::default(),
+    };
     Ok(ByDesign::Mixed(Box::new(Chosen {
         chosen: ChosenTest::Mixed,
         reasons,
         checks: Vec::new(),
         found,
     })))
+}
+
+/// Periods as the labels of a factor.
+pub(super) fn labels(periods: &[usize]) -> Vec<Option<String>> {
+    periods
+        .iter()
+        .map(|period| Some(period.to_string()))
+        .collect()
 }
 
 /// A covariate, and the factors within subjects that it is multiplied by.

@@ -3,9 +3,8 @@
 use serde::{Deserialize, Serialize};
 
 use super::{
-    Chosen, DesignColumns, EffectMethod, FactorialFinding,
-    factors::shaped,
-    parts::{DesignTable, unknown},
+    Chosen, DesignColumns, DesignTable, EffectMethod, FactorialFinding, factors::shaped,
+    parts::unknown,
 };
 use crate::{
     FactorialDesign, StatsError, WithinSubjects,

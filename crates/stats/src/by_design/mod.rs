@@ -1,5 +1,6 @@
 //! The test of one outcome, chosen by the design: what was varied, within whom and between whom, and what was answered.
 
+mod carry_over;
 mod effects;
 mod factors;
 mod found;
@@ -7,17 +8,22 @@ mod groups;
 mod kept;
 mod level_contrast;
 mod one_factor;
+mod own_errors;
 mod parts;
+mod period;
 mod plan;
+mod table;
 
+pub use carry_over::{CarriedOver, CarryOver, NoCarryOver, carry_over};
 pub use effects::EffectTest;
 pub use found::{
     ByDesign, Chosen, ChosenTest, CorrectedTerm, FactorialFinding, MixedFinding, OrdinalFinding,
-    RankCheck, SmallSample,
+    PERIOD, RankCheck, SmallSample,
 };
 pub use level_contrast::{LevelChoice, LevelContrast, level_contrast};
-pub use parts::{DesignTable, SimpleTest, simple_effects};
+pub use parts::{SimpleTest, simple_effects};
 pub use plan::{DesignPlan, DesignShape, EffectMethod, PlannedEffect};
+pub use table::DesignTable;
 
 use crate::{
     AssumptionCheck, BetweenColumn, ShapiroWilk, StatsError, WithinColumn, reasons::p_words,
@@ -36,6 +42,8 @@ pub struct DesignColumns<'a> {
     pub covariates: Vec<(&'a str, &'a [Option<f64>])>,
     /// The effects within subjects (`a`, `a:t`) that a covariate of the subjects is multiplied by, as declared.
     pub with: Vec<(&'a str, Vec<&'a str>)>,
+    /// In which place of the subject's order each row was met, from 1; empty where orders are not known.
+    pub periods: &'a [usize],
     /// The outcome.
     pub values: &'a [Option<f64>],
     /// What reasons call a column, where that is not its name.
@@ -79,9 +87,27 @@ pub enum MissingCells {
     Mixed,
 }
 
+/// Which test is asked for.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub enum AskedTest {
+    /// The one that the design, the scale and the checks choose.
+    #[default]
+    Chosen,
+    /// Mixed model.
+    Mixed,
+    /// Cumulative logit with a random intercept; of one factor within subjects.
+    Ordinal,
+    /// Analysis of variance and paired t tests; of one factor within subjects, without periods.
+    RmAnova,
+    /// Friedman's and Wilcoxon's tests; of the same.
+    Friedman,
+}
+
 /// How the test is chosen.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct DesignChoice {
+    /// Which test is asked for.
+    pub test: AskedTest,
     /// What the numbers are.
     pub scale: OutcomeScale,
     /// What becomes of a subject with a missing cell.
@@ -95,6 +121,7 @@ pub struct DesignChoice {
 impl Default for DesignChoice {
     fn default() -> Self {
         Self {
+            test: AskedTest::default(),
             scale: OutcomeScale::default(),
             missing: MissingCells::default(),
             alpha: 0.05,
@@ -107,6 +134,8 @@ impl Default for DesignChoice {
 ///
 /// | design | test |
 /// | --- | --- |
+/// | a test that is asked for | that one; with the period where orders are known |
+/// | periods | of one factor within, ordered answers: cumulative logit with a random intercept; else mixed model; both with the period as a factor, whatever its p |
 /// | a covariate that changes within subjects; or missing cells with [`MissingCells::Mixed`] | mixed model with a variance of the subject and of the subject at each level of each factor, Satterthwaite, Greenhouse-Geisser by term |
 /// | one row a subject and a covariate | linear model (analysis of covariance) |
 /// | one factor within, ordered answers | cumulative logit with a random intercept; the rank test beside it |
@@ -145,6 +174,9 @@ pub fn compare_by_design(
     }
     // Declared and not there is an error, whatever test comes.
     kept::products(data)?;
+    if choice.test != AskedTest::Chosen || !data.periods.is_empty() {
+        return period::asked(data, choice);
+    }
     let mut reasons = Vec::new();
     if let Some(name) = kept::varying(data)? {
         reasons.push(format!(
@@ -226,5 +258,7 @@ fn said_of_ordinal(choice: &DesignChoice, what: &str) -> Option<String> {
 
 #[cfg(test)]
 mod part_tests;
+#[cfg(test)]
+mod period_tests;
 #[cfg(test)]
 mod tests;

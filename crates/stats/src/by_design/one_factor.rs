@@ -5,8 +5,8 @@ use super::{
     RankCheck, SmallSample,
 };
 use crate::{
-    Reasons, StatsError, WithinSubjects, apa, compare, compare_without_exact, ordinal, within,
-    within_without_exact,
+    Named, Reasons, StatsError, WithinSubjects, apa, compare, compare_without_exact, ordinal,
+    within, within_without_exact,
 };
 
 /// Different answers at most of an item.
@@ -43,7 +43,7 @@ fn as_short_as_shows_it(part: f64) -> String {
 }
 
 /// Whether the answers are modelled as ordered, and why.
-fn as_answers(scale: OutcomeScale, values: &[Option<f64>]) -> (bool, Option<String>) {
+pub(super) fn as_answers(scale: OutcomeScale, values: &[Option<f64>]) -> (bool, Option<String>) {
     const MODEL: &str = "cumulative logit with a random intercept of the subject";
     match (scale, few_whole_answers(values)) {
         (OutcomeScale::Measure, Ok(words)) => (
@@ -92,6 +92,8 @@ pub(super) fn one_factor(
             found: OrdinalFinding {
                 small_sample: SmallSample::of(&model),
                 model,
+                period: None,
+                contrast: Named::default(),
                 beside,
             },
         })));

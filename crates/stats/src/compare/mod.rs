@@ -88,7 +88,18 @@ pub struct Comparison {
 /// # Ok::<(), maveric_stats::StatsError>(())
 /// ```
 pub fn compare(data: &WithinSubjects, alpha: f64) -> Result<Comparison, StatsError> {
-    run(data, alpha, Exact::Feasible)
+    run(data, alpha, Exact::Feasible, None)
+}
+
+/// [`compare`] by the test that was declared, whatever the residuals look like.
+pub(crate) fn compare_as(
+    data: &WithinSubjects,
+    alpha: f64,
+    exact: bool,
+    declared: PosthocTest,
+) -> Result<Comparison, StatsError> {
+    let exact = if exact { Exact::Feasible } else { Exact::No };
+    run(data, alpha, exact, Some(declared))
 }
 
 /// [`compare`] with Iman and Davenport's p of Friedman's test in the place of the exact one,
@@ -109,22 +120,29 @@ pub fn compare(data: &WithinSubjects, alpha: f64) -> Result<Comparison, StatsErr
 /// # Ok::<(), maveric_stats::StatsError>(())
 /// ```
 pub fn compare_without_exact(data: &WithinSubjects, alpha: f64) -> Result<Comparison, StatsError> {
-    run(data, alpha, Exact::No)
+    run(data, alpha, Exact::No, None)
 }
 
-fn run(data: &WithinSubjects, alpha: f64, exact: Exact) -> Result<Comparison, StatsError> {
+fn run(
+    data: &WithinSubjects,
+    alpha: f64,
+    exact: Exact,
+    declared: Option<PosthocTest>,
+) -> Result<Comparison, StatsError> {
     if !(alpha > 0.0 && alpha < 1.0) {
         return Err(StatsError::parameter("alpha", "between 0 and 1", alpha));
     }
     let parts = rm_anova::decompose(data);
     let mut trace = Trace::default();
     let (chosen, several) = if data.k() == 2 {
-        (trace.choose_of_two(&of_differences(data)), None)
+        let chosen = trace.choose_of_two(&of_differences(data));
+        (trace.declared(declared, true).unwrap_or(chosen), None)
     } else {
         let mut inner = Reasons::default();
         let (anova, mauchly, sphericity) = analysis::variance_part(data, &parts, &mut inner);
         let (normal, _) = shapiro_wilk(&standardised(&parts.residuals, data.k()));
         let chosen = trace.choose(&normal, &anova);
+        let chosen = trace.declared(declared, false).unwrap_or(chosen);
         let omnibus = if chosen == OmnibusTest::RmAnova {
             let correction = trace.correction(&mauchly, &sphericity);
             of_anova(&anova, &sphericity, correction)
@@ -256,6 +274,20 @@ impl Trace {
         };
         self.reasons.push(why);
         chosen
+    }
+
+    /// The declared test in the place of the one that the checks chose: they stay, and decide nothing.
+    fn declared(&mut self, test: Option<PosthocTest>, of_two: bool) -> Option<OmnibusTest> {
+        let (test, words) = match (test?, of_two) {
+            (PosthocTest::T, true) => (OmnibusTest::PairedT, "paired t test"),
+            (PosthocTest::T, false) => (OmnibusTest::RmAnova, "analysis of variance"),
+            (_, true) => (OmnibusTest::Wilcoxon, "Wilcoxon's signed ranks"),
+            (_, false) => (OmnibusTest::Friedman, "Friedman's test"),
+        };
+        self.reasons = vec![format!(
+            "{words}, as declared, whatever the residuals look like"
+        )];
+        Some(test)
     }
 
     fn correction(&mut self, mauchly: &Mauchly, sphericity: &Sphericity) -> SphericityCorrection {

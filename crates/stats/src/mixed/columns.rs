@@ -10,13 +10,15 @@ pub enum Predictor<'a> {
     Covariate(&'a [Option<f64>]),
     /// Labels; the first level to appear is the reference.
     Factor(&'a [Option<String>]),
+    /// Labels whose effects sum to zero; a row without one is not missing, and has none of them.
+    SumToZero(&'a [Option<String>]),
 }
 
 impl Predictor<'_> {
     pub(super) fn rows(&self) -> usize {
         match self {
             Self::Covariate(values) => values.len(),
-            Self::Factor(cells) => cells.len(),
+            Self::Factor(cells) | Self::SumToZero(cells) => cells.len(),
         }
     }
 
@@ -24,6 +26,7 @@ impl Predictor<'_> {
         match self {
             Self::Covariate(values) => values[row].is_none(),
             Self::Factor(cells) => cells[row].is_none(),
+            Self::SumToZero(_) => false,
         }
     }
 }
@@ -38,6 +41,11 @@ enum Coded {
     Factor {
         levels: Vec<String>,
         of_row: Vec<usize>,
+    },
+    /// A column each level but the last, which has -1 in all of them.
+    SumToZero {
+        levels: Vec<String>,
+        of_row: Vec<Option<usize>>,
     },
 }
 
@@ -70,7 +78,7 @@ impl FactorRows<'_> {
 /// How one predictor enters a combination of coefficients.
 #[derive(Debug, Clone)]
 pub(super) enum Weight {
-    /// Of a factor: a weight a level.
+    /// Of a factor: a weight a level. Of levels whose effects sum to zero they stand for no level where they sum to 1.
     Levels(Vec<f64>),
     /// Of a covariate: its coefficient.
     Slope,
@@ -105,6 +113,7 @@ impl<'a> Columns<'a> {
                 let levels = match &coded[p] {
                     Coded::Covariate { .. } => 0..1,
                     Coded::Factor { levels, .. } => 1..levels.len(),
+                    Coded::SumToZero { levels, .. } => 0..levels.len() - 1,
                 };
                 products = levels
                     .flat_map(|level| {
@@ -136,6 +145,11 @@ impl<'a> Columns<'a> {
         let part = |&(p, level): &(usize, usize)| match &self.coded[p] {
             Coded::Covariate { values, .. } => values[i],
             Coded::Factor { of_row, .. } => f64::from(u8::from(of_row[i] == level)),
+            Coded::SumToZero { levels, of_row } => match of_row[i] {
+                None => 0.0,
+                Some(last) if last + 1 == levels.len() => -1.0,
+                Some(own) => f64::from(u8::from(own == level)),
+            },
         };
         column.parts.iter().map(part).product()
     }
@@ -144,7 +158,7 @@ impl<'a> Columns<'a> {
     pub(super) fn factor(&self, name: &str) -> Option<FactorRows<'_>> {
         let at = self.formula.predictors().iter().position(|p| p == name)?;
         match &self.coded[at] {
-            Coded::Covariate { .. } => None,
+            Coded::Covariate { .. } | Coded::SumToZero { .. } => None,
             Coded::Factor { levels, of_row } => Some(FactorRows {
                 levels: levels.len(),
                 of_row,
@@ -153,15 +167,21 @@ impl<'a> Columns<'a> {
     }
 
     /// `(Intercept)`, `x`, `a[a2]`, `a[a2]:x`.
-    pub(super) fn name(&self, j: usize) -> String {
-        let Some(column) = j.checked_sub(1).map(|j| &self.products[j]) else {
-            return "(Intercept)".to_owned();
-        };
+    fn name(&self, j: usize) -> String {
+        j.checked_sub(1).map_or_else(
+            || "(Intercept)".to_owned(),
+            |j| self.name_of(&self.products[j]),
+        )
+    }
+
+    fn name_of(&self, column: &Column) -> String {
         let part = |&(p, level): &(usize, usize)| {
             let name = &self.formula.predictors()[p];
             match &self.coded[p] {
                 Coded::Covariate { .. } => name.clone(),
-                Coded::Factor { levels, .. } => format!("{name}[{}]", levels[level]),
+                Coded::Factor { levels, .. } | Coded::SumToZero { levels, .. } => {
+                    format!("{name}[{}]", levels[level])
+                }
             }
         };
         column.parts.iter().map(part).collect::<Vec<_>>().join(":")
@@ -191,11 +211,11 @@ impl<'a> Columns<'a> {
         None
     }
 
-    /// Levels of predictor `p` if it is a factor.
+    /// Levels of predictor `p` if it is no covariate.
     pub(super) fn levels(&self, p: usize) -> Option<&[String]> {
         match &self.coded[p] {
             Coded::Covariate { .. } => None,
-            Coded::Factor { levels, .. } => Some(levels),
+            Coded::Factor { levels, .. } | Coded::SumToZero { levels, .. } => Some(levels),
         }
     }
 
@@ -212,28 +232,51 @@ impl<'a> Columns<'a> {
     fn weights(&self, covariate: impl Fn(f64) -> Weight) -> Vec<Weight> {
         let weight = |coded: &Coded| match coded {
             Coded::Covariate { mean, .. } => covariate(*mean),
-            Coded::Factor { levels, .. } => {
+            Coded::Factor { levels, .. } | Coded::SumToZero { levels, .. } => {
                 Weight::Levels(vec![1.0 / levels.len() as f64; levels.len()])
             }
         };
         self.coded.iter().map(weight).collect()
     }
 
-    /// The coefficient of column `j` with covariates as given, not less their means: every level its reference but those of `j`.
-    pub(super) fn coefficient(&self, j: usize) -> Vec<f64> {
+    /// The coefficient of each column by its name, and of the last of levels whose effects sum to zero, which has no column.
+    pub(super) fn coefficients(&self) -> Vec<(String, Vec<f64>)> {
+        let intercept = Column { parts: Vec::new() };
+        let first = (self.name(0), self.coefficient(&intercept));
+        let last = self
+            .coded
+            .iter()
+            .enumerate()
+            .filter_map(|(p, coded)| match coded {
+                Coded::SumToZero { levels, .. } => Some(Column {
+                    parts: vec![(p, levels.len() - 1)],
+                }),
+                _ => None,
+            });
+        let columns = self.products.iter().cloned().chain(last);
+        let named = columns.map(|column| (self.name_of(&column), self.coefficient(&column)));
+        std::iter::once(first).chain(named).collect()
+    }
+
+    /// The coefficient of a column with covariates as given, not less their means: every level its reference but those of the column.
+    fn coefficient(&self, column: &Column) -> Vec<f64> {
         let mut weights = self.at_zero();
-        for weight in &mut weights {
-            if let Weight::Levels(levels) = weight {
+        for (weight, coded) in weights.iter_mut().zip(&self.coded) {
+            if let (Weight::Levels(levels), Coded::Factor { .. }) = (weight, coded) {
                 levels.fill(0.0);
                 levels[0] = 1.0;
             }
         }
-        if let Some(column) = j.checked_sub(1).map(|j| &self.products[j]) {
-            for &(p, level) in &column.parts {
-                match &mut weights[p] {
-                    Weight::Levels(levels) => (levels[0], levels[level]) = (-1.0, 1.0),
-                    covariate => *covariate = Weight::Slope,
+        for &(p, level) in &column.parts {
+            match &mut weights[p] {
+                // The level less the mean of all, which is 0.
+                Weight::Levels(levels) if matches!(self.coded[p], Coded::SumToZero { .. }) => {
+                    let others = -1.0 / levels.len() as f64;
+                    levels.fill(others);
+                    levels[level] += 1.0;
                 }
+                Weight::Levels(levels) => (levels[0], levels[level]) = (-1.0, 1.0),
+                covariate => *covariate = Weight::Slope,
             }
         }
         self.combination(&weights)
@@ -245,7 +288,10 @@ impl<'a> Columns<'a> {
             let factor = |(p, weight): (usize, &Weight)| {
                 let part = column.parts.iter().find(|(q, _)| *q == p);
                 match (weight, part) {
-                    (Weight::Levels(levels), Some(&(_, level))) => levels[level],
+                    (Weight::Levels(levels), Some(&(_, level))) => match &self.coded[p] {
+                        Coded::SumToZero { .. } => levels[level] - levels[levels.len() - 1],
+                        _ => levels[level],
+                    },
                     // The column is the same at every level.
                     (Weight::Levels(levels), None) => levels.iter().sum(),
                     (Weight::Slope, Some(_)) | (Weight::At(_), None) => 1.0,
@@ -274,6 +320,18 @@ fn code(name: &str, predictor: &Predictor, kept: &[usize]) -> Result<Coded, Stat
                 mean: first + shift,
             })
         }
+        Predictor::SumToZero(cells) => {
+            let levels = Index::of(&cells.iter().flatten().cloned().collect::<Vec<_>>()).names;
+            let place = |cell: &String| levels.iter().position(|level| level == cell);
+            let of_row = kept
+                .iter()
+                .map(|&row| cells[row].as_ref().and_then(place))
+                .collect();
+            if levels.len() < 2 {
+                return Err(one_level(name, levels));
+            }
+            Ok(Coded::SumToZero { levels, of_row })
+        }
         Predictor::Factor(cells) => {
             // In order of appearance in all rows, without levels that no row has that is used.
             let all: Vec<String> = cells.iter().flatten().cloned().collect();
@@ -281,14 +339,18 @@ fn code(name: &str, predictor: &Predictor, kept: &[usize]) -> Result<Coded, Stat
             let mut levels = Index::of(&all).names;
             levels.retain(|level| used.contains(level));
             if levels.len() < 2 {
-                return Err(StatsError::OneLevel {
-                    factor: name.to_owned(),
-                    level: levels.into_iter().next().unwrap_or_default(),
-                });
+                return Err(one_level(name, levels));
             }
             let place = |cell: &String| levels.iter().position(|level| level == cell);
             let of_row = used.iter().filter_map(place).collect();
             Ok(Coded::Factor { levels, of_row })
         }
+    }
+}
+
+fn one_level(factor: &str, levels: Vec<String>) -> StatsError {
+    StatsError::OneLevel {
+        factor: factor.to_owned(),
+        level: levels.into_iter().next().unwrap_or_default(),
     }
 }

@@ -29,6 +29,24 @@ pub struct MarginalContrast {
     pub ci_high: Option<f64>,
 }
 
+impl MarginalContrast {
+    /// By t with these degrees of freedom, not adjusted.
+    pub(crate) fn of(estimate: f64, se: f64, df: Option<f64>) -> Self {
+        let t = estimate / se;
+        let half = df.and_then(|df| Some(se * t_quantile_two_sided(0.05, df)?));
+        Self {
+            estimate,
+            se,
+            df,
+            t,
+            p: df.map(|df| t_two_sided(t, df)),
+            p_holm: None,
+            ci_low: half.map(|h| estimate - h),
+            ci_high: half.map(|h| estimate + h),
+        }
+    }
+}
+
 /// A cell of a term's factors: its levels, and the combination of coefficients that is its mean.
 pub(super) struct Cell<'a> {
     levels: Vec<&'a str>,
@@ -142,17 +160,6 @@ impl Described<'_> {
     fn contrast(&self, a: &Cell, b: &Cell) -> MarginalContrast {
         let weights = a.weights.iter().zip(&b.weights).map(|(a, b)| a - b);
         let (estimate, se, df) = self.estimate(&weights.collect::<Vec<f64>>());
-        let t = estimate / se;
-        let half = df.and_then(|df| Some(se * t_quantile_two_sided(0.05, df)?));
-        MarginalContrast {
-            estimate,
-            se,
-            df,
-            t,
-            p: df.map(|df| t_two_sided(t, df)),
-            p_holm: None,
-            ci_low: half.map(|h| estimate - h),
-            ci_high: half.map(|h| estimate + h),
-        }
+        MarginalContrast::of(estimate, se, df)
     }
 }

@@ -291,9 +291,8 @@ impl Described<'_> {
     }
 
     fn coefficients(&self, undefined: &mut Reasons) -> Named<FixedEffect> {
-        let one = |j: usize| {
-            let name = self.columns.name(j);
-            let (estimate, se, df) = self.estimate(&self.columns.coefficient(j));
+        let one = |(name, weights): (String, Vec<f64>)| {
+            let (estimate, se, df) = self.estimate(&weights);
             let t = estimate / se;
             let half = df.and_then(|df| Some(se * t_quantile_two_sided(0.05, df)?));
             if df.is_none() || half.is_none() {
@@ -312,7 +311,7 @@ impl Described<'_> {
             };
             (name, effect)
         };
-        (0..self.columns.count()).map(one).collect()
+        self.columns.coefficients().into_iter().map(one).collect()
     }
 
     fn terms(&self, formula: &Formula, undefined: &mut Reasons) -> Named<TermTest> {

@@ -126,17 +126,33 @@ fn uphill(likelihood: &mut Likelihood, at: &[f64], gradient: &[f64]) -> Option<V
     None
 }
 
-/// Standard errors of the parameters at the top, from the observed information.
-pub(super) fn errors(likelihood: &mut Likelihood, at: &[f64]) -> Vec<Option<f64>> {
-    // At 0 the SD is not estimated, and has nothing to do with the others.
-    let free = at.len() - usize::from(at[at.len() - 1].abs() < NO_SD);
-    let inverse = information(likelihood, at, 1e-4, None).and_then(|all| {
-        let part = Matrix::from(free, free, |i, j| all[(i, j)]);
-        Some(part.cholesky()?.inverse())
-    });
-    let error = |i: usize| {
-        let variance = inverse.as_ref().filter(|_| i < free)?[(i, i)];
+/// Standard errors of combinations of the parameters at the top, from the observed information.
+pub(super) struct Errors {
+    /// Of the parameters that are estimated: at 0 the SD is not, and has nothing to do with the others.
+    inverse: Option<Matrix>,
+}
+
+impl Errors {
+    pub(super) fn at(likelihood: &mut Likelihood, at: &[f64]) -> Self {
+        let free = at.len() - usize::from(at[at.len() - 1].abs() < NO_SD);
+        let inverse = information(likelihood, at, 1e-4, None).and_then(|all| {
+            let part = Matrix::from(free, free, |i, j| all[(i, j)]);
+            Some(part.cholesky()?.inverse())
+        });
+        Self { inverse }
+    }
+
+    pub(super) fn of(&self, parameter: usize) -> Option<f64> {
+        self.of_difference(Some(parameter), None)
+    }
+
+    /// Of one parameter less another; none of the two is 0, as the reference's.
+    pub(super) fn of_difference(&self, a: Option<usize>, b: Option<usize>) -> Option<f64> {
+        let inverse = self.inverse.as_ref()?;
+        let known = |at: Option<usize>| at.is_none_or(|at| at < inverse.rows);
+        let entry = |i: Option<usize>, j: Option<usize>| i.zip(j).map_or(0.0, |at| inverse[at]);
+        let variance = || entry(a, a) + entry(b, b) - 2.0 * entry(a, b);
+        let variance = (known(a) && known(b)).then(variance)?;
         Some(variance.sqrt()).filter(|se| se.is_finite() && *se > 0.0)
-    };
-    (0..at.len()).map(error).collect()
+    }
 }

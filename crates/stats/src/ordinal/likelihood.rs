@@ -9,7 +9,8 @@ struct Term {
     /// 1 for the threshold above, -1 for the one below.
     sign: f64,
     threshold: usize,
-    condition: usize,
+    /// Parameters of its condition and its period; none of the first of each.
+    effects: [Option<usize>; 2],
 }
 
 /// All answers, by subject.
@@ -19,7 +20,8 @@ pub(super) struct Sample {
     /// How often each category lies between two thresholds, by the lower of them.
     between: Vec<f64>,
     categories: usize,
-    conditions: usize,
+    /// Coefficients of conditions and periods.
+    coefficients: usize,
     /// Share of the answers at or below each threshold.
     shares: Vec<f64>,
 }
@@ -72,11 +74,11 @@ struct At {
 }
 
 impl Sample {
-    /// `subjects`: category and condition of each answer.
+    /// `subjects`: category of each answer, and positions of its condition and its period; `levels`: how many of both there are.
     pub(super) fn new(
-        subjects: Vec<Vec<(usize, usize)>>,
+        subjects: Vec<Vec<(usize, [usize; 2])>>,
         categories: usize,
-        conditions: usize,
+        levels: [usize; 2],
     ) -> Self {
         let mut between = vec![0.0; categories];
         let mut shares = vec![0.0; categories - 1];
@@ -89,12 +91,14 @@ impl Sample {
                 *share += 1.0 / count as f64;
             }
         }
-        let terms = |rows: Vec<(usize, usize)>| {
-            let of = |(category, condition): (usize, usize)| {
+        let first = [categories - 1, categories + levels[0] - 2];
+        let terms = |rows: Vec<(usize, [usize; 2])>| {
+            let of = |(category, at): (usize, [usize; 2])| {
+                let effect = |of: usize| at[of].checked_sub(1).map(|at| first[of] + at);
                 let term = |sign, threshold| Term {
                     sign,
                     threshold,
-                    condition,
+                    effects: [effect(0), effect(1)],
                 };
                 let above = (category + 1 < categories).then(|| term(1.0, category));
                 let below = (category > 0).then(|| term(-1.0, category.wrapping_sub(1)));
@@ -106,7 +110,7 @@ impl Sample {
             subjects: subjects.into_iter().map(terms).collect(),
             between,
             categories,
-            conditions,
+            coefficients: levels.map(|levels| levels.saturating_sub(1)).iter().sum(),
             shares,
         }
     }
@@ -115,9 +119,9 @@ impl Sample {
         self.categories - 1
     }
 
-    /// Thresholds, coefficients but the first condition's, σ.
+    /// Thresholds, coefficients but those of the first condition and the first period, σ.
     pub(super) fn parameters(&self) -> usize {
-        self.thresholds() + self.conditions
+        self.thresholds() + self.coefficients + 1
     }
 
     /// Thresholds of the pooled answers, no effects, σ = 1.
@@ -130,7 +134,6 @@ impl Sample {
     }
 
     fn subject(
-        &self,
         terms: &[Term],
         rule: &Rule,
         parameters: &[f64],
@@ -138,15 +141,11 @@ impl Sample {
         work: &mut Work,
         mode: &mut f64,
     ) -> f64 {
-        let effects = self.thresholds();
         let sigma = parameters[parameters.len() - 1];
         work.etas.clear();
         for term in terms {
-            let effect = if term.condition == 0 {
-                0.0
-            } else {
-                parameters[effects + term.condition - 1]
-            };
+            let effects = term.effects.iter().flatten();
+            let effect: f64 = effects.map(|&at| parameters[at]).sum();
             work.etas.push(parameters[term.threshold] - effect);
         }
         *mode = work.mode(terms, sigma, *mode);
@@ -180,8 +179,8 @@ impl Sample {
             let along = work.mean[i] / sum - by_mode * sigma * work.second[i]
                 + by_spread * sigma * sigma * work.third[i];
             gradient[term.threshold] += along;
-            if term.condition > 0 {
-                gradient[effects + term.condition - 1] -= along;
+            for &at in term.effects.iter().flatten() {
+                gradient[at] -= along;
             }
         }
         let last = gradient.len() - 1;
@@ -235,9 +234,7 @@ impl<'a> Likelihood<'a> {
             gradient[lower] -= slope;
         }
         for (terms, mode) in self.sample.subjects.iter().zip(&mut self.modes) {
-            total +=
-                self.sample
-                    .subject(terms, self.rule, parameters, gradient, &mut self.work, mode);
+            total += Sample::subject(terms, self.rule, parameters, gradient, &mut self.work, mode);
         }
         total.is_finite().then_some(total)
     }
@@ -332,7 +329,11 @@ mod tests {
             vec![(3, 0), (3, 1), (2, 2), (2, 0)],
             vec![(0, 0), (0, 1), (2, 2)],
         ];
-        Sample::new(rows, 4, 3)
+        let of = |(category, condition): (usize, usize)| (category, [condition, 0]);
+        let rows = rows
+            .into_iter()
+            .map(|rows| rows.into_iter().map(of).collect());
+        Sample::new(rows.collect(), 4, [3, 1])
     }
 
     #[test]

@@ -10,7 +10,7 @@ use crate::{
     Named, Reasons, StatsError,
     numerics::distributions::{chi2_upper, normal_quantile, normal_two_sided},
 };
-use fit::{Top, errors, top};
+use fit::{Errors, Top, top};
 use likelihood::{Likelihood, Rule, Sample};
 use rows::Answers;
 
@@ -114,26 +114,42 @@ pub fn ordinal(
     conditions: &[String],
     answers: &[Option<f64>],
 ) -> Result<Ordinal, StatsError> {
-    let data = Answers::new(subjects, conditions, answers)?;
+    Ok(by_period(subjects, conditions, &[], answers)?.0)
+}
+
+/// A difference of two conditions on the scale of the logit, and its standard error.
+pub(crate) type Difference = (f64, f64);
+
+/// The same with a coefficient of each period but the first, and every pair of conditions, `a|b`, that has a finite difference.
+pub(crate) fn by_period(
+    subjects: &[String],
+    conditions: &[String],
+    periods: &[usize],
+    answers: &[Option<f64>],
+) -> Result<(Ordinal, Vec<(String, Difference)>), StatsError> {
+    let data = Answers::new(subjects, conditions, periods, answers)?;
     let reduced = data.without_separated()?;
     let (with, without) = (reduced.sample(), data.without_conditions().sample());
     let mut undefined = Reasons::default();
     let mut fit = |rule: &Rule, from: Option<&(Top, Top)>, prefix: &str| {
         let mut likelihood = Likelihood::new(&with, rule);
         let full = top(&mut likelihood, from.map(|(full, _)| full)).map(|top| {
-            let se = errors(&mut likelihood, &top.at);
-            (top, se)
+            let errors = Errors::at(&mut likelihood, &top.at);
+            (top, errors)
         });
         let mut likelihood = Likelihood::new(&without, rule);
         let flat = top(&mut likelihood, from.map(|(_, flat)| flat));
         let mut reasons = Reasons::default();
         let described = describe(&data, &reduced, full.as_ref(), flat.as_ref(), &mut reasons);
         undefined.absorb(prefix, reasons);
-        (described, full.map(|(top, _)| top).zip(flat))
+        let pairs = full
+            .as_ref()
+            .map_or_else(Vec::new, |full| differences(&reduced, full));
+        (described, full.map(|(top, _)| top).zip(flat), pairs)
     };
-    let (laplace, from) = fit(&Rule::laplace(), None, "laplace");
-    let (quadrature, _) = fit(&Rule::ten_nodes(), from.as_ref(), "");
-    Ok(Ordinal {
+    let (laplace, from, _) = fit(&Rule::laplace(), None, "laplace");
+    let (quadrature, _, pairs) = fit(&Rule::ten_nodes(), from.as_ref(), "");
+    let ordinal = Ordinal {
         n_obs: data.rows.len(),
         n_subjects: data.subjects,
         missing: answers.len() - data.rows.len(),
@@ -142,7 +158,27 @@ pub fn ordinal(
         quadrature,
         laplace,
         undefined,
-    })
+    };
+    Ok((ordinal, pairs))
+}
+
+/// Every pair of conditions that has a finite difference.
+fn differences(reduced: &Answers, (top, errors): &(Top, Errors)) -> Vec<(String, Difference)> {
+    let first = reduced.sample().thresholds();
+    let at = |condition: usize| condition.checked_sub(1).map(|at| first + at);
+    let value = |at: Option<usize>| match at {
+        None => Some(0.0),
+        Some(at) => top.finite(at, errors.of(at)).map(|(estimate, _)| estimate),
+    };
+    let names = &reduced.conditions;
+    let pairs = (0..names.len()).flat_map(|a| (a + 1..names.len()).map(move |b| (a, b)));
+    pairs
+        .filter_map(|(a, b)| {
+            let difference = value(at(a))? - value(at(b))?;
+            let se = errors.of_difference(at(a), at(b))?;
+            Some((format!("{}|{}", names[a], names[b]), (difference, se)))
+        })
+        .collect()
 }
 
 const NOT_CONVERGED: &str =
@@ -151,15 +187,15 @@ const NOT_CONVERGED: &str =
 fn describe(
     data: &Answers,
     reduced: &Answers,
-    with: Option<&(Top, Vec<Option<f64>>)>,
+    with: Option<&(Top, Errors)>,
     without: Option<&Top>,
     undefined: &mut Reasons,
 ) -> OrdinalFit {
     let sample: Sample = reduced.sample();
     let mut parameter = |name: String, found: Result<usize, &str>| {
         let found = match (found, with) {
-            (Ok(at), Some((top, se))) => top
-                .finite(at, se[at])
+            (Ok(at), Some((top, errors))) => top
+                .finite(at, errors.of(at))
                 .ok_or("the answers leave it without a finite estimate"),
             (Ok(_), None) => Err(NOT_CONVERGED),
             (Err(reason), _) => Err(reason),

@@ -3,11 +3,12 @@
 use super::likelihood::Sample;
 use crate::{StatsError, complete, within_subjects::Index};
 
-/// One answer: positions of its subject, condition and category.
+/// One answer: positions of its subject, condition, period and category.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Row {
     subject: usize,
     condition: usize,
+    period: usize,
     category: usize,
 }
 
@@ -19,6 +20,8 @@ pub(super) struct Answers {
     pub(super) subjects: usize,
     /// In order of first appearance.
     pub(super) conditions: Vec<String>,
+    /// How many there are; 1 where none is known.
+    pub(super) periods: usize,
     /// Ascending.
     pub(super) categories: Vec<i64>,
 }
@@ -27,6 +30,7 @@ impl Answers {
     pub(super) fn new(
         subjects: &[String],
         conditions: &[String],
+        periods: &[usize],
         answers: &[Option<f64>],
     ) -> Result<Self, StatsError> {
         for (name, found) in [("condition", conditions.len()), ("value", answers.len())] {
@@ -52,10 +56,20 @@ impl Answers {
         let used: Vec<String> = kept.kept.iter().map(|&row| subjects[row].clone()).collect();
         let people = Index::of(&used);
         complete::enough("subject", people.names.len(), kept.missing, 2)?;
+        let mut met: Vec<usize> = kept
+            .kept
+            .iter()
+            .filter_map(|&row| periods.get(row).copied())
+            .collect();
+        met.sort_unstable();
+        met.dedup();
         let rows: Vec<Row> = (kept.kept.iter().zip(&whole).zip(&people.rows))
             .map(|((&row, answer), &subject)| Row {
                 subject,
                 condition: named.rows[row],
+                period: periods
+                    .get(row)
+                    .map_or(0, |period| met.partition_point(|p| p < period)),
                 category: categories.partition_point(|c| c < answer),
             })
             .collect();
@@ -74,6 +88,7 @@ impl Answers {
             rows,
             subjects: people.names.len(),
             conditions: named.names,
+            periods: met.len().max(1),
             categories,
         })
     }
@@ -122,6 +137,7 @@ impl Answers {
             rows,
             subjects: self.subjects,
             conditions,
+            periods: self.periods,
             categories: kept.iter().map(|&c| self.categories[c]).collect(),
         })
     }
@@ -139,9 +155,10 @@ impl Answers {
     pub(super) fn sample(&self) -> Sample {
         let mut of_subject = vec![Vec::new(); self.subjects];
         for row in &self.rows {
-            of_subject[row.subject].push((row.category, row.condition));
+            of_subject[row.subject].push((row.category, [row.condition, row.period]));
         }
         of_subject.retain(|rows| !rows.is_empty());
-        Sample::new(of_subject, self.categories.len(), self.conditions.len())
+        let levels = [self.conditions.len(), self.periods];
+        Sample::new(of_subject, self.categories.len(), levels)
     }
 }

@@ -80,6 +80,9 @@ pub fn missing(
             moments.push(Moment::After(id));
         }
     }
+    if !study.design.protocol().post.is_empty() {
+        moments.push(Moment::Post);
+    }
     let mut counts: Vec<Counted> = moments
         .into_iter()
         .map(|moment| Counted {

@@ -78,6 +78,7 @@ enum Time {
     Before,
     Baseline,
     Condition,
+    End,
 }
 
 impl<'a> Sources<'a> {
@@ -124,7 +125,9 @@ impl<'a> Sources<'a> {
             Moment::Pre => Some(Time::Before),
             Moment::After(c) if design.condition(c).is_some() => Some(Time::Condition),
             Moment::After(c) if design.baseline_id() == Some(c) => Some(Time::Baseline),
-            Moment::After(_) => None,
+            Moment::Post => Some(Time::End),
+            // Whether a probe was answered its own row says.
+            Moment::After(_) | Moment::Probe(_) => None,
         }
     }
 
@@ -154,11 +157,13 @@ impl<'a> Sources<'a> {
         let unasked = self.answers.none.is_some();
         let before = protocol.before.iter().filter(|_| unasked).cloned();
         let after = protocol.after.iter().filter(|_| unasked).cloned();
+        let post = protocol.post.iter().filter(|_| unasked).cloned();
         let before: Vec<String> = style.into_iter().chain(before).collect();
         for (key, scales) in [
             ((true, Time::Before), before.clone()),
             ((false, Time::Before), before),
             ((true, Time::Condition), rated.chain(after).collect()),
+            ((true, Time::End), post.collect()),
         ] {
             asked.entry(key).or_default().extend(scales);
         }

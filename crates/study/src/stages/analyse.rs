@@ -9,7 +9,7 @@ use crate::{
     run_folder::{read_study, study_files},
     stage::{Files, Stage},
 };
-use maveric_analysis::{Analysis, Friedman};
+use maveric_analysis::{Analysis, Purpose};
 use path_slash::PathExt as _;
 use std::path::{Path, PathBuf};
 
@@ -50,7 +50,7 @@ impl Stage for Analyse {
         let study = DesignFile::find(self.design.as_deref())?;
         let data = read_study(&self.results, &study, self.participants.as_deref())?;
         watch.step(0, 1, "analyses")?;
-        let analysis = maveric_analysis::analyse(&data, Friedman::Exact)?;
+        let analysis = maveric_analysis::analyse(&data, Purpose::Report)?;
         watch.step(1, 1, "analyses")?;
         write_json(&self.out, &analysis)?;
         let flow = &analysis.flow;

@@ -332,6 +332,24 @@ mod tests {
     }
 
     #[test]
+    fn the_test_and_the_contrast_of_a_primary_outcome_are_covered() {
+        let (folder, path) = frozen();
+        fs::remove_file(folder.path().join(LOCK_FILE)).unwrap();
+        let primary = "[[outcome]]\nmeasure = \"mean_velocity_mps\"\nprimary = true\ntest = \"mixed\"\ncontrast = [\"sporty\", \"calm\"]\n";
+        let declared = format!("{STUDY}{primary}");
+        fs::write(&path, &declared).unwrap();
+        let outcome = freeze(Some(&path), "2026-11-22").unwrap();
+        assert!(outcome.summary[1].contains(&outcome.value.seal));
+        assert_eq!(said(&path)[0], "*Analysed as declared on 2026-11-22.*");
+        fs::write(&path, declared.replace("\"mixed\"", "\"ordinal\"")).unwrap();
+        assert!(
+            said(&path)[0].contains("`outcome[1].test`: was \"mixed\", is \"ordinal\""),
+            "{:?}",
+            said(&path)
+        );
+    }
+
+    #[test]
     fn a_change_after_freezing_is_said_with_its_reason() {
         let (_folder, path) = frozen();
         assert_eq!(said(&path)[0], "*Analysed as declared on 2026-11-22.*");

@@ -49,13 +49,13 @@ pub fn versions() -> BTreeMap<String, String> {
         ("measure", 5),
         ("rate", 2),
         ("evaluate", 6),
-        ("stats", 13),
+        ("stats", 14),
         ("ablate", 8),
         ("validate", 11),
         ("recommend", 4),
         ("rehearse", 7),
         ("rehearse-dial", 5),
-        ("report", 14),
+        ("report", 15),
     ]
     .map(|(command, version)| (command.to_owned(), version.to_string()))
     .into()

@@ -13,7 +13,7 @@ use crate::{
     tables::{
         Table, TableName,
         drives::kept_out,
-        surveys::{read_timed_answers, refuse_unclear},
+        surveys::{read_answered, refuse_unclear},
         write_rows,
     },
 };
@@ -21,7 +21,7 @@ use maveric_analysis::Why;
 use maveric_domain::{Answer, Moment, ParticipantId, Scale, Score, Subscale};
 use maveric_measures::{
     ItemMatrix, ScoreWarning,
-    survey::{SheetTime, attention_missed, response_styles, too_fast},
+    survey::{ProbeAnswer, SheetTime, attention_missed, response_styles, score_probes, too_fast},
 };
 use maveric_report::tables::Exclusion;
 use maveric_stats::AlphaAnalysis;
@@ -233,25 +233,25 @@ impl Stage for ScoreAnswers {
     /// Scores answers by the scales of a folder and writes scores and reliabilities.
     fn work(&self, watch: Watch<'_>) -> Result<Outcome<ScoredSurveys>, StudyError> {
         let scales = read_scales(&self.scales)?;
-        let mut answers: Vec<Answer> = Vec::new();
-        let mut times = Vec::new();
+        let (mut answers, mut probes, mut times) = (Vec::new(), Vec::new(), Vec::new());
         let study = DesignFile::here(self.design.as_deref())?;
         for path in &self.surveys {
-            let (found, timed) =
-                read_timed_answers(path).map_err(|error| told_as_export(path, error))?;
+            let found = read_answered(path).map_err(|error| told_as_export(path, error))?;
             if let Some(study) = &study {
-                refuse_unclear(path, &found, &study.design)?;
+                refuse_unclear(path, &found.answers, &study.design)?;
             }
-            answers.extend(found);
-            times.extend(timed);
+            answers.extend(found.answers);
+            probes.extend(found.probes);
+            times.extend(found.times);
         }
         if self.moments == Moments::After {
             answers.retain(|a| a.moment != Moment::Pre);
             times.retain(|t| t.moment != Moment::Pre);
         }
         watch.check()?;
-        let left_out = let_in(study.as_ref(), self, &scales, &mut answers, &mut times)?;
-        if answers.is_empty() {
+        let found = (&mut answers, &mut probes, &mut times);
+        let left_out = let_in(study.as_ref(), self, &scales, found)?;
+        if answers.is_empty() && probes.is_empty() {
             return Err(StudyError::NotPossible {
                 problem: "the surveys hold no answers".to_owned(),
                 help: None,
@@ -262,7 +262,13 @@ impl Stage for ScoreAnswers {
             .as_deref()
             .map(|path| Table::read(path)?.ids("participant"))
             .transpose()?;
-        let scored = maveric_measures::score(&scales, &answers, participants.as_deref())?;
+        let mut scored = maveric_measures::score(&scales, &answers, participants.as_deref())?;
+        probes.retain(|p| {
+            participants
+                .as_ref()
+                .is_none_or(|ids| ids.contains(&p.participant))
+        });
+        scored.scores.extend(score_probes(&scales, &probes)?);
         let mut warnings = scored.warnings;
         let known = |w: &ScoreWarning| {
             participants
@@ -328,8 +334,7 @@ fn let_in(
     study: Option<&DesignFile>,
     options: &ScoreAnswers,
     scales: &[Scale],
-    answers: &mut Vec<Answer>,
-    times: &mut Vec<SheetTime>,
+    (answers, probes, times): (&mut Vec<Answer>, &mut Vec<ProbeAnswer>, &mut Vec<SheetTime>),
 ) -> Result<LeftOutAnswers, StudyError> {
     let mut left_out = LeftOutAnswers::new();
     let Some(study) = study else {
@@ -341,15 +346,15 @@ fn let_in(
     }
     let gate = Gate::of(study, options.participants.as_deref())?;
     let gate = gate.with_sheets(scales, answers, &drives);
-    answers.retain(|a| match gate.answer(&a.participant, a.moment) {
+    let mut keeps = |who: &ParticipantId, moment: Moment| match gate.answer(who, moment) {
         None => true,
         Some(why) => {
-            *left_out
-                .entry((a.participant.clone(), a.moment, why))
-                .or_default() += 1;
+            *left_out.entry((who.clone(), moment, why)).or_default() += 1;
             false
         }
-    });
+    };
+    answers.retain(|a| keeps(&a.participant, a.moment));
+    probes.retain(|p| keeps(&p.participant, Moment::Probe(p.condition)));
     times.retain(|t| gate.answer(&t.participant, t.moment).is_none());
     Ok(left_out)
 }

@@ -1,6 +1,8 @@
 //! What the seat collects beside answers and drives: what happened on every page and in every drive, what was agreed to, what was noted.
 //! What the columns are `columns.toml` says.
 
+pub use maveric_analysis::Stopped;
+
 use maveric_domain::ParticipantId;
 use serde::{Deserialize, Serialize};
 
@@ -39,9 +41,21 @@ pub struct NoteRow {
     pub text: String,
 }
 
+/// How many people a rule of the screening held back.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[expect(missing_docs, reason = "`columns.toml` says what they are")]
+pub struct NotAdmittedRow {
+    pub rule: String,
+    pub people: usize,
+}
+
 /// Their files in the seat's folder.
 pub const EVENTS: &str = "events.csv";
 /// As [`EVENTS`].
 pub const CONSENTS: &str = "consents.csv";
 /// As [`EVENTS`].
 pub const NOTES: &str = "notes.csv";
+/// The drives and rides that people stopped, from the study's folder.
+pub const STOPPED: &str = "seat/stopped.csv";
+/// As [`EVENTS`].
+pub const NOT_ADMITTED: &str = "not_admitted.csv";

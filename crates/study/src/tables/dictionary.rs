@@ -32,6 +32,7 @@ pub enum TableName {
     Measurements,
     Measures,
     Missing,
+    NotAdmitted,
     Notes,
     OutcomesLong,
     OutcomesWide,
@@ -40,6 +41,7 @@ pub enum TableName {
     Reliabilities,
     Rollouts,
     Scores,
+    Stopped,
     SurveysWide,
     Variability,
 }

@@ -2,7 +2,7 @@
 
 use super::{Table, TableName, write_rows};
 use crate::error::StudyError;
-use maveric_domain::Embedding;
+use maveric_domain::{Embedding, ParticipantId};
 use std::path::Path;
 
 pub use maveric_domain::EmbeddingRow;
@@ -79,6 +79,57 @@ pub fn read_embeddings(path: &Path) -> Result<Vec<EmbeddingRow>, StudyError> {
     table.records_beside(&beside)
 }
 
+/// Reads embeddings that a model with `size` numbers is to drive by.
+///
+/// # Errors
+/// As [`read_embeddings`]; [`StudyError::BadFile`] for styles of another model, and for a file without rows.
+pub fn read_styles(path: &Path, size: usize) -> Result<Vec<EmbeddingRow>, StudyError> {
+    let rows = read_embeddings(path)?;
+    let found = rows.first().map_or(0, |row| row.embedding.size());
+    if found == size {
+        return Ok(rows);
+    }
+    Err(StudyError::BadFile {
+        path: path.to_owned(),
+        problem: match found {
+            0 => "has no row, expected one for everybody, or one a person".to_owned(),
+            _ => format!("has styles of {found} numbers (w1, …), and the model's have {size}"),
+        },
+        help: Some("write it with `maveric personalize` and the study's model".to_owned()),
+    })
+}
+
+/// The style of `who` in a file of embeddings: of their own row, or of its only row; that one alone where nobody knows who they will be.
+///
+/// # Errors
+/// [`StudyError::BadFile`] naming the file, and whose row it has not.
+pub fn style_of<'a>(
+    rows: &'a [EmbeddingRow],
+    file: &Path,
+    who: Option<&ParticipantId>,
+) -> Result<&'a Embedding, StudyError> {
+    let own = rows.iter().find(|row| Some(&row.participant) == who);
+    if let Some(row) = own.or(rows.first().filter(|_| rows.len() == 1)) {
+        return Ok(&row.embedding);
+    }
+    let (whose, expected) = match who {
+        Some(who) => (
+            format!("none of {who}"),
+            "one row for everybody, or one a person",
+        ),
+        None => (
+            "nobody online has an id before their answers are imported".to_owned(),
+            "one row for everybody",
+        ),
+    };
+    Err(StudyError::BadFile {
+        path: file.to_owned(),
+        problem: format!("has {} rows, and {whose}; expected {expected}", rows.len()),
+        help: who
+            .map(|who| format!("add the row of {who}, then open the seat or run the stage again")),
+    })
+}
+
 /// The covariance of each row; none where a cell of it is missing.
 fn read_covariances(table: &Table, d: usize) -> Result<Vec<Option<Vec<f64>>>, StudyError> {
     let mut found: Vec<Option<Vec<f64>>> = vec![None; table.rows()];
@@ -102,7 +153,7 @@ fn read_covariances(table: &Table, d: usize) -> Result<Vec<Option<Vec<f64>>>, St
 #[cfg(test)]
 mod tests {
     use super::*;
-    use maveric_domain::{BeyondWhy, DriveId, ParticipantId};
+    use maveric_domain::{BeyondWhy, DriveId};
 
     #[test]
     fn embeddings_with_and_without_covariance_come_back_as_they_were() {

@@ -1,30 +1,221 @@
 //! Questionnaire answers (long) and their scores.
+//!
+//! A table of answers has the moment in one column (`pre`, or the id of a condition), or `moment` (`pre`, `after`, `probe`, `post`) beside
+//! `condition`.
 
-use super::{Table, read_rows};
+use super::{Table, TableName, write_rows};
 use crate::error::StudyError;
-use maveric_domain::{Answer, Design, Moment, ParticipantId, Score};
-use maveric_measures::survey::SheetTime;
+use maveric_domain::{Answer, ConditionId, Design, Moment, ParticipantId, Score};
+use maveric_measures::survey::{ProbeAnswer, SheetTime};
+use serde::{Deserialize, Serialize};
 use std::{
     collections::{BTreeMap, BTreeSet},
     path::Path,
 };
 
-/// Reads answers.
-///
-/// # Errors
-/// As [`Table`] does; [`StudyError::BadCell`] for an item or answer that is no whole number.
-pub fn read_answers(path: &Path) -> Result<Vec<Answer>, StudyError> {
-    read_rows(path)
+/// What a table of answers says of one.
+#[derive(Deserialize)]
+struct Cells {
+    participant: ParticipantId,
+    scale: String,
+    item: u32,
+    answer: Option<i32>,
 }
 
-/// Reads answers and, where the table has a column `seconds`, how long people took: the mean over the items of each sheet,
-/// ordered by participant, moment and scale.
+/// A row of a table of answers that has more than those of before: the rest stands in the row's fields of this name.
+#[derive(Serialize)]
+struct Row<'a> {
+    participant: &'a ParticipantId,
+    moment: &'static str,
+    condition: Option<ConditionId>,
+    scale: &'a str,
+    item: u32,
+    answer: Option<i32>,
+    at_s: Option<f64>,
+}
+
+/// What a moment is called beside the condition that it is about.
+pub fn moment_word(moment: Moment) -> &'static str {
+    match moment {
+        Moment::Pre => "pre",
+        Moment::After(_) => "after",
+        Moment::Probe(_) => "probe",
+        Moment::Post => "post",
+    }
+}
+
+/// A moment by its word and its condition; `word` may be a condition's id, as in a table of one column.
+fn moment_of(word: &str, condition: Option<ConditionId>) -> Option<Moment> {
+    match (word, condition) {
+        ("after", Some(condition)) => Some(Moment::After(condition)),
+        ("probe", Some(condition)) => Some(Moment::Probe(condition)),
+        ("pre" | "post", Some(_)) | ("after" | "probe", None) => None,
+        (word, condition) => {
+            let moment: Moment = word.parse().ok()?;
+            (condition.is_none() || moment.condition() == condition).then_some(moment)
+        }
+    }
+}
+
+/// The moment of each row of a table of answers.
 ///
 /// # Errors
-/// As [`read_answers`]; [`StudyError::BadCell`] for a time that is no number, or negative.
-pub fn read_timed_answers(path: &Path) -> Result<(Vec<Answer>, Vec<SheetTime>), StudyError> {
+/// [`StudyError::NoColumn`]; [`StudyError::BadCell`] for a moment that is none.
+pub fn moments(table: &Table) -> Result<Vec<Moment>, StudyError> {
+    let words = table
+        .text("moment")?
+        .into_iter()
+        .map(Option::unwrap_or_default);
+    let wrong = |row: usize, column: &str, found: &str, expected: &str| {
+        table.bad_cell(row, column, found, expected)
+    };
+    if !table.has("condition") {
+        // A table of before knows no end of the study: `post` can only be a condition.
+        let moment = |(row, word): (usize, String)| match word.parse() {
+            Ok(Moment::Post) => Ok(Moment::After(word.parse()?)),
+            Ok(moment) => Ok(moment),
+            Err(error) => {
+                let expected = format!("`pre`, or the condition after which it was asked: {error}");
+                Err(wrong(row, "moment", &word, &expected))
+            }
+        };
+        return words.enumerate().map(moment).collect();
+    }
+    let moment = |((row, word), condition): ((usize, String), Option<String>)| {
+        let id = condition.as_ref().map(|id| id.parse()).transpose();
+        let id = id.map_err(|_| {
+            let found = condition.as_deref().unwrap_or_default();
+            wrong(row, "condition", found, "the id of a condition, or nothing")
+        })?;
+        moment_of(&word, id).ok_or_else(|| {
+            let expected = "`pre` or `post` without a condition, `after` or `probe` with one";
+            wrong(row, "moment", &word, expected)
+        })
+    };
+    words
+        .enumerate()
+        .zip(table.text("condition")?)
+        .map(moment)
+        .collect()
+}
+
+/// The answers of a table, each with its row: those to probes, and all others.
+#[derive(Debug, Default)]
+pub struct Answered {
+    /// Those of questionnaires.
+    pub answers: Vec<Answer>,
+    /// Those to probes, with the time of each.
+    pub probes: Vec<ProbeAnswer>,
+    /// How long people took, where the table says it.
+    pub times: Vec<SheetTime>,
+}
+
+/// Reads answers, those to probes apart.
+///
+/// # Errors
+/// As [`Table`] does; [`StudyError::BadCell`] for a moment that is none, an item or answer that is no whole number, a probe without its
+/// time, and a time that is no number, or negative.
+pub fn read_answered(path: &Path) -> Result<Answered, StudyError> {
     let table = Table::read(path)?;
-    Ok((table.records()?, times_of(&table)?))
+    let cells: Vec<Cells> = table.records()?;
+    let moments = moments(&table)?;
+    let numbers = |column: &str| {
+        if table.has(column) {
+            table.numbers(column)
+        } else {
+            Ok(vec![None; table.rows()])
+        }
+    };
+    let (at_s, seconds) = (numbers("at_s")?, numbers("seconds")?);
+    let mut answered = Answered::default();
+    let mut sheets: BTreeMap<(ParticipantId, Moment, String), (f64, f64)> = BTreeMap::new();
+    for (row, (cells, moment)) in cells.into_iter().zip(moments).enumerate() {
+        let Cells {
+            participant,
+            scale,
+            item,
+            answer,
+        } = cells;
+        if let Moment::Probe(condition) = moment {
+            let at_s = at_s[row].filter(|s| *s >= 0.0).ok_or_else(|| {
+                let expected = "when the probe was asked, in s since the drive began";
+                table.bad_cell(row, "at_s", String::new(), expected)
+            })?;
+            answered.probes.push(ProbeAnswer {
+                participant,
+                condition,
+                scale,
+                at_s,
+                answer,
+            });
+            continue;
+        }
+        if let Some(seconds) = seconds[row] {
+            if seconds < 0.0 {
+                let expected = "a time in s, not negative";
+                return Err(table.bad_cell(row, "seconds", seconds.to_string(), expected));
+            }
+            let sheet = (participant.clone(), moment, scale.clone());
+            let (sum, n) = sheets.entry(sheet).or_default();
+            (*sum, *n) = (*sum + seconds, *n + 1.0);
+        }
+        answered.answers.push(Answer {
+            participant,
+            moment,
+            scale,
+            item,
+            answer,
+        });
+    }
+    let mean = |((participant, moment, scale), (sum, n))| SheetTime {
+        participant,
+        moment,
+        scale,
+        seconds_an_item: sum / n,
+    };
+    answered.times = sheets.into_iter().map(mean).collect();
+    Ok(answered)
+}
+
+/// Reads answers of questionnaires; those to probes are left out.
+///
+/// # Errors
+/// As [`read_answered`].
+pub fn read_answers(path: &Path) -> Result<Vec<Answer>, StudyError> {
+    Ok(read_answered(path)?.answers)
+}
+
+/// Writes answers, with `condition` and `at_s` where somebody was asked during a drive or at the end.
+///
+/// # Errors
+/// As [`write_rows`].
+pub fn write_answers(
+    path: &Path,
+    answers: &[Answer],
+    probes: &[ProbeAnswer],
+) -> Result<(), StudyError> {
+    if probes.is_empty() && answers.iter().all(|a| a.moment != Moment::Post) {
+        return write_rows(TableName::Answers, path, answers);
+    }
+    let sheets = answers.iter().map(|a| Row {
+        participant: &a.participant,
+        moment: moment_word(a.moment),
+        condition: a.moment.condition(),
+        scale: &a.scale,
+        item: a.item,
+        answer: a.answer,
+        at_s: None,
+    });
+    let probes = probes.iter().map(|p| Row {
+        participant: &p.participant,
+        moment: moment_word(Moment::Probe(p.condition)),
+        condition: Some(p.condition),
+        scale: &p.scale,
+        item: 1,
+        answer: p.answer,
+        at_s: Some(p.at_s),
+    });
+    write_rows(TableName::Answers, path, sheets.chain(probes))
 }
 
 /// Refuses answers that say `pre` for a condition that is called so.
@@ -73,35 +264,6 @@ pub(crate) fn refuse_unclear(
     })
 }
 
-fn times_of(table: &Table) -> Result<Vec<SheetTime>, StudyError> {
-    if !table.has("seconds") {
-        return Ok(Vec::new());
-    }
-    let answers: Vec<Answer> = table.records()?;
-    let mut sheets: BTreeMap<(ParticipantId, Moment, String), (f64, f64)> = BTreeMap::new();
-    for (row, (answer, seconds)) in answers
-        .into_iter()
-        .zip(table.numbers("seconds")?)
-        .enumerate()
-    {
-        let Some(seconds) = seconds else { continue };
-        if seconds < 0.0 {
-            let expected = "a time in s, not negative";
-            return Err(table.bad_cell(row, "seconds", seconds.to_string(), expected));
-        }
-        let sheet = (answer.participant, answer.moment, answer.scale);
-        let (sum, n) = sheets.entry(sheet).or_default();
-        (*sum, *n) = (*sum + seconds, *n + 1.0);
-    }
-    let mean = |((participant, moment, scale), (sum, n))| SheetTime {
-        participant,
-        moment,
-        scale,
-        seconds_an_item: sum / n,
-    };
-    Ok(sheets.into_iter().map(mean).collect())
-}
-
 /// Reads scores.
 ///
 /// # Errors
@@ -110,4 +272,122 @@ pub fn read_scores(path: &Path) -> Result<Vec<Score>, StudyError> {
     let table = Table::read(path)?;
     table.each_once(&["participant", "moment", "scale", "subscale"])?;
     table.records()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn read(text: &str) -> Result<Answered, String> {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("answers.csv");
+        std::fs::write(&path, text).unwrap();
+        read_answered(&path).map_err(|e| e.to_string())
+    }
+
+    fn moments_of(text: &str) -> Vec<Moment> {
+        read(text)
+            .unwrap()
+            .answers
+            .iter()
+            .map(|a| a.moment)
+            .collect()
+    }
+
+    fn after(id: &str) -> Moment {
+        Moment::After(id.parse().unwrap())
+    }
+
+    #[test]
+    fn a_table_of_one_column_is_read_as_before_also_where_a_condition_is_called_post() {
+        let text = "participant,moment,scale,item,answer\nA,pre,m,1,1\nA,post,m,1,2\nA,calm,m,1,3\nA,after:pre,m,1,4\n";
+        assert_eq!(
+            moments_of(text),
+            [Moment::Pre, after("post"), after("calm"), after("pre")]
+        );
+    }
+
+    #[test]
+    fn beside_its_condition_a_moment_is_a_word_and_a_condition_may_have_any_id() {
+        let text = "participant,moment,condition,scale,item,answer,at_s\nA,pre,,m,1,1,\nA,after,post,m,1,2,\nA,after,pre,m,1,2,\n\
+                    A,post,,m,1,3,\nA,probe,calm,misc,1,,60\nA,calm,,m,1,4,\n";
+        assert_eq!(
+            moments_of(text),
+            [
+                Moment::Pre,
+                after("post"),
+                after("pre"),
+                Moment::Post,
+                after("calm")
+            ]
+        );
+        let probes = read(text).unwrap().probes;
+        let [probe] = &probes[..] else {
+            panic!("{probes:?}");
+        };
+        assert_eq!((probe.condition.as_str(), probe.answer), ("calm", None));
+        assert!((probe.at_s - 60.0).abs() < 1e-12);
+    }
+
+    #[test]
+    fn what_is_no_moment_and_a_probe_without_its_time_name_their_cell() {
+        let two = |row: &str| {
+            read(&format!(
+                "participant,moment,condition,scale,item,answer,at_s\n{row}\n"
+            ))
+            .unwrap_err()
+        };
+        for row in [
+            "A,pre,calm,m,1,1,",
+            "A,after,,m,1,1,",
+            "A,probe,,m,1,1,5",
+            "A,sporty,calm,m,1,1,",
+        ] {
+            let told = two(row);
+            assert!(
+                told.contains("row 1, column `moment`") && told.contains("`post`"),
+                "{told}"
+            );
+        }
+        assert!(two("A,after,a b,m,1,1,").contains("column `condition`"));
+        assert!(two("A,probe,calm,m,1,1,").contains("column `at_s`"));
+    }
+
+    #[test]
+    fn answers_come_back_as_they_were() {
+        let answer = |moment| Answer {
+            participant: ParticipantId::new("A").unwrap(),
+            moment,
+            scale: "m".to_owned(),
+            item: 1,
+            answer: Some(2),
+        };
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("answers.csv");
+        let first = [answer(Moment::Pre), answer(after("calm"))];
+        write_answers(&path, &first, &[]).unwrap();
+        let text = std::fs::read_to_string(&path).unwrap();
+        assert!(
+            text.starts_with("participant,moment,scale,item,answer\n"),
+            "{text}"
+        );
+        let all = [
+            answer(Moment::Pre),
+            answer(after("post")),
+            answer(Moment::Post),
+        ];
+        let probes = [ProbeAnswer {
+            participant: ParticipantId::new("A").unwrap(),
+            condition: "calm".parse().unwrap(),
+            scale: "misc".to_owned(),
+            at_s: 60.0,
+            answer: Some(4),
+        }];
+        write_answers(&path, &all, &probes).unwrap();
+        let back = read_answered(&path).unwrap();
+        assert_eq!(
+            (&back.answers[..], &back.probes[..]),
+            (&all[..], &probes[..])
+        );
+    }
 }

@@ -4,6 +4,7 @@ use super::{car, conditions, data::Study, people, style};
 use crate::{
     card::{Drawn, card, share_row},
     texts::{Texts, value},
+    words::declared_test,
 };
 use maveric_analysis::{Finding, Question, findings};
 use maveric_report::{
@@ -27,6 +28,7 @@ pub fn cards(study: &Study<'_>) -> Result<Vec<Card>, ReportError> {
     let mut cards = Vec::new();
     for finding in &study.analysis.findings {
         cards.extend(match finding.question {
+            Question::Primary(number) => primary(study, &texts, finding, number)?,
             Question::Hypothesis(number) => hypothesis(study, &texts, finding, number)?,
             Question::OwnStyle => car::own_style(study, &texts, finding)?,
             Question::Nearer => car::nearer(study, &texts, finding)?,
@@ -42,6 +44,42 @@ pub fn cards(study: &Study<'_>) -> Result<Vec<Card>, ReportError> {
         });
     }
     Ok(cards)
+}
+
+fn primary(
+    study: &Study<'_>,
+    texts: &Texts,
+    finding: &Finding,
+    number: usize,
+) -> Result<Option<Card>, ReportError> {
+    let all = &study.analysis.primary;
+    let Some(outcome) = number.checked_sub(1).and_then(|at| all.get(at)) else {
+        return Ok(None);
+    };
+    let title = |id: &String| {
+        let known = all.iter().find(|o| o.outcome == *id);
+        known.map_or_else(|| id.clone(), |o| o.title.clone())
+    };
+    let values = context! {
+        first => study.label(outcome.first),
+        second => study.label(outcome.second),
+        several => all.len() > 1,
+        closed_by => outcome.closed_by.as_ref().map(title),
+        test => declared_test(outcome.test),
+        ..value(outcome)
+    };
+    let say = |key| texts.say("primary", key, &values);
+    let row = IntervalRow::new(say("row")?, outcome.mean_difference, outcome.interval);
+    let drawn = outcome.mean_difference.map(|_| Drawn {
+        rows: vec![row],
+        nothing: Some(0.0),
+        bounds: None,
+    });
+    let tests = Some(say("test")?).filter(|test| !test.is_empty());
+    Ok(Some(Card {
+        tests: tests.into_iter().collect(),
+        ..card(texts, finding, &values, drawn)?
+    }))
 }
 
 fn hypothesis(

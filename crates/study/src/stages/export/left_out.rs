@@ -67,16 +67,18 @@ impl LeftOut {
             ..Self::default()
         };
         material.people.retain(|p| found.person(&gate, &p.id));
+        let mut keeps = |who: &ParticipantId, moment: Moment| match gate.answer(who, moment) {
+            None => true,
+            Some(why) => {
+                found.person(&gate, who);
+                found.answers.push(why);
+                false
+            }
+        };
+        material.answers.retain(|a| keeps(&a.participant, a.moment));
         material
-            .answers
-            .retain(|a| match gate.answer(&a.participant, a.moment) {
-                None => true,
-                Some(why) => {
-                    found.person(&gate, &a.participant);
-                    found.answers.push(why);
-                    false
-                }
-            });
+            .probes
+            .retain(|p| keeps(&p.participant, Moment::Probe(p.condition)));
         material.drives.retain(|(meta, recording)| {
             let time = recording.time_s();
             let duration_s = time.last().zip(time.first()).map_or(0.0, |(b, a)| b - a);

@@ -13,12 +13,13 @@ use crate::{
     run_folder::read_study,
     tables::{
         participants::{Enrolled, read_enrolled},
-        surveys::{read_answers, refuse_unclear},
+        surveys::{read_answered, refuse_unclear},
     },
 };
 use maveric_analysis::StudyData;
 use maveric_domain::{Answer, DriveMeta, ParticipantId, Recording};
 use maveric_ingest::read_log;
+use maveric_measures::survey::ProbeAnswer;
 use path_slash::PathExt as _;
 
 /// People, answers, drives, what the seat collected, the study's own measures, and what was analysed.
@@ -26,6 +27,7 @@ use path_slash::PathExt as _;
 pub(super) struct Material {
     pub(super) people: Vec<Enrolled>,
     pub(super) answers: Vec<Answer>,
+    pub(super) probes: Vec<ProbeAnswer>,
     pub(super) drives: Vec<(DriveMeta, Recording)>,
     pub(super) collected: Collected,
     pub(super) own: Vec<OwnRow>,
@@ -51,9 +53,10 @@ impl Material {
             material.people = read_enrolled(path, design)?;
         }
         for path in &sources.surveys {
-            let answers = read_answers(path)?;
-            refuse_unclear(path, &answers, design)?;
-            material.answers.extend(answers);
+            let found = read_answered(path)?;
+            refuse_unclear(path, &found.answers, design)?;
+            material.answers.extend(found.answers);
+            material.probes.extend(found.probes);
         }
         if let Some(folder) = &sources.seat {
             material.collected = Collected::read(folder, options.notes)?;
@@ -89,6 +92,7 @@ impl Material {
 
     fn is_empty(&self) -> bool {
         let tables = self.people.is_empty() && self.answers.is_empty() && self.own.is_empty();
+        let tables = tables && self.probes.is_empty();
         tables && self.drives.is_empty() && self.collected.is_empty()
     }
 
@@ -99,7 +103,12 @@ impl Material {
         let drove = self.drives.iter().map(|d| &d.0.participant);
         let measured = self.own.iter().map(|row| &row.participant);
         let analysed = self.outcomes.iter().flat_map(|data| &data.participants);
-        let tables = people.chain(answered).chain(drove).chain(measured);
+        let probed = self.probes.iter().map(|p| &p.participant);
+        let tables = people
+            .chain(answered)
+            .chain(probed)
+            .chain(drove)
+            .chain(measured);
         tables.chain(analysed).chain(self.collected.people())
     }
 }

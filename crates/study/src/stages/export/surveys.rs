@@ -3,37 +3,45 @@
 use super::pseudonym::Pseudonyms;
 use crate::{
     error::StudyError,
-    tables::{TableName, participants::Enrolled, write_rows},
+    tables::{TableName, participants::Enrolled, surveys::write_answers, write_rows},
 };
 use maveric_domain::{Answer, ConditionId, Moment, ParticipantId};
+use maveric_measures::survey::ProbeAnswer;
 use serde_json::Value;
 use std::{
     collections::{BTreeMap, BTreeSet},
     path::Path,
 };
 
-/// Writes `surveys.csv` and `surveys_wide.csv`; the answers have pseudonyms then, and stand in their order.
+/// Writes `surveys.csv` and, without what was asked during rides and at the end, `surveys_wide.csv`; the answers have pseudonyms then, and stand in their order.
 ///
 /// # Errors
 /// As [`write_rows`].
 pub(super) fn write(
     out: &Path,
-    answers: &mut [Answer],
+    (answers, probes): (&mut [Answer], &mut [ProbeAnswer]),
     people: &[Enrolled],
     names: &Pseudonyms,
 ) -> Result<(), StudyError> {
-    if answers.is_empty() {
+    if answers.is_empty() && probes.is_empty() {
         return Ok(());
     }
     for answer in answers.iter_mut() {
         answer.participant = names.of(&answer.participant);
     }
+    for probe in probes.iter_mut() {
+        probe.participant = names.of(&probe.participant);
+    }
+    probes.sort_by(|a, b| {
+        let of = |p: &ProbeAnswer| (p.participant.clone(), p.condition, p.scale.clone());
+        of(a).cmp(&of(b)).then(a.at_s.total_cmp(&b.at_s))
+    });
     // Sorted by pseudonym, so that the order of the rows gives nobody away.
     answers.sort_by(|a, b| {
         let a = (&a.participant, a.moment, &a.scale, a.item);
         a.cmp(&(&b.participant, b.moment, &b.scale, b.item))
     });
-    write_rows(TableName::Answers, &out.join("surveys.csv"), &*answers)?;
+    write_answers(&out.join("surveys.csv"), answers, probes)?;
     let orders = people.iter();
     let orders = orders.map(|p| (names.of(&p.id), p.order.as_slice()));
     write_wide(&out.join("surveys_wide.csv"), answers, &orders.collect())
@@ -60,6 +68,8 @@ fn write_wide(
             Moment::Pre => {
                 before.insert(item);
             }
+            // oTree's layout has no page for them.
+            Moment::Probe(_) | Moment::Post => {}
             Moment::After(condition) => {
                 conditions.insert(condition);
                 after.insert(item);

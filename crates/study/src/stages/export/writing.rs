@@ -82,9 +82,11 @@ pub fn export(
         data.design = design.clone();
     }
     drives::write(out, &material.drives, &names, options, watch)?;
-    let (people, answers) = (&material.people, material.answers.len());
+    let people = &material.people;
+    let answers = material.answers.len() + material.probes.len();
     warnings.extend(people::write(out, people, &names, design)?);
-    surveys::write(out, &mut material.answers, people, &names)?;
+    let asked = (&mut material.answers[..], &mut material.probes[..]);
+    surveys::write(out, asked, people, &names)?;
     own::write(out, &material.own, &names)?;
     let observed = outcomes::write(out, material.outcomes.as_ref(), people, &names)?;
     warnings.extend(material.collected.write(out, &names, &left_out.names)?);

@@ -153,10 +153,9 @@ impl<'a> Columns<'a> {
             .words
             .get(word)
             .or_else(|| same().map(|(_, moment)| moment));
-        let pre = Moment::Pre.to_string();
-        exact
-            .copied()
-            .or_else(|| pre.eq_ignore_ascii_case(word).then_some(Moment::Pre))
+        let known = [Moment::Pre, Moment::Post];
+        let named = |moment: &Moment| moment.to_string().eq_ignore_ascii_case(word);
+        exact.copied().or_else(|| known.into_iter().find(named))
     }
 
     /// Fields that may say the moment.

@@ -136,8 +136,11 @@ pub(super) fn joint_pattern(families: &[&Family]) -> Option<(String, Vec<String>
 
 /// A family's pattern, `{condition}` where a word stands that the study knows as one.
 pub(super) fn with_condition(family: &Family, columns: &Columns<'_>) -> String {
-    let pre = Moment::Pre.to_string();
-    let mut words: Vec<&str> = columns.words().chain([pre.as_str()]).collect();
+    let known = [Moment::Pre, Moment::Post].map(|moment| moment.to_string());
+    let mut words: Vec<&str> = columns
+        .words()
+        .chain(known.iter().map(String::as_str))
+        .collect();
     words.sort_by_key(|word| std::cmp::Reverse(word.len()));
     let replaced = |text: &str| {
         let at = words

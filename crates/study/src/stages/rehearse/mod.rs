@@ -20,7 +20,7 @@ use crate::{
     stage::{Files, Stage},
     stages::report::write_page,
 };
-use maveric_analysis::{Finding, Friedman};
+use maveric_analysis::{Finding, Purpose};
 use maveric_domain::stream_seed;
 use maveric_rehearsal::{World, findings, found_in};
 use serde::Serialize;
@@ -157,7 +157,7 @@ impl Stage for Rehearse {
             let [scale, size, index] = labels.each_ref().map(String::as_str);
             let seed = stream_seed(self.seed, &["rehearsal", scale, size, index]);
             let study = worlds[cell / self.participants.len()].study(n, seed)?;
-            let analysis = maveric_analysis::analyse(&study.data, Friedman::Approximate)?;
+            let analysis = maveric_analysis::analyse(&study.data, Purpose::Simulation)?;
             Ok(found_in(&analysis))
         })?;
         let cells: Vec<Cell> = grid

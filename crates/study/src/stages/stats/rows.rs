@@ -132,6 +132,7 @@ impl DesignRows {
                 .map(|(covariate, effect)| (covariate.as_str(), vec![effect.as_str()]))
                 .collect(),
             labels: Vec::new(),
+            periods: &[],
             values: &self.values,
         }
     }

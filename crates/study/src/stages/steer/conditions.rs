@@ -8,11 +8,11 @@ use crate::{
     style_scale::StyleScale,
     tables::{
         conditions::ConditionRow,
-        embeddings::{EmbeddingRow, read_embeddings},
+        embeddings::{EmbeddingRow, read_styles, style_of},
     },
 };
 use maveric_domain::{
-    BeyondWhy, Embedding, ParticipantId,
+    BeyondWhy, Embedding,
     design::{Car, Condition},
     stream_seed,
 };
@@ -20,23 +20,18 @@ use maveric_model::{
     Model, ModelError,
     style_space::{LinearHead, PerpendicularEllipse},
 };
+use maveric_steering::{PlacedStyle, RideStyle, Seed};
 use path_slash::PathExt as _;
-use rand_pcg::{Pcg64Mcg, rand_core::SeedableRng};
-use std::path::Path;
-
-/// Where a condition lies, how far that is along the dial (points), where there is one, and the angle of a move across it.
-type Place = (Embedding, Option<f64>, Option<f64>);
 
 struct Steering<'a> {
     model: &'a Model,
     /// None where the model has no style head.
     axis: Option<&'a LinearHead>,
-    ellipse: Option<PerpendicularEllipse>,
+    /// Whether there is something across the dial.
+    across: bool,
     /// Points of the model for one of the design's: a `--points` that is not the design's own step.
     stretch: f64,
     seed: u64,
-    clamped: usize,
-    shifts: usize,
 }
 
 /// One row a participant and condition that has a learned car; the person's own turning of the dial has none.
@@ -69,7 +64,7 @@ pub(super) fn conditions(
     let mut steering = Steering {
         model,
         axis,
-        ellipse: None,
+        across: false,
         stretch: options
             .points
             .zip(step)
@@ -77,16 +72,15 @@ pub(super) fn conditions(
                 scale.stretch() * (asked / step)
             }),
         seed: options.seed,
-        clamped: 0,
-        shifts: 0,
     };
+    let (mut clamped, mut shifts) = (0, 0);
     if driven.iter().any(|c| c.car == Some(Car::Across)) {
         match PerpendicularEllipse::of(model) {
             Err(error @ ModelError::NoPerpendicular { .. }) => {
                 let across = driven.iter().filter(|c| c.car == Some(Car::Across));
                 warnings.extend(across.map(|c| format!("condition {} left out: {error}", c.id)));
             }
-            ellipse => steering.ellipse = Some(ellipse?),
+            ellipse => steering.across = ellipse.map(|_| true)?,
         }
     }
     let mut rows = Vec::new();
@@ -111,12 +105,12 @@ pub(super) fn conditions(
                 warnings.push(format!("drive {id}: left out by exclude.drives"));
                 continue;
             }
-            let clamped_before = steering.clamped;
-            let Some((embedding, moved_points, angle_rad)) =
-                steering.place(study, condition, person)?
-            else {
+            let Some(placed) = steering.place(study, condition, person)? else {
                 continue;
             };
+            shifts += usize::from(condition.side().is_some());
+            clamped += usize::from(placed.clamped);
+            let embedding = placed.embedding;
             let ends = embedding.coordinates().iter();
             let step: Vec<f64> = ends
                 .zip(person.embedding.coordinates())
@@ -126,12 +120,12 @@ pub(super) fn conditions(
                 participant: person.participant.clone(),
                 condition: condition.id,
                 adb_hat: scale.score_of(steering.hat(&embedding)?, None).0,
-                moved_points: moved_points.map(|points| points / scale.stretch()),
+                moved_points: placed.moved_points.map(|points| points / scale.stretch()),
                 moved_points_sd: axis
                     .and_then(|axis| axis.step_sd(&step))
                     .map(|sd| sd / scale.stretch()),
-                clamped: steering.clamped > clamped_before,
-                angle_rad,
+                clamped: placed.clamped,
+                angle_rad: placed.angle_rad,
                 beyond_training: is_beyond(model, &embedding)?,
                 beyond_why: match condition.car {
                     Some(Car::Dial(_) | Car::Across) => why.clone(),
@@ -143,8 +137,7 @@ pub(super) fn conditions(
         }
     }
     warnings.extend(strangers.warnings());
-    if steering.clamped > 0 {
-        let (clamped, shifts) = (steering.clamped, steering.shifts);
+    if clamped > 0 {
         warnings.push(format!(
             "{clamped} of {shifts} shifts were cut short by the ends of the scale"
         ));
@@ -155,14 +148,14 @@ pub(super) fn conditions(
         driven.len()
             - driven
                 .iter()
-                .filter(|c| c.car == Some(Car::Across) && steering.ellipse.is_none())
+                .filter(|c| c.car == Some(Car::Across) && !steering.across)
                 .count(),
         options.out.to_slash_lossy()
     )];
     Ok(Outcome {
         value: Steered {
             participants: own.len(),
-            clamped: steering.clamped,
+            clamped,
             beyond: strangers.people,
             beyond_left_out: strangers.left_out,
             attributes: Vec::new(),
@@ -174,68 +167,34 @@ pub(super) fn conditions(
 }
 
 impl Steering<'_> {
+    /// Where a condition lies for a person; none across the dial where there is nothing.
     fn place(
-        &mut self,
+        &self,
         study: &DesignFile,
         condition: &Condition,
         person: &EmbeddingRow,
-    ) -> Result<Option<Place>, StudyError> {
-        let own = &person.embedding;
-        Ok(match &condition.car {
-            Some(Car::Dial(points)) => {
-                let points = points * self.stretch;
-                if points.abs() < f64::EPSILON {
-                    return Ok(Some((own.clone(), Some(0.0), None)));
-                }
-                let axis = self.axis.ok_or(ModelError::NoAggressionAxis)?;
-                let moved = axis.shift(own, points)?;
-                self.shifts += 1;
-                self.clamped += usize::from(moved.clamped);
-                Some((moved.embedding, Some(moved.effective_points), None))
+    ) -> Result<Option<PlacedStyle>, StudyError> {
+        let who = &person.participant;
+        let style = match &condition.car {
+            Some(Car::Dial(_)) => RideStyle::Own,
+            Some(Car::Across) if self.across => {
+                let labels = [who.as_str(), condition.id.as_str()];
+                RideStyle::Across(Seed(stream_seed(self.seed, &labels)))
             }
-            Some(Car::Across) => match &self.ellipse {
-                None => None,
-                Some(ellipse) => {
-                    let labels = [person.participant.as_str(), condition.id.as_str()];
-                    let mut rng = Pcg64Mcg::seed_from_u64(stream_seed(self.seed, &labels));
-                    let across = ellipse.sample(own, &mut rng)?;
-                    Some((across.embedding, Some(0.0), Some(across.angle_rad)))
-                }
-            },
-            Some(Car::Mean) => Some(self.elsewhere(self.model.mean_embedding(), own)?),
+            Some(Car::Mean) => RideStyle::Mean,
             Some(Car::Embedding(file)) => {
                 let file = study.resolve(file);
-                let given = embedding_of(&file, &person.participant)?;
-                Some(self.elsewhere(&given, own)?)
+                let rows = read_styles(&file, self.model.embedding_size())?;
+                RideStyle::Given(style_of(&rows, &file, Some(who))?.clone())
             }
-            _ => None,
-        })
-    }
-
-    /// A style that is not the person's own, and how far along the dial it is from there.
-    fn elsewhere(&self, style: &Embedding, own: &Embedding) -> Result<Place, StudyError> {
-        let moved = self.hat(style)?.zip(self.hat(own)?);
-        Ok((style.clone(), moved.map(|(there, here)| there - here), None))
+            _ => return Ok(None),
+        };
+        let points = condition.dial().unwrap_or(0.0) * self.stretch;
+        Ok(Some(style.place(self.model, &person.embedding, points)?))
     }
 
     /// Ŝ at an embedding; none where the model has no style head.
     fn hat(&self, style: &Embedding) -> Result<Option<f64>, ModelError> {
         self.axis.map(|axis| axis.read(style)).transpose()
-    }
-}
-
-/// The person's own row of a file of embeddings, or its only row.
-fn embedding_of(file: &Path, who: &ParticipantId) -> Result<Embedding, StudyError> {
-    let rows = read_embeddings(file)?;
-    let own = rows.iter().find(|row| row.participant == *who);
-    match own.or(rows.first().filter(|_| rows.len() == 1)) {
-        Some(row) => Ok(row.embedding.clone()),
-        None => Err(StudyError::file(
-            file,
-            format!(
-                "has {} rows and none of {who}, expected one row for everybody, or one a person",
-                rows.len()
-            ),
-        )),
     }
 }

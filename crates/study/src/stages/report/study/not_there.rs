@@ -82,6 +82,7 @@ pub(super) fn list(page: &Path, missing: &Missing) -> Result<(), StudyError> {
 fn when(run: &Run, moment: Moment) -> String {
     match moment {
         Moment::Pre => "Before the drives".to_owned(),
-        Moment::After(condition) => run.design.label(condition),
+        Moment::Post => "At the end".to_owned(),
+        Moment::After(condition) | Moment::Probe(condition) => run.design.label(condition),
     }
 }

@@ -69,7 +69,7 @@ impl Test for Compare {
             },
             missing: self.missing,
             alpha: ALPHA,
-            exact: true,
+            ..DesignChoice::default()
         };
         let found = compare_by_design(&rows.columns(), &choice)?;
         let picture = match (&found, &columns.subject) {

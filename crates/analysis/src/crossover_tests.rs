@@ -1,0 +1,368 @@
+//! Studies whose orders are known: what the period, the gate and carry-over do to them.
+
+use crate::{
+    Analysis, AnalysisError, Balance, ContrastTest, Person, Purpose, Question, StudyData, Tables,
+    Verdict, analyse, finding,
+    testing::{analysed_by, design, drive, id, panel, person, plain, score},
+};
+use Verdict::{NotShown, NotTested, Shown, TooFew};
+use maveric_domain::{
+    ConditionId, Moment,
+    design::{OrderPlan, Square},
+};
+use maveric_stats::{ByDesign, CarryOver, NoCarryOver, PERIOD};
+use std::collections::BTreeMap;
+
+const CONDITIONS: [&str; 4] = ["calm", "even", "brisk", "sporty"];
+const SPEED: &str = "mean_velocity_mps";
+const GAP: &str = "mean_headway_time_s";
+
+/// A design of the four conditions without a baseline, so that values are tested as measured.
+fn text(outcomes: &str) -> String {
+    plain(&CONDITIONS, outcomes).replace("[baseline]\nid = \"own\"\n", "")
+}
+
+fn primary(measure: &str, test: &str) -> String {
+    format!(
+        "[[outcome]]\nmeasure = \"{measure}\"\nprimary = true\ntest = \"{test}\"\ncontrast = [\"sporty\", \"calm\"]\n"
+    )
+}
+
+/// Numbers between -1 and 1 without order.
+fn noise(i: usize, k: usize) -> f64 {
+    let mixed = (i * 31 + k * 17 + (i * k) % 13) * 7919 % 1009;
+    mixed as f64 / 504.5 - 1.0
+}
+
+/// People who met the conditions by a Williams square: speed is 0.5 a step from calm to sporty (times `effect`) and `trend` a ride, the
+/// gap is nothing but chance and the same trend.
+fn ridden(people: usize, effect: f64, trend: f64) -> Tables {
+    let plan = OrderPlan::new(&design(&text("")), Square::Williams, None).unwrap();
+    let mut tables = Tables::default();
+    for i in 0..people {
+        let order = plan.order(i);
+        for (k, condition) in CONDITIONS.into_iter().enumerate() {
+            let period = order.iter().position(|c| *c == id(condition)).unwrap() as f64;
+            let own = 25.0 + noise(i, 90);
+            let mut ride = drive(i, condition, None);
+            let speed = own + effect * k as f64 + trend * period + noise(i, k);
+            let gap = own + trend * period + noise(i, 40 + k);
+            ride.values =
+                BTreeMap::from([(SPEED.to_owned(), Some(speed)), (GAP.to_owned(), Some(gap))]);
+            tables.measurements.push(ride);
+        }
+        tables.people.push(Person {
+            id: person(i),
+            learned: false,
+            tested: true,
+            order,
+            columns: BTreeMap::new(),
+        });
+    }
+    tables
+}
+
+fn both() -> String {
+    text(&(primary(SPEED, "mixed") + &primary(GAP, "mixed")))
+}
+
+fn verdicts(a: &Analysis) -> Vec<Verdict> {
+    a.primary.iter().map(|o| o.verdict).collect()
+}
+
+#[test]
+fn a_study_with_orders_has_the_period_in_every_test_and_one_without_has_none() {
+    let measured = text(&format!("[[outcome]]\nmeasure = \"{SPEED}\"\n"));
+    let with = analysed_by(&measured, ridden(12, 0.5, 0.3));
+    let found = panel(&with, SPEED);
+    let terms: Vec<&str> = found
+        .comparison
+        .as_ref()
+        .unwrap()
+        .effects()
+        .into_iter()
+        .map(|(n, _)| n)
+        .collect();
+    assert_eq!(terms, ["condition", PERIOD]);
+    assert_eq!(found.test, Some(ContrastTest::Mixed));
+    assert!(
+        found
+            .contrasts
+            .iter()
+            .all(|c| c.se.is_some() && c.interval.is_some())
+    );
+    let mut unknown = ridden(12, 0.5, 0.3);
+    for p in &mut unknown.people {
+        p.order.clear();
+    }
+    let without = analysed_by(&measured, unknown);
+    let plain = panel(&without, SPEED);
+    assert!(matches!(plain.comparison, Some(ByDesign::OneFactor(_))));
+    assert!(plain.carry_over.is_none() && plain.balance.is_none());
+    // A trend over the rides costs the test without the period, and not the one with it.
+    let steep = analysed_by(&measured, ridden(12, 0.5, 3.0));
+    for (a, b) in panel(&steep, SPEED).contrasts.iter().zip(&found.contrasts) {
+        assert!((a.mean_difference.unwrap() - b.mean_difference.unwrap()).abs() < 1e-9);
+        assert!((a.p.unwrap() - b.p.unwrap()).abs() < 1e-9);
+    }
+}
+
+#[test]
+fn the_choice_by_what_the_data_look_like_is_declared_by_name_and_says_so() {
+    let auto = text(&format!(
+        "[[outcome]]\nmeasure = \"{SPEED}\"\ntest = \"auto\"\n"
+    ));
+    let a = analysed_by(&auto, ridden(12, 0.5, 0.3));
+    let found = panel(&a, SPEED);
+    assert!(matches!(found.comparison, Some(ByDesign::OneFactor(_))));
+    assert!(
+        found
+            .reasons
+            .iter()
+            .any(|r| r.contains("`test = \"auto\"`"))
+    );
+}
+
+#[test]
+fn primary_outcomes_are_tested_in_the_order_written_until_the_first_that_is_not_below_alpha() {
+    let a = analysed_by(&both(), ridden(16, 0.5, 0.3));
+    assert_eq!(verdicts(&a), [Shown, NotShown]);
+    let turned = text(&(primary(GAP, "mixed") + &primary(SPEED, "mixed")));
+    let closed = analysed_by(&turned, ridden(16, 0.5, 0.3));
+    assert_eq!(verdicts(&closed), [NotShown, NotTested]);
+    let second = &closed.primary[1];
+    assert_eq!((second.closed_by.as_deref(), second.p), (Some(GAP), None));
+    assert_eq!(
+        finding::of(&closed.findings, Question::Primary(2))
+            .unwrap()
+            .verdict,
+        NotTested
+    );
+    // The same numbers, tested: the gate alone keeps them back.
+    let first = &a.primary[0];
+    assert!(first.p.unwrap() < 0.05 && first.interval.unwrap().0 > 0.0);
+    assert_eq!(
+        finding::of(&a.findings, Question::Primary(1))
+            .unwrap()
+            .verdict,
+        Shown
+    );
+    // Of too few people nothing is said, and the gate closes.
+    let few = analysed_by(&both(), ridden(5, 0.5, 0.3));
+    assert_eq!(verdicts(&few), [TooFew, NotTested]);
+}
+
+#[test]
+fn a_hypothesis_about_a_primary_contrast_has_its_unadjusted_p_and_none_behind_a_closed_gate() {
+    let says = |outcome: &str| {
+        format!(
+            "[[hypothesis]]\nsays = \"h\"\noutcome = \"{outcome}\"\ncontrast = [\"calm\", \"sporty\"]\ndirection = \"-\"\n"
+        )
+    };
+    let a = analysed_by(&(both() + &says(SPEED)), ridden(16, 0.5, 0.3));
+    let judged = &a.hypotheses[0];
+    assert_eq!((judged.verdict, judged.p), (Shown, a.primary[0].p));
+    assert!(
+        (judged.mean_difference.unwrap() + a.primary[0].mean_difference.unwrap()).abs() < 1e-12
+    );
+    let (low, high) = judged.interval.unwrap();
+    assert!(low < high && high < 0.0);
+    let turned = text(&(primary(GAP, "mixed") + &primary(SPEED, "mixed"))) + &says(SPEED);
+    let closed = analysed_by(&turned, ridden(16, 0.5, 0.3));
+    assert_eq!(
+        (closed.hypotheses[0].verdict, closed.hypotheses[0].p),
+        (NotTested, None)
+    );
+}
+
+#[test]
+fn equivalence_is_of_the_model_with_the_narrower_interval_beside_both_one_sided_tests() {
+    let says = |low: f64, high: f64| {
+        format!(
+            "[[hypothesis]]\nsays = \"same\"\noutcome = \"{GAP}\"\ncontrast = [\"sporty\", \"calm\"]\nequivalent = [{low:?}, {high:?}]\n"
+        )
+    };
+    let judged = |low, high| {
+        let a = analysed_by(
+            &(text(&format!("[[outcome]]\nmeasure = \"{GAP}\"\n")) + &says(low, high)),
+            ridden(16, 0.0, 3.0),
+        );
+        let contrast = panel(&a, GAP)
+            .contrasts
+            .iter()
+            .find(|c| c.first == id("sporty") && c.second == id("calm"))
+            .unwrap()
+            .clone();
+        (a.hypotheses[0].clone(), contrast)
+    };
+    let (same, contrast) = judged(-1.5, 1.5);
+    assert_eq!(same.verdict, Shown);
+    assert_eq!(same.mean_difference, contrast.mean_difference);
+    let width = |ends: Option<(f64, f64)>| ends.map(|(low, high)| high - low).unwrap();
+    assert!(width(same.interval) < width(contrast.interval));
+    let (low, high) = same.interval.unwrap();
+    assert!(low > -1.5 && high < 1.5 && same.p.unwrap() < 0.05);
+    let (elsewhere, _) = judged(3.0, 5.0);
+    assert_eq!(elsewhere.verdict, Verdict::Fails);
+}
+
+#[test]
+fn carry_over_stands_beside_and_changes_no_verdict() {
+    let a = analysed_by(&both(), ridden(16, 0.5, 0.3));
+    let found = panel(&a, SPEED);
+    let Some(CarryOver::Fitted(carried)) = &found.carry_over else {
+        panic!("{:?}", found.carry_over)
+    };
+    assert!((carried.variance_ratio - 1.1).abs() < 1e-12);
+    assert_eq!(
+        (carried.effects.len(), found.balance),
+        (4, Some(Balance::PlacesAndSuccession))
+    );
+    let sum: f64 = carried.effects.values().map(|e| e.estimate).sum();
+    assert!(sum.abs() < 1e-9);
+    // What was planted for the ride after the sporty car is found, and the primary p is the model's without it.
+    let mut left = ridden(16, 0.5, 0.3);
+    for ride in &mut left.measurements {
+        let order = &left
+            .people
+            .iter()
+            .find(|p| p.id == ride.meta.participant)
+            .unwrap()
+            .order;
+        let at = order
+            .iter()
+            .position(|c| *c == ride.meta.condition)
+            .unwrap();
+        if at > 0 && order[at - 1] == id("sporty") {
+            *ride.values.get_mut(SPEED).unwrap() = ride.values[SPEED].map(|v| v + 4.0);
+        }
+    }
+    let b = analysed_by(&both(), left);
+    let Some(CarryOver::Fitted(carried)) = &panel(&b, SPEED).carry_over else {
+        panic!("fitted")
+    };
+    assert!(
+        carried.test.p.unwrap() < 0.001 && carried.effects.get("sporty").unwrap().estimate > 2.0
+    );
+    let pair = |c: &&crate::Contrast| c.first == id("calm") && c.second == id("sporty");
+    let own = panel(&b, SPEED).contrasts.iter().find(pair).unwrap();
+    assert_eq!(b.primary[0].p, own.p);
+    // A simulation of many studies does without.
+    let data = StudyData::new(&design(&both()), ridden(16, 0.5, 0.3)).unwrap();
+    let quick = analyse(&data, Purpose::Simulation).unwrap();
+    assert!(panel(&quick, SPEED).carry_over.is_none());
+    assert_eq!(verdicts(&quick), verdicts(&a));
+}
+
+#[test]
+fn people_whose_order_is_not_known_are_left_out_and_named_and_uneven_orders_are_said() {
+    let mut tables = ridden(16, 0.5, 0.3);
+    tables.people[3].order.clear();
+    tables.people[7].order.truncate(2);
+    for i in [0, 4, 8] {
+        let order: Vec<ConditionId> = CONDITIONS.iter().map(|c| id(c)).collect();
+        tables.people[i].order = order;
+    }
+    let a = analysed_by(&both(), tables);
+    let found = panel(&a, SPEED);
+    assert_eq!(found.n, 14);
+    assert_eq!(found.without_order, ["P4", "P8"]);
+    assert_eq!(found.dropped, found.without_order);
+    let why = a.exclusions.iter().find(|e| e.who == "P4").unwrap();
+    assert!(
+        why.why.contains("order in which the conditions were met"),
+        "{}",
+        why.why
+    );
+    assert_eq!(found.balance, Some(Balance::Neither));
+    assert!(
+        found
+            .contrasts
+            .iter()
+            .all(|c| c.people.iter().sum::<usize>() == 14)
+    );
+}
+
+#[test]
+fn tests_without_a_period_are_refused_where_orders_are_known_and_run_where_none_is() {
+    for (test, kind) in [
+        ("rm-anova", ContrastTest::T),
+        ("friedman", ContrastTest::Wilcoxon),
+    ] {
+        let declared = text(&primary(SPEED, test));
+        let data = StudyData::new(&design(&declared), ridden(12, 0.5, 0.3)).unwrap();
+        let refused = analyse(&data, Purpose::Report).unwrap_err();
+        assert!(matches!(
+            refused,
+            AnalysisError::NoPeriod { people: 12, .. }
+        ));
+        assert!(refused.to_string().contains(test) && refused.suggestion().is_some());
+        let mut unknown = ridden(12, 0.5, 0.0);
+        for p in &mut unknown.people {
+            p.order.clear();
+        }
+        let a = analysed_by(&declared, unknown);
+        assert_eq!(
+            (panel(&a, SPEED).test, a.primary[0].verdict),
+            (Some(kind), Shown)
+        );
+    }
+}
+
+#[test]
+fn an_item_is_tested_by_its_order_with_the_period_and_has_no_carry_over() {
+    let rated = "[[outcome]]\nscale = \"comfort.total\"\nprimary = true\ntest = \"ordinal\"\ncontrast = [\"sporty\", \"calm\"]\n";
+    let mut tables = ridden(16, 0.0, 0.0);
+    for i in 0..16 {
+        for (k, condition) in CONDITIONS.into_iter().enumerate() {
+            let answer = (2.0 + k as f64 + 1.4 * noise(i, 60 + k))
+                .round()
+                .clamp(1.0, 7.0);
+            let after = Moment::After(id(condition));
+            tables
+                .post
+                .push(score(i, after, "comfort", "total", answer));
+        }
+    }
+    let a = analysed_by(&text(rated), tables);
+    let found = panel(&a, "comfort.total");
+    assert!(matches!(found.comparison, Some(ByDesign::Ordinal(_))));
+    assert_eq!(
+        (found.test, a.primary[0].verdict),
+        (Some(ContrastTest::Ordinal), Shown)
+    );
+    // The difference is that of the answers, not of logits.
+    let difference = a.primary[0].mean_difference.unwrap();
+    assert!((2.0..4.0).contains(&difference) && a.primary[0].interval.is_none());
+    assert_eq!(
+        found.carry_over,
+        Some(CarryOver::NotFitted {
+            why_not: NoCarryOver::OrderedAnswers
+        })
+    );
+}
+
+#[test]
+fn where_the_declared_test_has_no_result_no_other_steps_in() {
+    // A speed is no ordered answer.
+    let a = analysed_by(&text(&primary(SPEED, "ordinal")), ridden(16, 0.5, 0.3));
+    let found = panel(&a, SPEED);
+    assert!(found.comparison.is_none() && found.test.is_none());
+    assert!(found.contrasts.len() == 6 && found.contrasts.iter().all(|c| c.p.is_none()));
+    assert!(
+        found.reasons[0].contains("whole number"),
+        "{:?}",
+        found.reasons
+    );
+    assert_eq!((a.primary[0].p, a.primary[0].verdict), (None, NotShown));
+    // One order for all: the condition is one thing with the period.
+    let mut same = ridden(16, 0.5, 0.3);
+    let order = same.people[0].order.clone();
+    for p in &mut same.people {
+        p.order.clone_from(&order);
+    }
+    let b = analysed_by(&text(&primary(SPEED, "mixed")), same);
+    let found = panel(&b, SPEED);
+    assert!(found.reasons[0].contains("condition and period cannot be told apart"));
+    assert!(found.contrasts.iter().all(|c| c.p.is_none()));
+}

@@ -1,0 +1,84 @@
+//! What pairs of conditions of a panel are tested by, and their values.
+
+use crate::{
+    contrast::ModelPairs,
+    crossed::factors_within,
+    data::StudyData,
+    design_test::Period,
+    outcomes::Asked,
+    result::{ContrastTest, Panel},
+};
+use maveric_domain::{ConditionId, design::DeclaredTest};
+use maveric_stats::{ByDesign, ChosenTest, PosthocTest};
+
+/// Values of both conditions of those whom the panel's tests are of: whoever lacks a value of any condition is in none of them. The
+/// baseline of a panel of differences is 0.
+pub(crate) fn values(panel: &Panel, first: ConditionId, second: ConditionId) -> Vec<[f64; 2]> {
+    let column = |id| panel.conditions.iter().position(|c| *c == id);
+    let value = |row: &[Option<f64>], id| match column(id) {
+        Some(at) => row[at],
+        None => (panel.differences_from == Some(id)).then_some(0.0),
+    };
+    let complete = panel
+        .rows
+        .iter()
+        .filter(|row| row.iter().all(Option::is_some));
+    complete
+        .filter_map(|row| Some([value(row, first)?, value(row, second)?]))
+        .collect()
+}
+
+/// Mean of first less second as it was measured.
+pub(crate) fn mean_difference(panel: &Panel, [first, second]: [ConditionId; 2]) -> Option<f64> {
+    let pairs = values(panel, first, second);
+    let sum: f64 = pairs.iter().map(|[a, b]| a - b).sum();
+    Some(sum / pairs.len() as f64).filter(|mean| mean.is_finite())
+}
+
+/// The pairs of the model that the conditions were tested by: where it takes the period, and where it was declared.
+pub(crate) fn model_pairs<'a>(
+    data: &StudyData,
+    asked: &Asked,
+    panel: &'a Panel,
+    period: Period,
+) -> Option<ModelPairs<'a>> {
+    let declared = matches!(
+        asked.test,
+        Some(DeclaredTest::Mixed | DeclaredTest::Ordinal)
+    );
+    if period != Period::Taken && !declared {
+        return None;
+    }
+    let within = factors_within(&data.design, &panel.conditions);
+    let term: Vec<&str> = within.iter().map(|(name, _)| name.as_str()).collect();
+    let name = |at: usize| {
+        let levels = within.iter().map(|(_, levels)| levels[at].as_str());
+        levels.collect::<Vec<_>>().join(":")
+    };
+    let names = panel.conditions.iter().enumerate();
+    let names = names.map(|(at, c)| (*c, name(at))).collect();
+    let (test, pairs) = match panel.comparison.as_ref()? {
+        ByDesign::Mixed(found) => {
+            let found = &found.found;
+            let of_model = || found.model.contrast.get(&term.join(":"));
+            let own = Some(&found.own_error).filter(|own| !own.is_empty());
+            (ContrastTest::Mixed, own.or_else(of_model)?)
+        }
+        ByDesign::Ordinal(found) => (ContrastTest::Ordinal, &found.found.contrast),
+        _ => return None,
+    };
+    Some(ModelPairs { test, pairs, names })
+}
+
+/// Ranks where ranks were compared, or the order of the answers alone counts.
+pub(crate) fn test_of_pairs(found: Option<&ByDesign>) -> PosthocTest {
+    let chosen = match found {
+        Some(ByDesign::Factorial(found)) => found.chosen,
+        Some(ByDesign::Ordinal(found)) => found.chosen,
+        _ => return PosthocTest::T,
+    };
+    match chosen {
+        ChosenTest::Ranks | ChosenTest::Ordinal => PosthocTest::Wilcoxon,
+        _ => PosthocTest::T,
+    }
+}

@@ -1,0 +1,84 @@
+//! What was declared to decide, and what a condition leaves behind for the next.
+
+use super::{StudyPage, titled};
+use crate::{
+    texts::value,
+    words::{declared_test, interval},
+};
+use maveric_analysis::{Balance, Panel, PrimaryOutcome};
+use maveric_report::{ReportError, apa, tables::Table};
+use maveric_stats::CarryOver;
+use minijinja::{Value, context};
+
+impl StudyPage<'_> {
+    /// The primary outcomes in the order written; none where none is declared.
+    pub(super) fn primary(&self) -> Result<Option<Table>, ReportError> {
+        let rows = self.primary_rows();
+        let table = || self.texts.table("primary", rows);
+        (!self.analysis.primary.is_empty()).then(table).transpose()
+    }
+
+    pub(super) fn primary_rows(&self) -> Vec<Value> {
+        let all = &self.analysis.primary;
+        let title = |id: &String| {
+            let known = all.iter().find(|o| o.outcome == *id);
+            known.map_or_else(|| id.clone(), |o| o.title.clone())
+        };
+        let row = |o: &PrimaryOutcome| {
+            context! {
+                declared => declared_test(o.test),
+                closed_by => o.closed_by.as_ref().map(title),
+                ..value(o)
+            }
+        };
+        all.iter().map(row).collect()
+    }
+
+    /// What each condition leaves behind, an outcome a row; none where no test takes the period.
+    pub(super) fn carry_over(&self) -> Result<Option<Table>, ReportError> {
+        let rows = self.carry_over_rows();
+        let table = |rows| self.texts.table("carry-over", rows);
+        Some(rows)
+            .filter(|rows| !rows.is_empty())
+            .map(table)
+            .transpose()
+    }
+
+    pub(super) fn carry_over_rows(&self) -> Vec<Value> {
+        let row = |panel: &Panel| {
+            let carried = panel.carry_over.as_ref()?;
+            let (fitted, why_not) = match carried {
+                CarryOver::Fitted(fitted) => (Some(fitted), None),
+                CarryOver::NotFitted { why_not } => (None, Some(why_not.to_string())),
+            };
+            let test = fitted.map(|f| &f.test);
+            let sentence = test.and_then(|t| Some(t.statement()?.markup().to_owned()));
+            let left = fitted.map(|f| {
+                let effects = f.effects.iter().map(|(id, effect)| {
+                    let label = id
+                        .parse()
+                        .map_or_else(|_| id.to_owned(), |id| self.label(id));
+                    let ends = interval(effect.ci_low.zip(effect.ci_high), 2);
+                    format!("{label} {}{ends}", apa::number(effect.estimate, 2))
+                });
+                effects.collect::<Vec<_>>()
+            });
+            Some(context! {
+                outcome => panel.outcome.as_str(),
+                title => titled(panel),
+                unit => panel.unit.as_str(),
+                n => panel.n,
+                sentence,
+                why_not,
+                left,
+                statistic => test.map(|t| t.f),
+                df1 => test.map(|t| t.df1),
+                df2 => test.and_then(|t| t.df2),
+                p => test.and_then(|t| t.p),
+                ratio => fitted.map(|f| f.variance_ratio),
+                uneven => panel.balance.is_some_and(|b| b != Balance::PlacesAndSuccession),
+            })
+        };
+        self.analysis.panels.iter().filter_map(row).collect()
+    }
+}

@@ -1,0 +1,62 @@
+//! Who takes part: judged in the page; what is kept is how often each rule held somebody back.
+
+use crate::{
+    books::Books,
+    error::SeatError,
+    person::{NOT_ADMITTED, Person},
+    steps::Judged,
+};
+use maveric_study::tables::collected::NotAdmittedRow;
+use rusqlite::params;
+
+impl Books<'_> {
+    /// Lets somebody go on, or holds them back by a rule; `refused` is its place.
+    pub(crate) fn judge(
+        &self,
+        (person, step): (&Person, usize),
+        rules: &[Judged],
+        refused: Option<usize>,
+    ) -> Result<(), SeatError> {
+        match refused.and_then(|at| rules.get(at)) {
+            // A reply that was lost is no second person.
+            Some(rule) if person.at == step && person.ended.is_none() => {
+                self.hold_back(&rule.rule)?;
+                self.ended(person, NOT_ADMITTED)
+            }
+            Some(_) => Ok(()),
+            None => self.go_on(person, step),
+        }
+    }
+
+    /// Counts somebody whom a rule held back.
+    pub(crate) fn hold_back(&self, rule: &str) -> Result<(), SeatError> {
+        self.ask(|c| {
+            c.execute(
+                "INSERT INTO not_admitted (rule, people) VALUES (?1, 1) ON CONFLICT DO UPDATE SET people = people + 1",
+                params![rule],
+            )
+        })
+        .map(drop)
+    }
+
+    /// How many people each rule held back.
+    pub(crate) fn not_admitted(&self) -> Result<Vec<NotAdmittedRow>, SeatError> {
+        self.ask(|c| {
+            let mut rows = c.prepare("SELECT rule, people FROM not_admitted ORDER BY rule")?;
+            let read = |row: &rusqlite::Row<'_>| {
+                Ok(NotAdmittedRow {
+                    rule: row.get(0)?,
+                    people: row.get::<_, i64>(1)? as usize,
+                })
+            };
+            rows.query_map([], read)?.collect()
+        })
+    }
+
+    /// Remembers a token whose owner was held back; false where it was before.
+    pub(crate) fn first_time(&self, token: &str) -> Result<bool, SeatError> {
+        let link = crate::token::sha256(token);
+        self.ask(|c| c.execute("INSERT OR IGNORE INTO judged (link) VALUES (?1)", [link]))
+            .map(|added| added > 0)
+    }
+}

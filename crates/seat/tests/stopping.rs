@@ -1,0 +1,170 @@
+//! Who feels unwell stops: nothing more is driven, and what was is kept and marked.
+
+#![allow(clippy::unwrap_used, reason = "a test stops at the first surprise")]
+
+mod support;
+
+use maveric_seat::{carried, replay};
+use maveric_seat_page::world;
+use serde_json::{Value, json};
+use std::{fs, path::Path};
+use support::{MISC, STUDY, Script, Server, TAB, driven, entered, folder_of, opened};
+
+const STOPS: &str = "probe = { scale = \"misc\", every_s = 12 }\nstop_if = \"misc >= 6\"\npost = [\"mood\"]\n\
+    aftercare = \"aftercare.md\"\ndebrief = \"debrief.md\"\n";
+
+fn folder() -> tempfile::TempDir {
+    let design = STUDY
+        .replace("ride_s = 10", "ride_s = 40")
+        .replace("[protocol]\n", &format!("[protocol]\n{STOPS}"));
+    let folder = folder_of(&design);
+    let write = |name: &str, text: &str| fs::write(folder.path().join(name), text).unwrap();
+    write("scales/misc.toml", MISC);
+    write("aftercare.md", "Sit down and drink some water.");
+    write("debrief.md", "The car drove as you do, or not.");
+    folder
+}
+
+fn read(folder: &Path, name: &str) -> String {
+    fs::read_to_string(folder.join(name)).unwrap()
+}
+
+/// Goes through the study; gives the kinds of steps that were met.
+fn walk(server: &Server, token: &str, person: &Script) -> Vec<String> {
+    let mut kinds = Vec::new();
+    loop {
+        let state = server.state(token);
+        let at = state["at"].as_u64().unwrap() as usize;
+        let Some(step) = state["steps"].get(at) else {
+            return kinds;
+        };
+        kinds.push(step["kind"].as_str().unwrap().to_owned());
+        assert!(person.go_on(server, token));
+    }
+}
+
+#[test]
+fn who_stops_is_cared_for_rides_no_more_and_the_ride_is_marked_with_the_reason() {
+    let folder = folder();
+    let server = Server::open(folder.path());
+    let unwell = Script {
+        stops: Some((1_500, "misc >= 6")),
+        ..Script::default()
+    };
+    let (stopped, whole) = (opened(&server), opened(&server));
+    let met = walk(&server, &stopped, &unwell);
+    assert_eq!(
+        met,
+        [
+            "text",
+            "scale",
+            "controls",
+            "practice",
+            "drive",
+            "ride",
+            "aftercare",
+            "text",
+            "thanks"
+        ]
+    );
+    assert_eq!(server.state(&stopped)["ended"], "done");
+    // Whoever did not stop is asked at the end, and goes past the aftercare.
+    let met = walk(&server, &whole, &Script::default());
+    assert_eq!(
+        met[5..],
+        ["ride", "scale", "ride", "scale", "scale", "text", "thanks"]
+    );
+    assert_eq!(
+        read(folder.path(), "seat/stopped.csv"),
+        "participant,condition,time_s,reason\nP001,calm,15.0,misc >= 6\n"
+    );
+    // What was ridden is kept as a log, and drives again to where it was stopped.
+    assert!(folder.path().join("logs/seat/P001-calm.mcap").is_file());
+    let again = replay::repeat(&folder.path().join("seat/P001-calm.jsonl")).unwrap();
+    assert_eq!((again.same, again.ticks), (Some(true), 1_501));
+    let answers = read(folder.path(), "surveys/answers.csv");
+    assert!(
+        !answers.contains("P001,after") && answers.contains("P001,probe,misc,1,1,,calm,12"),
+        "{answers}"
+    );
+    let cookie = entered(&server);
+    let (_, lab) = server.ask("GET", "/lab", "", &[("Cookie", &cookie)]);
+    assert!(lab.contains("the person stopped (misc &gt;= 6)"), "{lab}");
+}
+
+#[test]
+fn a_reason_that_the_study_does_not_have_is_refused_and_the_button_is_always_there() {
+    let folder = folder();
+    let server = Server::open(folder.path());
+    let token = opened(&server);
+    let reach = |kind: &str| loop {
+        let state = server.state(&token);
+        let at = state["at"].as_u64().unwrap();
+        let step = state["steps"][at as usize].clone();
+        if step["kind"] == kind {
+            return (at, step);
+        }
+        assert!(support::go_on(&server, &token));
+    };
+    let (at, step) = reach("ride");
+    let (lines, _) = driven(&step);
+    let path = format!("/api/{token}/drive/{at}/1/{TAB}");
+    assert_eq!(server.post(&path, &lines[0]).0, 200);
+    let with = |reason: &str| {
+        let mut piece: Value = serde_json::from_str(&lines[1]).unwrap();
+        piece["events"] = json!([{"tick": 50, "what": format!("stopped: {reason}")}]);
+        piece.to_string()
+    };
+    assert_eq!(server.post(&path, &with("misc >= 3")).0, 400);
+    assert_eq!(server.post(&path, &with("unwell")).0, 200);
+}
+
+#[test]
+fn online_who_stopped_hands_over_what_there_is() {
+    let folder = folder();
+    let seat = support::seat(folder.path());
+    let out = folder.path().join("online");
+    carried::export(&seat, &out, None).unwrap();
+    let study: Value = serde_json::from_slice(&fs::read(out.join("study.json")).unwrap()).unwrap();
+    let token = "0123456789abcdef0123456789abcdef";
+    let person = Script {
+        stops: Some((700, "unwell")),
+        ..Script::default()
+    };
+    let mut lines = vec![json!({"maveric_seat_person": 1, "token": token, "row": 0})];
+    for (at, step) in study["rows"][0].as_array().unwrap().iter().enumerate() {
+        let mut step = step.clone();
+        let what = step["condition"].as_str().unwrap_or("practice").to_owned();
+        let kind = step["kind"].as_str().unwrap().to_owned();
+        match kind.as_str() {
+            "text" if step["agree"] == true => {
+                lines.push(json!({"step": at, "sheet": {"agreed": true, "seconds": 4.5}}));
+            }
+            "scale" => {
+                lines.push(json!({"step": at, "sheet": {"answers": [4, null], "seconds": 6}}));
+            }
+            "practice" | "drive" | "ride" => {
+                step["seed"] = json!(world(token, &what).to_string());
+                let record = person.driven(&step, &Value::Null).0.join("\n") + "\n";
+                lines.push(json!({"step": at, "attempt": 1, "record": record}));
+            }
+            _ => {}
+        }
+        if kind == "ride" {
+            break;
+        }
+    }
+    lines.push(json!({"ended": "done"}));
+    let file = folder.path().join("handed_over.jsonl");
+    let text: Vec<String> = lines.iter().map(|line| format!("{line}\n")).collect();
+    fs::write(&file, text.concat()).unwrap();
+    let taken = carried::take_in(&seat, &file).unwrap();
+    assert_eq!(
+        (taken.participant.as_str(), taken.ended.as_str()),
+        ("P001", "done")
+    );
+    assert_eq!(
+        read(folder.path(), "seat/stopped.csv"),
+        "participant,condition,time_s,reason\nP001,calm,7.0,unwell\n"
+    );
+}

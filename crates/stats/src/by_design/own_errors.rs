@@ -1,0 +1,173 @@
+//! Pairs of conditions with an error of their own: the model takes all of them to differ between people alike.
+
+use super::DesignColumns;
+use crate::{
+    Adjustment, MarginalContrast, Named,
+    numerics::{matrix::Matrix, moments::dot, spectrum::orthogonalised},
+    within_subjects::Index,
+};
+
+/// Every pair of the levels of one factor within subjects, period taken out, over the spread of that difference between people.
+///
+/// The estimate is that of the model; its variance is that of the people's own contrasts, each over what the fit leaves of it, with
+/// Satterthwaite's degrees of freedom. Without periods this is the paired t test. `None` unless every subject has every level.
+///
+/// # Source
+/// Bell and McCaffrey (2002); Pustejovsky and Tipton (2018), CR2 with subjects absorbed.
+pub(super) fn own_errors(
+    data: &DesignColumns<'_>,
+    conditions: &[String],
+) -> Option<Named<MarginalContrast>> {
+    let fit = Fit::of(data, conditions)?;
+    let names = &fit.names;
+    let pairs = (0..names.len()).flat_map(|a| (a + 1..names.len()).map(move |b| (a, b)));
+    let mut found: Vec<(String, MarginalContrast)> = pairs
+        .map(|(a, b)| Some((format!("{}|{}", names[a], names[b]), fit.pair(a, b)?)))
+        .collect::<Option<_>>()?;
+    let p: Vec<Option<f64>> = found.iter().map(|(_, pair)| pair.p).collect();
+    for ((_, pair), p) in found.iter_mut().zip(Adjustment::Holm.apply_defined(&p)) {
+        pair.p_holm = p;
+    }
+    Some(found.into_iter().collect())
+}
+
+/// A subject's rows less their mean.
+struct Person {
+    x: Matrix,
+    residuals: Vec<f64>,
+    /// The symmetric root of (I - H)⁻¹, H what the subject's own rows have in their own fit.
+    root: Matrix,
+}
+
+/// Least squares within subjects.
+struct Fit {
+    names: Vec<String>,
+    people: Vec<Person>,
+    inverse: Matrix,
+    beta: Matrix,
+}
+
+impl Fit {
+    fn of(data: &DesignColumns<'_>, conditions: &[String]) -> Option<Self> {
+        let levels = Index::of(conditions);
+        let subjects = Index::of(data.subjects);
+        let k = levels.names.len();
+        let mut rows: Vec<Vec<usize>> = vec![Vec::new(); subjects.names.len()];
+        for row in (0..data.values.len()).filter(|row| data.values[*row].is_some()) {
+            rows[subjects.rows[row]].push(row);
+        }
+        rows.retain(|own| !own.is_empty());
+        let complete = |own: &Vec<usize>| {
+            let mut met: Vec<usize> = own.iter().map(|&row| levels.rows[row]).collect();
+            met.sort_unstable();
+            met.iter().copied().eq(0..k)
+        };
+        if rows.len() < 2 || !rows.iter().all(complete) {
+            return None;
+        }
+        let mut periods: Vec<usize> = rows
+            .iter()
+            .flatten()
+            .filter_map(|row| data.periods.get(*row).copied())
+            .collect();
+        periods.sort_unstable();
+        periods.dedup();
+        let value = |row: usize, column: usize| {
+            let yes = if column < k - 1 {
+                levels.rows[row] == column + 1
+            } else {
+                data.periods[row] == periods[column - (k - 1) + 1]
+            };
+            f64::from(u8::from(yes))
+        };
+        let columns = k - 1 + periods.len().saturating_sub(1);
+        let mut information = Matrix::zeros(columns, columns);
+        let mut pull = Matrix::zeros(columns, 1);
+        let mut centred = Vec::new();
+        for own in &rows {
+            let mean =
+                |column: usize| own.iter().map(|&row| value(row, column)).sum::<f64>() / k as f64;
+            let x = Matrix::from(k, columns, |i, column| value(own[i], column) - mean(column));
+            let y: Vec<f64> = own.iter().filter_map(|&row| data.values[row]).collect();
+            let level = y[0] + y.iter().map(|v| v - y[0]).sum::<f64>() / k as f64;
+            let y = Matrix::from(k, 1, |i, _| y[i] - level);
+            information.add(&x.transposed_times(&x), 1.0);
+            pull.add(&x.transposed_times(&y), 1.0);
+            centred.push((x, y));
+        }
+        let factor = information.cholesky()?;
+        let (beta, inverse) = (factor.solve(&pull), factor.inverse());
+        let people = centred.into_iter().map(|(x, y)| {
+            let fitted = x.times(&beta);
+            let mut left = Matrix::identity(k);
+            left.add(&x.times(&inverse).times(&x.transposed()), -1.0);
+            Some(Person {
+                residuals: (0..k).map(|i| y[(i, 0)] - fitted[(i, 0)]).collect(),
+                root: inverse_root(&left)?,
+                x,
+            })
+        });
+        Some(Self {
+            people: people.collect::<Option<_>>()?,
+            names: levels.names,
+            inverse,
+            beta,
+        })
+    }
+
+    fn pair(&self, a: usize, b: usize) -> Option<MarginalContrast> {
+        let columns = self.beta.rows;
+        let of = |level: usize, column: usize| f64::from(u8::from(level == column + 1));
+        let weights = Matrix::from(columns, 1, |j, _| {
+            let factor = if j + 1 < self.names.len() { 1.0 } else { 0.0 };
+            factor * (of(a, j) - of(b, j))
+        });
+        let direction = self.inverse.times(&weights);
+        let estimate = weights.transposed_times(&self.beta)[(0, 0)];
+        let (mut variance, mut own, mut shared) = (0.0, Vec::new(), Vec::new());
+        for person in &self.people {
+            let turned = person.root.times(&person.x.times(&direction));
+            let turned: Vec<f64> = (0..turned.rows).map(|i| turned[(i, 0)]).collect();
+            variance += dot(&turned, &person.residuals).powi(2);
+            own.push(dot(&turned, &turned));
+            let q = Matrix::from(columns, 1, |j, _| {
+                (0..turned.len())
+                    .map(|i| person.x[(i, j)] * turned[i])
+                    .sum()
+            });
+            shared.push(q);
+        }
+        let (mut trace, mut squares) = (0.0, 0.0);
+        for (i, q) in shared.iter().enumerate() {
+            let side = self.inverse.times(q);
+            for (j, other) in shared.iter().enumerate() {
+                let alone = if i == j { own[i] } else { 0.0 };
+                let entry = alone - other.transposed_times(&side)[(0, 0)];
+                squares += entry * entry;
+                if i == j {
+                    trace += entry;
+                }
+            }
+        }
+        let df = Some(trace * trace / squares).filter(|df| df.is_finite());
+        (variance > 0.0).then(|| MarginalContrast::of(estimate, variance.sqrt(), df))
+    }
+}
+
+/// The symmetric matrix whose square is the inverse.
+fn inverse_root(matrix: &Matrix) -> Option<Matrix> {
+    let lower = matrix.cholesky()?.lower();
+    let n = lower.rows;
+    let columns = (0..n).map(|j| (0..n).map(|i| lower[(i, j)]).collect());
+    // Eigenvectors times the root of their eigenvalue.
+    let axes = orthogonalised(columns.collect());
+    let mut root = Matrix::zeros(n, n);
+    for axis in &axes {
+        let value = dot(axis, axis);
+        root.add(
+            &Matrix::from(n, n, |i, j| axis[i] * axis[j]),
+            1.0 / (value * value.sqrt()),
+        );
+    }
+    Some(root)
+}

@@ -1,0 +1,106 @@
+//! Whose style drives a ride, and where in style space that is.
+
+use maveric_domain::Embedding;
+use maveric_model::{
+    Model, ModelError,
+    style_space::{LinearHead, PerpendicularEllipse},
+};
+use rand::SeedableRng;
+use rand_pcg::Pcg64Mcg;
+use serde::{Deserialize, Serialize};
+
+/// Whose style drives.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum RideStyle {
+    /// The person's own, which the dial moves.
+    Own,
+    /// The average driver's.
+    Mean,
+    /// The person's own, moved across the dial at an angle that this seed draws.
+    Across(Seed),
+    /// This one, whoever rides.
+    Given(Embedding),
+}
+
+/// Root of a random choice; written as text, since a page's numbers do not hold 64 bits.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(try_from = "String", into = "String")]
+pub struct Seed(pub u64);
+
+impl TryFrom<String> for Seed {
+    type Error = std::num::ParseIntError;
+    fn try_from(text: String) -> Result<Self, Self::Error> {
+        text.parse().map(Self)
+    }
+}
+
+impl From<Seed> for String {
+    fn from(seed: Seed) -> Self {
+        seed.0.to_string()
+    }
+}
+
+/// Where a style lies.
+#[derive(Debug, Clone, PartialEq)]
+pub struct PlacedStyle {
+    /// In style space.
+    pub embedding: Embedding,
+    /// How far that is along the dial from the person's own, in points of the model; none where the model has no dial.
+    pub moved_points: Option<f64>,
+    /// Angle of a move across the dial, in rad; only there.
+    pub angle_rad: Option<f64>,
+    /// Whether an end of the scale cut a move along the dial short.
+    pub clamped: bool,
+}
+
+impl RideStyle {
+    /// Where this style lies for somebody whose own is `own`, with the dial at `points` of the model; the dial moves the own style alone.
+    ///
+    /// # Errors
+    /// [`ModelError::NoAggressionAxis`] for a dial, or a move across it, of a model without one; [`ModelError::NoPerpendicular`] where there
+    /// is nothing across it; [`ModelError::EmbeddingSize`] for a style of another model.
+    pub fn place(
+        &self,
+        model: &Model,
+        own: &Embedding,
+        points: f64,
+    ) -> Result<PlacedStyle, ModelError> {
+        let placed = |embedding, moved_points, angle_rad| PlacedStyle {
+            embedding,
+            moved_points,
+            angle_rad,
+            clamped: false,
+        };
+        // A style that is not the person's own, and how far along the dial it is from there.
+        let elsewhere = |style: &Embedding| {
+            let moved = match LinearHead::aggression(model) {
+                Ok(dial) => Some(dial.read(style)? - dial.read(own)?),
+                Err(_) => None,
+            };
+            Ok(placed(style.clone(), moved, None))
+        };
+        match self {
+            Self::Own if points.abs() < f64::EPSILON => Ok(placed(own.clone(), Some(0.0), None)),
+            Self::Own => {
+                let moved = LinearHead::aggression(model)?.shift(own, points)?;
+                Ok(PlacedStyle {
+                    clamped: moved.clamped,
+                    ..placed(moved.embedding, Some(moved.effective_points), None)
+                })
+            }
+            Self::Mean => elsewhere(model.mean_embedding()),
+            Self::Across(Seed(seed)) => {
+                let mut rng = Pcg64Mcg::seed_from_u64(*seed);
+                let across = PerpendicularEllipse::of(model)?.sample(own, &mut rng)?;
+                Ok(placed(across.embedding, Some(0.0), Some(across.angle_rad)))
+            }
+            Self::Given(style) => match (style.size(), model.embedding_size()) {
+                (found, expected) if found != expected => {
+                    Err(ModelError::EmbeddingSize { found, expected })
+                }
+                _ => elsewhere(style),
+            },
+        }
+    }
+}
