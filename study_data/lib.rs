@@ -1,12 +1,25 @@
 //! The files of `study_data` and `pipelines` that travel inside the program and the crates: questionnaires, scenarios, mappings, designs,
 //! the claims of the paper and what a run consists of. They stand at the top of the project, where a researcher sees and changes them;
-//! this package has no code but the list of them.
+//! this package has no code but the list of them and a look into it.
 //!
 //! ```
 //! assert!(maveric_data::SCALES_ADB.contains("id = \"adb\""));
 //! let paths: Vec<&str> = maveric_data::FILES.iter().map(|(path, _)| *path).collect();
 //! assert!(paths.contains(&"pipelines/paper.toml"));
 //! ```
+
+/// The text of a questionnaire that is shipped, the paper's or one of `further_scales`.
+pub fn scale(id: &str) -> Option<&'static str> {
+    let is_it = |path: &str| {
+        ["scales", "further_scales"]
+            .map(|folder| format!("study_data/{folder}/{id}.toml"))
+            .contains(&path.to_owned())
+    };
+    FILES
+        .iter()
+        .find(|(path, _)| is_it(path))
+        .map(|(_, text)| *text)
+}
 
 macro_rules! files {
     ($($name:ident = $path:literal;)+) => {
@@ -53,6 +66,14 @@ files! {
     MAPPINGS_RIG_MAVERIC = "study_data/mappings/rig_maveric.toml";
     MAPPINGS_SUMO_FCD = "study_data/mappings/sumo_fcd.toml";
     MAPPINGS_UAH = "study_data/mappings/uah.toml";
+    FURTHER_SCALES_ACCEPTANCE = "study_data/further_scales/acceptance.toml";
+    FURTHER_SCALES_ATTENTION = "study_data/further_scales/attention.toml";
+    FURTHER_SCALES_DEMOGRAPHICS = "study_data/further_scales/demographics.toml";
+    FURTHER_SCALES_MISC = "study_data/further_scales/misc.toml";
+    FURTHER_SCALES_NASA_TLX = "study_data/further_scales/nasa_tlx.toml";
+    FURTHER_SCALES_PURPOSE = "study_data/further_scales/purpose.toml";
+    FURTHER_SCALES_SSQ = "study_data/further_scales/ssq.toml";
+    FURTHER_SCALES_STS_AD = "study_data/further_scales/sts_ad.toml";
     SCALES_ADB = "study_data/scales/adb.toml";
     SCALES_AGGRESSIVENESS = "study_data/scales/aggressiveness.toml";
     SCALES_GODSPEED_INTELLIGENCE = "study_data/scales/godspeed_intelligence.toml";

@@ -24,6 +24,7 @@ cd "$page"
 [ -d node_modules/three ] || npm ci --no-audit --no-fund --loglevel=error
 npx tsc -p .
 npx esbuild src/main.ts --bundle --minify --format=esm --target=es2022 --legal-comments=eof --outfile=built/page.js --log-level=warning
+npx esbuild src/sheet_page.ts --bundle --minify --format=iife --target=es2022 --legal-comments=eof --outfile=built/sheet.js --log-level=warning
 cp src/index.html src/page.css built/
 # What it was made from: a test holds this against the sources.
 cat $(ls src/* package-lock.json tsconfig.json ../../seat-page/src/*.rs | LC_ALL=C sort) | sha256sum | cut -d' ' -f1 >built/sources.sha256

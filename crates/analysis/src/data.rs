@@ -147,7 +147,7 @@ impl StudyData {
         let came = came.chain(without_drive.clone());
         let mut left_out = LeftOut::named(design)
             .with_stopped(&tables.stopped)
-            .with_straight_lined(design, &tables.scales, &tables.answers)
+            .with_careless(design, &tables.scales, &tables.answers)
             .with_short(design, &judged)
             .with_few_conditions(design, came.clone());
         let there: BTreeSet<ParticipantId> = came

@@ -1,7 +1,10 @@
 //! Who and what is left out, and by which rule: the one place that judges drives, answers and people alike.
 
 use maveric_domain::{Answer, ConditionId, Design, DriveId, ParticipantId, Scale};
-use maveric_measures::{ScoreWarning, survey::response_styles};
+use maveric_measures::{
+    ScoreWarning,
+    survey::{attention_missed, response_styles},
+};
 use serde::{Deserialize, Serialize};
 use std::{
     collections::{BTreeMap, BTreeSet},
@@ -52,6 +55,9 @@ pub enum Rule {
     /// One answer to every item of a questionnaire that has reversed items.
     #[serde(rename = "exclude.straight_lined")]
     StraightLined,
+    /// Other answers than were asked for to items that are there for attention.
+    #[serde(rename = "exclude.attention_missed_at_least")]
+    Attention,
     /// Fewer conditions than the design asks for.
     #[serde(rename = "exclude.fewer_conditions_than")]
     FewConditions,
@@ -78,6 +84,7 @@ impl Rule {
             Self::Stopped => "stopped",
             Self::Short => "exclude.drive_shorter_than_s",
             Self::StraightLined => "exclude.straight_lined",
+            Self::Attention => "exclude.attention_missed_at_least",
             Self::FewConditions => "exclude.fewer_conditions_than",
             Self::Absent => "absent",
             Self::Forgotten => "forgotten",
@@ -205,16 +212,26 @@ impl LeftOut {
 
     /// And people who answered without reading, where the design asks for that.
     #[must_use]
-    pub fn with_straight_lined(
-        mut self,
-        design: &Design,
-        scales: &[Scale],
-        answers: &[Answer],
-    ) -> Self {
-        if !design.exclude().straight_lined {
-            return self;
+    pub fn with_careless(mut self, design: &Design, scales: &[Scale], answers: &[Answer]) -> Self {
+        let rules = design.exclude();
+        if let Some(least) = rules.attention_missed_at_least {
+            let mut missed: BTreeMap<ParticipantId, usize> = BTreeMap::new();
+            for warning in attention_missed(scales, answers) {
+                *missed.entry(warning.participant().clone()).or_default() += 1;
+            }
+            for (who, n) in missed.into_iter().filter(|(_, n)| *n >= least.get()) {
+                let reason = format!(
+                    "{n} of the items that are there for attention answered otherwise than asked for"
+                );
+                self.and_person(who, Why::by(Rule::Attention, reason));
+            }
         }
-        for warning in response_styles(scales, answers) {
+        let sheets = if rules.straight_lined {
+            response_styles(scales, answers)
+        } else {
+            Vec::new()
+        };
+        for warning in sheets {
             if let ScoreWarning::OneAnswer {
                 participant, scale, ..
             } = warning
@@ -284,6 +301,47 @@ impl LeftOut {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn who_misses_as_many_checks_of_attention_as_the_rule_says_is_left_out_and_who_misses_fewer_is_not()
+     {
+        let scale = "id = \"read\"\ntitle = \"Read\"\nreference = \"made up\"\nmin = 1\nmax = 7\n\
+                     [[item]]\ntext = \"Tick 2.\"\nexpected = 2\n[[item]]\ntext = \"Tick 7.\"\nexpected = 7\n";
+        let scales = [Scale::from_toml(scale).unwrap()];
+        let answer = |who: &str, item, answer| Answer {
+            participant: ParticipantId::new(who).unwrap(),
+            moment: maveric_domain::Moment::Pre,
+            scale: "read".to_owned(),
+            item,
+            answer: Some(answer),
+        };
+        let answers = [
+            [answer("P1", 1, 3), answer("P1", 2, 3)],
+            [answer("P2", 1, 2), answer("P2", 2, 1)],
+            [answer("P3", 1, 2), answer("P3", 2, 7)],
+        ];
+        let design = |rule: &str| {
+            let text = format!("[study]\ntitle = \"t\"\n[[condition]]\nid = \"a\"\n{rule}");
+            Design::from_toml(&text)
+        };
+        let left_out = |rule: &str| {
+            let left_out = LeftOut::default();
+            let design = design(rule).unwrap();
+            let left_out = left_out.with_careless(&design, &scales, answers.as_flattened());
+            let people = left_out.people.iter();
+            let people = people.map(|(who, why)| format!("{who} {}", why.reason));
+            people.collect::<Vec<_>>()
+        };
+        let otherwise =
+            "of the items that are there for attention answered otherwise than asked for";
+        let (both, one) = (format!("P1 2 {otherwise}"), format!("P2 1 {otherwise}"));
+        let from_one = left_out("[exclude]\nattention_missed_at_least = 1");
+        assert_eq!(from_one, [both.clone(), one]);
+        let from_two = left_out("[exclude]\nattention_missed_at_least = 2");
+        assert_eq!(from_two, [both]);
+        assert!(left_out("").is_empty());
+        assert!(design("[exclude]\nattention_missed_at_least = 0").is_err());
+    }
 
     #[test]
     fn a_stopped_ride_is_left_out_with_what_was_said_of_it_and_named_with_its_condition_and_reason()

@@ -278,7 +278,7 @@ fn one_of_six_preferred_the_faster_car_and_one_the_slower() {
 #[test]
 fn where_less_is_better_the_lower_score_is_preferred() {
     let mut with = tables();
-    let scale: Scale = toml::from_str(
+    let scale = Scale::from_toml(
         r#"id = "jian_trust"
         title = "T"
         reference = "r"
@@ -729,7 +729,7 @@ fn the_rule_of_an_equivalence_has_the_unit_of_what_was_measured_and_none_of_a_ra
         let mut with = tables();
         let text = "id = \"jian_trust\"\ntitle = \"Trust\"\nreference = \"made up\"\nitems = 1\nmin = 1\nmax = 7\nscoring = \"mean\"\n\
                     [[subscales]]\nid = \"overall\"\ntitle = \"Trust\"\nitems = [1]\n";
-        with.scales = vec![toml::from_str::<Scale>(text).unwrap()];
+        with.scales = vec![Scale::from_toml(text).unwrap()];
         let a = analysed_by(&plain(&["fast", "slow"], &hypothesis), with);
         a.hypotheses[0].rule.clone()
     };

@@ -80,6 +80,12 @@ pub enum DomainError {
         /// Rows needed.
         expected: usize,
     },
+    /// A scale file that is not TOML, or has a key missing, misspelt or of the wrong type.
+    #[error("not a scale definition: {problem}")]
+    ScaleToml {
+        /// Line, key and reason, as the parser gives them.
+        problem: String,
+    },
     /// A questionnaire definition that contradicts itself.
     #[error("scale `{scale}`: {problem}")]
     BadScale {

@@ -1,8 +1,8 @@
 //! Scores five answers to a questionnaire and lists the objective measures.
 #![expect(clippy::print_stdout, reason = "an example shows its result")]
 
-use maveric_domain::{Answer, Moment, ParticipantId};
-use maveric_measures::{objective, parse_scale, score};
+use maveric_domain::{Answer, Moment, ParticipantId, Scale};
+use maveric_measures::{objective, score};
 
 const SCALE: &str = r#"
 id = "calm"
@@ -21,7 +21,7 @@ items = [1, 2, 3, 4, 5]
 "#;
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
-    let scale = parse_scale(SCALE)?;
+    let scale = Scale::from_toml(SCALE)?;
     let participant = ParticipantId::new("P01")?;
     let answers: Vec<Answer> = [Some(6), Some(2), Some(7), None, Some(5)]
         .into_iter()

@@ -1,20 +1,11 @@
 //! What can be wrong with a questionnaire or with the answers to it.
 
-use maveric_domain::{DomainError, Moment, ParticipantId};
+use maveric_domain::{Moment, ParticipantId, survey::Item};
 
 /// A questionnaire definition or an answer that is refused.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum MeasureError {
-    /// A scale file that is not TOML, or has a key missing, misspelt or of the wrong type.
-    #[error("not a scale definition: {problem}")]
-    ScaleToml {
-        /// Line, key and reason, as the parser gives them.
-        problem: String,
-    },
-    /// A definition that contradicts itself.
-    #[error(transparent)]
-    BadScale(#[from] DomainError),
     /// Two definitions with one id.
     #[error("scale `{scale}` is defined twice")]
     ScaleTwice {
@@ -51,9 +42,9 @@ pub enum MeasureError {
         /// Number of items of the scale.
         items: u32,
     },
-    /// An answer outside the scale's range.
+    /// An answer that the item does not have.
     #[error(
-        "participant {participant} ({moment}), scale `{scale}`, item {item}: answer {found} is not in {min} to {max}"
+        "participant {participant} ({moment}), scale `{scale}`, item {item}: answer {found} is not in {}", asked.range()
     )]
     AnswerOutOfRange {
         /// Who answered.
@@ -66,10 +57,8 @@ pub enum MeasureError {
         item: u32,
         /// The answer.
         found: i32,
-        /// Lowest answer of the scale.
-        min: i32,
-        /// Highest answer of the scale.
-        max: i32,
+        /// What the item asks for; boxed, as the other errors are small.
+        asked: Box<Item>,
     },
     /// Two answers of one participant to one item at one moment.
     #[error("participant {participant} ({moment}), scale `{scale}`: item {item} is answered twice")]

@@ -11,4 +11,4 @@ pub use accuracy::{Accuracy, difference_from_own, drive_accuracy, mean_accuracy}
 pub use before_press::press_moments;
 pub use error::MeasureError;
 pub use objective::Measure;
-pub use survey::{ItemMatrix, ScoreWarning, Scored, parse_scale, score};
+pub use survey::{ItemMatrix, ScoreWarning, Scored, score};

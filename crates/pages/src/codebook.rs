@@ -1,7 +1,11 @@
 //! What questionnaires ask and how they are scored; its words are `texts/codebook.md`.
 
 use crate::texts::{document, value};
-use maveric_domain::{Design, Scale, design::Sign};
+use maveric_domain::{
+    Design, Scale,
+    design::Sign,
+    survey::{Item, ItemWords},
+};
 use maveric_report::ReportError;
 use minijinja::{Value, context};
 use path_slash::PathExt as _;
@@ -28,17 +32,51 @@ pub fn codebook(scales: &[Scale], design: Option<&Design>) -> Result<String, Rep
     document("codebook.md", include_str!("../texts/codebook.md"), values)
 }
 
+/// The answers that have words, each with its number.
+pub fn named_answers(item: &Item, words: &ItemWords) -> String {
+    let ends = [item.min, item.max];
+    let answers: Vec<i32> = match words.anchors.len() {
+        2 => ends.to_vec(),
+        _ => item.answers().collect(),
+    };
+    let named = answers.iter().zip(&words.anchors);
+    let named: Vec<String> = named
+        .map(|(answer, word)| format!("{answer} {word}"))
+        .collect();
+    named.join("; ")
+}
+
 /// A scale with what follows from its items.
 fn described(scale: &Scale) -> Value {
     let subscales = scale.subscales.iter().map(|subscale| {
-        let items = subscale.items.iter().copied();
-        let reversed: Vec<u32> = items.filter(|i| scale.is_reversed(subscale, *i)).collect();
+        let items = scale.items_of(subscale);
+        let reversed = items.iter().copied();
+        let reversed = reversed.filter(|i| scale.is_reversed(subscale, *i));
+        let reversed: Vec<u32> = reversed.collect();
+        // A weight such as 9.54 leaves a tail of binary digits.
+        let rounded = |score: f64| (score * 1e9).round() / 1e9;
         let (low, high) = scale.score_range(subscale);
-        context! { reversed, low, high, ..value(subscale) }
+        let (low, high) = (rounded(low), rounded(high));
+        context! { reversed, low, high, items, ..value(subscale) }
     });
+    let worded = scale.wording.items.iter().zip(&scale.items).enumerate();
+    let worded = worded.map(|(place, (words, item))| {
+        let text = words.text.clone();
+        let wording = words.pair.as_ref().map_or(text, |[left, right]| {
+            format!("{left} – {right}")
+        });
+        context! { number => place + 1, wording, range => item.range(), kind => item.kind.name(), expected => item.expected, optional => item.optional, anchors => named_answers(item, words) }
+    });
+    let words = worded.collect::<Vec<Value>>();
     context! {
+        count => scale.count(),
+        ranges => scale.ranges(),
+        worded => scale.wording.worded(),
+        turned => scale.items.first().map(|i| i.min + i.max),
+        languages => scale.languages().map(str::to_owned).collect::<Vec<String>>(),
+        words,
         first => scale.column_of(1),
-        last => scale.column_of(scale.items),
+        last => scale.column_of(scale.count()),
         subscales => subscales.collect::<Vec<Value>>(),
         ..value(scale)
     }
@@ -52,7 +90,7 @@ mod tests {
     fn a_wording_is_text_and_neither_mark_up_nor_a_cell_of_its_own() {
         let scale = "id = \"calm\"\ntitle = \"Calm <b>\"\nreference = \"Nobody | never\"\nitems = 1\nmin = 1\nmax = 5\nscoring = \"mean\"\n\
                      wording = [\"a | <script>b</script> & c\\u001b[2J\"]\n[[subscales]]\nid = \"calm\"\ntitle = \"Calm\"\nitems = [1]\n";
-        let text = codebook(&[toml::from_str(scale).unwrap()], None).unwrap();
+        let text = codebook(&[Scale::from_toml(scale).unwrap()], None).unwrap();
         assert!(
             text.contains("| 1 | a \\| &lt;script&gt;b&lt;/script&gt; &amp; c[2J |"),
             "{text}"

@@ -13,7 +13,7 @@ mod table_text;
 mod texts;
 pub mod words;
 
-pub use codebook::codebook;
+pub use codebook::{codebook, named_answers};
 pub use glossary::glossary;
 pub use orders::orders;
 pub use page_texts::{

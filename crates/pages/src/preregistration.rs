@@ -110,6 +110,7 @@ fn exclude(design: &Design) -> Value {
     context! {
         shorter_than_s => rules.drive_shorter_than_s.map(|s| s.to_string()),
         straight_lined => rules.straight_lined,
+        attention_missed => rules.attention_missed_at_least.map(std::num::NonZeroUsize::get),
         fewer_than => rules.fewer_conditions_than,
         people => people.collect::<Vec<_>>(),
         drives => drives.collect::<Vec<_>>(),

@@ -8,8 +8,8 @@ use std::collections::BTreeMap;
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let seed = 1;
     let mut effects: Effects = toml::from_str(maveric_data::EFFECTS)?;
-    let adb: Scale = toml::from_str(maveric_data::SCALES_ADB)?;
-    let trust: Scale = toml::from_str(maveric_data::SCALES_JIAN_TRUST)?;
+    let adb = Scale::from_toml(maveric_data::SCALES_ADB)?;
+    let trust = Scale::from_toml(maveric_data::SCALES_JIAN_TRUST)?;
     // Two scales are enough to see; the others would be asked as well.
     effects.answers.clear();
     effects.ratings.retain(|scale, _| *scale == trust.id);

@@ -74,9 +74,6 @@ pub fn answer_before(
 }
 
 fn check_coverage(scales: &[Scale], effects: &Effects) -> Result<(), ParticipantError> {
-    for scale in scales {
-        scale.validate()?;
-    }
     for (id, models) in &effects.answers {
         let Some(scale) = scales.iter().find(|s| s.id == *id) else {
             let subscale = models.keys().next().cloned().unwrap_or_default();
@@ -112,8 +109,8 @@ fn adb(
     let total = (mean_points + sd_points * z).round() as i64;
     // The first subscale is the total; only its key matters here.
     let total_scale = &scale.subscales[0];
-    let scored = with_total(scale, scale.items as usize, total, item_sd, &mut rng);
-    (1..=scale.items)
+    let scored = with_total(&scale.items, total, item_sd, &mut rng);
+    (1..=scale.count())
         .zip(scored)
         .map(|(item, answer)| {
             let given = as_given(scale, total_scale, item, answer);
@@ -153,8 +150,11 @@ fn graded(
         } = factor.item;
         let noise = (1.0 - loading * loading).max(0.0).sqrt();
         for &item in &factor.subscale.items {
+            let Some(asked) = scale.item(item) else {
+                continue; // checked when the scale was read
+            };
             let latent = loading * score + noise * normal(rng);
-            let scored = grade(scale, mean + sd * latent);
+            let scored = grade(asked, mean + sd * latent);
             let given = as_given(scale, factor.subscale, item, scored);
             answers.push(Answer {
                 participant: participant.id.clone(),
@@ -288,7 +288,7 @@ mod tests {
                 assert!(
                     mine.iter()
                         .filter_map(|a| a.answer)
-                        .all(|x| (scale.min..=scale.max).contains(&x))
+                        .all(|x| scale.items[0].takes(x))
                 );
             }
         }
@@ -359,7 +359,7 @@ mod tests {
             .filter(|s| effects().answers.contains_key(&s.id))
         {
             let mine = answers.iter().filter(|a| a.scale == scale.id);
-            let mut columns = vec![Vec::new(); scale.items as usize];
+            let mut columns = vec![Vec::new(); scale.items.len()];
             for answer in mine {
                 columns[answer.item as usize - 1].push(f64::from(answer.answer.unwrap()));
             }
@@ -373,7 +373,7 @@ mod tests {
                     .items
                     .iter()
                     .map(|&item| {
-                        let turn = f64::from(scale.min + scale.max);
+                        let turn = f64::from(scale.items[0].min + scale.items[0].max);
                         let column = columns[item as usize - 1].iter();
                         let reversed = scale.is_reversed(subscale, item);
                         column

@@ -20,7 +20,7 @@ pub(crate) fn covered_once<'a>(
             }
         }
     }
-    match (1..=scale.items).find(|i| !seen.contains(i)) {
+    match (1..=scale.count()).find(|i| !seen.contains(i)) {
         Some(item) => Err(ParticipantError::ItemWithoutModel {
             scale: scale.id.clone(),
             item,

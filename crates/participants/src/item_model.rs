@@ -16,9 +16,10 @@ pub(crate) struct ItemModel {
     pub(crate) sd: f64,
     /// Correlation of y with the subscale's factor.
     pub(crate) loading: f64,
-    /// Lowest and highest box.
+    /// Lowest and highest box, and from one to the next.
     min: i32,
     max: i32,
+    step: i32,
     /// Standard deviation of the mean of the subscale's items, in points.
     score_sd: f64,
 }
@@ -44,12 +45,17 @@ impl ItemModel {
             subscale: subscale.id.clone(),
             problem,
         };
-        let k = subscale.items.len() as f64;
-        let unit = if scale.scoring == Scoring::Sum {
-            k
-        } else {
-            1.0
+        let first = subscale.items.first().and_then(|first| scale.item(*first));
+        let Some(asked) = first else {
+            return Err(bad("a sum of others, which the answers to its parts make"));
         };
+        let k = subscale.items.len() as f64;
+        let unit = subscale.weight
+            * if scale.scoring == Scoring::Sum {
+                k
+            } else {
+                1.0
+            };
         let (mean, score_sd) = (norms.mean / unit, norms.sd / unit);
         let r = if k > 1.0 {
             norms.alpha / (k - norms.alpha * (k - 1.0))
@@ -61,8 +67,9 @@ impl ItemModel {
             mean,
             sd: variance.sqrt(),
             loading: 0.0,
-            min: scale.min,
-            max: scale.max,
+            min: asked.min,
+            max: asked.max,
+            step: asked.step,
             score_sd,
         };
         item.fit_moments(mean, variance)
@@ -101,8 +108,10 @@ impl ItemModel {
     /// Thresholds between the boxes, in standard deviations of the latent answer.
     fn thresholds(&self) -> impl Iterator<Item = f64> + Clone + use<> {
         let item = *self;
+        let half = 0.5 * f64::from(item.step);
         (item.min..item.max)
-            .map(move |box_below| (f64::from(box_below) + 0.5 - item.mean) / item.sd)
+            .step_by(item.step as usize)
+            .map(move |box_below| (f64::from(box_below) + half - item.mean) / item.sd)
     }
 
     /// Mean and variance of the ticked answer.
@@ -115,7 +124,9 @@ impl ItemModel {
             mean += above;
             square += (2.0 * passed as f64 + 1.0) * above;
         }
-        (f64::from(self.min) + mean, square - mean * mean)
+        let step = f64::from(self.step);
+        let variance = step * step * (square - mean * mean);
+        (f64::from(self.min) + step * mean, variance)
     }
 
     /// Covariance of the ticked answers of two items whose latent answers correlate by `r`, −1 to 1.
@@ -140,7 +151,8 @@ impl ItemModel {
         let inner: f64 = (1..STEPS)
             .map(|i| density(step * i as f64) * if i % 2 == 1 { 4.0 } else { 2.0 })
             .sum();
-        (density(0.0) + inner + density(end)) * step / 3.0 / (2.0 * PI)
+        let boxes = f64::from(self.step) * f64::from(other.step);
+        boxes * ((density(0.0) + inner + density(end)) * step / 3.0 / (2.0 * PI))
     }
 
     /// The latent correlation that gives ticked answers this covariance.
@@ -249,6 +261,7 @@ mod tests {
             loading: 0.5,
             min: -60,
             max: 60,
+            step: 1,
             score_sd: 1.0,
         };
         assert!((item.moments().1 - 64.0 - 1.0 / 12.0).abs() < 1e-6);

@@ -1,6 +1,7 @@
 #![doc = include_str!("../README.md")]
 
 pub mod answers;
+pub mod at_random;
 pub mod cohort;
 mod coverage;
 pub mod effects;
@@ -17,6 +18,7 @@ pub mod settings;
 mod trait_mixing;
 
 pub use answers::answer_before;
+pub use at_random::answer_at_random;
 pub use cohort::{Cohort, PlannedDrive};
 pub use effects::Effects;
 pub use error::ParticipantError;

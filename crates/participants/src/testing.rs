@@ -44,7 +44,7 @@ pub(crate) fn scales() -> Vec<Scale> {
         maveric_data::SCALES_AGGRESSIVENESS,
     ]
     .into_iter()
-    .map(|text| toml::from_str(text).unwrap())
+    .map(|text| Scale::from_toml(text).unwrap())
     .collect()
 }
 
@@ -113,7 +113,7 @@ pub(crate) fn score(
             let reversed = scale.is_reversed(subscale, a.item);
             a.answer.map(|x| {
                 f64::from(if reversed {
-                    scale.min + scale.max - x
+                    scale.items[0].min + scale.items[0].max - x
                 } else {
                     x
                 })

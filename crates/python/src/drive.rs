@@ -164,9 +164,7 @@ pub fn read_log(
 
 /// The shipped scale of this id, or the one that a TOML text defines.
 fn scale_of(scale: &str) -> PyResult<Scale> {
-    let path = format!("study_data/scales/{scale}.toml");
-    let shipped = maveric_data::FILES.iter().find(|(known, _)| *known == path);
-    maveric_measures::parse_scale(shipped.map_or(scale, |(_, text)| text)).map_err(raised)
+    Scale::from_toml(maveric_data::scale(scale).unwrap_or(scale)).map_err(raised)
 }
 
 /// Scores answer sheets: a row a person, a column an item. Gives the scores and the warnings.
@@ -182,19 +180,19 @@ pub fn score(
     let table = table_of(data).table("table").map_err(raised)?;
     let people = table.text(participant).map_err(raised)?;
     let items = items.unwrap_or_else(|| {
-        let numbered = 1..=scale.items;
+        let numbered = 1..=scale.count();
         numbered.map(|item| scale.column_of(item)).collect()
     });
-    if items.len() != scale.items as usize {
+    if items.len() != scale.items.len() {
         return Err(said(format!(
             "{} columns of items, expected {}: scale `{}` has that many",
             items.len(),
-            scale.items,
+            scale.count(),
             scale.id
         )));
     }
     let mut answers = Vec::new();
-    for (item, name) in (1..=scale.items).zip(&items) {
+    for (item, name) in (1..=scale.count()).zip(&items) {
         let cells = table.numbers(name).map_err(raised)?;
         for ((row, person), cell) in people.iter().enumerate().zip(cells) {
             let whole = cell.is_none_or(|v| v.fract() == 0.0 && v.abs() < 1e6);

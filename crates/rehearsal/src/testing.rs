@@ -2,7 +2,6 @@
 
 use crate::{PopulationModel, World};
 use maveric_domain::{Design, Scale};
-use maveric_measures::parse_scale;
 use std::path::Path;
 
 fn text(path: &str) -> String {
@@ -26,7 +25,8 @@ pub(crate) fn world() -> World {
         .collect();
     paths.retain(|p| p.extension().is_some_and(|e| e == "toml"));
     paths.sort();
-    let scale = |p: &std::path::PathBuf| parse_scale(&std::fs::read_to_string(p).unwrap()).unwrap();
+    let scale =
+        |p: &std::path::PathBuf| Scale::from_toml(&std::fs::read_to_string(p).unwrap()).unwrap();
     let scales: Vec<Scale> = paths.iter().map(scale).collect();
     let effects = toml::from_str(&text("effects.toml")).unwrap();
     World::new(design(), population(), effects, scales, 1.0).unwrap()

@@ -9,7 +9,7 @@ use flate2::{Compression, write::GzEncoder};
 use std::{io::Write as _, sync::LazyLock};
 
 /// Name, kind and bytes of each file.
-const FILES: [(&str, &str, &[u8]); 5] = [
+const FILES: [(&str, &str, &[u8]); 6] = [
     (
         "index.html",
         "text/html; charset=utf-8",
@@ -29,6 +29,11 @@ const FILES: [(&str, &str, &[u8]); 5] = [
         "seat.wasm",
         "application/wasm",
         include_bytes!("../page/built/seat.wasm"),
+    ),
+    (
+        "sheet.js",
+        "text/javascript; charset=utf-8",
+        include_bytes!("../page/built/sheet.js"),
     ),
     (
         "lab.js",

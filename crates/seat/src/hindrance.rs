@@ -37,6 +37,18 @@ pub enum Hindrance {
         /// Items.
         items: usize,
     },
+    /// A scale without the study's language.
+    #[error(
+        "[protocol] asks scale `{scale}` in `{language}`, and its file has it in {}", languages.join(", ")
+    )]
+    NoTranslation {
+        /// Its id.
+        scale: String,
+        /// The study's language.
+        language: String,
+        /// Those of the file.
+        languages: Vec<String>,
+    },
     /// The score that the style is learned by is never asked.
     #[error("the style is learned by `{score}`, and [protocol] does not ask scale `{}` before the drives", score.scale)]
     StyleNotAsked {
@@ -122,7 +134,10 @@ impl Hindrance {
                 None => format!("write scales/{scale}.toml, or take it out of `before` or `after`"),
             },
             Self::NoWording { scale, .. } => format!(
-                "write what is asked into `wording` of scales/{scale}.toml, a text an item, from the publication that the file names"
+                "write what is asked into `wording` or `pairs` of scales/{scale}.toml, a text an item, from the publication that the file names"
+            ),
+            Self::NoTranslation { scale, language, .. } => format!(
+                "write [translation.{language}] into scales/{scale}.toml, from a translation that was published; if its words are in `{language}`, language = \"{language}\""
             ),
             Self::StyleNotAsked { score } => {
                 format!("write before = [\"{}\"] into [protocol], and \"before\" into its `steps`", score.scale)

@@ -36,6 +36,7 @@ mod seat;
 mod servable;
 mod serve;
 mod sheet;
+mod sheet_page;
 pub mod steps;
 mod store;
 mod tables;
@@ -49,6 +50,7 @@ pub use forget::{Forgotten, forget};
 pub use hindrance::Hindrance;
 pub use seat::{Seat, SeatSettings};
 pub use serve::{Serving, run, serve};
+pub use sheet_page::{SheetPages, write_sheet_pages};
 pub use wire::Wire;
 pub use words::Words;
 

@@ -15,7 +15,7 @@ pub(crate) fn screen(protocol: &Protocol, scales: &[Scale]) -> Result<Option<Ste
         return Ok(None);
     }
     let asked = protocol.screen.iter();
-    let sheets = asked.map(|id| sheet(scales, id, Moment::Pre));
+    let sheets = asked.map(|id| sheet(scales, id, Moment::Pre, &protocol.language));
     let sheets = sheets.collect::<Result<_, _>>()?;
     let rules = protocol.admit_if.iter();
     let rules = rules.map(|rule| judged(rule, &protocol.screen, scales));
@@ -56,7 +56,7 @@ fn unknown_item(key: &'static str, rule: &AnswerRule, problem: impl Into<String>
 
 /// Which item of its scale a rule is on, from 0: by its number, by the subscale that it alone makes, or the only one.
 fn item_of(key: &'static str, rule: &AnswerRule, scale: &Scale) -> Result<usize, Hindrance> {
-    let items = scale.items as usize;
+    let items = scale.items.len();
     let alone = |name: &str| {
         let named = scale.subscales.iter().find(|s| s.id == name)?;
         match named.items[..] {
@@ -81,10 +81,11 @@ fn item_of(key: &'static str, rule: &AnswerRule, scale: &Scale) -> Result<usize,
         );
         unknown_item(key, rule, problem)
     })?;
-    if !(scale.min..=scale.max).contains(&rule.value) {
+    let asked = &scale.items[item];
+    if !(asked.min..=asked.max).contains(&rule.value) {
         let problem = format!(
             "`{}` has answers from {} to {}",
-            scale.id, scale.min, scale.max
+            scale.id, asked.min, asked.max
         );
         return Err(unknown_item(key, rule, problem));
     }
@@ -113,20 +114,24 @@ pub(crate) fn probe(
         return Ok(None);
     };
     // Of its kind, with its wording.
-    sheet(scales, &probe.scale, Moment::Post)?;
+    sheet(scales, &probe.scale, Moment::Post, &protocol.language)?;
     let scale = scales.iter().find(|scale| scale.id == probe.scale);
-    let one = scale.filter(|scale| scale.items == 1);
+    let one = scale.filter(|scale| scale.items.len() == 1);
+    let worded = |scale: &Scale| {
+        let wording = scale.wording_in(&protocol.language)?;
+        Some(wording.items.first()?.text.clone())
+    };
     let (scale, question) = one
-        .and_then(|scale| Some((scale, scale.wording.first()?)))
+        .and_then(|scale| Some((scale, worded(scale)?)))
         .ok_or_else(|| Hindrance::ProbeItems {
             scale: probe.scale.clone(),
-            items: scale.map_or(0, |scale| scale.items),
+            items: scale.map_or(0, Scale::count),
         })?;
     Ok(Some(AskedProbe {
         scale: scale.id.clone(),
-        question: question.clone(),
-        min: scale.min,
-        max: scale.max,
+        question,
+        min: scale.items[0].min,
+        max: scale.items[0].max,
         every_s: probe.every_s,
         within_s: Probe::ANSWERED_WITHIN_S,
         stop: stop_rule(protocol, scale)?,

@@ -104,7 +104,7 @@ pub fn of_design(
             }
             ProtocolStep::Before => {
                 for id in &protocol.before {
-                    steps.push(sheet(scales, id, Moment::Pre)?);
+                    steps.push(sheet(scales, id, Moment::Pre, &protocol.language)?);
                 }
             }
             ProtocolStep::Controls => steps.push(Step::Controls),
@@ -128,7 +128,7 @@ pub fn of_design(
             }
             ProtocolStep::Post => {
                 for id in &protocol.post {
-                    steps.push(sheet(scales, id, Moment::Post)?);
+                    steps.push(sheet(scales, id, Moment::Post, &protocol.language)?);
                 }
             }
         }
@@ -178,7 +178,8 @@ fn rides(
             probe: probe.cloned(),
         });
         for id in &protocol.after {
-            steps.push(sheet(scales, id, Moment::After(condition.id))?);
+            let moment = Moment::After(condition.id);
+            steps.push(sheet(scales, id, moment, &protocol.language)?);
         }
     }
     Ok(())

@@ -44,7 +44,7 @@ pub(crate) fn hindrances(
     let after = protocol.after.iter().filter(|_| asks(ProtocolStep::Rides));
     let (screen, post) = (&protocol.screen, &protocol.post);
     for id in screen.iter().chain(before).chain(after).chain(post) {
-        let missing = sheet(scales, id, Moment::Pre).err();
+        let missing = sheet(scales, id, Moment::Pre, &protocol.language).err();
         found.extend(missing.filter(|hindrance| !found.contains(hindrance)));
     }
     let asked = [

@@ -1,7 +1,15 @@
 //! What is answered on one page.
 
-use crate::{steps::Step, token};
+use crate::{
+    steps::{Asked, Step},
+    token,
+};
+use maveric_domain::survey::Kind;
 use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
+
+/// Most characters that somebody may write into one field.
+const LONGEST_TEXT: usize = 4000;
 
 /// Answers to one scale, or agreeing to a text.
 #[derive(Default, Deserialize, Serialize)]
@@ -10,6 +18,9 @@ pub(crate) struct Sheet {
     /// One an item; null where it was left out.
     #[serde(default)]
     pub(crate) answers: Vec<Option<i32>>,
+    /// What was written, by number of the item that asks for words.
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    pub(crate) texts: BTreeMap<usize, String>,
     /// Whether the text was agreed to.
     #[serde(default)]
     pub(crate) agreed: bool,
@@ -37,18 +48,7 @@ impl Sheet {
             return Err("nobody is judged here".to_owned());
         }
         match found {
-            Step::Scale {
-                items, min, max, ..
-            } => {
-                let range = *min..=*max;
-                let all = self.answers.len() == items.len();
-                if !all || self.answers.iter().flatten().any(|a| !range.contains(a)) {
-                    let (n, low, high) = (items.len(), range.start(), range.end());
-                    return Err(format!(
-                        "expected {n} answers, each {low} to {high} or left out"
-                    ));
-                }
-            }
+            Step::Scale { items, .. } => self.fits(items)?,
             Step::Text {
                 agree: true, text, ..
             } if self.agreed && self.answers.is_empty() => {
@@ -61,5 +61,91 @@ impl Sheet {
             _ => return Err("nothing is asked here".to_owned()),
         }
         serde_json::to_string(&self).map_err(|e| e.to_string())
+    }
+
+    /// Whether these are answers to the items.
+    fn fits(&self, items: &[Asked]) -> Result<(), String> {
+        let n = items.len();
+        if self.answers.len() != n {
+            return Err(format!("expected {n} answers, each given or left out"));
+        }
+        for (number, (asked, answer)) in (1..).zip(items.iter().zip(&self.answers)) {
+            if let Some(answer) = answer.filter(|a| !asked.item.takes(*a)) {
+                let range = asked.item.range();
+                return Err(format!(
+                    "item {number}: {answer}, expected {range} or left out"
+                ));
+            }
+        }
+        for (number, text) in &self.texts {
+            let asked = number.checked_sub(1).and_then(|place| items.get(place));
+            let asks_words = asked.is_some_and(|asked| asked.item.kind == Kind::Text);
+            if !asks_words || text.chars().count() > LONGEST_TEXT {
+                return Err(format!(
+                    "item {number}: a text of at most {LONGEST_TEXT} characters is expected of an item that asks for words alone"
+                ));
+            }
+        }
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::steps::sheet;
+    use maveric_domain::{Moment, Scale};
+
+    fn checked(body: &str) -> Result<String, String> {
+        let scale = "id = \"all\"\ntitle = \"All\"\nreference = \"made up\"\n\
+                     [[item]]\nkind = \"slider\"\ntext = \"a\"\nmin = 0\nmax = 100\nstep = 5\n\
+                     [[item]]\nkind = \"choice\"\ntext = \"b\"\nlevels = [\"x\", \"y\"]\n\
+                     [[item]]\nkind = \"number\"\ntext = \"c\"\nmin = 18\nmax = 99\n\
+                     [[item]]\nkind = \"text\"\ntext = \"d\"\n";
+        let scale = Scale::from_toml(scale).unwrap();
+        let step = sheet(&[scale], "all", Moment::Pre, "en").unwrap();
+        let sheet: Sheet = serde_json::from_str(body).map_err(|e| e.to_string())?;
+        sheet.checked(&step)
+    }
+
+    #[test]
+    fn answers_are_taken_as_each_item_can_be_answered_and_no_others() {
+        let words = "\"texts\":{\"4\":\"cars\"}";
+        for answers in ["[95,2,18,null]", "[null,null,null,null]"] {
+            let kept =
+                checked(&format!("{{\"answers\":{answers},{words},\"seconds\":3}}")).unwrap();
+            assert!(kept.contains(words) && kept.contains(answers), "{kept}");
+        }
+        for (answers, words, said) in [
+            (
+                "[96,null,null,null]",
+                "{}",
+                "item 1: 96, expected 0 to 100 by 5",
+            ),
+            ("[null,3,null,null]", "{}", "item 2: 3, expected 1 to 2"),
+            ("[null,null,17,null]", "{}", "item 3: 17, expected 18 to 99"),
+            ("[null,null,null,0]", "{}", "item 4: 0, expected words"),
+            ("[null,null,null]", "{}", "expected 4 answers"),
+            (
+                "[null,null,null,null]",
+                "{\"1\":\"cars\"}",
+                "item 1: a text",
+            ),
+            (
+                "[null,null,null,null]",
+                "{\"5\":\"cars\"}",
+                "item 5: a text",
+            ),
+            ("[1.5,null,null,null]", "{}", "expected i32"),
+        ] {
+            let body = format!("{{\"answers\":{answers},\"texts\":{words},\"seconds\":3}}");
+            let error = checked(&body).err().unwrap();
+            assert!(error.contains(said), "{answers}: {error}");
+        }
+        let long = "x".repeat(LONGEST_TEXT + 1);
+        let body = format!(
+            "{{\"answers\":[null,null,null,null],\"texts\":{{\"4\":\"{long}\"}},\"seconds\":3}}"
+        );
+        assert!(checked(&body).is_err());
     }
 }

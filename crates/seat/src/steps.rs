@@ -1,7 +1,12 @@
 //! What a person is shown, one step after the other.
 
 use crate::{hindrance::Hindrance, words::Words};
-use maveric_domain::{ConditionId, Moment, Scale, design::Than, nearest};
+use maveric_domain::{
+    ConditionId, Moment, Scale,
+    design::Than,
+    nearest,
+    survey::{Item, ItemWords},
+};
 use maveric_seat_page::{Event, RideStyle};
 use serde::{Deserialize, Serialize};
 
@@ -36,14 +41,12 @@ pub enum Step {
     Scale {
         /// Its id.
         scale: String,
-        /// Its heading.
-        title: String,
+        /// Its heading, if it has one.
+        title: Option<String>,
+        /// What stands above the items.
+        instruction: Option<String>,
         /// What is asked, in the order of the items.
-        items: Vec<String>,
-        /// Lowest answer.
-        min: i32,
-        /// Highest answer.
-        max: i32,
+        items: Vec<Asked>,
         /// `pre`, or the condition it is asked after.
         moment: Moment,
     },
@@ -109,6 +112,17 @@ pub enum Step {
         /// For the platform that pays.
         code: Option<String>,
     },
+}
+
+/// An item as a page shows it.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Asked {
+    /// How it is answered.
+    #[serde(flatten)]
+    pub item: Item,
+    /// Its words.
+    #[serde(flatten)]
+    pub words: ItemWords,
 }
 
 /// A rule on one answer of a screening.
@@ -271,8 +285,16 @@ pub struct Texts {
     pub words: Words,
 }
 
-/// A scale as a page.
-pub(crate) fn sheet(scales: &[Scale], id: &str, moment: Moment) -> Result<Step, Hindrance> {
+/// A scale as a page, in the study's language.
+///
+/// # Errors
+/// [`Hindrance`] for a scale that no file has, one without that language, or one without wording.
+pub fn sheet(
+    scales: &[Scale],
+    id: &str,
+    moment: Moment,
+    language: &str,
+) -> Result<Step, Hindrance> {
     let Some(scale) = scales.iter().find(|s| s.id == id) else {
         let known: Vec<String> = scales.iter().map(|s| s.id.clone()).collect();
         return Err(Hindrance::UnknownScale {
@@ -281,19 +303,37 @@ pub(crate) fn sheet(scales: &[Scale], id: &str, moment: Moment) -> Result<Step, 
             known,
         });
     };
-    if scale.wording.len() != scale.items as usize {
-        return Err(Hindrance::NoWording {
+    let Some(wording) = scale.wording_in(language) else {
+        return Err(Hindrance::NoTranslation {
             scale: id.to_owned(),
-            worded: scale.wording.len(),
-            items: scale.items as usize,
+            language: language.to_owned(),
+            languages: scale.languages().map(str::to_owned).collect(),
+        });
+    };
+    let (worded, items) = (wording.worded(), scale.items.len());
+    if worded != items {
+        let scale = id.to_owned();
+        return Err(Hindrance::NoWording {
+            scale,
+            worded,
+            items,
         });
     }
+    let items = scale.items.iter().zip(&wording.items);
+    let asked = |(item, words): (&Item, &ItemWords)| Asked {
+        // What the answers are scored and judged by is not for the page.
+        item: Item {
+            reversed: false,
+            expected: None,
+            ..item.clone()
+        },
+        words: words.clone(),
+    };
     Ok(Step::Scale {
         scale: scale.id.clone(),
-        title: scale.title.clone(),
-        items: scale.wording.clone(),
-        min: scale.min,
-        max: scale.max,
+        title: wording.shown_title.clone(),
+        instruction: wording.instruction.clone(),
+        items: items.map(asked).collect(),
         moment,
     })
 }

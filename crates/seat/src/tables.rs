@@ -104,8 +104,9 @@ pub(crate) fn write_answers(
     let beside = beside || path.is_file() && Table::read(path)?.has(CONDITION);
     let alone = |column: &&str| beside || ![CONDITION, AT_S].contains(column);
     let columns = TableName::Answers.entry().columns.iter();
+    let written = rows.iter().any(|row: &Row| row.contains_key("text"));
     let columns = columns.map(|column| column.name.as_str()).filter(alone);
-    let columns: Vec<&str> = columns.collect();
+    let columns: Vec<&str> = columns.filter(|c| written || *c != "text").collect();
     for row in &mut rows {
         row.retain(|column, _| columns.contains(&column.as_str()));
         if beside && let Some(moment) = row.get_mut("moment") {
@@ -155,7 +156,7 @@ fn sheets_in(path: &Path) -> Result<Option<BTreeSet<SheetPlace>>, SeatError> {
 }
 
 fn rows_of((who, moment, scale): (&str, Moment, &str), sheet: &Sheet) -> Vec<Row> {
-    let row = |item: i32, answer: Option<i32>, more: (&str, String)| {
+    let row = |item: usize, answer: Option<i32>, more: (&str, String)| {
         let cells = [
             ("participant", who.to_owned()),
             ("moment", moment.to_string()),
@@ -170,7 +171,11 @@ fn rows_of((who, moment, scale): (&str, Moment, &str), sheet: &Sheet) -> Vec<Row
             ("answer", answer.map_or_else(String::new, |a| a.to_string())),
             more,
         ];
-        Row::from(cells.map(|(column, cell)| (column.to_owned(), cell)))
+        let words = sheet.texts.get(&item).map(|words| ("text", words.clone()));
+        let cells = cells.into_iter().chain(words);
+        cells
+            .map(|(column, cell)| (column.to_owned(), cell))
+            .collect()
     };
     if let Moment::Probe(_) = moment {
         let probes = sheet.probes.iter();
@@ -283,6 +288,17 @@ mod tests {
                 "{before:?} {stands} {table}"
             );
         }
+    }
+
+    #[test]
+    fn what_was_written_stands_in_a_column_of_its_own_beside_the_item_that_asks_for_it() {
+        let body = r#"{"answers":[4,null],"texts":{"2":"cars, or trust"},"seconds":6}"#;
+        let sheet: Sheet = serde_json::from_str(body).unwrap();
+        let rows = rows_of(("P001", Moment::Pre, "purpose"), &sheet);
+        let cell = |row: usize, column: &str| rows[row].get(column).map(String::as_str);
+        assert_eq!((cell(0, "answer"), cell(0, "text")), (Some("4"), None));
+        let second = (cell(1, "answer"), cell(1, "text"));
+        assert_eq!(second, (Some(""), Some("cars, or trust")));
     }
 
     #[test]

@@ -124,6 +124,15 @@ impl Words {
         })
     }
 
+    /// Those of a language that the seat speaks by itself; English for another.
+    pub(crate) fn shipped(language: &str) -> Self {
+        let general = language.split('-').next().unwrap_or_default();
+        shipped(general).map_or_else(Self::default, |sentences| Self {
+            language: general.to_owned(),
+            sentences,
+        })
+    }
+
     /// A sentence without parts.
     pub(crate) fn sentence(&self, name: &str) -> &str {
         self.sentences.get(name).map_or("", String::as_str)

@@ -467,6 +467,9 @@ fn a_study_in_german_is_served_and_exported_in_german_with_its_own_sentences() {
         "[protocol]\nlanguage = \"de\"\nwords = \"words.toml\"\nwithdraw_until = \"2999-12-31\"",
     ));
     fs::write(folder.path().join("words.toml"), "begin = \"Los <los>\"").unwrap();
+    let scale = folder.path().join("scales/mood.toml");
+    let german = format!("language = \"de\"\n{}", fs::read_to_string(&scale).unwrap());
+    fs::write(&scale, german).unwrap();
     let exported = folder.path().join("online");
     maveric_seat::carried::export(&seat(folder.path()), &exported, None).unwrap();
     let server = Server::open(folder.path());

@@ -131,7 +131,7 @@ impl Gate {
     ) -> Self {
         self.left_out = self
             .left_out
-            .with_straight_lined(&self.design, scales, answers)
+            .with_careless(&self.design, scales, answers)
             .with_short(&self.design, drives);
         self
     }

@@ -20,7 +20,6 @@ use maveric_domain::{
     AdbScore, Answer, ConditionId, Drive, DriveId, Moment, Scale, Score, Seconds,
     design::{ScoreName, Software},
 };
-use maveric_measures::parse_scale;
 use maveric_model::{Model, model_file};
 use maveric_participants::Effects;
 use maveric_simulator::Scenario;
@@ -124,7 +123,7 @@ pub fn read_scales(folder: &Path) -> Result<Vec<Scale>, StudyError> {
         ));
     }
     let read = |path: &PathBuf| {
-        parse_scale(&read_text(path)?).map_err(|e| StudyError::file(path, e.to_string()))
+        Scale::from_toml(&read_text(path)?).map_err(|e| StudyError::file(path, e.to_string()))
     };
     paths.iter().map(read).collect()
 }
@@ -290,7 +289,7 @@ pub(crate) fn study_files(
             study.resolve(&design.people().file),
         ]),
     };
-    if design.exclude().straight_lined {
+    if design.exclude().judges_answers() {
         let answers = study.resolve(&design.files().answers);
         files = files
             .reads_if_there(Some(answers).filter(|_| design.files().software == Software::Table))
@@ -315,7 +314,7 @@ fn made<T: Default>(
 /// Answers by which the design's rules judge sheets: those among the results, and the design's own table of them.
 fn answers(folder: &Path, study: &DesignFile) -> Result<Vec<Answer>, StudyError> {
     let mut found = Vec::new();
-    if !study.design.exclude().straight_lined {
+    if !study.design.exclude().judges_answers() {
         return Ok(found);
     }
     for table in answer_tables(folder, study) {

@@ -2,6 +2,7 @@
 
 pub(crate) mod cite;
 pub(crate) mod clean;
+pub(crate) mod codebook;
 pub(crate) mod completions;
 pub(crate) mod design;
 pub(crate) mod diff;
@@ -26,8 +27,8 @@ use maveric_study::outcome::Format;
 use maveric_study::{
     Files, Outcome, Stage, StudyError, Watch,
     stages::{
-        ablate, codebook, evaluate, generate, import, ingest, init, inspect, measure, personalize,
-        rate, recommend, rehearse, rehearse_dial, report, score, simulate, steer, train, validate,
+        ablate, evaluate, generate, import, ingest, init, inspect, measure, personalize, rate,
+        recommend, rehearse, rehearse_dial, report, score, simulate, steer, train, validate,
     },
 };
 use std::{
@@ -88,7 +89,7 @@ pub(crate) enum Command {
     Inspect(Of<inspect::Inspect>),
     Import(Of<import::Import>),
     Score(Of<score::ScoreAnswers>),
-    Codebook(Of<codebook::Describe>),
+    Codebook(codebook::Codebook),
     Train(Of<train::Train>),
     Personalize(Of<personalize::Personalize>),
     Steer(Of<steer::Steer>),

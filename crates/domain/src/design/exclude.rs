@@ -2,7 +2,7 @@
 
 use crate::ids::{DriveId, ParticipantId};
 use serde::{Deserialize, Serialize};
-use std::collections::BTreeMap;
+use std::{collections::BTreeMap, num::NonZeroUsize};
 
 /// What is left out, and why; each rule is counted apart.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
@@ -17,6 +17,9 @@ pub struct Exclude {
     pub drive_shorter_than_s: Option<f64>,
     /// People who gave one answer to every item of a questionnaire that has reversed items.
     pub straight_lined: bool,
+    /// People who gave another answer than was asked for to this many items that are there for attention, or more.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub attention_missed_at_least: Option<NonZeroUsize>,
     /// People with fewer conditions than this.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub fewer_conditions_than: Option<usize>,
@@ -26,6 +29,11 @@ impl Exclude {
     /// Whether nothing is left out by name and no rule stands.
     pub fn is_empty(&self) -> bool {
         *self == Self::default()
+    }
+
+    /// Whether a rule looks at what people answered.
+    pub fn judges_answers(&self) -> bool {
+        self.straight_lined || self.attention_missed_at_least.is_some()
     }
 
     /// Why a person is left out by name.

@@ -71,7 +71,6 @@ pub fn score_probes(scales: &[Scale], answers: &[ProbeAnswer]) -> Result<Vec<Sco
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::survey::parse_scale;
 
     const MISC: &str = "id = \"misc\"\ntitle = \"Misery\"\nreference = \"made up\"\nitems = 1\nmin = 0\nmax = 10\nscoring = \"mean\"\n\
         [[subscales]]\nid = \"total\"\ntitle = \"Misery\"\nitems = [1]\n";
@@ -94,7 +93,7 @@ mod tests {
             probe("calm", 180.0, Some(5)),
             probe("sporty", 60.0, None),
         ];
-        let scales = [parse_scale(MISC).unwrap()];
+        let scales = [Scale::from_toml(MISC).unwrap()];
         let scores = score_probes(&scales, &answers).unwrap();
         let rows: Vec<_> = scores
             .iter()
@@ -111,7 +110,7 @@ mod tests {
 
     #[test]
     fn an_answer_that_the_scale_does_not_have_is_refused() {
-        let scales = [parse_scale(MISC).unwrap()];
+        let scales = [Scale::from_toml(MISC).unwrap()];
         let told = score_probes(&scales, &[probe("calm", 60.0, Some(11))]).unwrap_err();
         assert!(told.to_string().contains("11"), "{told}");
     }

@@ -44,7 +44,11 @@ pub fn response_styles(scales: &[Scale], answers: &[Answer]) -> Vec<ScoreWarning
     let mut sheets: BTreeMap<(&ParticipantId, Moment, usize), Given> = BTreeMap::new();
     for answer in answers {
         let scale = scales.iter().position(|s| s.id == answer.scale);
-        if let (Some(scale), Some(given)) = (scale, answer.answer) {
+        let rates = |scale: &usize| {
+            let item = scales[*scale].item(answer.item);
+            item.is_some_and(|item| item.kind.rates())
+        };
+        if let (Some(scale), Some(given)) = (scale.filter(rates), answer.answer) {
             let key = (&answer.participant, answer.moment, scale);
             sheets.entry(key).or_default().insert(answer.item, given);
         }
@@ -64,9 +68,11 @@ pub fn response_styles(scales: &[Scale], answers: &[Answer]) -> Vec<ScoreWarning
             }
             let (first, answer, run) = longest_run(given)?;
             // The lowest answer throughout is the floor of the scale, counted as that, and may be the truth.
-            let at_an_end =
-                given.len() as u32 == run && (answer == scale.min || answer == scale.max);
-            let long = run >= SHORTEST_RUN && 2 * run >= scale.items && !at_an_end;
+            let at_an_end = given.len() as u32 == run
+                && scale
+                    .item(first)
+                    .is_some_and(|i| answer == i.min || answer == i.max);
+            let long = run >= SHORTEST_RUN && 2 * run >= scale.count() && !at_an_end;
             long.then_some(ScoreWarning::LongString {
                 participant,
                 moment,
@@ -74,7 +80,7 @@ pub fn response_styles(scales: &[Scale], answers: &[Answer]) -> Vec<ScoreWarning
                 answer,
                 run,
                 first,
-                items: scale.items,
+                items: scale.count(),
             })
         };
     sheets.iter().filter_map(warn).collect()
@@ -96,8 +102,10 @@ pub fn too_fast(times: &[SheetTime]) -> Vec<ScoreWarning> {
 
 /// The answer to all items, where that contradicts itself.
 fn one_answer(scale: &Scale, given: &BTreeMap<u32, i32>) -> Option<i32> {
-    let answer = *given.values().next()?;
-    let middle = 2 * answer == scale.min + scale.max;
+    let (first, answer) = given.iter().next().map(|(item, answer)| (*item, *answer))?;
+    let middle = scale
+        .item(first)
+        .is_some_and(|i| 2 * answer == i.min + i.max);
     let reversed = |item: &u32| {
         scale
             .subscales
@@ -130,7 +138,6 @@ fn longest_run(given: &BTreeMap<u32, i32>) -> Option<(u32, i32, u32)> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::parse_scale;
 
     fn scales() -> Vec<Scale> {
         [
@@ -138,7 +145,7 @@ mod tests {
             maveric_data::SCALES_MINI_IPIP,
             maveric_data::SCALES_SIMILARITY,
         ]
-        .map(|text| parse_scale(text).unwrap())
+        .map(|text| Scale::from_toml(text).unwrap())
         .into()
     }
 

@@ -1,6 +1,6 @@
 //! From answers to scores: reverse keys, subscales, missing items.
 
-use super::{item_matrix::ItemMatrix, scale, warning::ScoreWarning};
+use super::{item_matrix::ItemMatrix, warning::ScoreWarning};
 use crate::error::MeasureError;
 use maveric_domain::{Answer, Moment, ParticipantId, Scale, Score, Subscale, survey::Scoring};
 use std::collections::{BTreeMap, BTreeSet};
@@ -33,7 +33,7 @@ type Sheets = BTreeMap<(ParticipantId, Moment, usize), Sheet>;
 /// scale in a role are not asked for the rest.
 ///
 /// # Errors
-/// [`MeasureError::BadScale`], [`MeasureError::ScaleTwice`]; [`MeasureError::UnknownScale`],
+/// [`MeasureError::ScaleTwice`]; [`MeasureError::UnknownScale`],
 /// [`MeasureError::UnknownItem`], [`MeasureError::AnswerOutOfRange`] or [`MeasureError::DoubleAnswer`] naming
 /// participant, scale and item.
 ///
@@ -106,7 +106,6 @@ pub fn score(
 pub(super) fn index(scales: &[Scale]) -> Result<BTreeMap<&str, usize>, MeasureError> {
     let mut index = BTreeMap::new();
     for (position, scale) in scales.iter().enumerate() {
-        scale::check(scale)?;
         if index.insert(scale.id.as_str(), position).is_some() {
             return Err(MeasureError::ScaleTwice {
                 scale: scale.id.clone(),
@@ -132,43 +131,58 @@ pub(super) fn checked(
         });
     };
     let scale = &scales[position];
-    if !(1..=scale.items).contains(&answer.item) {
+    let Some(item) = scale.item(answer.item) else {
         return Err(MeasureError::UnknownItem {
             participant: answer.participant.clone(),
             moment: answer.moment,
             scale: scale.id.clone(),
             item: answer.item,
-            items: scale.items,
+            items: scale.count(),
         });
-    }
+    };
     match answer.answer {
-        Some(found) if !(scale.min..=scale.max).contains(&found) => {
-            Err(MeasureError::AnswerOutOfRange {
-                participant: answer.participant.clone(),
-                moment: answer.moment,
-                scale: scale.id.clone(),
-                item: answer.item,
-                found,
-                min: scale.min,
-                max: scale.max,
-            })
-        }
+        Some(found) if !item.takes(found) => Err(MeasureError::AnswerOutOfRange {
+            participant: answer.participant.clone(),
+            moment: answer.moment,
+            scale: scale.id.clone(),
+            item: answer.item,
+            found,
+            asked: Box::new(item.clone()),
+        }),
         _ => Ok(position),
     }
 }
 
-/// The answers to a subscale after reversal, in the order of its items.
-fn keyed(scale: &Scale, subscale: &Subscale, sheet: &Sheet) -> Vec<Option<f64>> {
-    let value = |item: &u32| {
-        let answer = f64::from(sheet.get(item).copied().flatten()?);
-        let reversed = f64::from(scale.min) + f64::from(scale.max) - answer;
-        Some(if scale.is_reversed(subscale, *item) {
+/// The answers to these items of a subscale after reversal.
+fn keyed(scale: &Scale, subscale: &Subscale, items: &[u32], sheet: &Sheet) -> Vec<Option<f64>> {
+    let value = |number: &u32| {
+        let answer = f64::from(sheet.get(number).copied().flatten()?);
+        let item = scale.item(*number)?;
+        let reversed = f64::from(item.min) + f64::from(item.max) - answer;
+        Some(if scale.is_reversed(subscale, *number) {
             reversed
         } else {
             answer
         })
     };
-    subscale.items.iter().map(value).collect()
+    items.iter().map(value).collect()
+}
+
+/// Sum or mean of a subscale that is no sum of others, before its weight; `None` where too few items were answered.
+fn raw(scale: &Scale, subscale: &Subscale, sheet: &Sheet) -> Option<f64> {
+    let answers = keyed(scale, subscale, &subscale.items, sheet);
+    let answers: Vec<f64> = answers.into_iter().flatten().collect();
+    let items = subscale.items.len() as f64;
+    // Without the small margin 0.8 · 5 = 4.000…1 would ask for five of five.
+    let needed = scale.min_answered * items - 1e-9;
+    if answers.is_empty() || (answers.len() as f64) < needed {
+        return None;
+    }
+    let mean = answers.iter().sum::<f64>() / answers.len() as f64;
+    Some(match scale.scoring {
+        Scoring::Mean => mean,
+        Scoring::Sum => mean * items,
+    })
 }
 
 pub(super) fn one(
@@ -178,28 +192,20 @@ pub(super) fn one(
     moment: Moment,
     sheet: &Sheet,
 ) -> Score {
-    let answers: Vec<f64> = keyed(scale, subscale, sheet)
-        .into_iter()
-        .flatten()
-        .collect();
-    let items = subscale.items.len();
-    // Without the small margin 0.8 · 5 = 4.000…1 would ask for five of five.
-    let needed = scale.min_answered * items as f64 - 1e-9;
-    let value = (!answers.is_empty() && answers.len() as f64 >= needed).then(|| {
-        let mean = answers.iter().sum::<f64>() / answers.len() as f64;
-        match scale.scoring {
-            Scoring::Mean => mean,
-            Scoring::Sum => mean * items as f64,
-        }
-    });
+    let items = scale.items_of(subscale);
+    let answered = keyed(scale, subscale, &items, sheet);
+    let parts = scale.parts(subscale).into_iter();
+    let sum = parts
+        .map(|part| raw(scale, part, sheet))
+        .sum::<Option<f64>>();
     Score {
         participant: participant.clone(),
         moment,
         scale: scale.id.clone(),
         subscale: subscale.id.clone(),
-        value,
-        answered: answers.len() as u32,
-        items: items as u32,
+        value: sum.map(|sum| subscale.weight * sum),
+        answered: answered.iter().flatten().count() as u32,
+        items: items.len() as u32,
     }
 }
 
@@ -247,15 +253,16 @@ fn matrices(scales: &[Scale], sheets: &Sheets) -> Vec<ItemMatrix> {
             continue;
         }
         for subscale in &scale.subscales {
+            let items = scale.items_of(subscale);
+            let answers = mine.iter();
             found.push(ItemMatrix {
                 scale: scale.id.clone(),
                 subscale: subscale.id.clone(),
-                items: subscale.items.clone(),
                 respondents: mine.iter().map(|((p, m, _), _)| (p.clone(), *m)).collect(),
-                answers: mine
-                    .iter()
-                    .map(|(_, sheet)| keyed(scale, subscale, sheet))
+                answers: answers
+                    .map(|(_, sheet)| keyed(scale, subscale, &items, sheet))
                     .collect(),
+                items,
             });
         }
     }
@@ -268,29 +275,15 @@ mod tests {
     use proptest::prelude::*;
 
     fn scale(id: &str, scoring: Scoring) -> Scale {
-        Scale {
-            id: id.to_owned(),
-            title: "Calm".to_owned(),
-            reference: "made up".to_owned(),
-            items: 5,
-            min: 1,
-            max: 7,
-            scoring,
-            reversed: vec![2],
-            min_answered: 0.8,
-            subscales: vec![Subscale {
-                id: "calm".to_owned(),
-                title: "Calm".to_owned(),
-                items: vec![1, 2, 3, 4, 5],
-                reversed: vec![],
-                lower_is_better: false,
-                same: None,
-                norms: None,
-            }],
-            wording: vec![],
-            column: None,
-            correlations: vec![],
-        }
+        let scoring = match scoring {
+            Scoring::Sum => "sum",
+            Scoring::Mean => "mean",
+        };
+        Scale::from_toml(&format!(
+            "id = \"{id}\"\ntitle = \"Calm\"\nreference = \"made up\"\nitems = 5\nmin = 1\nmax = 7\nscoring = \"{scoring}\"\n\
+             reversed = [2]\n[[subscales]]\nid = \"calm\"\ntitle = \"Calm\"\nitems = [1, 2, 3, 4, 5]\n"
+        ))
+        .unwrap()
     }
 
     fn id(text: &str) -> ParticipantId {
@@ -353,7 +346,7 @@ mod tests {
     #[test]
     fn a_reversal_in_one_subscale_leaves_the_others_alone() {
         let mut both = scale("calm", Scoring::Mean);
-        both.reversed.clear();
+        both.items[1].reversed = false;
         both.subscales[0].reversed = vec![1, 2, 3, 4, 5];
         let mut plain = both.subscales[0].clone();
         (plain.id, plain.reversed) = ("plain".to_owned(), vec![]);

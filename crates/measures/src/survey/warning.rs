@@ -77,6 +77,21 @@ pub enum ScoreWarning {
         /// Seconds an item, mean.
         seconds_an_item: f64,
     },
+    /// Another answer than the one that an item asks for. Kept.
+    AttentionMissed {
+        /// Who.
+        participant: ParticipantId,
+        /// When.
+        moment: Moment,
+        /// Code name of the scale.
+        scale: String,
+        /// The item.
+        item: u32,
+        /// The answer.
+        answer: i32,
+        /// The answer that it asks for.
+        expected: i32,
+    },
     /// Answers of somebody who is not in the study: left out.
     UnknownParticipant {
         /// Who.
@@ -96,6 +111,7 @@ impl ScoreWarning {
             | Self::OneAnswer { participant, .. }
             | Self::LongString { participant, .. }
             | Self::TooFast { participant, .. }
+            | Self::AttentionMissed { participant, .. }
             | Self::UnknownParticipant { participant, .. } => participant,
         }
     }
@@ -163,6 +179,17 @@ impl fmt::Display for ScoreWarning {
             } => write!(
                 f,
                 "participant {participant} ({moment}) answered `{scale}` in {seconds_an_item:.1} s an item, faster than it can be read: kept"
+            ),
+            Self::AttentionMissed {
+                participant,
+                moment,
+                scale,
+                item,
+                answer,
+                expected,
+            } => write!(
+                f,
+                "participant {participant} ({moment}) answered item {item} of `{scale}` with {answer}, which asks for {expected}: not read? kept"
             ),
             Self::UnknownParticipant {
                 participant,

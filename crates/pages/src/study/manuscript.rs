@@ -136,7 +136,7 @@ impl StudyPage<'_> {
         let alphas = alphas.map(|r| self.methods.with(r).text("alpha"));
         let values = context! {
             title => scale.title.as_str(),
-            items => scale.items,
+            items => scale.count(),
             reference => scale.reference.as_str(),
             alphas => alphas.collect::<Result<Vec<_>, _>>()?,
         };

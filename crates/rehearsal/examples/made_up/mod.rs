@@ -43,7 +43,7 @@ pub(crate) fn scores(
     cohort: &Cohort,
     seed: u64,
 ) -> Result<impl Fn(&Drive) -> Option<AdbScore>, Wrong> {
-    let scale: Scale = toml::from_str(maveric_data::SCALES_ADB)?;
+    let scale = Scale::from_toml(maveric_data::SCALES_ADB)?;
     let mut effects: Effects = toml::from_str(maveric_data::EFFECTS)?;
     // Answers to questionnaires that nobody is asked here.
     effects.answers.clear();

@@ -2,6 +2,7 @@
 
 import type { Probe } from "./probe";
 import { say } from "./say";
+import type { Asked } from "./sheet";
 
 /// How an answer is held against a number.
 export type Than = ">=" | "<=" | ">" | "<" | "==" | "!=";
@@ -14,7 +15,7 @@ export type Sheet = Step & { kind: "scale" };
 export type Step =
   | { kind: "screen"; sheets: Sheet[]; rules: Judged[] }
   | { kind: "text"; title: string; text: string; agree: boolean }
-  | { kind: "scale"; scale: string; title: string; items: string[]; min: number; max: number; moment: string }
+  | { kind: "scale"; scale: string; moment: string } & Asked
   | { kind: "controls" }
   | { kind: "practice"; seconds: number; lane_kept_s: number; passes: number; seed: string; probe?: Probe }
   | { kind: "drive"; condition: string; seconds: number; seed: string; probe?: Probe }

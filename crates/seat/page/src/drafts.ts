@@ -1,6 +1,7 @@
 // Answers of a questionnaire that was not sent yet: a reload does not lose them.
 
 import { token } from "./api";
+import type { Given } from "./sheet";
 
 const NAME = "maveric-seat-draft";
 const name = (step: number): string => `${NAME} ${token} ${step}`;
@@ -10,14 +11,14 @@ function trying<T>(work: () => T): T | null {
   try { return work(); } catch { return null; }
 }
 
-/// What was answered of a step before; an item without an answer is null.
-export function draft(step: number): (number | null)[] {
+/// What was answered of a step before, item by item: a number, words, or null.
+export function draft(step: number): Given[] {
   const kept = trying(() => JSON.parse(localStorage.getItem(name(step)) ?? "[]") as unknown);
-  return Array.isArray(kept) ? kept.map((a) => (typeof a === "number" ? a : null)) : [];
+  return Array.isArray(kept) ? kept.map((a) => (typeof a === "number" || typeof a === "string" ? a : null)) : [];
 }
 
-export function keepDraft(step: number, answers: (number | null)[]): void {
-  trying(() => localStorage.setItem(name(step), JSON.stringify(answers)));
+export function keepDraft(step: number, given: Given[]): void {
+  trying(() => localStorage.setItem(name(step), JSON.stringify(given)));
 }
 
 export function deleteDraft(step: number): void { trying(() => localStorage.removeItem(name(step))); }

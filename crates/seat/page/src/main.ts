@@ -12,8 +12,9 @@ import { askWhetherToLeave, takingBack } from "./leave";
 import { sendLeftovers } from "./outbox";
 import { holds } from "./probe";
 import { duration, say, sayWhatStands } from "./say";
+import { sheet } from "./sheet";
 import { styles } from "./styles";
-import { make, paragraphs, pressed, sheet, show, text } from "./words";
+import { make, paragraphs, pressed, show, text } from "./words";
 
 const leaveButton = document.getElementById("leave") as HTMLButtonElement;
 let model: PageModel | null = null;
@@ -96,7 +97,7 @@ async function once(state: api.State): Promise<boolean> {
       break;
     }
     case "scale":
-      await keeper.answer(state.at, await sheet(step, draft(state.at), (answers) => keepDraft(state.at, answers)));
+      await keeper.answer(state.at, await sheet(step, draft(state.at), (given) => keepDraft(state.at, given)));
       deleteDraft(state.at);
       break;
     case "controls": await choose(); await keeper.done(state.at); break;

@@ -1,6 +1,4 @@
-// Texts and questionnaires.
-
-import { say } from "./say";
+// Texts, and what a page of words is made of.
 
 const main = document.getElementById("main") as HTMLElement;
 
@@ -44,44 +42,4 @@ export async function text(title: string, body: string, label: string): Promise<
   show(make("h1", [title]), ...paragraphs(body), go.all);
   await go.done;
   return (performance.now() - begun) / 1000;
-}
-
-/// Asks one scale, `before` already answered; a missing answer is asked for once, then taken as left out. `changed` gets every change.
-export async function sheet(
-  scale: { title: string; items: string[]; min: number; max: number }, before: (number | null)[], changed: (answers: (number | null)[]) => void,
-): Promise<{ answers: (number | null)[]; seconds: number }> {
-  const begun = performance.now();
-  const sets = scale.items.map((item, at) => {
-    const points: HTMLElement[] = [];
-    for (let value = scale.min; value <= scale.max; value++) {
-      const input = make("input", [], { type: "radio", name: `item${at}`, value: String(value), checked: before[at] === value });
-      points.push(make("label", [input, ` ${value}`]));
-    }
-    return make("fieldset", [make("legend", [`${at + 1}. ${item}`]), make("div", points, { className: "points" })]);
-  });
-  const said = make("p", [], {});
-  said.setAttribute("role", "alert");
-  const button = make("button", [say("continue")], { className: "main", type: "submit" });
-  const form = make("form", [...sets, said, make("p", [button])]);
-  show(make("h1", [scale.title]), make("p", [say("answers_range", { min: scale.min, max: scale.max })]), form);
-  const given = (): (number | null)[] => sets.map((set) => {
-    const value = set.querySelector<HTMLInputElement>("input:checked")?.value;
-    return value === undefined ? null : Number(value);
-  });
-  form.addEventListener("change", () => changed(given()));
-  let asked = false;
-  return new Promise((resolve) => form.addEventListener("submit", (event) => {
-    event.preventDefault();
-    const answers = given();
-    const missing = answers.flatMap((a, at) => (a === null ? [at] : []));
-    sets.forEach((set, at) => set.classList.toggle("missing", missing.includes(at)));
-    if (missing.length > 0 && !asked) {
-      asked = true;
-      said.textContent = say("not_answered", { items: missing.map((m) => m + 1).join(", ") });
-      sets[missing[0] as number]?.querySelector("input")?.focus();
-      return;
-    }
-    button.disabled = true;
-    resolve({ answers, seconds: (performance.now() - begun) / 1000 });
-  }));
 }

@@ -11,12 +11,17 @@ use crate::{
     tables::{TableName, write_rows},
 };
 use maveric_domain::{
-    Design, Scale,
+    Design, Scale, Subscale,
     design::{OwnMeasure, Sign},
+    survey::Kind,
 };
+use maveric_pages::named_answers;
 use path_slash::PathExt as _;
 use serde::Serialize;
-use std::path::{Path, PathBuf};
+use std::{
+    collections::BTreeSet,
+    path::{Path, PathBuf},
+};
 
 /// Describe the questionnaires (items, ranges, reversals, subscales, norms) and the study's own measures
 #[derive(Debug, Clone, clap::Args)]
@@ -47,17 +52,19 @@ pub struct Codebook {
     pub measures: usize,
 }
 
-/// An item of a subscale: a row of `codebook.csv`.
+/// An item of a subscale, or one that is only asked: a row of `codebook.csv`.
 #[derive(Serialize)]
 struct ItemRow {
     scale: String,
-    subscale: String,
+    subscale: Option<String>,
     item: u32,
     column: String,
+    kind: Kind,
     min: i32,
     max: i32,
     reversed: bool,
     wording: String,
+    answers: String,
 }
 
 /// A measure of the study's own: a row of `codebook_measures.csv`.
@@ -134,24 +141,31 @@ pub(crate) fn write_codebook(
     let page = maveric_pages::codebook(scales, design)?;
     let mut rows = Vec::new();
     for scale in scales {
+        let row = |subscale: Option<&Subscale>, number: u32| {
+            let place = number as usize - 1;
+            let (item, words) = (&scale.items[place], &scale.wording.items[place]);
+            let pair = words.pair.as_ref();
+            ItemRow {
+                scale: scale.id.clone(),
+                subscale: subscale.map(|s| s.id.clone()),
+                item: number,
+                column: scale.column_of(number),
+                kind: item.kind,
+                min: item.min,
+                max: item.max,
+                reversed: subscale.is_some_and(|s| scale.is_reversed(s, number)),
+                wording: pair.map_or_else(|| words.text.clone(), |pair| pair.join(" – ")),
+                answers: named_answers(item, words),
+            }
+        };
+        let mut scored = BTreeSet::new();
         for subscale in &scale.subscales {
-            rows.extend(subscale.items.iter().map(|&item| {
-                ItemRow {
-                    scale: scale.id.clone(),
-                    subscale: subscale.id.clone(),
-                    item,
-                    column: scale.column_of(item),
-                    min: scale.min,
-                    max: scale.max,
-                    reversed: scale.is_reversed(subscale, item),
-                    wording: scale
-                        .wording
-                        .get(item as usize - 1)
-                        .cloned()
-                        .unwrap_or_default(),
-                }
-            }));
+            let items = scale.items_of(subscale);
+            rows.extend(items.iter().map(|&item| row(Some(subscale), item)));
+            scored.extend(items);
         }
+        let unscored = (1..=scale.count()).filter(|item| !scored.contains(item));
+        rows.extend(unscored.map(|item| row(None, item)));
     }
     write_rows(TableName::Codebook, &csv, &rows)?;
     let measures = design.into_iter().flat_map(Design::measures);
@@ -162,7 +176,7 @@ pub(crate) fn write_codebook(
     atomic_write_bytes(&markdown, page.as_bytes())?;
     Ok(Codebook {
         scales: scales.len(),
-        items: scales.iter().map(|s| s.items as usize).sum(),
+        items: scales.iter().map(|s| s.items.len()).sum(),
         measures: measures.len(),
     })
 }

@@ -13,9 +13,11 @@ use crate::{
         Table, TableName, drives::remove_former, participants::write_participants, write_rows,
     },
 };
-use maveric_domain::{DriveId, DriveMeta, DrivenBy, ParticipantId, stream_seed};
+use maveric_domain::{DriveId, DriveMeta, DrivenBy, Moment, ParticipantId, Scale, stream_seed};
 use maveric_ingest::Beside;
-use maveric_participants::{Cohort, CohortSettings, PlannedDrive, answer_before};
+use maveric_participants::{
+    Cohort, CohortSettings, PlannedDrive, answer_at_random, answer_before, answers::ADB,
+};
 use maveric_simulator::{Driver, People, Scenario, rollout};
 use path_slash::PathExt as _;
 use serde::Serialize;
@@ -147,7 +149,22 @@ impl Stage for Generate {
         if let Some(scenes) = &self.scenes {
             scenes.check(cohort.drives.iter().map(|d| &d.participant))?;
         }
-        let answers = answer_before(&cohort, &scales, &effects, self.seed)?;
+        let mut answers = answer_before(&cohort, &scales, &effects, self.seed)?;
+        let without_effects = |scale: &&Scale| {
+            let asked = study.design.protocol().before.contains(&scale.id);
+            asked && scale.id != ADB && !effects.answers.contains_key(&scale.id)
+        };
+        for person in &cohort.participants {
+            let scales = scales.iter().filter(without_effects);
+            let (rate, seed) = (effects.missing_rate, self.seed);
+            answers.extend(answer_at_random(
+                &person.id,
+                Moment::Pre,
+                scales,
+                rate,
+                seed,
+            ));
+        }
         let mut planned: Vec<(PlannedDrive, &str)> =
             cohort.drives.iter().map(|d| (d.clone(), "")).collect();
         if self.repeat_drives {

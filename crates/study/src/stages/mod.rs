@@ -38,7 +38,7 @@ pub fn versions() -> BTreeMap<String, String> {
     [
         ("generate", 5),
         ("import", 3),
-        ("codebook", 1),
+        ("codebook", 2),
         ("export", 4),
         ("ingest", 12),
         ("score", 6),

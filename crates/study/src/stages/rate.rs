@@ -14,7 +14,8 @@ use crate::{
         write_rows,
     },
 };
-use maveric_domain::{ConditionId, MeasureValues, spread};
+use maveric_domain::{ConditionId, MeasureValues, Moment, Scale, spread};
+use maveric_participants::answer_at_random;
 use path_slash::PathExt as _;
 use serde::Serialize;
 use std::path::{Path, PathBuf};
@@ -97,6 +98,9 @@ impl Stage for Rate {
             .collect();
         let scales = read_scales(&self.scales)?;
         let effects = read_effects_on(&self.effects, &scales)?;
+        let without_effects = |scale: &&Scale| {
+            design.protocol().after.contains(&scale.id) && !effects.ratings.contains_key(&scale.id)
+        };
         let own = |d: &&MeasuredDrive| d.meta.condition == baseline;
         let by_hand: Vec<&MeasureValues> = drives.iter().filter(own).map(|d| &d.values).collect();
         let spread = spread(&by_hand);
@@ -144,6 +148,13 @@ impl Stage for Rate {
             )?;
             warnings.extend(rated.warnings.iter().map(ToString::to_string));
             answers.extend(rated.answers);
+            for (condition, _) in &trials {
+                let scales = scales.iter().filter(without_effects);
+                let (moment, rate) = (Moment::After(*condition), effects.missing_rate);
+                answers.extend(answer_at_random(
+                    &person.id, moment, scales, rate, self.seed,
+                ));
+            }
             raters += 1;
         }
         if raters == 0 {

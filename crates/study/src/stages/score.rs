@@ -21,7 +21,7 @@ use maveric_analysis::Why;
 use maveric_domain::{Answer, Moment, ParticipantId, Scale, Score, Subscale};
 use maveric_measures::{
     ItemMatrix, ScoreWarning,
-    survey::{ProbeAnswer, SheetTime, response_styles, score_probes, too_fast},
+    survey::{ProbeAnswer, SheetTime, attention_missed, response_styles, score_probes, too_fast},
 };
 use maveric_report::tables::Exclusion;
 use maveric_stats::AlphaAnalysis;
@@ -146,14 +146,21 @@ fn reliability(matrix: &ItemMatrix, scales: &[Scale], scores: &[Score]) -> Relia
         .zip(&columns)
         .map(|(name, column)| (name.as_str(), column.as_slice()))
         .collect();
+    let scale = scales.iter().find(|s| s.id == matrix.scale);
+    // Numbers of people's own have no points in common: what they hold together by is not asked.
+    let rates = |item: &u32| {
+        scale
+            .and_then(|s| s.item(*item))
+            .is_some_and(|i| i.kind.rates())
+    };
     let found = maveric_stats::alpha(&items, Some(&people)).ok();
+    let found = found.filter(|_| matrix.items.iter().all(rates));
     let alpha = found.as_ref().map(|a| &a.alpha);
     let values: Vec<f64> = scores
         .iter()
         .filter(|s| s.scale == matrix.scale && s.subscale == matrix.subscale && asked(s.moment))
         .filter_map(|s| s.value)
         .collect();
-    let scale = scales.iter().find(|s| s.id == matrix.scale);
     let subscale = scale.and_then(|s| s.subscales.iter().find(|u| u.id == matrix.subscale));
     let ends = scale
         .zip(subscale)
@@ -192,7 +199,7 @@ fn item_parts(
             let ticked = |v: &Option<f64>| v.is_some_and(|v| (v - f64::from(end)).abs() < 1e-9);
             column.iter().filter(|v| ticked(v)).count()
         };
-        let statistics = found.map(|f| &f.item[i]);
+        let (asked, statistics) = (scale.item(item), found.map(|f| &f.item[i]));
         ItemReliability {
             item,
             reversed: scale.is_reversed(subscale, item),
@@ -200,17 +207,12 @@ fn item_parts(
             sd: statistics.map(|s| s.sd),
             r_rest: statistics.and_then(|s| s.r_drop),
             alpha_dropped: found.and_then(|f| f.drop[i].alpha),
-            floor: at(scale.min),
-            ceiling: at(scale.max),
+            floor: asked.map_or(0, |asked| at(asked.min)),
+            ceiling: asked.map_or(0, |asked| at(asked.max)),
         }
     };
-    subscale
-        .items
-        .iter()
-        .zip(columns)
-        .enumerate()
-        .map(part)
-        .collect()
+    let items = scale.items_of(subscale);
+    items.iter().zip(columns).enumerate().map(part).collect()
 }
 
 impl Stage for ScoreAnswers {
@@ -275,6 +277,7 @@ impl Stage for ScoreAnswers {
         };
         let doubtful = response_styles(&scales, &answers)
             .into_iter()
+            .chain(attention_missed(&scales, &answers))
             .chain(too_fast(&times));
         warnings.extend(doubtful.filter(known));
         let reliabilities: Vec<Reliability> = scored

@@ -29,7 +29,7 @@ pub(super) struct LeftOut {
 /// What to know of rules that look at all that somebody did: they hold as the last analysis applied them.
 fn doubts(study: &DesignFile) -> Option<String> {
     let rules = study.design.exclude();
-    let asked = rules.straight_lined || rules.fewer_conditions_than.is_some();
+    let asked = rules.judges_answers() || rules.fewer_conditions_than.is_some();
     let analysis = study.resolve(&Path::new(RESULTS).join("analysis.json"));
     let changed = |path: &Path| path.metadata().and_then(|m| m.modified()).ok();
     let problem = match (changed(&analysis), study.path.as_deref().and_then(changed)) {

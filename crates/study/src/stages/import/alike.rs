@@ -33,7 +33,7 @@ pub(super) fn refuse(
                 others.entry(other).or_insert((0, name.as_str())).0 += 1;
             }
         }
-        let whole = others.values().find(|(n, _)| *n >= scale.items as usize);
+        let whole = others.values().find(|(n, _)| *n >= scale.items.len());
         if let Some((_, example)) = whole {
             let id = &scale.id;
             return Err(StudyError::BadFile {

@@ -5,7 +5,7 @@ use super::{
     pattern::Pattern,
 };
 use crate::error::StudyError;
-use maveric_domain::{Design, Moment, Scale};
+use maveric_domain::{Design, Moment, Scale, survey::Item};
 use std::{collections::BTreeMap, path::Path};
 
 /// When an answer was given, by the name of its column.
@@ -181,7 +181,8 @@ impl<'a> Columns<'a> {
     /// software's words for no answer.
     pub(super) fn answer_of(
         &self,
-        scale: usize,
+        slot: &Slot,
+        item: &Item,
         text: &str,
         add: i32,
         missing: &[&str],
@@ -191,22 +192,24 @@ impl<'a> Columns<'a> {
         if is_missing || matches!(text, "" | "NA" | "null") {
             return Ok(None);
         }
-        let columns = self.mapped(scale);
-        let scale = &self.scales[scale];
+        let columns = self.mapped(slot.scale);
+        let scale = &self.scales[slot.scale];
         let labels = columns.map(|c| c.labels.as_slice()).unwrap_or_default();
-        let mut labelled = (scale.min..).zip(labels);
-        if let Some((answer, _)) = labelled.find(|(_, l)| l.trim().eq_ignore_ascii_case(text)) {
+        let mut labelled = item.answers().zip(labels);
+        let labelled = labelled.find(|(_, l)| l.trim().eq_ignore_ascii_case(text));
+        let in_words = labelled.map(|(answer, _)| answer);
+        if let Some(answer) = in_words.or_else(|| scale.answer_in_words(slot.item, text)) {
             return Ok(Some(answer));
         }
         let add = columns.and_then(|c| c.add).unwrap_or(add);
         // oTree and spreadsheets may write 3 as 3.0.
         let whole = text.strip_suffix(".0").unwrap_or(text).parse::<i32>().ok();
         match whole.and_then(|n| n.checked_add(add)) {
-            Some(answer) if (scale.min..=scale.max).contains(&answer) => Ok(Some(answer)),
+            Some(answer) if item.takes(answer) => Ok(Some(answer)),
             _ => Err(format!(
                 "found `{text}`, expected a whole number from {} to {}, or nothing; answers in words can be given their numbers by `labels` in the map of columns",
-                scale.min - add,
-                scale.max - add
+                item.min - add,
+                item.max - add
             )),
         }
     }

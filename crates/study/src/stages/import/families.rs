@@ -1,7 +1,10 @@
 //! Columns that are numbered alike, which may be the items of a scale.
 
 use super::{columns::Columns, formats::Format, grid::Grid};
-use maveric_domain::{Moment, Scale};
+use maveric_domain::{
+    Moment, Scale,
+    survey::{Item, Kind},
+};
 use std::collections::BTreeMap;
 
 /// Columns whose names differ in one number alone.
@@ -65,21 +68,30 @@ pub(super) enum Answers {
 }
 
 pub(super) fn answers(grid: &Grid, scale: &Scale, family: &Family) -> Answers {
-    let cells = family
-        .columns
-        .values()
-        .flat_map(|column| grid.column(*column));
-    let filled: Vec<&str> = cells.filter(|cell| !cell.is_empty()).collect();
-    let numbers: Vec<i32> = filled.iter().filter_map(|cell| cell.parse().ok()).collect();
-    let range = scale.min..=scale.max;
-    let possible = |n: i32, add: i32| n.checked_add(add).is_some_and(|n| range.contains(&n));
+    let mut numbers: Vec<(&Item, i32)> = Vec::new();
+    for (number, column) in &family.columns {
+        let Some(item) = scale.item(*number) else {
+            return Answers::Beyond;
+        };
+        let filled = grid.column(*column).filter(|cell| !cell.is_empty());
+        for cell in filled.filter(|_| item.kind != Kind::Text) {
+            match cell
+                .parse()
+                .ok()
+                .or_else(|| scale.answer_in_words(*number, cell))
+            {
+                Some(answer) => numbers.push((item, answer)),
+                None => return Answers::Words,
+            }
+        }
+    }
     // Negative numbers are codes for no answer.
-    let given = || numbers.iter().copied().filter(|n| *n >= scale.min.min(0));
-    if numbers.len() < filled.len() {
-        Answers::Words
-    } else if given().all(|n| possible(n, 0)) {
+    let given = || numbers.iter().filter(|(item, n)| *n >= item.min.min(0));
+    let possible =
+        |(item, n): &(&Item, i32), add| n.checked_add(add).is_some_and(|n| item.takes(n));
+    if given().all(|answer| possible(answer, 0)) {
         Answers::Within
-    } else if scale.min == 1 && given().all(|n| possible(n, 1)) {
+    } else if given().all(|answer| answer.0.min == 1 && possible(answer, 1)) {
         Answers::FromZero
     } else {
         Answers::Beyond

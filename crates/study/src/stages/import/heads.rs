@@ -105,7 +105,7 @@ fn complete(
         for ((scale, _), sheet) in sheets {
             let scale = &columns.scales[scale];
             let has = |item: &u32| sheet.iter().any(|other| other.slot.item == *item);
-            let missing = (1..=scale.items).filter(|item| !has(item));
+            let missing = (1..=scale.count()).filter(|item| !has(item));
             let missing: Vec<String> = missing.map(|item| item.to_string()).collect();
             if !missing.is_empty() {
                 let beside = match sheet.first() {

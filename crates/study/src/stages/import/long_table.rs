@@ -78,7 +78,8 @@ pub(super) fn write(path: &Path, rows: &[Row], scales: &[Scale]) -> Result<(), S
             item: r.item,
             answer: r.answer,
         };
-        (answer, r.seconds.map(|seconds| ("seconds", seconds)))
+        let words = r.words.as_ref().map(|words| ("text", words));
+        (answer, r.seconds.map(|seconds| ("seconds", seconds)), words)
     });
     write_rows(TableName::Answers, path, answers)
 }

@@ -2,7 +2,7 @@
 
 use super::grid::HowToRead;
 use crate::{atomic_write::read_text, error::StudyError};
-use maveric_domain::{Moment, Scale};
+use maveric_domain::{Moment, Scale, survey::Item};
 use serde::Deserialize;
 use std::{collections::BTreeMap, path::Path};
 
@@ -60,18 +60,16 @@ impl MapFile {
 impl ScaleColumns {
     /// Whether it fits its scale.
     pub(super) fn fits(&self, scale: &Scale) -> Result<(), String> {
-        let boxes = (scale.max - scale.min + 1) as usize;
         let (labels, items) = (self.labels.len(), self.items.len());
-        if labels != 0 && labels != boxes {
-            let (min, max) = (scale.min, scale.max);
-            return Err(format!(
-                "{labels} labels for the {boxes} answers {min} to {max}"
-            ));
+        let unfit = |item: &&Item| labels != 0 && labels != item.points();
+        if let Some(item) = scale.items.iter().find(unfit) {
+            let (boxes, range) = (item.points(), item.range());
+            return Err(format!("{labels} labels for the {boxes} answers {range}"));
         }
-        if items != 0 && items != scale.items as usize {
+        if items != 0 && items != scale.items.len() {
             return Err(format!(
                 "{items} words in `items` for the scale's {} items",
-                scale.items
+                scale.count()
             ));
         }
         Ok(())

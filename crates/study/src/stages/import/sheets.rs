@@ -2,7 +2,7 @@
 
 use super::columns::{Columns, Slot, When};
 use crate::error::StudyError;
-use maveric_domain::{ConditionId, Moment, ParticipantId};
+use maveric_domain::{ConditionId, Moment, ParticipantId, survey::Kind};
 use std::{
     borrow::Cow,
     collections::{BTreeMap, BTreeSet},
@@ -17,6 +17,8 @@ pub(super) struct Row {
     pub(super) scale: usize,
     pub(super) item: u32,
     pub(super) answer: Option<i32>,
+    /// What was written, of an item that asks for words.
+    pub(super) words: Option<String>,
     pub(super) seconds: Option<f64>,
     /// Where in the file it stands, for messages.
     pub(super) place: String,
@@ -87,18 +89,25 @@ impl Reading<'_> {
                     "participant {participant} ({moment}), scale `{id}`, item {item} ({place}): {problem}"
                 ))
             };
-            if !(1..=scale.items).contains(&slot.item) {
-                return Err(wrong(format!("the scale has {} items", scale.items)));
-            }
-            let add = if page.from_zero { scale.min } else { 0 };
-            let answer = self.columns.answer_of(slot.scale, text, add, self.missing);
-            let answer = answer.map_err(wrong)?;
+            let Some(item) = scale.item(slot.item) else {
+                return Err(wrong(format!("the scale has {} items", scale.count())));
+            };
+            let add = if page.from_zero { item.min } else { 0 };
+            let words = (item.kind == Kind::Text).then(|| text.trim().to_owned());
+            let answer = match &words {
+                Some(_) => None,
+                None => self
+                    .columns
+                    .answer_of(slot, item, text, add, self.missing)
+                    .map_err(wrong)?,
+            };
             rows.push(Row {
                 participant,
                 moment,
                 scale: slot.scale,
                 item: slot.item,
                 answer,
+                words: words.filter(|words| !words.is_empty()),
                 seconds: page.seconds,
                 place,
             });

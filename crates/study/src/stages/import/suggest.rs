@@ -180,14 +180,10 @@ fn of_scale(
     words: &mut BTreeSet<String>,
 ) -> Vec<String> {
     let id = &scale.id;
-    let title = format!(
-        "{} items, answers {} to {}",
-        scale.items, scale.min, scale.max
-    );
+    let title = format!("{} items, answers {}", scale.count(), scale.ranges());
     let convention = columns.pattern_of(scale);
     let fits = |family: &&Family| {
-        family.columns.len() == scale.items as usize
-            && answers(grid, scale, family) != Answers::Beyond
+        family.columns.len() == scale.items.len() && answers(grid, scale, family) != Answers::Beyond
     };
     let fitting: Vec<&Family> = families.iter().filter(fits).collect();
     if fitting.iter().any(|f| f.pattern() == convention) {
@@ -231,7 +227,7 @@ fn of_scale(
         }
         [] if fitting.is_empty() => vec![format!(
             "# [scales.{id}]   # {title}: no columns numbered 1 to {} have such answers",
-            scale.items
+            scale.count()
         )],
         [] => doubtful(
             scale,
@@ -249,7 +245,7 @@ fn how_answered(grid: &Grid, scale: &Scale, families: &[&Family], how: Answers) 
     match how {
         Answers::FromZero => Some(format!(
             "add = 1   # the answers go from 0 to {}",
-            scale.max - 1
+            scale.items.first()?.max - 1
         )),
         Answers::Words => {
             let columns = families.iter().flat_map(|f| f.columns.values());

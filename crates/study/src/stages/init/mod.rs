@@ -40,6 +40,36 @@ fn scales() -> impl Iterator<Item = (&'static str, &'static str)> {
     maveric_data::FILES.iter().filter_map(below)
 }
 
+/// Name and text of those that are asked for beside them.
+fn further_scales(ids: &[String]) -> Result<Vec<(&'static str, &'static str)>, StudyError> {
+    let below = |(path, text): &(&'static str, &'static str)| {
+        let name = path.strip_prefix("study_data/further_")?;
+        Some((name, *text))
+    };
+    let shipped: Vec<_> = maveric_data::FILES.iter().filter_map(below).collect();
+    let of = |id: &String| {
+        let file = format!("scales/{id}.toml");
+        let known = || {
+            let names = shipped.iter().map(|(name, _)| *name);
+            names.filter_map(|name| name.strip_prefix("scales/")?.strip_suffix(".toml"))
+        };
+        let found = shipped.iter().find(|(name, _)| *name == file);
+        found
+            .copied()
+            .ok_or_else(|| refused(DesignError::word("--scales", id, known())))
+    };
+    ids.iter().map(of).collect()
+}
+
+/// A word that is refused, with what is possible.
+#[expect(clippy::needless_pass_by_value, reason = "`map_err` gives it away")]
+fn refused(error: DesignError) -> StudyError {
+    StudyError::NotPossible {
+        problem: error.to_string(),
+        help: error.suggestion(),
+    }
+}
+
 /// Those of made-up people.
 const EFFECTS: (&str, &str) = ("effects.toml", maveric_data::EFFECTS);
 /// Those of the paper's study.
@@ -74,11 +104,14 @@ pub struct Init {
     /// The score that the dial turns, or none where every car was recorded; adb.total when not given
     #[arg(long, value_name = "none|SCALE.SUBSCALE", requires = "conditions")]
     pub style: Option<String>,
+    /// Further questionnaires to put into scales/: acceptance, attention, demographics, misc, nasa_tlx, purpose, ssq, sts_ad
+    #[arg(long, value_delimiter = ',', value_name = "IDS")]
+    pub scales: Vec<String>,
     /// The people will be made up
     #[arg(long)]
     pub synthetic: bool,
     /// The paper's study as this program ships it, with made-up people: pipelines, design, scales, scenarios
-    #[arg(long, conflicts_with_all = ["conditions", "style", "synthetic"])]
+    #[arg(long, conflicts_with_all = ["conditions", "style", "scales", "synthetic"])]
     pub paper: bool,
 }
 
@@ -107,7 +140,9 @@ impl Stage for Init {
             (maveric_data::FILES.to_vec(), &[][..])
         } else {
             (design, people) = texts(self)?;
-            (own_files(self, &design, people), &FOLDERS[..])
+            let mut files = own_files(self, &design, people);
+            files.extend(further_scales(&self.scales)?);
+            (files, &FOLDERS[..])
         };
         std::fs::create_dir_all(folder).map_err(StudyError::write(folder))?;
         // What a killed call left of a folder goes here.
@@ -196,10 +231,6 @@ fn texts(options: &Init) -> Result<(String, &'static str), StudyError> {
             "participant,study,population,age,gender,professional,order\n",
         ));
     }
-    let refused = |error: DesignError| StudyError::NotPossible {
-        problem: error.to_string(),
-        help: error.suggestion(),
-    };
     let mut conditions = Vec::new();
     for word in &options.conditions {
         let id: ConditionId = word.trim().parse()?;
@@ -233,7 +264,7 @@ fn texts(options: &Init) -> Result<(String, &'static str), StudyError> {
 /// A score of a shipped scale, and its range.
 fn score(name: &str) -> Result<(ScoreName, [f64; 2]), DesignError> {
     let scales: Vec<Scale> = scales()
-        .filter_map(|(_, text)| maveric_measures::parse_scale(text).ok())
+        .filter_map(|(_, text)| Scale::from_toml(text).ok())
         .collect();
     let mut names = Vec::new();
     for scale in &scales {
@@ -268,7 +299,7 @@ mod tests {
         let protocol = design.protocol();
         let asked = || protocol.before.iter().chain(&protocol.after);
         let shipped: BTreeSet<String> = scales()
-            .filter_map(|(_, text)| Some(maveric_measures::parse_scale(text).ok()?.id))
+            .filter_map(|(_, text)| Some(Scale::from_toml(text).ok()?.id))
             .collect();
         assert!(asked().all(|scale| shipped.contains(scale)), "{protocol:?}");
         assert!(protocol.before.contains(&"adb".to_owned()));
@@ -297,6 +328,20 @@ mod tests {
         assert!(names.contains(DESIGN_FILE) && names.iter().all(|n| !n.starts_with(".maveric")));
         let error = options.run(Watch::new(&quiet, &go_on)).unwrap_err();
         assert!(error.to_string().contains("is not empty"), "{error}");
+    }
+
+    #[test]
+    fn further_scales_stand_beside_the_others_and_an_unknown_one_is_named_with_the_nearest() {
+        let files = further_scales(&["ssq".to_owned(), "nasa_tlx".to_owned()]).unwrap();
+        let names: Vec<&str> = files.iter().map(|(name, _)| *name).collect();
+        assert_eq!(names, ["scales/ssq.toml", "scales/nasa_tlx.toml"]);
+        assert!(files[0].1.contains("id = \"ssq\""));
+        assert!(scales().all(|(name, _)| !names.contains(&name)));
+        let error = further_scales(&["nasa_tlxx".to_owned()]).unwrap_err();
+        assert!(
+            error.suggestion().unwrap().contains("`nasa_tlx`"),
+            "{error}"
+        );
     }
 
     #[test]

@@ -1,0 +1,46 @@
+//! `codebook`, with the pages that people would be shown.
+
+use super::{Of, Runs, print_lines};
+use crate::diagnostics::{Failure, tell};
+use maveric_seat::write_sheet_pages;
+use maveric_study::{
+    DesignFile, Files, StudyError, run_folder::read_scales, stages::codebook::Describe,
+};
+use path_slash::PathExt as _;
+use std::path::{Path, PathBuf};
+
+// No doc: the stage's own is its help.
+#[derive(Debug, clap::Args)]
+pub(crate) struct Codebook {
+    #[command(flatten)]
+    of: Of<Describe>,
+    /// Folder for a page (HTML) a questionnaire, drawn as the seat draws it, in the language of the design
+    #[arg(long, value_name = "DIR")]
+    pages: Option<PathBuf>,
+}
+
+impl Runs for Codebook {
+    fn files(&self, root: &Path) -> Result<Files, StudyError> {
+        Ok(self.of.files(root)?.writes(&self.pages))
+    }
+
+    fn run(&mut self) -> Result<(), Failure> {
+        self.of.run()?;
+        let Some(folder) = &self.pages else {
+            return Ok(());
+        };
+        let failed = |error| Failure::study("could not write the pages")(error);
+        let stage = &self.of.stage;
+        let study = DesignFile::here(stage.design.as_deref()).map_err(failed)?;
+        let language = study
+            .as_ref()
+            .map(|s| s.design.protocol().language.as_str());
+        let scales = read_scales(&stage.scales).map_err(failed)?;
+        let pages = write_sheet_pages(&scales, language, folder).map_err(failed)?;
+        for lacking in &pages.lacking {
+            tell!("warning: no page: {lacking}");
+        }
+        let (n, shown) = (pages.written.len(), folder.to_slash_lossy());
+        print_lines(&[format!("{n} pages: {shown}")])
+    }
+}

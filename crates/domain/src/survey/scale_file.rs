@@ -1,0 +1,716 @@
+//! A questionnaire's file: short forms and tables of items are read into one list of items and their words.
+
+use super::{
+    item::{Item, Kind},
+    scale::Scale,
+    subscale::{NormCorrelation, Scoring, Subscale},
+    words_file::{ItemTexts, Words, complete},
+};
+use crate::error::DomainError;
+use serde::Deserialize;
+use std::collections::BTreeMap;
+
+/// Most items that a questionnaire may have: a slip of the keyboard should not ask a million questions.
+const MOST_ITEMS: usize = 1000;
+
+/// Answers lie between this and its negative.
+const FURTHEST: i32 = 1_000_000_000;
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct ScaleFile {
+    id: String,
+    title: String,
+    reference: String,
+    licence: Option<String>,
+    #[serde(default)]
+    kind: Kind,
+    items: Option<usize>,
+    min: Option<i32>,
+    max: Option<i32>,
+    step: Option<i32>,
+    #[serde(default)]
+    reversed: Vec<u32>,
+    #[serde(default)]
+    item: Vec<ItemTable>,
+    scoring: Option<Scoring>,
+    #[serde(default = "default_min_answered")]
+    min_answered: f64,
+    #[serde(default)]
+    subscales: Vec<Subscale>,
+    column: Option<String>,
+    #[serde(default)]
+    correlations: Vec<NormCorrelation>,
+    #[serde(default = "default_language")]
+    language: String,
+    shown_title: Option<String>,
+    instruction: Option<String>,
+    #[serde(default)]
+    anchors: Vec<String>,
+    #[serde(default)]
+    levels: Vec<String>,
+    #[serde(default)]
+    wording: Vec<String>,
+    #[serde(default)]
+    pairs: Vec<Vec<String>>,
+    #[serde(default)]
+    translation: BTreeMap<String, Words>,
+}
+
+fn default_min_answered() -> f64 {
+    0.8
+}
+
+fn default_language() -> String {
+    "en".to_owned()
+}
+
+#[derive(Default, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+struct ItemTable {
+    kind: Option<Kind>,
+    min: Option<i32>,
+    max: Option<i32>,
+    step: Option<i32>,
+    reversed: bool,
+    expected: Option<i32>,
+    optional: bool,
+    text: String,
+    pair: Vec<String>,
+    anchors: Vec<String>,
+    levels: Vec<String>,
+}
+
+impl Scale {
+    /// Reads a questionnaire's file and checks that it agrees with itself.
+    ///
+    /// # Errors
+    /// [`DomainError::ScaleToml`] naming line and key where the text is no definition; [`DomainError::BadScale`] naming the first
+    /// contradiction.
+    ///
+    /// # Example
+    /// ```
+    /// let scale = maveric_domain::Scale::from_toml(r#"
+    ///     id = "calm"
+    ///     title = "Calmness"
+    ///     reference = "made up"
+    ///     items = 2
+    ///     min = 1
+    ///     max = 7
+    ///     anchors = ["not at all", "very"]
+    ///     scoring = "mean"
+    ///     reversed = [2]
+    ///     [[subscales]]
+    ///     id = "calm"
+    ///     title = "Calmness"
+    ///     items = [1, 2]
+    /// "#)?;
+    /// assert!(scale.is_reversed(&scale.subscales[0], 2));
+    /// # Ok::<(), maveric_domain::DomainError>(())
+    /// ```
+    pub fn from_toml(text: &str) -> Result<Self, DomainError> {
+        let file: ScaleFile = toml::from_str(text).map_err(|e| DomainError::ScaleToml {
+            problem: e.to_string().trim_end().to_owned(),
+        })?;
+        let scale = file.id.clone();
+        let scale = file
+            .scale()
+            .map_err(|problem| DomainError::BadScale { scale, problem })?;
+        scale.checked()
+    }
+}
+
+impl ScaleFile {
+    fn scale(mut self) -> Result<Scale, String> {
+        let tables = std::mem::take(&mut self.item);
+        let n = self.count(tables.len())?;
+        let items: Vec<Item> = match tables.len() {
+            0 => {
+                let like_the_scale = self.item(&ItemTable::default(), 1);
+                vec![like_the_scale.map_err(|e| e.replace("item 1: ", ""))?; n]
+            }
+            _ => (1..)
+                .zip(&tables)
+                .map(|(number, table)| self.item(table, number))
+                .collect::<Result<_, _>>()?,
+        };
+        let items = self.reversed(items)?;
+        let texts = |table: ItemTable| ItemTexts {
+            text: table.text,
+            pair: table.pair,
+            anchors: table.anchors,
+            levels: table.levels,
+        };
+        let words = Words {
+            shown_title: self.shown_title,
+            instruction: self.instruction,
+            anchors: self.anchors,
+            levels: self.levels,
+            items: self.wording,
+            pairs: self.pairs,
+            item: tables.into_iter().map(texts).collect(),
+        };
+        let wording = words.wording("wording", self.kind, &items)?;
+        let mut translations = BTreeMap::new();
+        for (language, words) in self.translation {
+            let translated = words.wording("items", self.kind, &items);
+            let translated = translated
+                .and_then(|translated| complete(translated, &wording))
+                .map_err(|problem| format!("[translation.{language}]: {problem}"))?;
+            if language == self.language {
+                return Err(format!(
+                    "[translation.{language}] is the language of the file itself (`language`)"
+                ));
+            }
+            translations.insert(language, translated);
+        }
+        let scoring = match self.scoring {
+            None if !self.subscales.is_empty() => {
+                return Err("has subscales, expected scoring = \"sum\" or \"mean\"".to_owned());
+            }
+            scoring => scoring.unwrap_or(Scoring::Mean),
+        };
+        Ok(Scale {
+            id: self.id,
+            title: self.title,
+            reference: self.reference,
+            licence: self.licence,
+            items,
+            scoring,
+            min_answered: self.min_answered,
+            subscales: self.subscales,
+            column: self.column,
+            correlations: self.correlations,
+            language: self.language,
+            wording,
+            translations,
+        })
+    }
+
+    /// How many items there are: the keys that list them agree.
+    fn count(&self, tables: usize) -> Result<usize, String> {
+        let lists = [tables, self.pairs.len(), self.wording.len()];
+        let listed = lists.into_iter().find(|n| *n > 0);
+        let Some(n) = self.items.or(listed) else {
+            return Err(
+                "has no items, expected `items = N`, `wording`, `pairs` or [[item]]".to_owned(),
+            );
+        };
+        match tables {
+            _ if !(1..=MOST_ITEMS).contains(&n) => Err(format!(
+                "{n} items, expected at least one item and at most {MOST_ITEMS}"
+            )),
+            0 => Ok(n),
+            tables if tables == n => Ok(n),
+            tables => Err(format!("has {tables} tables [[item]] for {n} items")),
+        }
+    }
+
+    /// One item; what the scale says of range and levels holds for items of its kind.
+    fn item(&self, table: &ItemTable, number: usize) -> Result<Item, String> {
+        let kind = table.kind.unwrap_or(self.kind);
+        let bad = |problem: String| Err(format!("item {number}: {problem}"));
+        let of_scale = |key: Option<i32>| key.filter(|_| kind == self.kind);
+        let (mut min, mut max) = (
+            table.min.or(of_scale(self.min)),
+            table.max.or(of_scale(self.max)),
+        );
+        let step = table.step.or(of_scale(self.step));
+        if kind.has_levels() {
+            let levels = self.levels_of(table, kind, min.zip(max));
+            if levels < 2 {
+                let kind = kind.name();
+                return bad(format!(
+                    "a `{kind}` with {levels} `levels`, expected two or more"
+                ));
+            }
+            let lowest = min.unwrap_or(1);
+            let highest = lowest.saturating_add(levels - 1);
+            if let Some(max) = max.filter(|max| *max != highest) {
+                return bad(format!(
+                    "{levels} levels from {lowest} end at {highest}, and max is {max}"
+                ));
+            }
+            (min, max) = (Some(lowest), Some(highest));
+        }
+        if kind == Kind::Text {
+            if min.or(max).or(step).is_some() {
+                return bad("a `text` has neither min, max nor step".to_owned());
+            }
+            (min, max) = (Some(0), Some(0));
+        }
+        let (Some(min), Some(max)) = (min, max) else {
+            return bad(format!("a `{}` needs min and max", kind.name()));
+        };
+        if kind != Kind::Text && min >= max {
+            return bad(format!("min {min} is not below max {max}"));
+        }
+        if min < -FURTHEST || max > FURTHEST {
+            return bad(format!("{min} to {max}, expected within ±{FURTHEST}"));
+        }
+        if let Some(step) = step.filter(|s| kind != Kind::Slider || *s < 1 || (max - min) % s != 0)
+        {
+            return bad(format!(
+                "step {step}, expected one of a slider that leads from {min} to {max}"
+            ));
+        }
+        let item = Item {
+            kind,
+            min,
+            max,
+            step: step.unwrap_or(1),
+            reversed: table.reversed,
+            expected: table.expected,
+            optional: table.optional,
+        };
+        if item.reversed && !kind.rates() {
+            return bad(format!("a `{}` cannot be reversed", kind.name()));
+        }
+        match item.expected {
+            Some(answer) if !item.takes(answer) => {
+                let range = item.range();
+                bad(format!(
+                    "expected is {answer}, which is no answer ({range})"
+                ))
+            }
+            _ => Ok(item),
+        }
+    }
+
+    /// How many levels a ladder or a choice has: those that are written, or as many as a ladder without words leads through.
+    fn levels_of(&self, table: &ItemTable, kind: Kind, ends: Option<(i32, i32)>) -> i32 {
+        let of_scale = self.levels.len() * usize::from(kind == self.kind);
+        let own = Some(table.levels.len()).filter(|n| *n > 0);
+        match (own.unwrap_or(of_scale), ends) {
+            (0, Some((min, max))) if kind == Kind::Ladder => {
+                max.saturating_sub(min).saturating_add(1).max(0)
+            }
+            (written, _) => i32::try_from(written).unwrap_or(i32::MAX),
+        }
+    }
+
+    /// Reverses the items that `reversed` lists, too.
+    fn reversed(&self, mut items: Vec<Item>) -> Result<Vec<Item>, String> {
+        let n = items.len();
+        for number in &self.reversed {
+            let listed = (*number as usize).checked_sub(1);
+            match listed.and_then(|place| items.get_mut(place)) {
+                Some(item) if item.kind.rates() => item.reversed = true,
+                Some(item) => {
+                    let kind = item.kind.name();
+                    return Err(format!("item {number}: a `{kind}` cannot be reversed"));
+                }
+                None => {
+                    return Err(format!("reversed item {number} is not among its {n} items"));
+                }
+            }
+        }
+        Ok(items)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const TWO_OF_FOUR: &str = r#"
+id = "trust"
+title = "Trust"
+reference = "chosen"
+items = 4
+min = 1
+max = 7
+scoring = "sum"
+reversed = [4]
+min_answered = 1.0
+wording = ["a", "b", "c", "d"]
+column = "q{item}"
+[[subscales]]
+id = "own"
+title = "Own"
+items = [1, 2]
+reversed = [1]
+same = 14.0
+norms = { mean = 8.0, sd = 2.5, alpha = 0.8, source = "chosen" }
+[[subscales]]
+id = "other"
+title = "Other"
+items = [3, 4]
+[[correlations]]
+of = ["own", "other"]
+r = 0.4
+source = "chosen"
+"#;
+
+    /// The scale with one line changed, and what is said of it.
+    fn said(from: &str, to: &str) -> Result<Scale, String> {
+        assert!(TWO_OF_FOUR.contains(from), "{from}");
+        Scale::from_toml(&TWO_OF_FOUR.replacen(from, to, 1)).map_err(|e| e.to_string())
+    }
+
+    #[test]
+    fn a_scale_that_agrees_with_itself_is_taken_up_to_its_ends() {
+        let scale = said("alpha = 0.8", "alpha = 0.99").unwrap();
+        assert_eq!(scale.score_range(&scale.subscales[0]), (2.0, 14.0));
+        let reversed = |sub: usize| {
+            let items = 1..=4;
+            let is = |item: &u32| scale.is_reversed(&scale.subscales[sub], *item);
+            items.filter(is).collect::<Vec<u32>>()
+        };
+        assert_eq!((reversed(0), reversed(1)), (vec![1, 4], vec![4]));
+        assert_eq!(scale.column_of(3), "q3");
+        let mean = said(
+            "scoring = \"sum\"\nreversed",
+            "scoring = \"mean\"\nreversed",
+        );
+        assert!(mean.unwrap_err().contains("same is 14, expected 1 to 7"));
+        let plain = said("column = \"q{item}\"\n", "").unwrap();
+        assert_eq!(plain.column_of(3), "trust_3");
+        for (from, to) in [
+            ("same = 14.0", "same = 2.0"),
+            ("wording = [\"a\", \"b\", \"c\", \"d\"]\n", ""),
+            ("min_answered = 1.0", "min_answered = 0.01"),
+            ("mean = 8.0, sd = 2.5", "mean = 2.1, sd = 5.9"),
+            ("r = 0.4", "r = -0.99"),
+        ] {
+            assert!(said(from, to).is_ok(), "{to}");
+        }
+    }
+
+    #[test]
+    fn each_contradiction_of_a_scale_is_named() {
+        let twice =
+            "of = [\"other\", \"own\"]\nr = 0.1\nsource = \"x\"\n[[correlations]]\nof = [\"own\"";
+        for (from, to, word) in [
+            ("items = 4", "items = 0", "at least one item"),
+            ("max = 7", "max = 1", "min 1 is not below max 1"),
+            ("min_answered = 1.0", "min_answered = 0.0", "not in (0, 1]"),
+            ("min_answered = 1.0", "min_answered = 1.1", "not in (0, 1]"),
+            ("\"c\", \"d\"]", "\"c\"]", "3 texts for 4 items"),
+            ("reversed = [4]", "reversed = [5]", "reversed item 5"),
+            ("reversed = [4]", "reversed = [0]", "reversed item 0"),
+            ("items = [1, 2]", "items = []", "`own` has no items"),
+            ("items = [1, 2]", "items = [1, 5]", "names item 5 of 4"),
+            ("reversed = [1]", "reversed = [9]", "names item 9 of 4"),
+            (
+                "reversed = [1]",
+                "reversed = [3]",
+                "reverses item 3, which it does not have",
+            ),
+            ("id = \"other\"", "id = \"own\"", "`own` is defined twice"),
+            ("id = \"other\"", "id = \"Oth er\"", "lower-case letters"),
+            (
+                "items = 4\nmin = 1\nmax = 7\nscoring = \"sum\"\nreversed = [4]\nmin_answered = 1.0\nwording = [\"a\", \"b\", \"c\", \"d\"]",
+                "items = 1001\nmin = 1\nmax = 7\nscoring = \"sum\"",
+                "1001 items, expected",
+            ),
+            ("scoring = \"sum\"\n", "", "expected scoring = "),
+            ("scoring = \"sum\"", "scorring = \"sum\"", "scorring"),
+            (
+                "title = \"Own\"",
+                "title = \"Own\"\nweight = 0",
+                "weight is 0",
+            ),
+            (
+                "title = \"Own\"",
+                "title = \"Own\"\nsum_of = [\"other\"]",
+                "no `items` of its own",
+            ),
+            ("items = [1, 2]", "items = [2, 1, 2]", "item 2 twice"),
+            ("same = 14.0", "same = 14.5", "expected 2 to 14"),
+            ("same = 14.0", "same = 1.5", "expected 2 to 14"),
+            ("mean = 8.0", "mean = 14.0", "norms.mean is 14"),
+            ("mean = 8.0", "mean = 2.0", "norms.mean is 2"),
+            ("sd = 2.5", "sd = 6.0", "above 0 and below 6"),
+            ("sd = 2.5", "sd = 0.0", "norms.sd is 0"),
+            ("alpha = 0.8", "alpha = 1.0", "norms.alpha is 1"),
+            ("alpha = 0.8", "alpha = 0.0", "norms.alpha is 0"),
+            ("source = \"chosen\" }", "source = \" \" }", "norms.source"),
+            ("column = \"q{item}\"", "column = \"q\"", "no `{item}`"),
+            (
+                "\"own\", \"other\"]",
+                "\"own\", \"own\"]",
+                "of one subscale",
+            ),
+            (
+                "\"own\", \"other\"]",
+                "\"own\", \"so\"]",
+                "no subscale `so`",
+            ),
+            ("of = [\"own\"", twice, "given twice"),
+            ("r = 0.4", "r = 1.0", "is 1, expected between -1 and 1"),
+            ("r = 0.4", "r = -1.0", "is -1, expected between"),
+            (
+                "0.4\nsource = \"chosen\"",
+                "0.4\nsource = \"\"",
+                "source is empty",
+            ),
+        ] {
+            let error = said(from, to).unwrap_err();
+            assert!(error.contains(word), "{to}: {error}");
+        }
+    }
+
+    /// The file of a scale with these lines at the top and these tables behind it.
+    fn made(top: &str, tables: &str) -> Result<Scale, String> {
+        let head = "id = \"x\"\ntitle = \"X\"\nreference = \"made up\"\n";
+        Scale::from_toml(&format!("{head}{top}\n{tables}")).map_err(|e| e.to_string())
+    }
+
+    const PAIRS: &str = "kind = \"bipolar\"\nmin = -2\nmax = 2\nreversed = [1]\npairs = [[\"useful\", \"useless\"], [\"bad\", \"good\"]]\ninstruction = \"It is\"\n";
+
+    #[test]
+    fn short_forms_and_tables_of_items_are_one_list() {
+        let short = made(
+            "min = 1\nmax = 3\nreversed = [2]\nwording = [\"a\", \"b\"]\nanchors = [\"no\", \"yes\"]",
+            "",
+        );
+        let long = made(
+            "min = 1\nmax = 3",
+            "[[item]]\ntext = \"a\"\nanchors = [\"no\", \"yes\"]\n[[item]]\ntext = \"b\"\nreversed = true\nanchors = [\"no\", \"yes\"]\n",
+        );
+        assert_eq!(short.unwrap(), long.unwrap());
+        let pairs = made(PAIRS, "").unwrap();
+        assert_eq!(
+            pairs.wording.items[1].pair,
+            Some(["bad".to_owned(), "good".to_owned()])
+        );
+        assert!(pairs.items[0].reversed && !pairs.items[1].reversed && pairs.wording.worded() == 2);
+    }
+
+    #[test]
+    fn each_kind_has_its_answers() {
+        let tables = "[[item]]\ntext = \"a\"\nkind = \"slider\"\nmin = 0\nmax = 100\nstep = 5\nanchors = [\"low\", \"high\"]\n\
+                      [[item]]\ntext = \"b\"\nkind = \"ladder\"\nmin = 0\nlevels = [\"none\", \"some\", \"much\"]\n\
+                      [[item]]\ntext = \"c\"\nkind = \"choice\"\nlevels = [\"yes\", \"No\"]\noptional = true\n\
+                      [[item]]\ntext = \"d\"\nkind = \"number\"\nmin = 18\nmax = 99\n\
+                      [[item]]\ntext = \"e\"\nkind = \"text\"\n\
+                      [[item]]\ntext = \"f\"\nmin = 1\nmax = 7\nexpected = 2\n";
+        let scale = made("", tables).unwrap();
+        let ranges: Vec<String> = scale.items.iter().map(Item::range).collect();
+        assert_eq!(
+            ranges,
+            [
+                "0 to 100 by 5",
+                "0 to 2",
+                "1 to 2",
+                "18 to 99",
+                "words",
+                "1 to 7"
+            ]
+        );
+        let takes = |item: u32, answer| scale.item(item).unwrap().takes(answer);
+        assert!(takes(1, 95) && !takes(1, 96) && !takes(1, 105) && takes(2, 0) && !takes(2, 3));
+        assert!(!takes(5, 0), "words are no number");
+        assert_eq!(scale.items[0].points(), 21);
+        assert!(scale.item(6).unwrap().is_missed(3) && !scale.item(6).unwrap().is_missed(2));
+        assert!(scale.items[2].optional && !scale.items[0].optional);
+        assert_eq!(scale.answer_in_words(3, "no"), Some(2));
+        assert_eq!(
+            (
+                scale.answer_in_words(1, "low"),
+                scale.answer_in_words(3, "maybe")
+            ),
+            (None, None)
+        );
+        assert!(scale.item(0).is_none() && scale.item(7).is_none());
+        let unworded = made("kind = \"ladder\"\nitems = 1\nmin = 0\nmax = 10", "").unwrap();
+        assert_eq!(
+            (unworded.wording.worded(), unworded.items[0].points()),
+            (0, 11)
+        );
+    }
+
+    #[test]
+    fn a_scale_speaks_the_languages_that_it_has_whole() {
+        let german = "[translation.de]\ninstruction = \"Es ist\"\npairs = [[\"nützlich\", \"nutzlos\"], [\"schlecht\", \"gut\"]]\n";
+        let scale = made(PAIRS, german).unwrap();
+        let said = |language| scale.wording_in(language)?.instruction.clone();
+        assert_eq!(said("en").unwrap(), "It is");
+        assert_eq!(said("de").unwrap(), "Es ist");
+        assert_eq!(said("de-at").unwrap(), "Es ist");
+        assert_eq!((said("nl"), said("d")), (None, None));
+        for (from, to, word) in [
+            (
+                ", [\"schlecht\", \"gut\"]",
+                "",
+                "[translation.de]: pairs has 1 texts for 2 items",
+            ),
+            (
+                "pairs = [[\"nützlich\", \"nutzlos\"], [\"schlecht\", \"gut\"]]\n",
+                "",
+                "lacks the words of item 1",
+            ),
+            ("instruction = \"Es ist\"\n", "", "lacks instruction"),
+            (
+                "[translation.de]",
+                "[translation.en]",
+                "language of the file itself",
+            ),
+            ("\"nutzlos\"", "\"\"", "item 1: pair"),
+            ("instruction", "Instruction", "unknown field"),
+        ] {
+            assert!(german.contains(from), "{from}");
+            let error = made(PAIRS, &german.replacen(from, to, 1)).unwrap_err();
+            assert!(error.contains(word), "{to}: {error}");
+        }
+        let anchors = "min = 1\nmax = 3\nwording = [\"a\"]\nanchors = [\"no\", \"yes\"]";
+        let error = made(anchors, "[translation.de]\nitems = [\"a\"]").unwrap_err();
+        assert!(
+            error.contains("item 1 has words for 0 answers, expected 2"),
+            "{error}"
+        );
+    }
+
+    #[test]
+    fn a_sum_of_scores_counts_what_they_share_twice_and_has_a_weight() {
+        let top = "items = 3\nmin = 0\nmax = 3\nscoring = \"sum\"";
+        let parts = "[[subscales]]\nid = \"a\"\ntitle = \"A\"\nitems = [1, 2]\nweight = 2.5\n\
+                     [[subscales]]\nid = \"b\"\ntitle = \"B\"\nitems = [2, 3]\n\
+                     [[subscales]]\nid = \"total\"\ntitle = \"T\"\nsum_of = [\"a\", \"b\"]\nweight = 2\n";
+        let scale = made(top, parts).unwrap();
+        let ranges: Vec<(f64, f64)> = scale
+            .subscales
+            .iter()
+            .map(|s| scale.score_range(s))
+            .collect();
+        assert_eq!(ranges, [(0.0, 15.0), (0.0, 6.0), (0.0, 24.0)]);
+        assert_eq!(scale.items_of(&scale.subscales[2]), [1, 2, 3]);
+        for (from, to, word) in [
+            (
+                "[\"a\", \"b\"]",
+                "[\"a\", \"c\"]",
+                "names `c`, which is no subscale",
+            ),
+            ("[\"a\", \"b\"]", "[\"a\", \"total\"]", "a sum itself"),
+            ("weight = 2.5", "weight = -1", "weight is -1"),
+        ] {
+            let error = made(top, &parts.replacen(from, to, 1)).unwrap_err();
+            assert!(error.contains(word), "{to}: {error}");
+        }
+        let mean = made(&top.replace("sum", "mean"), parts).unwrap_err();
+        assert!(mean.contains("scoring = \"sum\""), "{mean}");
+    }
+
+    #[test]
+    fn what_a_file_says_twice_or_halfway_is_named_by_item_and_key() {
+        let item = |line: &str| format!("[[item]]\ntext = \"a\"\n{line}\n");
+        let scored = "[[subscales]]\nid = \"s\"\ntitle = \"S\"\nitems = [1, 2]\n";
+        for (top, tables, word) in [
+            ("", String::new(), "has no items"),
+            ("min = 1", item(""), "item 1: a `likert` needs min and max"),
+            (
+                "min = 3\nmax = 3",
+                item(""),
+                "item 1: min 3 is not below max 3",
+            ),
+            ("", item("min = 0\nmax = 2000000000"), "expected within"),
+            ("", item("kind = \"choice\""), "a `choice` with 0 `levels`"),
+            (
+                "min = 1\nmax = 7",
+                item("kind = \"choice\""),
+                "a `choice` with 0 `levels`",
+            ),
+            (
+                "",
+                item("kind = \"ladder\"\nlevels = [\"a\", \"b\"]\nmax = 5"),
+                "2 levels from 1 end at 2, and max is 5",
+            ),
+            (
+                "",
+                item("kind = \"slider\"\nmin = 0\nmax = 10\nstep = 3"),
+                "step 3, expected one of a slider",
+            ),
+            (
+                "",
+                item("min = 0\nmax = 10\nstep = 2"),
+                "step 2, expected one of a slider",
+            ),
+            (
+                "",
+                item("kind = \"text\"\nmax = 3"),
+                "neither min, max nor step",
+            ),
+            (
+                "",
+                item("min = 1\nmax = 7\nanchors = [\"a\", \"b\", \"c\"]"),
+                "3 anchors, expected 2 (of the ends) or 7",
+            ),
+            (
+                "",
+                item("min = 1\nmax = 7\nlevels = [\"a\", \"b\"]"),
+                "has no `levels`, expected `anchors`",
+            ),
+            (
+                "",
+                item("kind = \"choice\"\nlevels = [\"a\", \"b\"]\nanchors = [\"a\", \"b\"]"),
+                "has no `anchors`, expected `levels`",
+            ),
+            (
+                "",
+                item("min = 1\nmax = 7\nexpected = 8"),
+                "expected is 8, which is no answer (1 to 7)",
+            ),
+            (
+                "",
+                item("kind = \"text\"\nexpected = 0"),
+                "which is no answer (words)",
+            ),
+            (
+                "",
+                item("kind = \"number\"\nmin = 1\nmax = 7\nreversed = true"),
+                "a `number` cannot be reversed",
+            ),
+            (
+                "reversed = [1]",
+                item("kind = \"number\"\nmin = 1\nmax = 7"),
+                "a `number` cannot be reversed",
+            ),
+            (
+                "kind = \"bipolar\"\nmin = 1\nmax = 5\npairs = [[\"useful\"]]",
+                String::new(),
+                "pair [\"useful\"], expected two words",
+            ),
+            (
+                "min = 1\nmax = 5\npairs = [[\"a\", \"b\"]]",
+                String::new(),
+                "a `likert` has no pair",
+            ),
+            (
+                "min = 1\nmax = 5\nwording = [\"b\"]",
+                item(""),
+                "has two texts",
+            ),
+            (
+                "min = 1\nmax = 5\nitems = 2",
+                item(""),
+                "has 1 tables [[item]] for 2 items",
+            ),
+            (
+                "min = 1\nmax = 5",
+                item("") + "[[item]]\n",
+                "item 2 has no text, and 1 of 2 have one",
+            ),
+            ("min = 1\nmax = 5", item("colour = 3"), "colour"),
+            ("kind = \"likely\"", item(""), "likely"),
+            (
+                "min = 1\nmax = 5\nscoring = \"mean\"",
+                item("") + &item("max = 7") + scored,
+                "item 1 (1 to 5) and item 2 (1 to 7)",
+            ),
+            (
+                "min = 1\nmax = 5\nscoring = \"mean\"",
+                item("") + &item("expected = 2") + scored,
+                "scores item 2, which is there for attention",
+            ),
+            (
+                "min = 1\nmax = 5\nscoring = \"mean\"",
+                item("") + &item("kind = \"text\"") + scored,
+                "scores item 2, a `text`",
+            ),
+        ] {
+            let error = made(top, &tables).unwrap_err();
+            assert!(error.contains(word), "{top} {tables}: {error}");
+        }
+    }
+}

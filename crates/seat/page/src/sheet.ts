@@ -1,0 +1,187 @@
+// Questionnaires, each item drawn as it was published; nothing is answered beforehand.
+
+import { say } from "./say";
+import { make, paragraphs, show } from "./words";
+
+/// An item: its answers from `min` to `max` by `step`, and the words of all of them, of the ends, or of none.
+export interface Item {
+  kind: "likert" | "bipolar" | "slider" | "ladder" | "choice" | "number" | "text";
+  min: number; max: number; step: number; optional: boolean;
+  text: string; pair: [string, string] | null; anchors: string[];
+}
+
+/// What is asked on one page.
+export interface Asked { title: string | null; instruction: string | null; items: Item[] }
+
+/// The answer to an item: a number, words, or none.
+export type Given = number | string | null;
+
+/// What stands in an item's place, and what was answered there; `wrong` is a sentence on what is no answer.
+interface Field { body: HTMLElement; given: () => Given; wrong?: () => string | null }
+
+/// Most characters of a text.
+const LONGEST = 4000;
+/// A slider with more steps has no marks.
+const MOST_MARKS = 41;
+
+const values = (item: Item): number[] => Array.from({ length: (item.max - item.min) / item.step + 1 }, (_, i) => item.min + i * item.step);
+
+/// A button of a group, of which one can be chosen; the words beside it name it, or `label` does.
+function radio(name: string, value: number, before: Given, words: string, label?: string): HTMLElement {
+  const input = make("input", [], { type: "radio", name, value: String(value), checked: before === value });
+  if (label) input.ariaLabel = label;
+  return make("label", [input, make("span", [words])]);
+}
+
+function radios(body: HTMLElement): Field {
+  const given = (): Given => {
+    const chosen = body.querySelector<HTMLInputElement>("input:checked");
+    return chosen ? Number(chosen.value) : null;
+  };
+  return { body, given };
+}
+
+/// Boxes in a row, with their words under them.
+function likert(item: Item, name: string, before: Given): Field {
+  const all = values(item);
+  const each = item.anchors.length === all.length;
+  const label = (at: number): string | undefined => {
+    const end = at === 0 ? item.anchors[0] : at === all.length - 1 ? item.anchors[1] : undefined;
+    return each || !end ? undefined : `${all[at]}, ${end}`;
+  };
+  const boxes = all.map((value, at) => radio(name, value, before, (each && item.anchors[at]) || String(value), label(at)));
+  const points = make("div", boxes, { className: each ? "points worded" : "points" });
+  const ends = item.anchors.length === 2 && !each ? [endsOf(item.anchors)] : [];
+  return radios(make("div", [points, ...ends], { className: "field" }));
+}
+
+/// The words of both ends, under a row. Who listens hears them with the answers.
+function endsOf(anchors: string[]): HTMLElement {
+  const ends = make("div", anchors.map((word) => make("span", [word])), { className: "ends" });
+  ends.ariaHidden = "true";
+  return ends;
+}
+
+/// Boxes between two words.
+function bipolar(item: Item, name: string, before: Given): Field {
+  const all = values(item);
+  const [left, right] = item.pair ?? ["", ""];
+  const label = (at: number): string => (at === 0 ? left : at === all.length - 1 ? right : `${at + 1}/${all.length}`);
+  const boxes = all.map((value, at) => radio(name, value, before, "", label(at)));
+  const side = (word: string): HTMLElement => {
+    const shown = make("span", [word]);
+    shown.ariaHidden = "true";
+    return shown;
+  };
+  return radios(make("div", [side(left), make("div", boxes, { className: "boxes" }), side(right)], { className: "field between" }));
+}
+
+/// A line that has no answer until it is touched, by pointer or by key.
+function slider(item: Item, _: string, before: Given): Field {
+  const middle = item.min + item.step * Math.round((item.max - item.min) / item.step / 2);
+  let touched = typeof before === "number";
+  const input = make("input", [], { type: "range", min: String(item.min), max: String(item.max), step: String(item.step) });
+  input.value = String(touched ? before : middle);
+  const told = (): void => {
+    input.classList.toggle("untouched", !touched);
+    const [low, high] = item.anchors.length === 2 ? item.anchors : [];
+    const place = values(item).indexOf(Number(input.value));
+    const word = item.anchors.length > 2 ? item.anchors[place] : undefined;
+    input.ariaValueText = touched ? word ?? input.value : say("no_answer_yet");
+    input.ariaLabel = [item.text, low && high ? `${low} – ${high}` : ""].filter((part) => part).join(": ");
+  };
+  const touch = (): void => {
+    if (touched) return;
+    touched = true;
+    told();
+    input.dispatchEvent(new Event("change", { bubbles: true }));
+  };
+  input.addEventListener("input", () => { touched = true; told(); });
+  input.addEventListener("pointerup", touch);
+  input.addEventListener("keydown", (event) => { if (event.key === " " || event.key === "Enter") { event.preventDefault(); touch(); } });
+  told();
+  const count = values(item).length;
+  const marks = count <= MOST_MARKS ? [make("div", Array.from({ length: count }, () => make("i")), { className: "marks" })] : [];
+  const words = item.anchors.length > 0 ? [endsOf(item.anchors)] : [];
+  return { body: make("div", [input, ...marks, ...words], { className: "field line" }), given: () => (touched ? Number(input.value) : null) };
+}
+
+/// An answer in words a line.
+function lines(item: Item, name: string, before: Given): Field {
+  const boxes = values(item).map((value, at) => radio(name, value, before, item.anchors[at] ?? String(value)));
+  return radios(make("div", boxes, { className: "field lines" }));
+}
+
+function number(item: Item, _: string, before: Given): Field {
+  const input = make("input", [], { type: "number", min: String(item.min), max: String(item.max), step: "1" });
+  input.inputMode = "numeric";
+  input.ariaLabel = item.text;
+  if (typeof before === "number") input.value = String(before);
+  const range = { min: item.min, max: item.max };
+  const body = make("div", [input, make("span", [say("number_range", range)], { className: "hint" })], { className: "field" });
+  const given = (): Given => (input.value === "" || wrong() !== null ? null : Number(input.value));
+  const wrong = (): string | null => {
+    const value = Number(input.value);
+    const fits = input.value === "" ? !input.validity.badInput : Number.isInteger(value) && value >= item.min && value <= item.max;
+    return fits ? null : say("number_range", range);
+  };
+  return { body, given, wrong };
+}
+
+function words(item: Item, _: string, before: Given): Field {
+  const area = make("textarea", [], { rows: 4, maxLength: LONGEST, value: typeof before === "string" ? before : "" });
+  area.ariaLabel = item.text;
+  return { body: make("div", [area], { className: "field" }), given: () => area.value.trim() || null };
+}
+
+const KINDS = { likert, bipolar, slider, ladder: lines, choice: lines, number, text: words };
+
+/// Asks one scale, `before` already answered; a missing answer is asked for once, then taken as left out. `changed` gets every change.
+export async function sheet(
+  scale: Asked, before: Given[], changed: (given: Given[]) => void,
+): Promise<{ answers: (number | null)[]; texts: Record<string, string>; seconds: number }> {
+  const begun = performance.now();
+  const { items } = scale;
+  const fields = items.map((item, at) => KINDS[item.kind](item, `item${at}`, before[at] ?? null));
+  const sets = items.map((item, at) => {
+    const numbered = items.length > 1 ? `${at + 1}. ` : "";
+    const { body } = fields[at] as Field;
+    if (item.text) return make("fieldset", [make("legend", [numbered + item.text]), body]);
+    // Of a pair the words stand beside the boxes; the group is named by them all the same.
+    const place = make("span", [numbered]);
+    place.ariaHidden = "true";
+    const name = make("legend", [numbered + (item.pair?.join(" – ") ?? "")], { className: "unseen" });
+    return make("fieldset", [name, make("div", [place, body], { className: "numbered" })]);
+  });
+  const said = make("p", [], {});
+  said.setAttribute("role", "alert");
+  const button = make("button", [say("continue")], { className: "main", type: "submit" });
+  const form = make("form", [...sets, said, make("p", [button])], { noValidate: true });
+  const heading = make("h1", [scale.title ?? say("questions")], { className: scale.title ? "" : "unseen" });
+  const bare = items.find((item) => item.kind === "likert" && item.anchors.length === 0);
+  const range = bare ? [make("p", [say("answers_range", { min: bare.min, max: bare.max })])] : [];
+  show(heading, ...paragraphs(scale.instruction ?? ""), ...range, form);
+  const given = (): Given[] => fields.map((field) => field.given());
+  form.addEventListener("change", () => changed(given()));
+  let asked = false;
+  return new Promise((resolve) => form.addEventListener("submit", (event) => {
+    event.preventDefault();
+    const all = given();
+    const stop = (marked: number[], sentence: string): void => {
+      sets.forEach((set, at) => set.classList.toggle("missing", marked.includes(at)));
+      said.textContent = sentence;
+      sets[marked[0] as number]?.querySelector<HTMLElement>("input, textarea")?.focus();
+    };
+    const wrong = fields.findIndex((field) => field.wrong?.());
+    if (wrong >= 0) { stop([wrong], say("no_answer", { item: wrong + 1, range: fields[wrong]?.wrong?.() ?? "" })); return; }
+    const missing = all.flatMap((answer, at) => (answer === null && !items[at]?.optional ? [at] : []));
+    if (missing.length > 0 && !asked) {
+      asked = true;
+      stop(missing, say("not_answered", { items: missing.map((m) => m + 1).join(", ") }));
+      return;
+    }
+    button.disabled = true;
+    const texts = Object.fromEntries(all.flatMap((answer, at) => (typeof answer === "string" ? [[String(at + 1), answer]] : [])));
+    resolve({ answers: all.map((answer) => (typeof answer === "number" ? answer : null)), texts, seconds: (performance.now() - begun) / 1000 });
+  }));
+}

@@ -1,0 +1,116 @@
+//! A questionnaire as a page of its own, for whoever judges a study: one file, drawn by the seat's own script and style.
+
+use crate::{
+    Hindrance, Words, assets,
+    markup::plain,
+    steps::{Step, sheet},
+};
+use maveric_domain::{Moment, Scale};
+use maveric_study::{StudyError, atomic_write::atomic_write_bytes};
+use std::path::Path;
+
+/// The pages that were written, and the questionnaires of which there is none, each with the reason.
+#[derive(Debug, Default)]
+pub struct SheetPages {
+    /// Names of the files.
+    pub written: Vec<String>,
+    /// What a page lacks.
+    pub lacking: Vec<String>,
+}
+
+/// Writes a page a questionnaire into a folder, in the language that people are spoken to in; without one in each questionnaire's own.
+///
+/// # Errors
+/// [`StudyError`] for a page that cannot be written.
+pub fn write_sheet_pages(
+    scales: &[Scale],
+    language: Option<&str>,
+    folder: &Path,
+) -> Result<SheetPages, StudyError> {
+    let mut pages = SheetPages::default();
+    for scale in scales {
+        let language = language.unwrap_or(&scale.language);
+        match sheet(scales, &scale.id, Moment::Pre, language) {
+            Ok(step) => {
+                let name = format!("{}.html", scale.id);
+                atomic_write_bytes(&folder.join(&name), page(scale, &step, language).as_bytes())?;
+                pages.written.push(name);
+            }
+            Err(hindrance) => pages.lacking.push(lacking(&hindrance)),
+        }
+    }
+    Ok(pages)
+}
+
+/// Why there is no page of a questionnaire, whoever asks it.
+fn lacking(hindrance: &Hindrance) -> String {
+    match hindrance {
+        Hindrance::NoWording {
+            scale,
+            worded,
+            items,
+        } => format!("scale `{scale}` has wording for {worded} of {items} items"),
+        Hindrance::NoTranslation {
+            scale,
+            language,
+            languages,
+        } => format!(
+            "scale `{scale}` is there in {}, not in `{language}`",
+            languages.join(", ")
+        ),
+        other => other.to_string(),
+    }
+}
+
+fn page(scale: &Scale, step: &Step, language: &str) -> String {
+    let text = |name: &str| String::from_utf8_lossy(assets::bytes(name)).into_owned();
+    let (style, script) = (text("page.css"), text("sheet.js"));
+    let asked = serde_json::to_string(step).unwrap_or_default();
+    let (asked, words) = (
+        asked.replace('<', "\\u003c"),
+        Words::shipped(language).for_page(),
+    );
+    let (title, language) = (plain(&scale.title), plain(language));
+    format!(
+        "<!doctype html>\n<html lang=\"{language}\">\n<meta charset=\"utf-8\">\n\
+         <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n<title>{title}</title>\n\
+         <style>\n{style}</style>\n<main id=\"main\" tabindex=\"-1\"></main>\n\
+         <script id=\"words\" type=\"application/json\">{words}</script>\n\
+         <script id=\"sheet\" type=\"application/json\">{asked}</script>\n<script>\n{script}</script>\n</html>\n"
+    )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_page_holds_all_that_it_needs_and_no_answer_that_is_expected() {
+        let scale = "id = \"read\"\ntitle = \"Read <b>\"\nreference = \"made up\"\nmin = 1\nmax = 7\n\
+                     [[item]]\ntext = \"Tick </script> 2.\"\nexpected = 2\n[translation.de]\nitems = [\"Kreuzen Sie 2 an.\"]\n";
+        let bare = scale
+            .replace("text = \"Tick </script> 2.\"\n", "")
+            .replace("read", "bare");
+        let bare = bare.split("[translation").next().unwrap().to_owned();
+        let scales = [scale, &bare].map(|text| Scale::from_toml(text).unwrap());
+        let folder = tempfile::tempdir().unwrap();
+        let pages = write_sheet_pages(&scales, None, folder.path()).unwrap();
+        assert_eq!(pages.written, ["read.html"]);
+        assert!(pages.lacking[0].contains("`bare`") && pages.lacking[0].contains("0 of 1"));
+        let read = || std::fs::read_to_string(folder.path().join("read.html")).unwrap();
+        let page = read();
+        assert!(page.contains("Tick \\u003c/script> 2.") && page.contains("<title>Read &lt;b&gt;"));
+        assert!(page.contains("\"expected\":null") && page.contains(".points"));
+        for elsewhere in ["src=", "href=", "@import", "url("] {
+            assert!(!page.contains(elsewhere), "{elsewhere}");
+        }
+        write_sheet_pages(&scales, Some("de"), folder.path()).unwrap();
+        let page = read();
+        assert!(page.contains("Kreuzen Sie 2 an.") && page.contains("Weiter"));
+        let none = write_sheet_pages(&scales, Some("nl"), folder.path()).unwrap();
+        assert!(
+            none.written.is_empty() && none.lacking[0].contains("not in `nl`"),
+            "{none:?}"
+        );
+    }
+}
