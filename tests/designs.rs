@@ -126,7 +126,7 @@ fn a_condition_may_be_called_as_the_time_before_the_drives_is_and_keeps_its_answ
     let scores = read(&study, "mine/results/rating_scores.csv");
     let rows = |moment: &str| scores.lines().filter(|l| l.contains(moment)).count();
     assert_eq!(
-        [rows(",after:pre,"), rows(",post,"), rows(",pre,")],
+        [rows(",after:pre,"), rows(",after:post,"), rows(",pre,")],
         [8, 8, 0],
         "{scores}"
     );

@@ -321,13 +321,13 @@ fn the_codebook_has_every_item_of_every_scale() {
     let table = read(&study.path("book/codebook.csv"));
     assert!(
         table.contains(
-            "mini_ipip,conscientiousness,8,mini_ipip_8,1,5,true,Often forget to put things back"
+            "mini_ipip,conscientiousness,8,mini_ipip_8,likert,1,5,true,Often forget to put things back"
         ),
         "{table}"
     );
     assert!(
-        table.contains("jian_trust,overall,1,jian_trust_1,1,7,true,")
-            && table.contains("jian_trust,distrust,1,jian_trust_1,1,7,false,")
+        table.contains("jian_trust,overall,1,jian_trust_1,likert,1,7,true,")
+            && table.contains("jian_trust,distrust,1,jian_trust_1,likert,1,7,false,")
     );
     let page = read(&study.path("book/codebook.md"));
     for scale in [

@@ -96,7 +96,7 @@ fn panel(
         Some(b) => difference_from_own(asked.value(data, p, c), asked.value(data, p, b)),
         None => asked.value(data, p, c),
     };
-    let period = Period::of(data, asked, &conditions, group.is_some());
+    let period = Period::of(data, asked, (&conditions, people), group.is_some());
     let placed = |p: &ParticipantId| conditions.iter().all(|c| data.period(p, *c).is_some());
     let unplaced = |p: &&ParticipantId| period == Period::Taken && !placed(p);
     let without_order = people

@@ -366,3 +366,23 @@ fn where_the_declared_test_has_no_result_no_other_steps_in() {
     assert!(found.reasons[0].contains("condition and period cannot be told apart"));
     assert!(found.contrasts.iter().all(|c| c.p.is_none()));
 }
+
+#[test]
+fn with_one_order_for_all_an_outcome_without_a_declared_test_is_tested_without_the_period() {
+    let mut same = ridden(16, 0.5, 0.3);
+    let order = same.people[0].order.clone();
+    for p in &mut same.people {
+        p.order.clone_from(&order);
+    }
+    let found = analysed_by(&text(""), same);
+    let found = panel(&found, SPEED);
+    assert!(found.contrasts.iter().all(|c| c.p.is_some()) && found.without_order.is_empty());
+    assert!(
+        found
+            .reasons
+            .iter()
+            .any(|r| r.contains("do not tell the period")),
+        "{:?}",
+        found.reasons
+    );
+}

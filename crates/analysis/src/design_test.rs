@@ -50,13 +50,15 @@ pub(crate) enum Period {
     Declined,
     /// The test is one of several factors, groups or covariates.
     SeveralFactors,
+    /// The orders that there are do not tell it from the conditions, and no test was declared that would have to.
+    NotTold,
 }
 
 impl Period {
     pub(crate) fn of(
         data: &StudyData,
         asked: &Asked,
-        conditions: &[ConditionId],
+        (conditions, people): (&[ConditionId], &[ParticipantId]),
         grouped: bool,
     ) -> Self {
         let in_orders = |c: &ConditionId| data.design.condition(*c).is_some();
@@ -73,6 +75,9 @@ impl Period {
         if several && asked.test.is_none() {
             return Self::SeveralFactors;
         }
+        if asked.test.is_none() && !told(data, conditions, people) {
+            return Self::NotTold;
+        }
         Self::Taken
     }
 
@@ -83,11 +88,32 @@ impl Period {
             Self::Declined => Some(
                 "chosen by what the data look like, as declared (`test = \"auto\"`): the period in which a condition was met is not in the test",
             ),
+            Self::NotTold => Some(
+                "the orders in which people met the conditions do not tell the period from the conditions: it is not in the test",
+            ),
             Self::SeveralFactors => Some(
                 "the period in which a condition was met is not in this test of several factors: `test = \"mixed\"` takes it out",
             ),
         }
     }
+}
+
+/// Whether the orders of these people tell the period from the conditions.
+fn told(data: &StudyData, conditions: &[ConditionId], people: &[ParticipantId]) -> bool {
+    let mut met = DesignTable::default();
+    let mut cells = Vec::new();
+    for person in people {
+        for condition in conditions {
+            if let Some(period) = data.period(person, *condition) {
+                met.subjects.push(person.to_string());
+                cells.push(condition.to_string());
+                met.periods.push(period);
+                met.values.push(Some(0.0));
+            }
+        }
+    }
+    met.within.push((String::new(), cells));
+    met.columns().tells_period()
 }
 
 /// A test with what stands beside it.

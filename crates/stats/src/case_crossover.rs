@@ -130,7 +130,7 @@ pub fn case_crossover(strata: &[CaseStratum]) -> CaseCrossover {
     match estimate {
         Some((estimate, information)) => {
             found.estimate = Some(estimate);
-            found.odds_ratio = Some(estimate.exp());
+            found.odds_ratio = Some(libm::exp(estimate));
             found.se_model = Some(1.0 / information.sqrt());
         }
         None => found.undefined.note_all(
@@ -159,7 +159,7 @@ pub fn case_crossover(strata: &[CaseStratum]) -> CaseCrossover {
         } else {
             (far, middle)
         };
-        brent(past, low, high).map(f64::exp)
+        brent(past, low, high).map(libm::exp)
     };
     (found.odds_ratio_ci_low, found.odds_ratio_ci_high) = (end(-1.0), end(1.0));
     for (name, end) in TESTS
@@ -226,7 +226,7 @@ fn score(stratum: &CaseStratum, beta: f64, sd: f64) -> (f64, f64) {
     let mut sums = vec![[0.0; 3]; cases + 1];
     sums[0][0] = 1.0;
     for x in all().map(standard) {
-        let weight = (beta * x).exp();
+        let weight = libm::exp(beta * x);
         for chosen in (1..=cases).rev() {
             let [e, first, second] = sums[chosen - 1];
             sums[chosen][0] += weight * e;

@@ -28,7 +28,7 @@ pub struct CoursePanel {
     pub others: Option<f64>,
 }
 
-const NAME: &str = "press_course";
+const NAME: &str = "press-course";
 
 /// Draws the mean courses with their intervals, and the mean at other moments as a dashed line.
 ///

@@ -363,10 +363,12 @@ impl Script {
                 r#"{"refused":null,"seconds":4.5}"#,
             ),
             "scale" => {
-                let (min, max) = (step["min"].as_i64().unwrap(), step["max"].as_i64().unwrap());
-                let items = step["items"].as_array().unwrap().len();
-                let answers: Vec<Option<i64>> =
-                    (0..items).map(|i| (self.answers)(i, min, max)).collect();
+                let items = step["items"].as_array().unwrap().iter();
+                let end = |item: &Value, key: &str| item[key].as_i64().unwrap();
+                let answers: Vec<Option<i64>> = items
+                    .enumerate()
+                    .map(|(i, item)| (self.answers)(i, end(item, "min"), end(item, "max")))
+                    .collect();
                 let sheet = serde_json::json!({"answers": answers, "seconds": 6});
                 sent(format!("/api/{token}/answer/{at}"), &sheet.to_string());
             }

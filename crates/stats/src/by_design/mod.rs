@@ -51,6 +51,11 @@ pub struct DesignColumns<'a> {
 }
 
 impl DesignColumns<'_> {
+    /// Whether condition and period can be told apart within people, in the orders that there are.
+    pub fn tells_period(&self) -> bool {
+        carry_over::is_connected(self)
+    }
+
     /// An effect (`a:b`) as reasons call it.
     fn called(&self, effect: &str) -> String {
         if self.labels.is_empty() {
