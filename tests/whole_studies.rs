@@ -340,7 +340,7 @@ fn a_dial_of_another_score_rehearsed_with_made_up_people() {
             "Calm lies 0.85 points of mdsi.risky down from the embedding fitted to the person, held within 1 to 6",
             "Learned from 4 4 ",
             "Mean velocity over the conditions",
-            "Trust t(",
+            "Trust condition: F",
             "To repeat maveric run --set epochs=2 --set duration=120 Times",
         ])
         .is_silent_of(&["mimic", "cautious", "perpendicular", "ADB score", "study 1", "aggression line", "as the paper"]);

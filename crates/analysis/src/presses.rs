@@ -127,11 +127,10 @@ fn rates(data: &StudyData, rides: &[&PressedRide]) -> Result<Rates, StatsError> 
     let people: BTreeSet<&ParticipantId> = rides.iter().map(|ride| &ride.participant).collect();
     let (mut rows, mut incomplete) = (Vec::new(), Vec::new());
     for person in people {
-        let row = conditions.iter().map(|id| cells.get(&(person, *id)));
-        match row
-            .map(|cell| cell.copied())
-            .collect::<Option<Vec<Exposed>>>()
-        {
+        let row = conditions
+            .iter()
+            .map(|id| cells.get(&(person, *id)).copied());
+        match row.collect::<Option<Vec<Exposed>>>() {
             Some(row) => rows.push(row),
             None => incomplete.push(person.clone()),
         }

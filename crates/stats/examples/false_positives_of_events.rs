@@ -79,7 +79,7 @@ fn cause(
         } else {
             slope + 0.5 * normal(&mut generator)
         };
-        for _ in 0..1 + poisson(&mut generator, presses as f64 - 1.0) {
+        for _ in 0..=poisson(&mut generator, presses as f64 - 1.0) {
             let mut level = normal(&mut generator);
             let course: Vec<f64> = (0..60)
                 .map(|_| {

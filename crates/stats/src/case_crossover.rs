@@ -373,7 +373,7 @@ mod tests {
         assert_eq!((nothing.people, nothing.p), (0, None));
         assert!(nothing.undefined.get("p").unwrap().contains("no event"));
         let always: Vec<CaseStratum> = (0..8)
-            .map(|i| stratum(&i.to_string(), &[1.0, 1.0][..1 + i % 2], &[0.0, 0.0]))
+            .map(|i| stratum(&i.to_string(), &[1.0, 1.0][..=i % 2], &[0.0, 0.0]))
             .collect();
         let always = case_crossover(&always);
         assert_eq!((always.people, always.estimate), (8, None));
