@@ -1,8 +1,9 @@
 //! Somebody with a link: their steps, and how far they have come.
 
 use crate::{listed::Listed, steps::Step};
-use maveric_domain::BeyondWhy;
+use maveric_domain::{BeyondWhy, survey::Kind};
 use maveric_seat_page::Fit;
+use serde_json::{Value, json};
 
 /// A style as the page or the seat learned it, without a score where the scale has none: it is beyond what the model has learned from.
 pub(crate) fn on_the_scale(style: Fit) -> Fit {
@@ -82,7 +83,7 @@ impl Person {
 
     pub(crate) fn read(row: &rusqlite::Row<'_>) -> rusqlite::Result<Self> {
         let steps: String = row.get(2)?;
-        let steps = serde_json::from_str(&steps).map_err(|e| {
+        let steps = steps_kept(&steps).map_err(|e| {
             rusqlite::Error::FromSqlConversionFailure(2, rusqlite::types::Type::Text, Box::new(e))
         })?;
         Ok(Self {
@@ -95,6 +96,21 @@ impl Person {
             listed: Listed::read(row.get(6)?),
         })
     }
+}
+
+/// The steps of somebody who was let in. Before items had kinds a questionnaire kept their texts, and one range for all of them.
+fn steps_kept(text: &str) -> serde_json::Result<Vec<Step>> {
+    let mut steps: Vec<Value> = serde_json::from_str(text)?;
+    for step in &mut steps {
+        let (min, max) = (step["min"].clone(), step["max"].clone());
+        let Some(items) = step.get_mut("items").and_then(Value::as_array_mut) else {
+            continue;
+        };
+        for item in items.iter_mut().filter(|item| item.is_string()) {
+            *item = json!({"kind": Kind::Likert, "min": min, "max": max, "step": 1, "text": item.take()});
+        }
+    }
+    serde_json::from_value(Value::Array(steps))
 }
 
 #[cfg(test)]
