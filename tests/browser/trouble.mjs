@@ -227,7 +227,7 @@ async function theEnd(context, page, link) {
   await look(page, "take-back");
   await page.route("**/leave", (route) => route.fulfill({ status: 403, headers: { "maveric-refused": "too-late" }, body: "what was given in this study could be taken back until 2026-01-01" }));
   await page.getByRole("button", { name: "Delete it" }).click();
-  await has(page, "dialog [role=alert]", "until 2026-01-01", 10000).then(() => check(true, "a deletion that comes too late is refused in words"), () => check(false, "a deletion that comes too late is refused in words"));
+  await has(page, "dialog [role=alert]", "can no longer be taken back", 10000).then(() => check(true, "a deletion that comes too late is refused in words"), () => check(false, "a deletion that comes too late is refused in words"));
   await page.unroute("**/leave");
   await page.getByRole("button", { name: "Keep it" }).click();
   await page.evaluate((token) => localStorage.setItem(`maveric-seat-draft ${token} 1`, "[1]"), link.split("/").pop());

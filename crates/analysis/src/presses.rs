@@ -199,7 +199,7 @@ fn course<'a>(precursor: &Precursor, moments: &[&'a PressMoment]) -> Option<Pres
             (*sum, *n) = (*sum + value, *n + 1);
         };
         if let Some(before_s) = moment.to_press_s {
-            add(seconds.entry(before_s.ceil() as u32).or_default());
+            add(seconds.entry(before_s.round() as u32).or_default());
         } else if moment.at_risk {
             add(&mut others);
         }

@@ -39,8 +39,11 @@ impl StudyPage<'_> {
         };
         let texts = self.texts.with(&values);
         let mut figures = Vec::new();
-        if !presses.course.is_empty() {
-            let panels = presses.course.iter().map(|c| course(presses, c));
+        // What never happened has no course.
+        let varies = |c: &&PressCourse| c.points.iter().any(|p| Some(p.mean) != c.others);
+        let drawn = || presses.course.iter().filter(varies);
+        if drawn().next().is_some() {
+            let panels = drawn().map(|c| course(presses, c));
             let input = PressCourses {
                 panels: panels.collect(),
                 presses: presses.presses,
