@@ -21,7 +21,7 @@ const BORDER_HZ: f64 = 1.0;
 ///
 /// A press takes part that comes 20 s after the start or later and not within 5 s of the press before. Each other second of its minute
 /// from 20 s on takes part, with its middle, unless somebody pressed in it; those soon after a press, too, since the ride goes on as it would
-/// have, and leaving moments out by where a press lies would lean the odds (by 6 % in `false_positives_of_events.rs` of the statistics).
+/// have, and leaving moments out by where a press lies would lean the odds.
 ///
 /// # Source
 /// The design is Maclure's (1991), with minutes of one ride as fixed strata, so that no moment is chosen by where a press lies (Janes,

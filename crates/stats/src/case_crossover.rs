@@ -68,9 +68,9 @@ const CONFIDENCE: f64 = 0.95;
 /// events, the likelihood is the exact one, over all sets of as many moments.
 ///
 /// p and interval have people as what is drawn: each person's slope of the log likelihood is one number, and these are held against 0 by
-/// Student's t, at odds of 1 for the p, and at the odds for which t is as large as it may be for the ends of the interval. With few people the
-/// sandwich estimate of a standard error finds a cause where there is none in 7 to 9 % of studies, this in 4 to 5
-/// (`examples/false_positives_of_events.rs`).
+/// Student's t, at odds of 1 for the p, and at the odds for which t is as large as it may be for the ends of the interval. The sandwich
+/// estimate of a standard error is too small with few people. How often this finds a cause where there is none:
+/// `examples/false_positives_of_events.rs`.
 ///
 /// # Source
 /// Maclure (1991) for the design; Gail, Lubin and Rubinstein (1981) for the exact likelihood; ours: the t of the people's scores.

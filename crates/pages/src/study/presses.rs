@@ -41,11 +41,11 @@ impl StudyPage<'_> {
         let mut figures = Vec::new();
         // What never happened has no course.
         let varies = |c: &&PressCourse| c.points.iter().any(|p| Some(p.mean) != c.others);
-        let drawn = || presses.course.iter().filter(varies);
-        if drawn().next().is_some() {
-            let panels = drawn().map(|c| course(presses, c));
+        let drawn = presses.course.iter().filter(varies);
+        let panels: Vec<CoursePanel> = drawn.map(|c| course(presses, c)).collect();
+        if !panels.is_empty() {
             let input = PressCourses {
-                panels: panels.collect(),
+                panels,
                 presses: presses.presses,
             };
             figures.push(press_course(&input, self.context)?);
@@ -63,11 +63,9 @@ impl StudyPage<'_> {
 
     fn press_rates(&self, rates: &EventRates) -> Result<Table, ReportError> {
         let rows = rates.rate.iter().map(|(id, rate)| {
-            let condition = self.design.conditions().iter().map(|c| c.id);
-            let condition = condition.into_iter().find(|c| c.to_string() == *id);
             context! {
                 condition => id,
-                label => condition.map_or_else(|| id.to_owned(), |c| self.label(c)),
+                label => id.parse().map_or_else(|_| id.to_owned(), |c| self.label(c)),
                 presses => rates.events.get(id),
                 minutes => rates.time.get(id),
                 rate,
@@ -98,10 +96,8 @@ fn before(row: &BeforePress) -> Value {
 }
 
 fn course(presses: &Presses, course: &PressCourse) -> CoursePanel {
-    let tested = presses.before.iter();
-    let tested = tested
-        .into_iter()
-        .find(|row| row.precursor == course.precursor);
+    let mut tested = presses.before.iter();
+    let tested = tested.find(|row| row.precursor == course.precursor);
     let p = tested.and_then(|row| row.p_holm);
     let near_last = course.points.iter().rev();
     CoursePanel {

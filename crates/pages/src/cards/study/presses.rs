@@ -21,9 +21,9 @@ pub(super) fn pressed(
     };
     let by_rate = |a: &(&str, &f64), b: &(&str, &f64)| a.1.total_cmp(b.1);
     let named = |(id, rate): (&str, &f64)| {
-        let condition = study.design.conditions().iter().map(|c| c.id);
-        let condition = condition.into_iter().find(|c| c.to_string() == id);
-        let label = condition.map_or_else(|| id.to_owned(), |c| study.label(c));
+        let label = id
+            .parse()
+            .map_or_else(|_| id.to_owned(), |c| study.label(c));
         context! { label, rate }
     };
     let values = context! {
