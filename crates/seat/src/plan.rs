@@ -9,7 +9,7 @@ use crate::{
 };
 use maveric_domain::{
     ConditionId, Design, EmbeddingRow, Moment, ParticipantId, Scale,
-    design::{Car, Condition, Protocol, ProtocolStep, williams},
+    design::{Car, Condition, Protocol, ProtocolStep, World, williams},
     stream_seed,
 };
 use maveric_seat_page::{RideStyle, Seed};
@@ -31,7 +31,7 @@ pub enum Whose<'a> {
 }
 
 impl Whose<'_> {
-    /// Root of the random choices of a world.
+    /// Root of the random choices of a world that nobody else has.
     fn world(self, root: u64, what: &str) -> String {
         match self {
             Self::Person(id) => stream_seed(root, &[id, what, "world"]).to_string(),
@@ -81,7 +81,6 @@ pub fn of_design(
         problem: e.to_string(),
         help: None,
     })?;
-    let world = |what: &str| whose.world(protocol.seed, what);
     let probe = moments::probe(protocol, scales)?;
     // Where it may stop somebody it is asked in every drive.
     let stops = probe.clone().filter(|probe| probe.stop.is_some());
@@ -112,13 +111,13 @@ pub fn of_design(
                 seconds: protocol.practice.at_most_s,
                 lane_kept_s: protocol.practice.lane_kept_s,
                 passes: protocol.practice.passes,
-                seed: world("practice"),
+                seed: whose.world(protocol.seed, "practice"),
                 probe: stops.clone(),
             }),
             ProtocolStep::Drive => steps.push(Step::Drive {
                 condition: own,
                 seconds: protocol.drive_s,
-                seed: world(own.as_str()),
+                seed: world(protocol, whose, (0, own)),
                 probe: stops.clone(),
             }),
             ProtocolStep::Rides => {
@@ -153,6 +152,16 @@ pub fn of_design(
     Ok(steps)
 }
 
+/// Root of the world of a ride by its number, or of the drive by hand, which is 0.
+fn world(protocol: &Protocol, whose: Whose<'_>, (ride, condition): (usize, ConditionId)) -> String {
+    let number = match protocol.world {
+        World::ByRide => ride,
+        World::Same => ride.min(1),
+        World::Own => return whose.world(protocol.seed, condition.as_str()),
+    };
+    stream_seed(protocol.seed, &["world", &number.to_string()]).to_string()
+}
+
 fn rides(
     design: &Design,
     (scales, probe): (&[Scale], Option<&AskedProbe>),
@@ -170,7 +179,7 @@ fn rides(
             condition: condition.id,
             number: number + 1,
             seconds: protocol.ride_s,
-            seed: whose.world(protocol.seed, condition.id.as_str()),
+            seed: world(protocol, whose, (number + 1, condition.id)),
             style,
             points,
             stretch: riding.stretch,
@@ -233,8 +242,131 @@ pub(crate) fn car(condition: &Condition) -> Result<&Car, Hindrance> {
             condition: condition.id,
         });
     }
-    match &condition.car {
-        None => Err(Hindrance::no_car(condition.id, "it has no `car`")),
-        Some(car) => Ok(car),
+    let car = condition.car.as_ref();
+    car.ok_or_else(|| Hindrance::no_car(condition.id, "it has no `car`"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use maveric_domain::design::williams_rows;
+    use std::collections::BTreeSet;
+
+    /// The worlds of somebody: practice, drive, then a condition and its world for each ride.
+    fn worlds(line: &str, whose: Whose<'_>, index: usize) -> (Vec<String>, Vec<(String, String)>) {
+        let text = format!(
+            r#"
+            [study]
+            title = "Three cars"
+            [model]
+            file = "model.maveric"
+            [style]
+            score = "adb.total"
+            [baseline]
+            id = "own"
+            [[condition]]
+            id = "calm"
+            car = {{ dial = -5, recorded = true }}
+            [[condition]]
+            id = "mine"
+            car = {{ dial = 0, recorded = true }}
+            [[condition]]
+            id = "mean"
+            car = {{ mean = true, recorded = true }}
+            [protocol]
+            {line}
+            "#
+        );
+        let design = Design::from_toml(&text).unwrap();
+        let riding = Riding {
+            index,
+            stretch: 1.0,
+            styles: &Styles::new(),
+        };
+        let steps = of_design(&design, &[], &Texts::default(), whose, Some(riding)).unwrap();
+        let by_hand = steps.iter().filter_map(|step| match step {
+            Step::Practice { seed, .. } | Step::Drive { seed, .. } => Some(seed.clone()),
+            _ => None,
+        });
+        let rides = steps.iter().filter_map(|step| match step {
+            Step::Ride {
+                condition, seed, ..
+            } => Some((condition.to_string(), seed.clone())),
+            _ => None,
+        });
+        (by_hand.collect(), rides.collect())
+    }
+
+    fn seeds(rides: &[(String, String)]) -> Vec<&String> {
+        rides.iter().map(|(_, seed)| seed).collect()
+    }
+
+    #[test]
+    fn the_same_ride_of_everybody_is_in_the_same_world_and_nothing_is_met_twice() {
+        let (by_hand, rides) = worlds("", Whose::Person("P001"), 0);
+        let (other_by_hand, other_rides) = worlds("", Whose::Person("P002"), 1);
+        assert_ne!(rides[0].0, other_rides[0].0, "another order");
+        assert_eq!(seeds(&rides), seeds(&other_rides));
+        assert_eq!(by_hand[1], other_by_hand[1], "the drive");
+        assert_ne!(by_hand[0], other_by_hand[0], "practice");
+        let met: BTreeSet<&String> = by_hand.iter().chain(seeds(&rides)).collect();
+        assert_eq!(met.len(), 5);
+        // Another study has other worlds.
+        let (_, elsewhere) = worlds("seed = 2", Whose::Person("P001"), 0);
+        assert!(
+            seeds(&rides)
+                .iter()
+                .all(|seed| !seeds(&elsewhere).contains(seed))
+        );
+    }
+
+    #[test]
+    fn each_condition_meets_each_world_of_a_ride_equally_often() {
+        let rows = (0..williams_rows(3)).map(|row| worlds("", Whose::Nobody, row).1);
+        let mut met: BTreeMap<(String, String), usize> = BTreeMap::new();
+        for ride in rows.flatten() {
+            *met.entry(ride).or_default() += 1;
+        }
+        assert_eq!(met.len(), 9);
+        assert!(met.values().all(|times| *times == 2));
+    }
+
+    #[test]
+    fn the_same_world_is_that_of_all_rides_and_not_that_of_the_drive() {
+        let (by_hand, rides) = worlds("world = \"same\"", Whose::Person("P001"), 0);
+        let (other_by_hand, other_rides) = worlds("world = \"same\"", Whose::Link("t"), 1);
+        let met: BTreeSet<&String> = seeds(&rides)
+            .into_iter()
+            .chain(seeds(&other_rides))
+            .collect();
+        assert_eq!(met.len(), 1);
+        assert_eq!(by_hand[1], other_by_hand[1]);
+        assert!(!met.contains(&by_hand[1]));
+    }
+
+    #[test]
+    fn a_world_of_ones_own_is_by_person_and_condition_and_is_the_pages_to_draw_where_nobody_has_it()
+    {
+        let own = "world = \"own\"";
+        let (by_hand, rides) = worlds(own, Whose::Person("P001"), 0);
+        let (other_by_hand, other_rides) = worlds(own, Whose::Person("P002"), 0);
+        let all = [&by_hand, &other_by_hand].into_iter().flatten();
+        let all: BTreeSet<&String> = all
+            .chain(seeds(&rides))
+            .chain(seeds(&other_rides))
+            .collect();
+        assert_eq!(all.len(), 10);
+        let mut reordered = worlds(own, Whose::Person("P001"), 1).1;
+        reordered.sort();
+        let mut sorted = rides.clone();
+        sorted.sort();
+        assert_eq!(sorted, reordered, "whatever the order");
+        let (by_hand, rides) = worlds(own, Whose::Nobody, 0);
+        let drawn = by_hand.iter().chain(seeds(&rides));
+        assert!(drawn.into_iter().all(String::is_empty));
+        // By ride, the page draws the practice alone.
+        let (by_hand, rides) = worlds("", Whose::Nobody, 0);
+        assert!(by_hand[0].is_empty() && !by_hand[1].is_empty());
+        assert!(seeds(&rides).iter().all(|seed| !seed.is_empty()));
     }
 }

@@ -30,7 +30,7 @@ pub use orders::OrderPlan;
 pub use outcome::{DeclaredTest, Homophily, Outcome, Quantity, ScoreName, Style};
 pub use own_measure::{ABOUT_A_ROW, OwnMeasure};
 pub use people::{CONDITION, Covariate, Factor, People};
-pub use protocol::{Practice, Probe, Protocol, ProtocolStep, SeatView};
+pub use protocol::{Practice, Probe, Protocol, ProtocolStep, SeatView, World};
 pub use williams::{Square, williams, williams_rows};
 
 use crate::{condition::ConditionId, units::SpeedUnit};

@@ -42,6 +42,20 @@ impl Probe {
     pub const ANSWERED_WITHIN_S: f64 = 10.0;
 }
 
+/// Which draw of the scenario a drive or a ride meets: leads and their order, times, lanes that are blocked. Practice has a draw of
+/// its own.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum World {
+    /// Ride j of everybody is in world j, and the drive by hand in world 0: nothing is met twice, and world is one with period.
+    #[default]
+    ByRide,
+    /// One draw for all rides of everybody, and another for the drive by hand.
+    Same,
+    /// Another draw for each person and each ride.
+    Own,
+}
+
 /// When a person has practised enough.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
@@ -141,6 +155,8 @@ pub struct Protocol {
     pub drive_s: f64,
     /// Length of a ride, in s.
     pub ride_s: f64,
+    /// Which draw of the scenario each drive meets.
+    pub world: World,
     /// In which unit speeds are shown, where `[study] units` does not say it.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub speed: Option<SpeedUnit>,
@@ -187,6 +203,7 @@ impl Default for Protocol {
             practice: Practice::default(),
             drive_s: 600.0,
             ride_s: 600.0,
+            world: World::ByRide,
             speed: None,
             view: SeatView::default(),
             stop_if: None,
@@ -418,6 +435,23 @@ mod tests {
         for word in words {
             assert!(told.contains(word), "{protocol}: {told}");
         }
+    }
+
+    #[test]
+    fn a_world_is_by_ride_unless_the_study_says_otherwise_and_no_other_word_is_one() {
+        let protocol = |line: &str| {
+            let text =
+                format!("[study]\ntitle = \"x\"\n[[condition]]\nid = \"a\"\n[protocol]\n{line}");
+            crate::Design::from_toml(&text).unwrap().protocol().world
+        };
+        assert_eq!(protocol(""), World::ByRide);
+        assert_eq!(protocol("world = \"by_ride\""), World::ByRide);
+        assert_eq!(protocol("world = \"same\""), World::Same);
+        assert_eq!(protocol("world = \"own\""), World::Own);
+        refused(
+            "world = \"by_drive\"",
+            &["by_drive", "by_ride", "same", "own"],
+        );
     }
 
     #[test]

@@ -6,6 +6,7 @@ use crate::{
     words::{declared_test, interval},
 };
 use maveric_analysis::{Balance, Panel, PrimaryOutcome};
+use maveric_domain::design::World;
 use maveric_report::{ReportError, apa, tables::Table};
 use maveric_stats::CarryOver;
 use minijinja::{Value, context};
@@ -44,6 +45,11 @@ impl StudyPage<'_> {
             .transpose()
     }
 
+    /// Whether rides of the same number met the same world: whatever could be pressed in was ridden in the seat, as its protocol says.
+    pub(super) fn worlds_by_ride(&self) -> bool {
+        self.analysis.presses.is_some() && self.design.protocol().world == World::ByRide
+    }
+
     pub(super) fn carry_over_rows(&self) -> Vec<Value> {
         let row = |panel: &Panel| {
             let carried = panel.carry_over.as_ref()?;
@@ -76,6 +82,7 @@ impl StudyPage<'_> {
                 df2 => test.and_then(|t| t.df2),
                 p => test.and_then(|t| t.p),
                 ratio => fitted.map(|f| f.variance_ratio),
+                worlds_by_ride => self.worlds_by_ride(),
                 uneven => panel.balance.is_some_and(|b| b != Balance::PlacesAndSuccession),
             })
         };

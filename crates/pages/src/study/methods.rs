@@ -92,6 +92,7 @@ impl StudyPage<'_> {
                 wilcoxon => tested(ContrastTest::Wilcoxon),
                 period => compared().any(with_period),
                 carry_over => !self.carry_over_rows().is_empty(),
+                worlds_by_ride => self.worlds_by_ride(),
             },
             compare,
             against,
@@ -154,7 +155,7 @@ mod tests {
     fn of_tests(used: &Value, primary: &[Value]) -> String {
         let none = context! {
             factorial => false, simple => false, groups => false, mixed => false, ordinal => false, one_factor => false, t => false,
-            wilcoxon => false, period => false, carry_over => false,
+            wilcoxon => false, period => false, carry_over => false, worlds_by_ride => false,
         };
         let used = context! { ..used.clone(), ..none };
         said(
@@ -175,6 +176,14 @@ mod tests {
             assert!(!plain.contains(word), "{plain}");
         }
         let used = context! { mixed => true, period => true, carry_over => true };
+        assert!(!of_tests(&used, &[]).contains("world"));
+        let by_ride = of_tests(&context! { worlds_by_ride => true, ..used.clone() }, &[]);
+        assert!(
+            by_ride.contains("whatever its *p*") && by_ride.contains("cannot be told apart"),
+            "{by_ride}"
+        );
+        // Where no period is tested nothing is said of what it is one with.
+        assert!(!of_tests(&context! { worlds_by_ride => true }, &[]).contains("world"));
         let primary = |title: &str| context! { title, first => "sporty", second => "calm", declared => "a mixed model" };
         let one = of_tests(&used, &[primary("Trust")]);
         assert!(

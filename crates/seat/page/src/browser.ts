@@ -92,11 +92,12 @@ export class Browser implements Keeper {
     const [study, kept] = [await this.study, await this.kept()];
     const { rows, model: _model, post: _post, ...told } = study;
     const steps = (rows[kept.row] as Step[]).map((step): Step => {
-      if (step.kind === "practice") return { ...step, seed: world(token, "practice") };
       if (step.kind === "ride" && typeof step.style === "object" && "across" in step.style) {
         step = { ...step, style: { across: world(token, `${step.condition} across`) } };
       }
-      return step.kind === "drive" || step.kind === "ride" ? { ...step, seed: world(token, step.condition) } : step;
+      // A world that everybody meets is drawn by the study.
+      if (!("seed" in step) || step.seed !== "") return step;
+      return { ...step, seed: world(token, step.kind === "practice" ? "practice" : step.condition) };
     });
     const begun = kept.drives.filter((d) => d.step === kept.at);
     const fit = kept.fit === null ? null : JSON.parse(kept.fit) as State["fit"];
