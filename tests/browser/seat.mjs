@@ -2,59 +2,23 @@
 // every step the tab is closed, the network cut and the server killed. Then `maveric run` makes the study's page of what was written.
 //
 // usage: node seat.mjs MAVERIC FOLDER   (CHROMIUM: the browser; SHOTS: a folder for pictures of each step)
-import { chromium } from "playwright-core";
-import { execFileSync, spawn } from "node:child_process";
+import { execFileSync } from "node:child_process";
 import { createServer } from "node:http";
-import { mkdirSync, readFileSync, existsSync, readdirSync, writeFileSync } from "node:fs";
+import { readFileSync, existsSync, readdirSync, writeFileSync } from "node:fs";
 import { createRequire } from "node:module";
 import { join } from "node:path";
+import { Seat, check, end, launch, pause, shots } from "./room.mjs";
 
 const [maveric, folder] = process.argv.slice(2);
 const axe = readFileSync(createRequire(import.meta.url).resolve("axe-core/axe.min.js"), "utf8");
-const shots = process.env.SHOTS;
-if (shots) mkdirSync(shots, { recursive: true });
 const sizes = [{ width: 1280, height: 800 }, { width: 1920, height: 1080 }];
 const small = { width: 480, height: 360 };
-const failures = [];
-const check = (holds, what) => { console.log(`${holds ? "ok" : "FAILED"}: ${what}`); if (!holds) failures.push(what); };
-const pause = (ms) => new Promise((done) => setTimeout(done, ms));
-
-let server;
-const port = 20000 + (process.pid % 20000);
-const base = `http://127.0.0.1:${port}`;
-async function start() {
-  server = spawn(maveric, ["seat", folder, "--no-open", "--password", "lab", "--bind", `127.0.0.1:${port}`], { stdio: ["ignore", "inherit", "pipe"] });
-  await new Promise((ready, failed) => {
-    let said = "";
-    server.stderr.on("data", (data) => { said += data; if (said.includes("the seat is open")) ready(); });
-    server.on("exit", (code) => failed(new Error(`the seat ended with ${code}: ${said}`)));
-  });
-  server.removeAllListeners("exit");
-}
-async function kill() {
-  const gone = new Promise((done) => server.once("exit", done));
-  server.kill("SIGKILL");
-  await gone;
-}
-
-// A test that stops in the middle leaves no server behind.
-process.on("exit", () => server?.kill("SIGKILL"));
-
-await start();
-const browser = await chromium.launch({ executablePath: process.env.CHROMIUM, args: ["--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--ignore-gpu-blocklist"] });
-const lab = await (await browser.newContext({ viewport: sizes[0] })).newPage();
-await lab.goto(`${base}/lab`);
-await axed(lab, "the laboratory's door");
-await lab.locator("input[type=password]").pressSequentially("lab");
-await lab.keyboard.press("Enter");
-await lab.waitForSelector("table");
-
-async function person() {
-  await lab.goto(`${base}/lab`);
-  await lab.getByRole("button", { name: "Link for the next person" }).press("Enter");
-  await lab.waitForLoadState();
-  return lab.locator("a[href^='/p/']").last().getAttribute("href");
-}
+const seat = new Seat(maveric, folder);
+const { base, port } = seat;
+await seat.start();
+const browser = await launch();
+await seat.openLab(browser, sizes[0], (page) => axed(page, "the laboratory's door"));
+const { lab } = seat;
 
 let shot = 0;
 async function look(page, name) {
@@ -82,7 +46,7 @@ class Somebody {
     this.page.on("pageerror", (error) => check(false, `no error in the page: ${error.message}`));
     this.page.on("console", (message) => { if (message.type() === "error" && !message.text().includes("Failed to load resource")) check(false, `no error on the console: ${message.text()}`); });
     const begun = Date.now();
-    await this.page.goto(new URL(this.link, base).href);
+    await this.page.goto(this.link);
     await this.words();
     if (this.tell) console.log(`  the first page ${Date.now() - begun} ms after the link is opened`);
   }
@@ -145,8 +109,8 @@ class Somebody {
         await this.context.setOffline(true);
         await (asked ? this.answer(false) : this.pressMain());
         if (!/^How do you/.test(title)) await this.page.waitForFunction(() => document.querySelector("#note").textContent.startsWith("No connection"), null, { timeout: 20000 });
-        await kill();
-        await start();
+        await seat.stop("SIGKILL");
+        await seat.start();
         await this.context.setOffline(false);
       } else if (asked) await this.answer(fresh);
       else await this.pressMain();
@@ -167,9 +131,9 @@ class Somebody {
       await this.context.setOffline(true);
       await pause(2000);
       await this.context.setOffline(false);
-      await kill();
+      await seat.stop("SIGKILL");
       await pause(1000);
-      await start();
+      await seat.start();
       await pause(1500);
       // A practice may be over by now.
       if (await this.driving()) {
@@ -198,7 +162,7 @@ class Somebody {
 }
 async function somebody(viewport, tell) {
   const context = await browser.newContext({ viewport });
-  const who = new Somebody(context, await person(), tell);
+  const who = new Somebody(context, await seat.link(), tell);
   await who.open();
   return who;
 }
@@ -214,9 +178,7 @@ await axed(lab, "the laboratory");
 await look(lab, "laboratory");
 const happened = await lab.locator("main").textContent();
 check(!happened.includes("other states") && !happened.includes("another style") && !happened.includes("cannot be driven"), "page and server agree about every drive");
-const ended = new Promise((done) => server.once("exit", done));
-server.kill("SIGINT");
-check((await ended) === 0, "Ctrl-C ends the server in order");
+check((await seat.stop("SIGINT")) === 0, "Ctrl-C ends the server in order");
 // One program at a time has a study's seat open. The same study as static files: the tab closed once in the middle; what was given arrives by POST, and is taken in.
 execFileSync(maveric, ["seat", "export", join(folder, "online"), "--study", folder, "--post", `http://127.0.0.1:${port + 1}/given`]);
 const kinds = { ".html": "text/html", ".js": "text/javascript", ".css": "text/css", ".wasm": "application/wasm", ".json": "application/json" };
@@ -261,4 +223,4 @@ const answers = readFileSync(join(folder, "surveys/answers.csv"), "utf8").trim()
 check(answers.length === 1 + 4 * 3 * 3, `every answer of four people is there, once: ${answers.length - 1}`);
 const log = execFileSync(maveric, ["run"], { cwd: folder, encoding: "utf8", stdio: ["ignore", "pipe", "pipe"] });
 check(existsSync(join(folder, "report", "index.html")), `maveric run ends with the study's page: ${log.trim().split("\n").at(-1)}`);
-if (failures.length > 0) { console.log(`${failures.length} failed`); process.exit(1); }
+end();

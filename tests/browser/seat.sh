@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
 # The seat in headless Chromium: three scripted people at the keyboard, a whole study of short drives each, one of them with everything cut
-# in every step; then `maveric run`; before them, all that goes wrong around a person (`trouble.mjs`). Five minutes.
+# in every step; then `maveric run`; before them, all that goes wrong around a person (`trouble.mjs`), and a study with every kind of sheet in
+# German (`instruments.mjs`). Ten minutes. `tests/browser/seat.sh instruments` runs that one alone.
 #
 # MAVERIC_BIN: the program; otherwise the debug build of this checkout. SHOTS: a folder for pictures of every step.
 # Needs what `tests/browser/run.sh` installs.
@@ -79,8 +80,116 @@ code = "C1X9"
 TOML
 mkdir -p "$work/bin"
 ln -s "$(cd "$(dirname "$bin")" && pwd)/$(basename "$bin")" "$work/bin/maveric"
+
+# Every kind of sheet, each moment, and the paper's four conditions, in German.
+sheets="$work/sheets"
+"$bin" init "$sheets" --conditions mimic,aggressive,cautious,perpendicular --scales demographics,attention,purpose >/dev/null
+rm -r "$sheets/participants.csv" "$sheets/surveys"
+cp "$work/made-up/model.maveric" "$sheets/lab.maveric"
+cat >"$sheets/scales/feeling.toml" <<'TOML'
+language = "de"
+id = "feeling"
+title = "How one feels"
+reference = "made for this test"
+kind = "ladder"
+min = 0
+max = 9
+items = 1
+scoring = "mean"
+[[item]]
+text = "Wie unwohl ist Ihnen?"
+levels = ["gar nicht", "1", "2", "3", "ein wenig", "5", "6", "deutlich", "8", "sehr"]
+[[subscales]]
+id = "sickness"
+title = "Sickness"
+items = [1]
+lower_is_better = true
+TOML
+cat >"$sheets/scales/ride.toml" <<'TOML'
+language = "de"
+id = "ride"
+title = "The ride"
+reference = "made for this test"
+min = 1
+max = 7
+scoring = "mean"
+instruction = "Denken Sie an die Mitfahrt, die gerade zu Ende ging."
+[[item]]
+kind = "likert"
+text = "Ich habe mich wohl gefühlt."
+anchors = ["stimme gar nicht zu", "stimme völlig zu"]
+[[item]]
+kind = "bipolar"
+min = 1
+max = 7
+pair = ["angenehm", "unangenehm"]
+reversed = true
+[[item]]
+kind = "slider"
+min = 1
+max = 7
+text = "Wie sehr fuhr das Auto wie Sie?"
+anchors = ["überhaupt nicht", "genau so"]
+[[item]]
+kind = "ladder"
+text = "Wie schnell war es?"
+levels = ["viel zu langsam", "zu langsam", "etwas zu langsam", "genau richtig", "etwas zu schnell", "zu schnell", "viel zu schnell"]
+[[subscales]]
+id = "comfort"
+title = "Comfort"
+items = [1, 2, 3]
+TOML
+for text in consent:Einwilligung debrief:"Wir haben den Stil des Autos verändert."; do
+  printf '# %s\n\nEin Text dieser Studie.\n' "${text#*:}" >"$sheets/${text%%:*}.md"
+done
+cat >"$sheets/study.toml" <<'TOML'
+[study]
+title = "Wie man gefahren wird"
+[people]
+test = { study = "2" }
+[model]
+file = "lab.maveric"
+[style]
+score = "adb.total"
+points = 15
+[[condition]]
+id = "mimic"
+car = { dial = 0, recorded = true }
+[[condition]]
+id = "aggressive"
+car = { dial = "+1", recorded = true }
+[[condition]]
+id = "cautious"
+car = { dial = "-1", recorded = true }
+[[condition]]
+id = "perpendicular"
+car = { across = true, recorded = true }
+[baseline]
+id = "own"
+[exclude]
+attention_missed_at_least = 1
+[protocol]
+screen = ["demographics"]
+admit_if = ["demographics.1 >= 18"]
+consent = "consent.md"
+before = ["demographics"]
+probe = { scale = "feeling", every_s = 11 }
+after = ["ride"]
+post = ["attention", "purpose"]
+stop_if = "feeling >= 6"
+debrief = "debrief.md"
+practice = { lane_kept_s = 3, passes = 0, at_most_s = 20 }
+drive_s = 20
+ride_s = 24
+language = "de"
+code = "C1X9"
+TOML
+export PATH="$work/bin:$PATH" CHROMIUM="$chromium"
+node "$here/instruments.mjs" "$work/bin/maveric" "$sheets"
+[ -z "${SHOTS:-}" ] || cp -r "$sheets" "$SHOTS/sheets"
+[ "${1:-}" != instruments ] || exit 0
 cp -r "$study" "$work/troubled"
 sed -i 's/^drive_s = .*/drive_s = 14/; s/^ride_s = .*/ride_s = 10/' "$work/troubled/study.toml"
-PATH="$work/bin:$PATH" CHROMIUM="$chromium" node "$here/trouble.mjs" "$work/bin/maveric" "$work/troubled"
-PATH="$work/bin:$PATH" CHROMIUM="$chromium" node "$here/seat.mjs" "$work/bin/maveric" "$study"
+node "$here/trouble.mjs" "$work/bin/maveric" "$work/troubled"
+node "$here/seat.mjs" "$work/bin/maveric" "$study"
 [ -z "${SHOTS:-}" ] || cp -r "$study" "$SHOTS/study"

@@ -2,51 +2,28 @@
 // phone, the leave dialog in a drive, half a questionnaire and a reload, taking back after the end.
 //
 // usage: node trouble.mjs MAVERIC FOLDER   (CHROMIUM: the browser; SHOTS: a folder for pictures)
-import { chromium } from "playwright-core";
-import { execFileSync, spawn } from "node:child_process";
-import { mkdirSync, readFileSync, readdirSync } from "node:fs";
+import { execFileSync } from "node:child_process";
+import { readFileSync, readdirSync } from "node:fs";
 import { join } from "node:path";
+import { Seat, check, end, launch, pause, picture } from "./room.mjs";
 
 const [maveric, folder] = process.argv.slice(2);
-const shots = process.env.SHOTS;
-if (shots) mkdirSync(shots, { recursive: true });
-const failures = [];
-const check = (holds, what) => { console.log(`${holds ? "ok" : "FAILED"}: ${what}`); if (!holds) failures.push(what); };
-const pause = (ms) => new Promise((done) => setTimeout(done, ms));
-const port = 20000 + ((process.pid + 7) % 20000);
-const base = `http://127.0.0.1:${port}`;
 const viewport = { width: 640, height: 480 };
 
 // With its signal ignored, a limit on the size of files is a disk that is full; prlimit sets and lifts it.
-const server = spawn("bash", ["-c", "trap '' XFSZ; exec \"$0\" \"$@\"", maveric, "seat", folder, "--no-open", "--password", "lab", "--bind", `127.0.0.1:${port}`], { stdio: ["ignore", "inherit", "pipe"] });
-process.on("exit", () => server.kill("SIGKILL"));
-let stderr = "";
-await new Promise((ready, failed) => {
-  server.stderr.on("data", (data) => { stderr += data; if (stderr.includes("the seat is open")) ready(); });
-  server.on("exit", (code) => failed(new Error(`the seat ended with ${code}: ${stderr}`)));
-});
-server.removeAllListeners("exit");
-const disk = (limit) => execFileSync("prlimit", ["--pid", String(server.pid), `--fsize=${limit}:unlimited`]);
+const seat = new Seat(maveric, folder, ["bash", "-c", "trap '' XFSZ; exec \"$0\" \"$@\""]);
+await seat.start();
+const disk = (limit) => execFileSync("prlimit", ["--pid", String(seat.server.pid), `--fsize=${limit}:unlimited`]);
 
-const browser = await chromium.launch({ executablePath: process.env.CHROMIUM, args: ["--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--ignore-gpu-blocklist"] });
-const lab = await (await browser.newContext({ viewport: { width: 1280, height: 800 } })).newPage();
-await lab.goto(`${base}/lab`);
-await lab.locator("input[type=password]").pressSequentially("lab");
-await lab.keyboard.press("Enter");
-await lab.waitForSelector("table");
-async function newLink() {
-  await lab.goto(`${base}/lab`);
-  await lab.getByRole("button", { name: "Link for the next person" }).press("Enter");
-  await lab.waitForLoadState();
-  return new URL(await lab.locator("a[href^='/p/']").last().getAttribute("href"), base).href;
-}
+const browser = await launch();
+await seat.openLab(browser, { width: 1280, height: 800 });
 
 const has = (page, selector, text, timeout = 60000) => page.waitForFunction(([s, t]) => document.querySelector(s)?.textContent.includes(t), [selector, text], { timeout });
 const heading = (page, text, timeout) => has(page, "main h1", text, timeout);
 const onTheRoad = (page) => page.waitForFunction(() => !document.querySelector("#drive").hidden && /\d/.test(document.querySelector("#speed").textContent), null, { timeout: 60000 });
 const offTheRoad = (page) => page.waitForFunction(() => document.querySelector("#drive").hidden, null, { timeout: 120000 });
 const press = (page) => page.locator("main button.main").press("Enter");
-const look = async (page, name) => { if (shots) await page.screenshot({ path: join(shots, `trouble-${name}.png`) }); };
+const look = (page, name) => picture(page, `trouble-${name}`);
 async function open(context, link, what = {}) {
   const page = await context.newPage();
   page.on("pageerror", (error) => check(false, `no error in the page: ${error.message}`));
@@ -72,7 +49,7 @@ async function withoutWebGl() {
     const before = HTMLCanvasElement.prototype.getContext;
     HTMLCanvasElement.prototype.getContext = function (kind, ...more) { return kind.startsWith("webgl") ? null : before.call(this, kind, ...more); };
   });
-  const page = await open(context, await newLink());
+  const page = await open(context, await seat.link());
   await page.waitForSelector("main h1");
   const text = await page.locator("main").textContent();
   check(text.includes("WebGL") && !text.includes("I agree"), "without WebGL a person is told before consent");
@@ -82,7 +59,7 @@ async function withoutWebGl() {
 
 async function onAPhone() {
   const context = await browser.newContext({ viewport: { width: 390, height: 800 }, isMobile: true, hasTouch: true });
-  const page = await open(context, await newLink());
+  const page = await open(context, await seat.link());
   await page.waitForSelector("main h1");
   check((await page.locator("main h1").textContent()).includes("on a computer"), "a phone is told that the study needs a computer");
   await look(page, "phone");
@@ -107,8 +84,8 @@ async function questionnaire(page) {
   disk(0);
   await answer(page);
   await has(page, "#note", "Not taken in yet (500)");
-  while (!/full|I\/O|kept|large|disk/i.test(stderr.split("the seat is open")[1] ?? "") && Date.now() - begun < 5000) await pause(100);
-  check(/answer/.test(stderr.split("the seat is open")[1] ?? ""), `a full disk is told on stderr: ${(stderr.split("the seat is open")[1] ?? "").trim().split("\n").at(-1)}`);
+  while (!/full|I\/O|kept|large|disk/i.test(seat.stderr.split("the seat is open")[1] ?? "") && Date.now() - begun < 5000) await pause(100);
+  check(/answer/.test(seat.stderr.split("the seat is open")[1] ?? ""), `a full disk is told on stderr: ${(seat.stderr.split("the seat is open")[1] ?? "").trim().split("\n").at(-1)}`);
   check((await drafts(page)) === 1, "what the server could not keep stays in the browser");
   await look(page, "full-disk");
   disk("unlimited");
@@ -243,7 +220,7 @@ async function theEnd(context, page, link) {
 await withoutWebGl();
 await onAPhone();
 const context = await browser.newContext({ viewport });
-const link = await newLink();
+const link = await seat.link();
 let page = await open(context, link);
 await questionnaire(page);
 await practice(page);
@@ -251,6 +228,4 @@ page = await refusingProxy(context, page, link);
 await drivenInOneTab(context, page, link);
 await theEnd(context, page, link);
 await browser.close();
-if (failures.length > 0) console.log(`${failures.length} failed`);
-// With the test ends its server.
-process.exit(failures.length > 0 ? 1 : 0);
+end();

@@ -1,0 +1,150 @@
+// A study with every kind of sheet, in German, gone through by scripted people: one answers all of it and is looked at, one is too young, one
+// misses the attention check, one feels sick in a ride, one takes everything back after the debriefing. Then `maveric run`, and its page says so.
+//
+// usage: node instruments.mjs MAVERIC FOLDER   (CHROMIUM: the browser; SHOTS: a folder for pictures of each step)
+
+import { execFileSync } from "node:child_process";
+import { existsSync, readFileSync, readdirSync } from "node:fs";
+import { join } from "node:path";
+import { Seat, check, end, launch, pause, picture } from "./room.mjs";
+
+const [maveric, folder] = process.argv.slice(2);
+const seat = new Seat(maveric, folder);
+await seat.start();
+const browser = await launch();
+await seat.openLab(browser, { width: 1280, height: 800 });
+
+/// Somebody with a browser of their own; `answers` gives what they answer to an item of a sheet, by the sheet's place and the item's.
+class Somebody {
+  constructor(link, { size = { width: 480, height: 360 }, looked = false, age = 34, attention = 2, probe = 1 } = {}) { Object.assign(this, { link, size, looked, age, attention, probe, at: 0 }); }
+
+  async open() {
+    this.page = await (await browser.newContext({ viewport: this.size })).newPage();
+    this.page.on("pageerror", (error) => check(false, `no error in the page: ${error.message}`));
+    await this.page.goto(this.link);
+  }
+  /// What is before them: its heading, and whether it is the end.
+  async before() {
+    const seen = await this.page.waitForFunction(() => {
+      const main = document.querySelector("main");
+      if (!document.querySelector("#drive").hidden) return null;
+      if (main.querySelector("form fieldset")) return { kind: "sheet" };
+      const title = main.querySelector("h1")?.textContent ?? "";
+      if (title && main.querySelector("button.main:not(:disabled)")) return { kind: "page", title };
+      return document.querySelector("#leave").hidden && title ? { kind: "end", title } : null;
+    }, null, { timeout: 120000 });
+    return seen.jsonValue();
+  }
+  async look(name) {
+    if (this.looked) await picture(this.page, `instruments-${String(this.at++).padStart(2, "0")}-${name}`);
+  }
+
+  /// Answers every item by the keys that a person has for its kind.
+  async answer() {
+    const sets = this.page.locator("form fieldset");
+    const kinds = await sets.evaluateAll((all) => all.map((set) => {
+      const input = set.querySelector("input, textarea");
+      const words = set.querySelector("legend")?.textContent ?? "";
+      return { kind: input.tagName === "TEXTAREA" ? "text" : input.type, words };
+    }));
+    for (const [i, { kind, words }] of kinds.entries()) {
+      const set = sets.nth(i);
+      if (kind === "text") await set.locator("textarea").fill("Wie man gerne gefahren wird");
+      else if (kind === "number") await set.locator("input").fill(String(/Jahren/.test(words) ? this.age : /Führerschein/.test(words) ? 2010 : 12000));
+      else if (kind === "range") { await set.locator("input").focus(); await this.page.keyboard.press("ArrowRight"); await this.page.keyboard.press("ArrowRight"); }
+      else if (/wählen Sie hier/.test(words)) await set.locator("input").nth(this.attention - 1).check();
+      else await set.locator("input").nth(i % Math.min(3, await set.locator("input").count())).check();
+    }
+    await this.look("sheet");
+    const first = await sets.first().elementHandle();
+    await this.page.locator("form button").press("Enter");
+    await this.page.waitForFunction((gone) => !gone.isConnected, first);
+  }
+
+  /// On the road until it is over; a question that comes is answered by its digit.
+  async road(title) {
+    await this.page.waitForFunction(() => !document.querySelector("#drive").hidden, null, { timeout: 60000 });
+    const byHand = !title.startsWith("Mitfahrt");
+    if (byHand) await this.page.keyboard.down("ArrowUp");
+    let looked = false;
+    while (await this.page.locator("#drive").isVisible()) {
+      if (await this.page.locator("#question").isVisible()) {
+        if (!looked && !byHand) { looked = true; await this.look("probe"); }
+        await this.page.keyboard.press(`Digit${byHand ? 1 : this.probe}`);
+      }
+      await pause(250);
+    }
+    if (byHand) await this.page.keyboard.up("ArrowUp");
+  }
+
+  async goThrough() {
+    await this.open();
+    for (let guard = 0; guard < 80; guard++) {
+      const { kind, title } = await this.before();
+      if (kind === "sheet") { await this.answer(); continue; }
+      await this.look(kind === "end" ? "end" : "page");
+      if (kind === "end") return;
+      const drives = /^(Übungsfahrt|Ihre Fahrt|Mitfahrt \d+)$/.test(title);
+      const shown = await this.page.locator("main h1").first().elementHandle();
+      this.read = `${this.read ?? ""}\n${await this.page.locator("main").textContent()}`;
+      await this.page.locator("main button.main").press("Enter");
+      if (drives) await this.road(title);
+      await this.page.waitForFunction((gone) => !gone.isConnected || !document.querySelector("#drive").hidden, shown);
+    }
+    throw new Error("the study does not end");
+  }
+  words() { return this.page.locator("main").textContent(); }
+}
+const somebody = async (what) => new Somebody(await seat.link(), what);
+
+const young = await somebody({ age: 17 });
+await young.goThrough();
+check((await young.words()).includes("sucht andere Menschen"), "who may not take part is thanked before anything else");
+check(!(await young.words()).includes("C1X9"), "and is given no code");
+
+const plain = await somebody({});
+await plain.goThrough();
+const [first, careless] = [await somebody({ size: { width: 1000, height: 760 }, looked: true }), await somebody({ attention: 5 })];
+await Promise.all([first.goThrough(), careless.goThrough()]);
+const [sick, regretful] = [await somebody({ probe: 7 }), await somebody({})];
+await Promise.all([sick.goThrough(), regretful.goThrough()]);
+check(first.read.includes("Worum es in dieser Studie ging"), "at the end everybody reads what the study was about");
+check(sick.read.includes("Sie haben angehalten") && sick.read.includes("Worum es in dieser Studie ging"), "who feels sick is looked after, and told what the study was about");
+check(!sick.read.includes("Mitfahrt 2"), "who feels sick rides no more that day");
+check((await sick.words()).includes("C1X9"), "who stopped has the code for the payment");
+await sick.look("sick");
+
+await regretful.page.getByRole("button", { name: "Löschen, was ich gegeben habe" }).click();
+await regretful.page.getByRole("button", { name: "Löschen", exact: true }).click();
+await regretful.page.waitForFunction(() => document.querySelector("main").textContent.includes("wurde gelöscht"));
+await browser.close();
+check((await seat.stop("SIGINT")) === 0, "Ctrl-C ends the server in order");
+
+/// A table's rows, each by its columns; no cell of those that are read here has a comma.
+function rows(file) {
+  const [head, ...lines] = readFileSync(join(folder, file), "utf8").trim().split("\n");
+  const columns = head.split(",");
+  return lines.map((line) => Object.fromEntries(line.split(",").map((cell, i) => [columns[i], cell])));
+}
+check(rows("seat/not_admitted.csv").length === 1, "one rule held back one person, and nothing else is kept of them");
+const answers = rows("surveys/answers.csv");
+const ids = [...new Set(answers.map((row) => row.participant))].sort();
+check(ids.join() === "P002,P003,P004,P005", `answers are kept of those who took part and took nothing back: ${ids}`);
+const moments = [...new Set(answers.map((row) => row.moment))].sort();
+check(["after", "post", "pre", "probe"].every((moment) => moments.includes(moment)), `each moment has its answers: ${moments}`);
+check(!readFileSync(join(folder, "surveys/answers.csv"), "utf8").includes("screen"), "no answer by which it was judged who takes part is kept");
+const stopped = rows("seat/stopped.csv");
+check(stopped.length === 1 && stopped[0].participant === "P005", `one ride was stopped: ${JSON.stringify(stopped)}`);
+for (const name of readdirSync(join(folder, "seat")).filter((file) => file.endsWith(".jsonl"))) {
+  const told = execFileSync(maveric, ["seat", "replay", join(folder, "seat", name)], { encoding: "utf8" }).trim();
+  check(told.includes("the same states, to the byte"), `replay of ${name}: ${told}`);
+}
+
+execFileSync(maveric, ["run"], { cwd: folder, encoding: "utf8", stdio: ["ignore", "pipe", "pipe"] });
+const page = join(folder, "report", "index.html");
+check(existsSync(page), "maveric run ends with the study's page");
+const text = readFileSync(page, "utf8").replaceAll(/<style[\s\S]*?<\/style>|<script[\s\S]*?<\/script>|<[^>]+>/g, " ").replaceAll(/\s+/g, " ");
+for (const [what, pattern] of [
+  ["who was asked and not admitted", /not admitted/i], ["the ride that was stopped", /stopped/i], ["the attention check", /attention/i], ["period", /period/i],
+]) check(pattern.test(text), `the page says ${what}`);
+end();
