@@ -21,6 +21,7 @@ mod guard;
 mod hindrance;
 mod intake;
 mod lab;
+mod lent;
 mod listed;
 mod markup;
 mod moments;
