@@ -12,7 +12,7 @@ use crate::{
     },
 };
 use maveric_domain::{
-    BeyondWhy, Embedding,
+    BeyondWhy, DriveId, Embedding,
     design::{Car, Condition},
     stream_seed,
 };
@@ -95,13 +95,8 @@ pub(super) fn conditions(
             if !may_turn && condition.side().is_some() {
                 continue;
             }
-            let id = format!("{}-{}", person.participant, condition.id);
-            let excluded = design
-                .exclude()
-                .drives
-                .iter()
-                .any(|(d, _)| d.as_str() == id);
-            if excluded {
+            let id = DriveId::in_condition(&person.participant, condition.id)?;
+            if design.exclude().drives.contains_key(&id) {
                 warnings.push(format!("drive {id}: left out by exclude.drives"));
                 continue;
             }
