@@ -51,7 +51,7 @@ pub fn versions() -> BTreeMap<String, String> {
         ("evaluate", 6),
         ("stats", 14),
         ("ablate", 8),
-        ("validate", 11),
+        ("validate", 12),
         ("recommend", 4),
         ("rehearse", 7),
         ("rehearse-dial", 5),
