@@ -75,7 +75,7 @@ impl ConditionRow {
     pub fn drive(&self) -> Result<DriveId, DomainError> {
         match &self.sweep {
             Some(point) => Ok(point.drive.clone()),
-            None => DriveId::new(format!("{}-{}", self.participant, self.condition)),
+            None => DriveId::in_condition(&self.participant, self.condition),
         }
     }
 }

@@ -15,7 +15,7 @@ use crate::{
     },
 };
 use maveric_domain::{
-    BeyondWhy, ConditionId, Embedding, Lent,
+    BeyondWhy, ConditionId, DriveId, Embedding, Lent,
     design::{Car, Condition},
     stream_seed,
 };
@@ -124,13 +124,8 @@ pub(super) fn conditions(
             if !may_turn && condition.side().is_some() {
                 continue;
             }
-            let id = format!("{}-{}", person.participant, condition.id);
-            let excluded = design
-                .exclude()
-                .drives
-                .iter()
-                .any(|(d, _)| d.as_str() == id);
-            if excluded {
+            let id = DriveId::in_condition(&person.participant, condition.id)?;
+            if design.exclude().drives.contains_key(&id) {
                 warnings.push(format!("drive {id}: left out by exclude.drives"));
                 continue;
             }
