@@ -12,7 +12,8 @@ const FORGOTTEN: &str = "forgotten";
 fn by_hand(person: &Person) -> Option<DriveId> {
     let mut drives = person.steps.iter().filter_map(Step::drives);
     let (condition, _) = drives.find(|(_, by_hand)| *by_hand)?;
-    DriveId::new(format!("{}-{condition}", person.participant)).ok()
+    let who = ParticipantId::new(&*person.participant).ok()?;
+    DriveId::in_condition(&who, condition).ok()
 }
 
 /// What somebody may lend: nothing whose drive shows no habit, or is beyond what the model has met.
