@@ -3,6 +3,7 @@
 use crate::{
     above, assets, entrance,
     error::SeatError,
+    left_out::Act,
     let_in::Invitation,
     live::{self, HAPPENED, PEOPLE, REFUSED},
     markup::{form_field, html, plain, to_lab},
@@ -35,6 +36,10 @@ pub(crate) fn routes(shared: &Shared) -> Router<Shared> {
             "/lab/forget/{participant}",
             get(asks_to_forget).post(forget),
         )
+        .route(
+            "/lab/step/{participant}/{step}",
+            get(asks_to_leave_out).post(leave_out),
+        )
         .route("/lab/above/{participant}", get(from_above))
         .route("/lab/answers.csv", get(answers))
         .route_layer(middleware::from_fn_with_state(shared.clone(), inside));
@@ -52,8 +57,9 @@ async fn inside(State(shared): State<Shared>, request: Request, next: Next) -> R
     }
 }
 
-/// Letters of a note.
+/// Letters of a note, and of a reason.
 const LONGEST_NOTE: usize = 1_000;
+const LONGEST_REASON: usize = 200;
 
 async fn page(State(shared): State<Shared>) -> Response {
     let title = plain(shared.seat.settings.design.title());
@@ -191,6 +197,42 @@ async fn forget(
         plain(&participant),
         plain(gone.lasting)
     )))
+}
+
+async fn asks_to_leave_out(Path((participant, step)): Path<(String, usize)>) -> Response {
+    let (who, number) = (plain(&participant), step + 1);
+    html(&format!(
+        "<h1>Step {number} of {who}</h1><p>Your reason stands in the record. What was driven of the step is kept, and a drive or a ride is left out of the analysis by name. \
+         Their page goes on by itself while they drive, otherwise when they press its button or load it again.</p>\
+         <form method=\"post\"><label>Reason <input name=\"reason\" maxlength=\"{LONGEST_REASON}\" size=\"60\" required></label>\
+         <p><button name=\"act\" value=\"skip\">Skip this step</button> they go on at the next.</p>\
+         <p><button name=\"act\" value=\"abort\">End the driving</button> nothing is driven any more: they read what those read who stop (<code>aftercare</code>), and go on to the end.</p></form>\
+         <p><a href=\"/lab\">Back</a></p>"
+    ))
+}
+
+async fn leave_out(
+    State(shared): State<Shared>,
+    Path((participant, step)): Path<(String, usize)>,
+    body: Bytes,
+) -> Answered<Response> {
+    let reason = form_field(&body, "reason").unwrap_or_default();
+    let reason: String = reason.chars().take(LONGEST_REASON).collect();
+    let act = match form_field(&body, "act").as_deref() {
+        Some("skip") => Act::Skip,
+        Some("abort") => Act::Abort,
+        other => {
+            return Err(Refused::NotThis(format!(
+                "act {other:?}, expected skip or abort"
+            )));
+        }
+    };
+    let done = shared.blocking(move |seat| {
+        let done = seat.leave_out(&participant, step, act, &reason);
+        done.map_err(with_help)
+    });
+    done.await?;
+    Ok(to_lab())
 }
 
 async fn note(State(shared): State<Shared>, body: Bytes) -> Answered<Response> {

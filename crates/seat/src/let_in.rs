@@ -13,7 +13,6 @@ use crate::{
 use maveric_domain::{
     ParticipantId,
     design::{williams, williams_rows},
-    nearest,
 };
 use rusqlite::params;
 use std::collections::BTreeSet;
@@ -26,14 +25,6 @@ pub struct Invitation {
 }
 
 impl Books<'_> {
-    /// The ids of everybody, in the order in which they were let in.
-    pub(crate) fn ids(&self) -> Result<Vec<String>, SeatError> {
-        self.ask(|c| {
-            let mut rows = c.prepare_cached("SELECT participant FROM person ORDER BY rowid")?;
-            rows.query_map([], |row| row.get(0))?.collect()
-        })
-    }
-
     /// The lowest row of `first` and every `apart`-th after it that nobody has. As [`Person::has_place`]: who left has none.
     fn free_row(&self, first: usize, apart: usize) -> Result<usize, SeatError> {
         let held: BTreeSet<usize> = self.ask(|c| {
@@ -57,13 +48,6 @@ impl Books<'_> {
             )
         })
         .map(drop)
-    }
-}
-
-fn refused(problem: String, help: &str) -> SeatError {
-    SeatError::Protocol {
-        problem,
-        help: Some(help.to_owned()),
     }
 }
 
@@ -113,13 +97,13 @@ impl Seat {
             return Ok(format!("P{number:03}"));
         };
         let checked = ParticipantId::new(wanted).map_err(|e| {
-            refused(
+            SeatError::cannot(
                 e.to_string(),
                 "give another one, or none for the next that is free",
             )
         })?;
         if taken.contains(&wanted.to_lowercase()) {
-            return Err(refused(
+            return Err(SeatError::cannot(
                 format!(
                     "the id `{wanted}` stands already, here or in the study's table of people, or was somebody's who is forgotten"
                 ),
@@ -193,22 +177,15 @@ impl Seat {
     /// [`SeatError::Study`] if a file cannot be written.
     pub fn never_came(&self, participant: &str) -> Result<(), SeatError> {
         self.store.within(|b| {
-            let Some(person) = b.called(participant)? else {
-                let ids = b.ids()?;
-                return Err(SeatError::Nobody {
-                    participant: participant.to_owned(),
-                    nearest: nearest(participant, ids.iter().map(String::as_str))
-                        .map(str::to_owned),
-                });
-            };
+            let person = b.called(participant)?;
             if let Some(how) = &person.ended {
-                return Err(refused(
+                return Err(SeatError::cannot(
                     format!("the part of `{participant}` has ended already: {how}"),
                     "nothing is left to do",
                 ));
             }
             if person.at > 0 || !b.begun(participant, 0)?.is_empty() {
-                return Err(refused(
+                return Err(SeatError::cannot(
                     format!(
                         "`{participant}` came: they are at step {} of {}",
                         person.at + 1,

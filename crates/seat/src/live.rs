@@ -177,9 +177,14 @@ fn row(known: &Known, there: &Whereabouts) -> String {
     } else {
         String::new()
     };
+    let step = if there.ended.is_none() && at < steps {
+        format!("<a href=\"/lab/step/{who}/{at}\">Step …</a>")
+    } else {
+        String::new()
+    };
     format!(
         "<tr id=\"person-{who}\"><td><a href=\"/lab/above/{who}\">{who}</a><td>{place}<td>{}<td>{pictures}<td>{}<td>{beyond}\
-         <td><a href=\"{link}\">{link}</a><td>{never_came}<a href=\"/lab/forget/{who}\">Forget …</a>",
+         <td><a href=\"{link}\">{link}</a><td>{never_came}{step} <a href=\"/lab/forget/{who}\">Forget …</a>",
         there.since.map_or_else(String::new, time),
         rides.join(", "),
     )
