@@ -68,12 +68,17 @@ async fn page(State(shared): State<Shared>) -> Response {
     } else {
         "<p>Nobody rides: people drive by hand alone.</p>"
     };
+    let order = if shared.seat.rides() {
+        " <label>Order of conditions, the square's where it is left empty <input name=\"order\" size=\"24\"></label>"
+    } else {
+        ""
+    };
     let parts: BTreeMap<_, _> = live::parts(&shared).await.into_iter().collect();
     let part = |name| parts.get(name).map_or("", String::as_str);
     html(&format!(
         "<h1>{title}</h1>{phase}<p id=\"silent\" role=\"alert\" hidden>The seat does not answer: what stands here may be old.</p>\
          <form method=\"post\" action=\"/lab/next\"><label>Id, the next that is free where it is left empty \
-         <input name=\"participant\" maxlength=\"64\" size=\"12\"></label> <button>Link for the next person</button></form>\
+         <input name=\"participant\" maxlength=\"64\" size=\"12\"></label>{order} <button>Link for the next person</button></form>\
          <form method=\"post\" action=\"/lab/note\"><label>A note of yours <input name=\"note\" maxlength=\"{LONGEST_NOTE}\" size=\"60\"></label> \
          <button>Write down</button></form><div id=\"{REFUSED}\">{}</div>\
          <table><thead><tr><th>Person<th>Where<th>Since<th>Pictures a second<th>Order<th>Style<th>Link<th><tbody id=\"{PEOPLE}\">{}</table>\
@@ -91,6 +96,7 @@ async fn next(State(shared): State<Shared>, body: Bytes) -> Answered<Response> {
     let given = |name| form_field(&body, name).map(|text| text.trim().to_owned());
     let invitation = Invitation {
         participant: given("participant").filter(|id| !id.is_empty()),
+        order: given("order").filter(|order| !order.is_empty()),
     };
     shared
         .blocking(move |seat| seat.invite(&invitation).map_err(with_help))

@@ -214,11 +214,15 @@ impl Seat {
         self.settings.design.protocol().steps.contains(&step)
     }
 
-    /// The steps of `whose` in the row `index` of the square.
-    pub(crate) fn steps_of(&self, whose: Whose<'_>, index: usize) -> Result<Vec<Step>, SeatError> {
+    /// The steps of `whose`, who rides in this order of the conditions.
+    pub(crate) fn steps_of(
+        &self,
+        whose: Whose<'_>,
+        order: &[usize],
+    ) -> Result<Vec<Step>, SeatError> {
         let s = &self.settings;
         let riding = self.rides().then_some(Riding {
-            index,
+            order,
             stretch: s.stretch,
             styles: &self.styles,
         });
