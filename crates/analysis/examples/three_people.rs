@@ -31,11 +31,12 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
             ("normal", 0.2 * i as f64 - 0.1),
             ("sporty", 0.3 * i as f64 + 2.0),
         ] {
+            let condition: ConditionId = condition.parse()?;
             tables.measurements.push(MeasuredDrive {
                 meta: DriveMeta {
-                    drive: DriveId::new(format!("{participant}-{condition}"))?,
+                    drive: DriveId::in_condition(&participant, condition)?,
                     participant: participant.clone(),
-                    condition: condition.parse::<ConditionId>()?,
+                    condition,
                     driven_by: DrivenBy::Synthetic,
                 },
                 values: [("mean_velocity_mps".to_owned(), Some(own + faster))].into(),

@@ -163,13 +163,8 @@ impl LeftOut {
         self.people.entry(who).or_insert(why);
     }
 
-    /// A drive, which keeps the reason that there is already. One whose log never came still has a name, and answers after it.
+    /// A drive, which keeps the reason that there is already.
     pub fn and_drive(&mut self, drive: DriveId, why: Why) {
-        if let Some((who, what)) = drive.as_str().rsplit_once('-')
-            && let (Ok(who), Ok(what)) = (ParticipantId::new(who), what.parse())
-        {
-            self.cells.entry((who, what)).or_insert(why.clone());
-        }
         self.drives.entry(drive).or_insert(why);
     }
 
@@ -187,8 +182,10 @@ impl LeftOut {
                 Rule::Stopped,
                 format!("`{condition}` was stopped: {reason}"),
             );
-            // Of whoever has no name for a drive there is none.
-            if let Ok(drive) = DriveId::new(format!("{participant}-{condition}")) {
+            let cell = (participant.clone(), *condition);
+            self.cells.entry(cell).or_insert(why.clone());
+            // The ids of the two may be too long for one: then no drive has their name.
+            if let Ok(drive) = DriveId::in_condition(participant, *condition) {
                 self.and_drive(drive, why);
             }
         }
@@ -256,8 +253,7 @@ impl LeftOut {
         let mut sat: BTreeMap<&ParticipantId, BTreeSet<ConditionId>> = BTreeMap::new();
         for (who, condition) in came {
             let conditions = sat.entry(who).or_default();
-            let out = self.cells.contains_key(&(who.clone(), condition));
-            if design.condition(condition).is_some() && !out {
+            if design.condition(condition).is_some() && self.keeps(who, condition) {
                 conditions.insert(condition);
             }
         }
@@ -281,10 +277,15 @@ impl LeftOut {
         }
     }
 
-    /// Why what somebody said of a condition is left out, or drove in it.
+    /// Why what somebody said of a condition is left out, or drove in it. A drive left out by the name that this program gives it counts
+    /// whether or not its log came, and whatever its log is called.
     pub fn about(&self, who: &ParticipantId, condition: ConditionId) -> Option<&Why> {
-        let person = self.people.get(who);
-        person.or_else(|| self.cells.get(&(who.clone(), condition)))
+        let cell = || self.cells.get(&(who.clone(), condition));
+        let named = || {
+            let drive = DriveId::in_condition(who, condition).ok()?;
+            self.drives.get(&drive)
+        };
+        self.people.get(who).or_else(named).or_else(cell)
     }
 
     /// Whether a person's drive in a condition, and what they said of it, stays.
@@ -363,6 +364,9 @@ mod tests {
             stop("P3", "b", "unwell"),
         ];
         let left_out = LeftOut::named(&design).with_stopped(&stopped);
+        let long = "P".repeat(63);
+        let too_long = LeftOut::default().with_stopped(&[stop(&long, "a", "unwell")]);
+        assert!(too_long.drives.is_empty() && !too_long.keeps(&who(&long), "a".parse().unwrap()));
         assert!(!left_out.keeps(&who("P1"), "a".parse().unwrap()));
         assert!(
             left_out.keeps(&who("P1"), "b".parse().unwrap()) && left_out.keeps_person(&who("P1"))
@@ -371,7 +375,7 @@ mod tests {
             &design,
             &[],
             &[who("P1"), who("P2"), who("P3")].into(),
-            &left_out,
+            (&left_out, &[]),
         );
         let rows: Vec<(&str, usize)> = flow
             .drives

@@ -189,7 +189,7 @@ fn drives(
             traits.aggressiveness = side.factor() * level + settings.role_sd * normal(&mut rng);
         }
         Ok(PlannedDrive {
-            drive: DriveId::new(format!("{}-{condition}", participant.id))?,
+            drive: DriveId::in_condition(&participant.id, condition)?,
             participant: participant.id.clone(),
             part,
             role,

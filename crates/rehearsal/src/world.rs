@@ -235,7 +235,7 @@ fn meta(
     by_hand: bool,
 ) -> Result<DriveMeta, RehearsalError> {
     Ok(DriveMeta {
-        drive: DriveId::new(format!("{}-{condition}", person.id))?,
+        drive: DriveId::in_condition(&person.id, condition)?,
         participant: person.id.clone(),
         condition,
         driven_by: if by_hand {
@@ -253,7 +253,7 @@ fn embedding(
     position: f64,
 ) -> Result<EmbeddingRow, RehearsalError> {
     Ok(EmbeddingRow {
-        drive: DriveId::new(format!("{}-{baseline}", person.id))?,
+        drive: DriveId::in_condition(&person.id, baseline)?,
         participant: person.id.clone(),
         condition: baseline,
         adb_used,
@@ -283,6 +283,7 @@ fn condition_row(
         moved_points_sd: None,
         clamped: false,
         angle_rad: (condition.car == Some(Car::Across)).then_some(angle),
+        lent: None,
         beyond_training: false,
         beyond_why: None,
         sweep: None,

@@ -235,6 +235,19 @@ impl Books<'_> {
         .map(drop)
     }
 
+    /// Keeps a person's steps anew.
+    pub(crate) fn set_steps(&self, participant: &str, steps: &[Step]) -> Result<(), SeatError> {
+        self.ask(|c| {
+            let steps = serde_json::to_string(steps)
+                .map_err(|e| rusqlite::Error::ToSqlConversionFailure(Box::new(e)))?;
+            c.execute(
+                "UPDATE person SET steps = ?2 WHERE participant = ?1",
+                [participant, &*steps],
+            )
+        })
+        .map(drop)
+    }
+
     /// Ends a person's part, as [`Person::ended`] says; how it ended before stays.
     pub(crate) fn ended(&self, person: &Person, how: &str) -> Result<(), SeatError> {
         self.ask(|c| {
@@ -249,6 +262,7 @@ impl Books<'_> {
     /// Takes away all that is kept of a person, and every note that names them, but the id, which nobody gets again, and the digest of their link, so that it says what
     /// became of it and no file of theirs is taken in again. Gives their token, if they had one here.
     pub(crate) fn forget(&self, participant: &str) -> Result<Option<String>, SeatError> {
+        self.without_donor(participant)?;
         let token: Option<String> = self.ask(|c| {
             c.query_row(
                 "SELECT token FROM person WHERE participant = ?1",

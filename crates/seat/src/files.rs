@@ -19,7 +19,10 @@ use maveric_study::{
     forget::{Forgotten, forget_person},
     tables::{
         TableName,
-        collected::{CONSENTS, EVENTS, EventRow, NOT_ADMITTED, NOTES, NotAdmittedRow, STOPPED},
+        collected::{
+            CONSENTS, EVENTS, EventRow, LENT, LentRow, NOT_ADMITTED, NOTES, NotAdmitted, STOPPED,
+            write_lent,
+        },
         dial::{ENDING, Turn},
         embeddings::read_styles,
         read_rows, write_rows,
@@ -265,11 +268,25 @@ impl Files {
     }
 
     /// Writes how many people each rule of the screening held back, once it held somebody back.
-    pub(crate) fn not_admitted(&self, rows: &[NotAdmittedRow]) -> Result<(), SeatError> {
+    pub(crate) fn not_admitted(&self, rows: &[NotAdmitted]) -> Result<(), SeatError> {
         match self.0.as_ref().filter(|_| !rows.is_empty()) {
             Some(place) => {
-                let path = place.records.join(NOT_ADMITTED);
+                let path = place.study.resolve(Path::new(NOT_ADMITTED));
                 Ok(write_rows(TableName::NotAdmitted, &path, rows)?)
+            }
+            None => Ok(()),
+        }
+    }
+
+    /// Writes whose style was lent to whom, once somebody's was.
+    pub(crate) fn lent(&self, rows: &[LentRow]) -> Result<(), SeatError> {
+        match &self.0 {
+            Some(place) => {
+                let path = place.study.resolve(Path::new(LENT));
+                if rows.is_empty() && !path.is_file() {
+                    return Ok(());
+                }
+                Ok(write_lent(&path, rows)?)
             }
             None => Ok(()),
         }

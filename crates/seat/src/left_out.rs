@@ -79,7 +79,7 @@ impl Books<'_> {
 fn hindrance(person: &Person, act: Act) -> Option<&'static str> {
     let first = |step: &Step| matches!(step, Step::Screen { .. } | Step::Text { agree: true, .. });
     let own = |step: &Step| {
-        let own = |style: &RideStyle| matches!(style, RideStyle::Own | RideStyle::Across(_));
+        let own = |style: &RideStyle| !matches!(style, RideStyle::Mean | RideStyle::Given(_));
         matches!(step, Step::Ride { style, .. } if own(style))
     };
     let mut ahead = person.steps.iter().skip(person.at);

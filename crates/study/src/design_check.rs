@@ -14,7 +14,7 @@ use crate::{
 };
 use maveric_analysis::{LeftOut, Why};
 use maveric_domain::{
-    Design, Scale,
+    Design, DriveId, Scale,
     design::{DesignError, Quantity, ScoreName},
 };
 use maveric_measures::objective;
@@ -62,11 +62,11 @@ pub fn check_design(study: &DesignFile) -> Result<(), StudyError> {
     }
     let drives = drives_of(study, &people);
     let mut named = study.design.exclude().drives.keys();
-    if let Some(stranger) = named.find(|id| !drives.iter().any(|d| d == id.as_str())) {
+    if let Some(stranger) = named.find(|id| !drives.contains(id)) {
         let error = unknown(
             "exclude.drives",
             stranger.as_str(),
-            &mut drives.iter().map(String::as_str),
+            &mut drives.iter().map(DriveId::as_str),
         );
         return Err(error);
     }
@@ -74,18 +74,14 @@ pub fn check_design(study: &DesignFile) -> Result<(), StudyError> {
 }
 
 /// The drives that the study can have: of each person in each condition, the baseline and each role.
-fn drives_of(study: &DesignFile, people: &People) -> Vec<String> {
-    let design = &study.design;
-    let conditions = design.conditions().iter().map(|c| c.id);
-    let mut ids: Vec<_> = conditions
-        .chain(design.baseline_id())
-        .chain(design.roles().iter().map(|role| role.id))
-        .collect();
-    ids.sort_unstable();
-    ids.dedup();
-    let of_person =
-        |p: &Enrolled| -> Vec<String> { ids.iter().map(|id| format!("{}-{id}", p.id)).collect() };
-    people.enrolled.iter().flat_map(of_person).collect()
+fn drives_of(study: &DesignFile, people: &People) -> Vec<DriveId> {
+    let labels = study.design.labels();
+    let people = people.enrolled.iter();
+    people
+        .flat_map(|p| labels.iter().map(|&id| DriveId::in_condition(&p.id, id)))
+        // Of two ids too long for one there is no drive.
+        .filter_map(Result::ok)
+        .collect()
 }
 
 /// People who are in the study and neither learned from nor tested.

@@ -143,10 +143,13 @@ impl Gate {
 
     /// Why a drive of this length (s) is left out; none where it is let in.
     pub fn drive(&self, meta: &DriveMeta, duration_s: f64) -> Option<Why> {
-        let rules = self.left_out.drives.get(&meta.drive).cloned();
+        let (who, condition) = (&meta.participant, meta.condition);
+        let rules = self.left_out.drives.get(&meta.drive);
         rules
-            .or_else(|| self.person(&meta.participant))
-            .or_else(|| unknown_condition(&self.design, meta.condition))
+            .cloned()
+            .or_else(|| self.person(who))
+            .or_else(|| unknown_condition(&self.design, condition))
+            .or_else(|| self.left_out.about(who, condition).cloned())
             .or_else(|| too_short(&self.design, duration_s))
     }
 

@@ -22,7 +22,7 @@ fn twice(people: &People, n: usize, seed: u64) -> Result<[Vec<Values>; 2], Wrong
 
 fn print(rows: &[Retest], first: &[Values]) {
     println!(
-        "measure: ICC(2,1) [95 %], SD of one person, mean and SD of first drives, people, without a value"
+        "measure: ICC(2,1) [95 %], standard error of measurement, mean and SD of first drives, people, without a value"
     );
     for (k, row) in rows.iter().enumerate() {
         let known: Vec<f64> = first.iter().filter_map(|v| v[k]).collect();
@@ -34,7 +34,7 @@ fn print(rows: &[Retest], first: &[Values]) {
             "{}: {:.3} [{low:.3}, {high:.3}], {:.3}, {mean:.3} ± {:.3}, {}, {}",
             row.measure,
             row.icc.unwrap_or_default(),
-            row.within_sd.unwrap_or_default(),
+            row.sem.unwrap_or_default(),
             (square / (n - 1.0)).sqrt(),
             row.n,
             row.missing

@@ -1,9 +1,9 @@
-//! How alike are two drives of one person in one role? Within-person spread and ICC(2,1), measure by measure.
+//! How alike are two drives of one person in one role? ICC(2,1), standard error of measurement and smallest detectable change, measure by measure.
 
 use super::{By, Drove, Line, Missing, Uncounted, between_people, order::twice, people};
 use crate::error::RehearsalError;
 use maveric_domain::ConditionId;
-use maveric_stats::{Icc, icc, sd_interval};
+use maveric_stats::{Icc, icc};
 use serde::Serialize;
 
 /// What two drives of a person are compared in.
@@ -32,11 +32,7 @@ pub struct Retest {
     pub unit: String,
     /// People with a value in both drives.
     pub n: usize,
-    /// √(Σd²/2n); none without people.
-    pub within_sd: Option<f64>,
-    /// Its 95 % interval by χ² with n degrees of freedom; none where all differences are 0.
-    pub within_interval: Option<(f64, f64)>,
-    /// ICC(2,1) with McGraw and Wong's interval; none below two people.
+    /// ICC(2,1) with McGraw and Wong's interval, SEM and SDC; none below two people.
     pub icc: Option<Icc>,
 }
 
@@ -122,11 +118,6 @@ fn compared(
     let (first, second): (Vec<Option<f64>>, Vec<Option<f64>>) =
         both.map(|(a, b)| (Some(a), Some(b))).unzip();
     let n = first.len();
-    let differences = first.iter().zip(&second);
-    let squares: f64 = differences
-        .filter_map(|(a, b)| Some(((*a)? - (*b)?).powi(2)))
-        .sum();
-    let within_sd = (n > 0).then(|| (squares / (2.0 * n as f64)).sqrt());
     let columns: [(&str, &[Option<f64>]); 2] = [("first", &first), ("second", &second)];
     Ok(Retest {
         role,
@@ -134,10 +125,6 @@ fn compared(
         title: title.to_owned(),
         unit: unit.to_owned(),
         n,
-        within_interval: within_sd
-            .filter(|sd| *sd > 0.0)
-            .and_then(|sd| sd_interval(sd, n as f64)),
-        within_sd,
         icc: (n >= 2).then(|| icc(&columns)).transpose()?,
     })
 }
@@ -180,18 +167,18 @@ mod tests {
         assert_eq!(why("P9"), [Missing::Second { role }]);
         let measures = vec!["gap".to_owned()];
         assert_eq!(why("P0"), [Missing::Measures { measures }]);
-        let sd = speed.within_sd.unwrap();
-        assert!((sd - 0.4 / 2.0_f64.sqrt()).abs() < 1e-12);
-        let (low, high) = speed.within_interval.unwrap();
-        assert!(low < sd && sd < high);
-        assert!(speed.icc.as_ref().unwrap().icc.unwrap() > 0.9);
+        let speed = speed.icc.as_ref().unwrap();
+        // Differences of .4 three times and -.4 twice: their mean is less than chance would have it, and takes nothing away.
+        let squares = 5.0 * (0.4_f64.powi(2) - 0.08_f64.powi(2));
+        assert!((speed.sem - (squares / 8.0).sqrt()).abs() < 1e-12);
+        assert!(speed.sem_low.unwrap() < speed.sem && speed.sem < speed.sem_high.unwrap());
+        assert!(speed.icc.unwrap() > 0.9);
         let gap = &found[1];
-        assert_eq!((gap.n, gap.within_sd), (0, None));
-        assert!(gap.icc.is_none());
+        assert!(gap.n == 0 && gap.icc.is_none());
         let (position, score) = (&found[2], &found[3]);
         assert!(position.n == 5 && position.icc.as_ref().unwrap().icc.unwrap() > 0.9);
         // Everybody at one score: a spread of 0, without an interval, and no correlation.
-        assert_eq!((score.within_sd, score.within_interval), (Some(0.0), None));
-        assert_eq!(score.icc.as_ref().unwrap().icc, None);
+        let score = score.icc.as_ref().unwrap();
+        assert_eq!((score.sem, score.sem_low, score.icc), (0.0, None, None));
     }
 }

@@ -1,6 +1,7 @@
 //! How much of what differs between drives is the driver's: the reliability that bounds everything which is learned from one drive.
 
 use super::{MEASURES, Values, title};
+use maveric_measures::objective;
 use maveric_stats::icc;
 use serde::Serialize;
 
@@ -11,6 +12,8 @@ pub struct Retest {
     pub measure: &'static str,
     /// Name for people.
     pub title: &'static str,
+    /// Its unit; empty for counts and shares.
+    pub unit: &'static str,
     /// People with a value in both drives.
     pub n: usize,
     /// People without one of the values.
@@ -19,8 +22,10 @@ pub struct Retest {
     pub icc: Option<f64>,
     /// Its 95 % interval.
     pub interval: Option<(f64, f64)>,
-    /// Standard deviation of one person's drives, in the measure's unit.
-    pub within_sd: Option<f64>,
+    /// Standard error of measurement, in the measure's unit.
+    pub sem: Option<f64>,
+    /// Smallest detectable change, in the measure's unit.
+    pub sdc: Option<f64>,
 }
 
 /// Every measure; both slices in the same order of people. A measure that fewer than two people have twice has no number.
@@ -33,11 +38,13 @@ pub fn retest(first: &[Values], again: &[Values]) -> Vec<Retest> {
         Retest {
             measure,
             title: title(k),
+            unit: objective::find(measure).map_or("", |m| m.unit),
             n,
             missing: one.len() - n,
             icc: found.as_ref().and_then(|f| f.icc),
             interval: found.as_ref().and_then(|f| f.ci_low.zip(f.ci_high)),
-            within_sd: found.map(|f| f.within_sd),
+            sem: found.as_ref().map(|f| f.sem),
+            sdc: found.map(|f| f.sdc),
         }
     };
     MEASURES.iter().enumerate().map(row).collect()
@@ -61,9 +68,11 @@ mod tests {
         let rows = retest(&first, &again);
         let speed = &rows[0];
         assert_eq!((speed.n, speed.missing), (4, 1));
-        assert!((speed.within_sd.unwrap() - 1.0).abs() < 1e-12);
+        // Differences 0, 0, 2, -2: no difference between days, error (4 + 4)/2/3.
+        assert!((speed.sem.unwrap() - (4.0_f64 / 3.0).sqrt()).abs() < 1e-12);
+        assert!((speed.sdc.unwrap() - 1.96 * (8.0_f64 / 3.0).sqrt()).abs() < 1e-12);
         let (low, high) = speed.interval.unwrap();
         assert!(low < speed.icc.unwrap() && speed.icc.unwrap() < high);
-        assert_eq!((rows[1].n, rows[1].icc, rows[1].within_sd), (0, None, None));
+        assert_eq!((rows[1].n, rows[1].icc, rows[1].sem), (0, None, None));
     }
 }

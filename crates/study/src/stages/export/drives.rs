@@ -10,7 +10,7 @@ use crate::{
     outcome::{Watch, for_each_on},
     tables::drives::{write_drive, write_samples},
 };
-use maveric_domain::{Drive, DriveId, DriveMeta, ParticipantId, Recording};
+use maveric_domain::{Drive, DriveId, DriveMeta, Recording};
 use maveric_ingest::Beside;
 use std::{collections::BTreeMap, path::Path};
 
@@ -49,19 +49,17 @@ fn renamed<'a>(
     drives: &'a [(DriveMeta, Recording)],
     names: &Pseudonyms,
 ) -> Result<Vec<(DriveMeta, &'a Recording)>, StudyError> {
-    let mut numbers: BTreeMap<(ParticipantId, String), usize> = BTreeMap::new();
+    let mut numbers: BTreeMap<DriveId, usize> = BTreeMap::new();
     let rename = |(meta, recording): &'a (DriveMeta, Recording)| {
         let participant = names.of(&meta.participant);
-        let condition = meta.condition.to_string();
-        let key = (participant.clone(), condition.clone());
-        let number = numbers.entry(key).or_default();
+        let mut drive = DriveId::in_condition(&participant, meta.condition)?;
+        let number = numbers.entry(drive.clone()).or_default();
         *number += 1;
-        let drive = match number {
-            1 => format!("{participant}-{condition}"),
-            n => format!("{participant}-{condition}-{n}"),
-        };
+        if *number > 1 {
+            drive = DriveId::new(format!("{drive}-{number}"))?;
+        }
         let meta = DriveMeta {
-            drive: DriveId::new(drive)?,
+            drive,
             participant,
             ..meta.clone()
         };

@@ -6,8 +6,8 @@ use crate::{
     error::StudyError,
     gate::{Gate, counted},
 };
-use maveric_analysis::Why;
-use maveric_domain::{Moment, ParticipantId};
+use maveric_analysis::{Driven, Why};
+use maveric_domain::{DriveMeta, Moment, ParticipantId, Recording};
 use path_slash::PathExt as _;
 use std::{
     collections::{BTreeMap, BTreeSet},
@@ -53,8 +53,21 @@ impl LeftOut {
         participants: Option<&Path>,
         material: &mut Material,
     ) -> Result<Self, StudyError> {
+        let duration_s = |recording: &Recording| {
+            let time = recording.time_s();
+            time.last().zip(time.first()).map_or(0.0, |(b, a)| b - a)
+        };
+        let driven = |(meta, recording): &(DriveMeta, Recording)| Driven {
+            drive: meta.drive.clone(),
+            participant: meta.participant.clone(),
+            condition: meta.condition,
+            duration_s: Some(duration_s(recording)),
+        };
+        // Whatever their logs are called, what was answered after a drive that is left out goes with it.
+        let drives: Vec<Driven> = material.drives.iter().map(driven).collect();
         let gate = Gate::where_listed(study, participants)?
-            .with_analysis(&study.resolve(Path::new(RESULTS)))?;
+            .with_analysis(&study.resolve(Path::new(RESULTS)))?
+            .with_sheets(&[], &[], &drives);
         let exclude = study.design.exclude();
         let named = exclude.people.keys().map(ToString::to_string);
         let named = named.chain(exclude.drives.keys().map(ToString::to_string));
@@ -79,10 +92,8 @@ impl LeftOut {
         material
             .probes
             .retain(|p| keeps(&p.participant, Moment::Probe(p.condition)));
-        material.drives.retain(|(meta, recording)| {
-            let time = recording.time_s();
-            let duration_s = time.last().zip(time.first()).map_or(0.0, |(b, a)| b - a);
-            match gate.drive(meta, duration_s) {
+        material.drives.retain(
+            |(meta, recording)| match gate.drive(meta, duration_s(recording)) {
                 None => true,
                 Some(why) => {
                     found.person(&gate, &meta.participant);
@@ -90,8 +101,8 @@ impl LeftOut {
                     found.drives.push(why);
                     false
                 }
-            }
-        });
+            },
+        );
         material.own.retain(|row| {
             let moment = Moment::After(row.condition);
             found.person(&gate, &row.participant) && gate.answer(&row.participant, moment).is_none()
@@ -126,5 +137,65 @@ impl LeftOut {
             counted(["answer", "answers"], &self.answers),
         ]
         .concat()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use maveric_domain::{Answer, DriveId, DrivenBy, Road, recording::EgoTrack};
+
+    #[test]
+    fn what_was_answered_after_a_drive_goes_with_it_by_the_name_of_its_log_and_by_person_and_condition()
+     {
+        let folder = tempfile::tempdir().unwrap();
+        std::fs::write(folder.path().join("participants.csv"), "participant\nP-1\n").unwrap();
+        let who = ParticipantId::new("P-1").unwrap();
+        let answer = |condition: &str| Answer {
+            participant: who.clone(),
+            moment: Moment::After(condition.parse().unwrap()),
+            scale: "trust".to_owned(),
+            item: 1,
+            answer: Some(3),
+        };
+        let ego = EgoTrack {
+            x_m: vec![0.0, 1.0],
+            y_m: vec![0.0, 0.0],
+            speed_mps: vec![20.0, 20.0],
+            length_m: 4.5,
+        };
+        let (road, time_s) = (Road::PAPER, vec![0.0, 0.05]);
+        let recording = Recording::new(road, 20.0, time_s, vec![0, 0], ego, Vec::new()).unwrap();
+        let drive = |name: &str, condition: &str| {
+            let meta = DriveMeta {
+                drive: DriveId::new(name).unwrap(),
+                participant: who.clone(),
+                condition: condition.parse().unwrap(),
+                driven_by: DrivenBy::Human,
+            };
+            (meta, recording.clone())
+        };
+        let kept = |excluded: &str| {
+            let design = format!(
+                "[study]\ntitle = \"t\"\n[[condition]]\nid = \"plus-15\"\n[[condition]]\nid = \"15\"\n\
+                 [exclude]\ndrives = {{ {excluded} = \"the rig failed\" }}"
+            );
+            let file = folder.path().join("study.toml");
+            std::fs::write(&file, design).unwrap();
+            let mut material = Material {
+                answers: vec![answer("plus-15"), answer("15")],
+                drives: vec![drive("run7", "plus-15"), drive("run8", "15")],
+                ..Material::default()
+            };
+            LeftOut::of(&DesignFile::read(&file).unwrap(), None, &mut material).unwrap();
+            let drives = material.drives.iter().map(|d| d.0.drive.to_string());
+            let answered = material.answers.iter().map(|a| a.moment.to_string());
+            drives.chain(answered).collect::<Vec<_>>()
+        };
+        let without = ["run8", "after:15"];
+        assert_eq!(kept("run7"), without);
+        assert_eq!(kept("P-1-plus-15"), without);
+        assert_eq!(kept("P-1-15"), ["run7", "after:plus-15"]);
+        assert_eq!(kept("run9").len(), 4);
     }
 }

@@ -4,15 +4,18 @@ use super::{Steer, Steered, is_beyond, strangers::Strangers};
 use crate::{
     design::DesignFile,
     error::StudyError,
+    lending::Lending,
+    once::told_once,
     outcome::{Outcome, Watch},
     style_scale::StyleScale,
     tables::{
+        collected::{LENT, LentRow},
         conditions::ConditionRow,
         embeddings::{EmbeddingRow, read_styles, style_of},
     },
 };
 use maveric_domain::{
-    BeyondWhy, Embedding,
+    BeyondWhy, ConditionId, DriveId, Embedding, Lent,
     design::{Car, Condition},
     stream_seed,
 };
@@ -22,6 +25,7 @@ use maveric_model::{
 };
 use maveric_steering::{PlacedStyle, RideStyle, Seed};
 use path_slash::PathExt as _;
+use std::collections::BTreeMap;
 
 struct Steering<'a> {
     model: &'a Model,
@@ -29,6 +33,12 @@ struct Steering<'a> {
     axis: Option<&'a LinearHead>,
     /// Whether there is something across the dial.
     across: bool,
+    /// Where somebody else's style is lent.
+    lending: BTreeMap<ConditionId, Lending>,
+    /// What was lent in the seat.
+    ridden: Vec<LentRow>,
+    /// Points of the model for one of the study's.
+    points: f64,
     /// Points of the model for one of the design's: a `--points` that is not the design's own step.
     stretch: f64,
     seed: u64,
@@ -65,6 +75,9 @@ pub(super) fn conditions(
         model,
         axis,
         across: false,
+        lending: BTreeMap::new(),
+        ridden: study.lent()?,
+        points: scale.stretch(),
         stretch: options
             .points
             .zip(step)
@@ -83,6 +96,22 @@ pub(super) fn conditions(
             ellipse => steering.across = ellipse.map(|_| true)?,
         }
     }
+    for condition in &driven {
+        if let (Some(Car::Matched(matched)), false) = (&condition.car, condition.recorded) {
+            let mut tested = Vec::new();
+            for person in own {
+                let hat = steering.hat(&person.embedding)?;
+                if BeyondWhy::of_reading(hat, person.beyond_why.clone())
+                    .1
+                    .is_none()
+                {
+                    tested.push((person.drive.clone(), person.embedding.clone()));
+                }
+            }
+            let lending = Lending::of(model, *matched, tested)?;
+            steering.lending.insert(condition.id, lending);
+        }
+    }
     let mut rows = Vec::new();
     let mut strangers = Strangers::of(options, design);
     let turned = driven.iter().any(|condition| condition.side().is_some());
@@ -95,17 +124,12 @@ pub(super) fn conditions(
             if !may_turn && condition.side().is_some() {
                 continue;
             }
-            let id = format!("{}-{}", person.participant, condition.id);
-            let excluded = design
-                .exclude()
-                .drives
-                .iter()
-                .any(|(d, _)| d.as_str() == id);
-            if excluded {
+            let id = DriveId::in_condition(&person.participant, condition.id)?;
+            if design.exclude().drives.contains_key(&id) {
                 warnings.push(format!("drive {id}: left out by exclude.drives"));
                 continue;
             }
-            let Some(placed) = steering.place(study, condition, person)? else {
+            let Some((placed, lent)) = steering.place(study, condition, person)? else {
                 continue;
             };
             shifts += usize::from(condition.side().is_some());
@@ -126,6 +150,10 @@ pub(super) fn conditions(
                     .map(|sd| sd / scale.stretch()),
                 clamped: placed.clamped,
                 angle_rad: placed.angle_rad,
+                lent: lent.map(|lent| Lent {
+                    donor_shift_points: lent.donor_shift_points / steering.points,
+                    ..lent
+                }),
                 beyond_training: is_beyond(model, &embedding)?,
                 beyond_why: match condition.car {
                     Some(Car::Dial(_) | Car::Across) => why.clone(),
@@ -137,6 +165,10 @@ pub(super) fn conditions(
         }
     }
     warnings.extend(strangers.warnings());
+    let lending = steering.lending.iter();
+    warnings.extend(lending.flat_map(|(id, lending)| lending.warnings(*id)));
+    let nobody = told_once("participant", steering.nobodys(&driven, own));
+    warnings.extend(nobody);
     if clamped > 0 {
         warnings.push(format!(
             "{clamped} of {shifts} shifts were cut short by the ends of the scale"
@@ -167,19 +199,43 @@ pub(super) fn conditions(
 }
 
 impl Steering<'_> {
-    /// Where a condition lies for a person; none across the dial where there is nothing.
+    /// Where a condition lies for a person, and who lends the style; none across the dial where there is nothing.
     fn place(
-        &self,
+        &mut self,
         study: &DesignFile,
         condition: &Condition,
         person: &EmbeddingRow,
-    ) -> Result<Option<PlacedStyle>, StudyError> {
+    ) -> Result<Option<(PlacedStyle, Option<Lent>)>, StudyError> {
         let who = &person.participant;
+        let drawn = stream_seed(self.seed, &[who.as_str(), condition.id.as_str()]);
+        let mut lent = None;
         let style = match &condition.car {
             Some(Car::Dial(_)) => RideStyle::Own,
-            Some(Car::Across) if self.across => {
-                let labels = [who.as_str(), condition.id.as_str()];
-                RideStyle::Across(Seed(stream_seed(self.seed, &labels)))
+            Some(Car::Across) if self.across => RideStyle::Across(Seed(drawn)),
+            // Where it was ridden, what was lent is known.
+            Some(Car::Matched(_)) if condition.recorded => {
+                let ridden = self.ridden.iter();
+                let mut theirs = ridden.filter(|row| row.condition == condition.id);
+                let Some(row) = theirs.find(|row| row.participant == *who) else {
+                    return Ok(None);
+                };
+                lent = Some(Lent {
+                    donor: row.donor.clone(),
+                    donor_shift_points: row.donor_shift_points * self.points,
+                    donor_distance_sd: row.donor_distance_sd,
+                    donor_within_reach: row.donor_within_reach,
+                });
+                RideStyle::Given(row.embedding.clone())
+            }
+            Some(Car::Matched(_)) => {
+                let lending = self.lending.get_mut(&condition.id);
+                let rider = (&person.drive, &person.embedding);
+                let found = lending.map(|lending| lending.lend(rider, drawn));
+                let Some((style, from)) = found.transpose()?.flatten() else {
+                    return Ok(None);
+                };
+                lent = Some(from);
+                RideStyle::Given(style)
             }
             Some(Car::Mean) => RideStyle::Mean,
             Some(Car::Embedding(file)) => {
@@ -190,7 +246,27 @@ impl Steering<'_> {
             _ => return Ok(None),
         };
         let points = condition.dial().unwrap_or(0.0) * self.stretch;
-        Ok(Some(style.place(self.model, &person.embedding, points)?))
+        let placed = style.place(self.model, &person.embedding, points)?;
+        Ok(Some((placed, lent)))
+    }
+
+    /// Who was lent nobody's style in a condition that was ridden, and what is said of it.
+    fn nobodys(&self, driven: &[&Condition], own: &[&EmbeddingRow]) -> Vec<(String, String)> {
+        let ridden = driven.iter().filter(|c| c.recorded);
+        let ridden = ridden.filter(|c| matches!(c.car, Some(Car::Matched(_))));
+        let missing =
+            ridden.flat_map(|condition| {
+                own.iter().filter_map(|person| {
+                let mut lent = self.ridden.iter().filter(|row| row.condition == condition.id);
+                let known = lent.any(|row| row.participant == person.participant);
+                let what = format!(
+                    "nobody's style was lent in the seat for condition {} ({LENT}): left out there",
+                    condition.id
+                );
+                (!known).then(|| (person.participant.to_string(), what))
+            })
+            });
+        missing.collect()
     }
 
     /// Ŝ at an embedding; none where the model has no style head.

@@ -15,6 +15,7 @@ use crate::{
     run_folder::read_model,
     stage::{Files, Stage},
     tables::{
+        collected::LENT,
         conditions::{ConditionRow, write_conditions},
         embeddings::{EmbeddingRow, read_embeddings},
     },
@@ -104,6 +105,7 @@ impl Stage for Steer {
             .reads(&self.scores)
             .reads_design(self.design.as_deref())
             .reads_style(Some(&study))
+            .reads_if_there(Some(study.resolve(Path::new(LENT))))
             .writes([&self.out]))
     }
 

@@ -200,8 +200,11 @@ impl Words<'_> {
             .text("Measure", |m| m.title.as_str())
             .text("Unit", |m| m.unit.as_str())
             .right("*n*", |m| Cell::count(m.n))
-            .right("SD within people", |m| Cell::number(m.within_sd, 3))
-            .right("95% CI", |m| interval(m.within_interval, 3))
+            .right("SEM", |m| Cell::number(icc(m, |i| Some(i.sem)), 3))
+            .right("95% CI", |m| {
+                interval(icc(m, |i| i.sem_low).zip(icc(m, |i| i.sem_high)), 3)
+            })
+            .right("SDC", |m| Cell::number(icc(m, |i| Some(i.sdc)), 3))
             .right("ICC(2,1)", |m| Cell::bounded(icc(m, |i| i.icc), 2))
             .right("95% CI ", |m| {
                 interval(icc(m, |i| i.ci_low).zip(icc(m, |i| i.ci_high)), 2)
