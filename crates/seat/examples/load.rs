@@ -1,6 +1,7 @@
-//! Many people driving at once against one server, all on this machine: how long an upload takes, and whether every row is kept.
+//! Many people driving at once against one server, all on this machine: how long an upload takes, whether every row is kept, and (on
+//! Linux) what the server needs of a processor, with so many pages of the experimenter's open.
 //!
-//! usage: `cargo run --release -p maveric-seat --example load -- [PEOPLE] [SECONDS]`
+//! usage: `cargo run --release -p maveric-seat --example load -- [PEOPLE] [SECONDS] [PAGES]`
 
 #![expect(clippy::print_stdout, reason = "a program that says what it measured")]
 
@@ -14,7 +15,10 @@ use std::{
     io::{Read as _, Write as _},
     net::{SocketAddr, TcpStream},
     path::Path,
-    sync::Arc,
+    sync::{
+        Arc,
+        atomic::{AtomicU64, Ordering},
+    },
     thread,
     time::{Duration, Instant},
 };
@@ -34,11 +38,14 @@ drive_s = 7200
 "#;
 const TAB: &str = "00112233445566778899aabbccddeeff";
 const TICKS: u64 = 100;
+/// Bytes that the experimenter's pages were sent.
+static WATCHED: AtomicU64 = AtomicU64::new(0);
+const PASSWORD: &str = "load";
 
 fn main() -> Result<(), Failed> {
     let mut given = std::env::args().skip(1);
     let mut number = |otherwise: u64| given.next().map_or(Ok(otherwise), |a| a.parse());
-    let (people, seconds) = (number(1_000)?, number(30)?);
+    let (people, seconds, pages) = (number(1_000)?, number(30)?, number(0)?);
     let folder = tempfile::tempdir()?;
     let seat = Arc::new(Seat::open(&folder.path().join("seat.db"), settings()?)?);
     let links: Vec<String> = (0..people)
@@ -51,8 +58,13 @@ fn main() -> Result<(), Failed> {
     let serving = runtime.block_on(serve(Arc::clone(&seat), any, Wire::Here, |_| {}))?;
     let address = serving.address;
     runtime.spawn(serving.forever());
+    println!("http://{address}/lab (password: {PASSWORD})");
 
+    for _ in 0..pages {
+        thread::spawn(move || watch(address));
+    }
     let begun = Instant::now();
+    let before_s = server_s();
     let drivers: Vec<_> = (links.into_iter().zip(0_u64..))
         .map(|(link, at)| {
             let wait = Duration::from_millis(1_000 * at / people);
@@ -68,17 +80,23 @@ fn main() -> Result<(), Failed> {
         took_ms.extend(took);
         kept += last;
     }
+    let (took_s, needed_s) = (begun.elapsed().as_secs_f64(), server_s() - before_s);
     took_ms.sort_by(f64::total_cmp);
     let at = |share: f64| took_ms[((took_ms.len() - 1) as f64 * share) as usize];
     let sent = people * seconds * TICKS;
     println!(
         "{people} people, {} uploads in {:.1} s: p50 {:.1} ms, p99 {:.1} ms, longest {:.1} ms; steps sent {sent}, kept {kept}, lost {}",
         took_ms.len(),
-        begun.elapsed().as_secs_f64(),
+        took_s,
         at(0.5),
         at(0.99),
         at(1.0),
         sent - kept
+    );
+    println!(
+        "{pages} pages of the experimenter's, sent {:.0} kB a second: the server needs {:.1} % of a processor",
+        WATCHED.load(Ordering::Relaxed) as f64 / 1e3 / took_s,
+        100.0 * needed_s / took_s
     );
     println!(
         "state: {} bytes",
@@ -92,14 +110,58 @@ fn settings() -> Result<SeatSettings, Failed> {
     Ok(SeatSettings {
         design: Design::from_toml(DESIGN)?,
         scales: Vec::new(),
-        texts: Texts::default(),
+        // As long as the steps of a whole study are.
+        texts: Texts {
+            thanks: Some("Thanks. ".repeat(2_500)),
+            ..Texts::default()
+        },
         scenario: Scenario::paper(),
         model: None,
         made_up_model: false,
         stretch: 1.0,
         files: Files::nowhere(),
-        password: None,
+        password: Some(PASSWORD.to_owned()),
     })
+}
+
+/// What the server's threads have needed of a processor so far, in s; nothing where the system does not say.
+fn server_s() -> f64 {
+    let threads = std::fs::read_dir("/proc/self/task").into_iter().flatten();
+    let needed = threads.flatten().filter_map(|thread| {
+        let stat = std::fs::read_to_string(thread.path().join("stat")).ok()?;
+        let (name, numbers) = stat.rsplit_once(')')?;
+        let mut numbers = numbers.split(' ').skip(12).map(str::parse::<f64>);
+        let needed = numbers.next()?.ok()? + numbers.next()?.ok()?;
+        name.contains("(tokio").then_some(needed / 100.0)
+    });
+    needed.sum()
+}
+
+/// The experimenter's page: is sent what changes, and reads it.
+fn watch(address: SocketAddr) -> Result<(), Failed> {
+    let mut stream = TcpStream::connect(address)?;
+    let body = format!("password={PASSWORD}");
+    let length = body.len();
+    let enter = format!(
+        "POST /lab/enter HTTP/1.1\r\nHost: {address}\r\nOrigin: http://{address}\r\nContent-Length: {length}\r\n\r\n{body}"
+    );
+    stream.write_all(enter.as_bytes())?;
+    let mut part = vec![0_u8; 1 << 16];
+    let read = stream.read(&mut part)?;
+    let reply = String::from_utf8_lossy(&part[..read]).into_owned();
+    let cookie = reply.lines().find_map(|l| l.strip_prefix("set-cookie: "));
+    let cookie = cookie
+        .and_then(|c| c.split(';').next())
+        .ok_or("no cookie")?;
+    let live = format!("GET /lab/live HTTP/1.1\r\nHost: {address}\r\nCookie: {cookie}\r\n\r\n");
+    stream.write_all(live.as_bytes())?;
+    loop {
+        let read = stream.read(&mut part)?;
+        if read == 0 {
+            return Ok(());
+        }
+        WATCHED.fetch_add(read as u64, Ordering::Relaxed);
+    }
 }
 
 /// One person: a piece a second over one connection. Gives how long each upload took, in ms, and the steps that were kept.

@@ -8,6 +8,7 @@ use crate::{
     steps::Step,
     token,
 };
+use maveric_domain::nearest;
 use maveric_study::forget::is_about;
 use rusqlite::{Connection, OptionalExtension as _, params};
 use std::{collections::BTreeSet, path::Path};
@@ -88,11 +89,24 @@ impl Books<'_> {
     }
 
     /// The person of an id.
-    pub(crate) fn called(&self, participant: &str) -> Result<Option<Person>, SeatError> {
-        self.ask(|c| {
+    pub(crate) fn called(&self, participant: &str) -> Result<Person, SeatError> {
+        let person = self.ask(|c| {
             c.prepare_cached(&format!("{PERSON} WHERE participant = ?1"))?
                 .query_row([participant], Person::read)
                 .optional()
+        })?;
+        let ids = self.ids()?;
+        person.ok_or_else(|| SeatError::Nobody {
+            participant: participant.to_owned(),
+            nearest: nearest(participant, ids.iter().map(String::as_str)).map(str::to_owned),
+        })
+    }
+
+    /// The ids of everybody, in the order in which they were let in.
+    pub(crate) fn ids(&self) -> Result<Vec<String>, SeatError> {
+        self.ask(|c| {
+            let mut rows = c.prepare_cached("SELECT participant FROM person ORDER BY rowid")?;
+            rows.query_map([], |row| row.get(0))?.collect()
         })
     }
 
@@ -258,7 +272,7 @@ impl Books<'_> {
             .optional()
         })?;
         self.ask(|c| {
-            for table in ["person", "answer", "drive", "piece", "event"] {
+            for table in ["person", "answer", "drive", "piece", "event", "left_out"] {
                 c.execute(
                     &format!("DELETE FROM {table} WHERE participant = ?1"),
                     [participant],

@@ -91,7 +91,7 @@ pub fn export(seat: &Seat, folder: &Path, post: Option<&str>) -> Result<Exported
         ));
     }
     let rows: Vec<Vec<Step>> = (0..seat.orders())
-        .map(|row| seat.steps_of(Whose::Nobody, row))
+        .map(|row| seat.steps_of(Whose::Nobody, &seat.order(row)))
         .collect::<Result<_, _>>()?;
     let orders = rows.len();
     let told = Static {
@@ -298,7 +298,7 @@ pub fn take_in(seat: &Seat, path: &Path) -> Result<TakenIn, SeatError> {
             "who handed this over is forgotten: it is not taken in again".to_owned(),
         ));
     }
-    let steps = seat.steps_of(Whose::Link(&token), row)?;
+    let steps = seat.steps_of(Whose::Link(&token), &seat.order(row))?;
     let rest: Vec<(usize, Line)> = lines.collect();
     if let [(number, Line::NotAdmitted { not_admitted })] = rest[..] {
         let why = hold_back(seat, &token, &steps, not_admitted)?;

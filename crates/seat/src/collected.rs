@@ -3,6 +3,7 @@
 use crate::{
     books::{Books, whole},
     error::SeatError,
+    left_out::Act,
     listed::{KeptSheet, Listed},
     person::Person,
     sheet::Sheet,
@@ -110,6 +111,7 @@ impl Books<'_> {
         who: &ParticipantId,
         events: &mut Vec<EventRow>,
     ) -> Result<(), SeatError> {
+        let left_out = self.left_out(&person.participant)?;
         for (step, found) in person.steps.iter().enumerate() {
             let (page, moment) = place(found);
             let row = |what: &str| EventRow {
@@ -137,6 +139,16 @@ impl Books<'_> {
                 });
             }
             self.driven(person, (step, found), &row, events)?;
+            for left in left_out.iter().filter(|left| left.step == step) {
+                let drives = found.drives().is_some();
+                let begun = self.begun(&person.participant, step)?;
+                let ticks = begun.last().map_or(0, |begun| begun.ticks);
+                events.push(EventRow {
+                    time_s: drives.then_some(ticks as f64 / TICKS_PER_S),
+                    at: written(left.given),
+                    ..row(&left.what)
+                });
+            }
         }
         if let Some(how) = &person.ended {
             events.push(EventRow {
@@ -235,9 +247,13 @@ impl Books<'_> {
     }
 }
 
-/// A drive or a ride that somebody stopped; the practice is none of the study's.
+/// A drive or a ride that somebody stopped, or that the experimenter left out; the practice is none of the study's.
 fn stopped_in(event: &EventRow) -> Option<Stopped> {
-    let reason = event.what.strip_prefix(STOPPED)?;
+    let acts = [Act::Skip, Act::Abort];
+    // What a page says of a drive has no time of day.
+    let left_out = event.at.is_some() && acts.iter().any(|act| event.what.starts_with(act.past()));
+    let reason = event.what.strip_prefix(STOPPED);
+    let reason = reason.or_else(|| left_out.then_some(&event.what))?;
     Some(Stopped {
         participant: event.participant.clone(),
         condition: event.page.parse().ok().filter(|_| event.page != PRACTICE)?,

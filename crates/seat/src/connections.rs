@@ -32,6 +32,8 @@ const HEAD_WITHIN: Duration = Duration::from_secs(30);
 /// Connections from one address that have not asked anything whole after a while.
 const MOST_NEW: usize = 128;
 const A_WHILE: Duration = Duration::from_secs(1);
+/// Connections of pages that are sent what changes: the oldest go first.
+const MOST_STREAMING: usize = 32;
 /// Connections in all, where the system allows as many.
 const MOST: usize = 8_192;
 /// Files that are open beside the connections.
@@ -42,8 +44,10 @@ const TRIED_AGAIN: Duration = Duration::from_millis(20);
 const NEW: u8 = 0;
 const ASKING: u8 = 1;
 const WAITING: u8 = 2;
+const STREAMING: u8 = 3;
 
-/// What a connection is at: it has asked nothing whole yet, a request of it is being answered, or it waits for the next.
+/// What a connection is at: it has asked nothing whole yet, a request of it is being answered, it waits for the next, or it is sent
+/// something for as long as it is open.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Stage(Arc<AtomicU8>);
 
@@ -59,6 +63,11 @@ impl Stage {
         let _ = self
             .0
             .fetch_update(Ordering::Relaxed, Ordering::Relaxed, asked);
+    }
+
+    /// It is being answered without an end.
+    pub(crate) fn streams(&self) {
+        self.0.store(STREAMING, Ordering::Relaxed);
     }
 
     fn at(&self) -> u8 {
@@ -85,17 +94,23 @@ impl Connections {
         self.open.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Makes room for one more from this address: the oldest that asked nothing go, or of all the oldest that waits.
+    /// Makes room for one more from this address: the oldest that asked nothing go, or of all the oldest that waits; none that streams
+    /// but for their own number.
     fn make_room(&self, from: IpAddr, most: usize) {
         let mut open = self.held();
         let idle = |o: &Open| o.from == from && o.stage.at() == NEW && o.since.elapsed() >= A_WHILE;
-        let many = open.values().filter(|o| idle(o)).count();
-        for _ in MOST_NEW..many {
-            hang_up(&mut open, idle);
-        }
+        hang_up_all_but(&mut open, MOST_NEW, idle);
+        hang_up_all_but(&mut open, MOST_STREAMING, |o| o.stage.at() == STREAMING);
         if open.len() >= most && !hang_up(&mut open, |o| o.stage.at() == NEW) {
             hang_up(&mut open, |o| o.stage.at() == WAITING);
         }
+    }
+}
+
+fn hang_up_all_but(open: &mut BTreeMap<u64, Open>, most: usize, which: impl Fn(&Open) -> bool) {
+    let many = open.values().filter(|o| which(o)).count();
+    for _ in most..many {
+        hang_up(open, &which);
     }
 }
 
@@ -186,4 +201,64 @@ async fn serve(
         .serve_connection(TokioIo::new(stream), service);
     // A connection that broke off is nobody's any more.
     let _ = connection.await;
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::net::Ipv4Addr;
+
+    const HERE: IpAddr = IpAddr::V4(Ipv4Addr::LOCALHOST);
+
+    /// Connections at these stages, the oldest first.
+    fn at(stages: &[u8]) -> Connections {
+        let connections = Connections::default();
+        for (id, stage) in (0..).zip(stages) {
+            let open = Open {
+                from: HERE,
+                since: Instant::now(),
+                stage: Stage(Arc::new(AtomicU8::new(*stage))),
+                task: tokio::spawn(std::future::pending::<()>()).abort_handle(),
+            };
+            connections.held().insert(id, open);
+        }
+        connections
+    }
+
+    fn left(connections: &Connections) -> Vec<u64> {
+        connections.held().keys().copied().collect()
+    }
+
+    #[test]
+    fn what_is_streamed_stays_so_until_something_else_is_asked() {
+        let stage = Stage::default();
+        stage.asks();
+        stage.streams();
+        stage.waits();
+        assert_eq!(stage.at(), STREAMING);
+        stage.asks();
+        stage.waits();
+        assert_eq!(stage.at(), WAITING);
+    }
+
+    #[tokio::test]
+    async fn a_page_that_is_sent_what_changes_makes_no_room_for_who_comes_next() {
+        let connections = at(&[STREAMING, WAITING, STREAMING, WAITING]);
+        connections.make_room(HERE, 4);
+        assert_eq!(left(&connections), [0, 2, 3]);
+        connections.make_room(HERE, 3);
+        connections.make_room(HERE, 2);
+        assert_eq!(left(&connections), [0, 2]);
+    }
+
+    #[tokio::test]
+    async fn of_too_many_pages_that_are_sent_what_changes_the_oldest_goes() {
+        let connections = at(&[STREAMING; MOST_STREAMING]);
+        connections.make_room(HERE, MOST);
+        assert_eq!(left(&connections).len(), MOST_STREAMING);
+        let connections = at(&[STREAMING; MOST_STREAMING + 1]);
+        connections.make_room(HERE, MOST);
+        let left = left(&connections);
+        assert_eq!((left[0], left.len()), (1, MOST_STREAMING));
+    }
 }

@@ -176,7 +176,7 @@ mod tests {
     fn the_demonstration_is_a_study_of_a_drive_and_two_rides() {
         let design = Design::from_toml(DESIGN).unwrap();
         let riding = Riding {
-            index: 0,
+            order: &[0, 1],
             stretch: 1.0,
             styles: &Styles::new(),
         };

@@ -136,6 +136,14 @@ impl From<Hindrance> for SeatError {
 }
 
 impl SeatError {
+    /// Something that cannot be done, and what can.
+    pub(crate) fn cannot(problem: impl Into<String>, help: &str) -> Self {
+        Self::Protocol {
+            problem: problem.into(),
+            help: Some(help.to_owned()),
+        }
+    }
+
     /// The next step, where one is known.
     pub fn suggestion(&self) -> Option<String> {
         match self {

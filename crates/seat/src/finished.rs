@@ -69,7 +69,11 @@ impl Seat {
         }
     }
 
-    fn write_drive(
+    /// Writes the drive of `step` that ended, or where `left` says why there is no more the last as it is, and those before it.
+    ///
+    /// # Errors
+    /// As [`Seat::finish_drive`].
+    pub(crate) fn write_drive(
         &self,
         person: &Person,
         (step, found): (usize, &Step),

@@ -3,13 +3,13 @@
 use crate::{
     above, assets, entrance,
     error::SeatError,
+    left_out::Act,
     let_in::Invitation,
+    live::{self, HAPPENED, PEOPLE, REFUSED},
     markup::{form_field, html, plain, to_lab},
-    person::Person,
-    refusals::Refusal,
     request::{Answered, Refused, Shared},
     seat::Seat,
-    steps::Step,
+    streamed,
     words::in_english,
 };
 use axum::{
@@ -21,14 +21,13 @@ use axum::{
     response::{IntoResponse, Response},
     routing::{get, post},
 };
-use maveric_study::beyond_in_words;
-use std::fmt::Write as _;
+use std::collections::BTreeMap;
 
 /// The pages of the laboratory; all but the door are for whoever gave the password.
 pub(crate) fn routes(shared: &Shared) -> Router<Shared> {
     let inside = Router::new()
         .route("/lab", get(page))
-        .route("/lab/live", get(live))
+        .route("/lab/live", get(streamed::stream))
         .route("/lab/next", post(next))
         .route("/lab/never/{participant}", post(never_came))
         .route("/lab/note", post(note))
@@ -36,6 +35,10 @@ pub(crate) fn routes(shared: &Shared) -> Router<Shared> {
         .route(
             "/lab/forget/{participant}",
             get(asks_to_forget).post(forget),
+        )
+        .route(
+            "/lab/step/{participant}/{step}",
+            get(asks_to_leave_out).post(leave_out),
         )
         .route("/lab/above/{participant}", get(from_above))
         .route("/lab/answers.csv", get(answers))
@@ -54,130 +57,46 @@ async fn inside(State(shared): State<Shared>, request: Request, next: Next) -> R
     }
 }
 
-/// Things that happened, and letters of a note.
-const SHOWN: u32 = 200;
+/// Letters of a note, and of a reason.
 const LONGEST_NOTE: usize = 1_000;
+const LONGEST_REASON: usize = 200;
 
-async fn page(State(shared): State<Shared>) -> Answered<Response> {
+async fn page(State(shared): State<Shared>) -> Response {
     let title = plain(shared.seat.settings.design.title());
     let phase = if shared.seat.rides() {
         ""
     } else {
         "<p>Nobody rides: people drive by hand alone.</p>"
     };
-    let live = what_may_change(&shared).await?;
-    Ok(html(&format!(
+    let order = if shared.seat.rides() {
+        " <label>Order of conditions, the square's where it is left empty <input name=\"order\" size=\"24\"></label>"
+    } else {
+        ""
+    };
+    let parts: BTreeMap<_, _> = live::parts(&shared).await.into_iter().collect();
+    let part = |name| parts.get(name).map_or("", String::as_str);
+    html(&format!(
         "<h1>{title}</h1>{phase}<p id=\"silent\" role=\"alert\" hidden>The seat does not answer: what stands here may be old.</p>\
          <form method=\"post\" action=\"/lab/next\"><label>Id, the next that is free where it is left empty \
-         <input name=\"participant\" maxlength=\"64\" size=\"12\"></label> <button>Link for the next person</button></form>\
+         <input name=\"participant\" maxlength=\"64\" size=\"12\"></label>{order} <button>Link for the next person</button></form>\
          <form method=\"post\" action=\"/lab/note\"><label>A note of yours <input name=\"note\" maxlength=\"{LONGEST_NOTE}\" size=\"60\"></label> \
-         <button>Write down</button></form><div id=\"live\">{live}</div>\
+         <button>Write down</button></form><div id=\"{REFUSED}\">{}</div>\
+         <table><thead><tr><th>Person<th>Where<th>Since<th>Pictures a second<th>Order<th>Style<th>Link<th><tbody id=\"{PEOPLE}\">{}</table>\
+         <h2>What happened</h2><table><thead><tr><th>Person<th>What, the newest first<tbody id=\"{HAPPENED}\">{}</table>\
          <h2>The study</h2><p><a href=\"/lab/answers.csv\">Answers so far</a></p>\
          <p><a href=\"/lab/stop\">Close the seat …</a></p><script type=\"module\" src=\"{}\"></script>",
+        part(REFUSED),
+        part(PEOPLE),
+        part(HAPPENED),
         assets::address("lab.js")
-    )))
-}
-
-async fn live(State(shared): State<Shared>) -> Answered<Response> {
-    let kind = [(header::CONTENT_TYPE, "text/html; charset=utf-8")];
-    Ok((kind, what_may_change(&shared).await?).into_response())
-}
-
-/// Who is where, what was refused, what happened. What was refused is shown even where nothing can be read.
-async fn what_may_change(shared: &Shared) -> Answered<String> {
-    let mut page = refused(&shared.refusals.newest_first());
-    let read = shared.blocking(|seat| {
-        seat.store
-            .look(|b| Ok::<_, Refused>((b.everybody()?, b.events(SHOWN)?)))
-    });
-    let (people, events) = match read.await {
-        Ok(read) => read,
-        Err(Refused::Failed(error)) => {
-            let _ = write!(page, "<p role=\"alert\">{}</p>", plain(&error.to_string()));
-            return Ok(page);
-        }
-        Err(other) => return Err(other),
-    };
-    page += "<table><thead><tr><th>Person<th>Where<th>Order<th>Style<th>Link<th><tbody>";
-    page.extend(people.iter().map(row));
-    page += "</table><h2>What happened</h2><table><thead><tr><th>Person<th>What, the newest first<tbody>";
-    for (who, what) in events {
-        let who = who.map_or_else(String::new, |who| plain(&who));
-        let _ = write!(page, "<tr><td>{who}<td>{}", plain(&what));
-    }
-    page += "</table>";
-    Ok(page)
-}
-
-/// What the server refused or could not keep.
-fn refused(all: &[Refusal]) -> String {
-    if all.is_empty() {
-        return String::new();
-    }
-    let mut table = "<h2>What was refused, or could not be kept</h2><table><thead><tr><th>Person<th>What<th>How often<th>Last<tbody>".to_owned();
-    for refusal in all {
-        let who = refusal.participant.as_deref().unwrap_or("somebody");
-        let _ = write!(
-            table,
-            "<tr><td>{}<td>{}<td>{} times<td>{} s ago",
-            plain(who),
-            plain(&refusal.why),
-            refusal.times,
-            refusal.ago().as_secs()
-        );
-    }
-    table + "</table>"
-}
-
-fn row(person: &Person) -> String {
-    let order: Vec<String> = person.rides().iter().map(|ride| plain(ride)).collect();
-    let steps = person.steps.len();
-    let place = match (&person.ended, person.steps.get(person.at)) {
-        (Some(how), _) => plain(how),
-        (None, Some(step)) => format!("step {} of {steps}: {}", person.at + 1, what(step)),
-        (None, None) => "at the end".to_owned(),
-    };
-    let beyond = person.beyond().map(|why| {
-        format!(
-            "beyond what the model has met: {}",
-            plain(&beyond_in_words(&why))
-        )
-    });
-    let (link, who) = (format!("/p/{}", person.token), plain(&person.participant));
-    // Whoever began came.
-    let never_came = if person.at == 0 && person.ended.is_none() {
-        format!(
-            "<form method=\"post\" action=\"/lab/never/{who}\"><button>Never came</button></form>"
-        )
-    } else {
-        String::new()
-    };
-    format!(
-        "<tr><td><a href=\"/lab/above/{who}\">{who}</a><td>{place}<td>{}<td>{}<td><a href=\"{link}\">{link}</a>\
-         <td>{never_came}<a href=\"/lab/forget/{who}\">Forget …</a>",
-        order.join(", "),
-        beyond.unwrap_or_default()
-    )
-}
-
-fn what(step: &Step) -> &'static str {
-    match step {
-        Step::Screen { .. } => "screening",
-        Step::Text { .. } => "reading",
-        Step::Scale { .. } => "questionnaire",
-        Step::Controls => "controls",
-        Step::Practice { .. } => "practice",
-        Step::Drive { .. } => "driving",
-        Step::Ride { .. } => "riding",
-        Step::Aftercare { .. } => "stopped: aftercare",
-        Step::Thanks { .. } => "thanks",
-    }
+    ))
 }
 
 async fn next(State(shared): State<Shared>, body: Bytes) -> Answered<Response> {
     let given = |name| form_field(&body, name).map(|text| text.trim().to_owned());
     let invitation = Invitation {
         participant: given("participant").filter(|id| !id.is_empty()),
+        order: given("order").filter(|order| !order.is_empty()),
     };
     shared
         .blocking(move |seat| seat.invite(&invitation).map_err(with_help))
@@ -241,11 +160,9 @@ async fn answers(State(shared): State<Shared>) -> Answered<Response> {
 }
 
 async fn asks_to_stop(State(shared): State<Shared>) -> Answered<Response> {
-    let everybody =
-        shared.blocking(|seat| seat.store.look(|b| b.everybody().map_err(Refused::from)));
-    let everybody = everybody.await?;
-    let here = everybody.iter().filter(|p| p.ended.is_none()).count();
-    let who = match here {
+    let on_the_way =
+        shared.blocking(|seat| seat.store.look(|b| b.on_the_way().map_err(Refused::from)));
+    let who = match on_the_way.await? {
         0 => "Nobody is on the way.".to_owned(),
         1 => "1 person has not ended, and cannot go on while it is closed.".to_owned(),
         more => format!("{more} people have not ended, and cannot go on while it is closed."),
@@ -288,6 +205,42 @@ async fn forget(
     )))
 }
 
+async fn asks_to_leave_out(Path((participant, step)): Path<(String, usize)>) -> Response {
+    let (who, number) = (plain(&participant), step + 1);
+    html(&format!(
+        "<h1>Step {number} of {who}</h1><p>Your reason stands in the record. What was driven of the step is kept, and a drive or a ride is left out of the analysis by name. \
+         Their page goes on by itself while they drive, otherwise when they press its button or load it again.</p>\
+         <form method=\"post\"><label>Reason <input name=\"reason\" maxlength=\"{LONGEST_REASON}\" size=\"60\" required></label>\
+         <p><button name=\"act\" value=\"skip\">Skip this step</button> they go on at the next.</p>\
+         <p><button name=\"act\" value=\"abort\">End the driving</button> nothing is driven any more: they read what those read who stop (<code>aftercare</code>), and go on to the end.</p></form>\
+         <p><a href=\"/lab\">Back</a></p>"
+    ))
+}
+
+async fn leave_out(
+    State(shared): State<Shared>,
+    Path((participant, step)): Path<(String, usize)>,
+    body: Bytes,
+) -> Answered<Response> {
+    let reason = form_field(&body, "reason").unwrap_or_default();
+    let reason: String = reason.chars().take(LONGEST_REASON).collect();
+    let act = match form_field(&body, "act").as_deref() {
+        Some("skip") => Act::Skip,
+        Some("abort") => Act::Abort,
+        other => {
+            return Err(Refused::NotThis(format!(
+                "act {other:?}, expected skip or abort"
+            )));
+        }
+    };
+    let done = shared.blocking(move |seat| {
+        let done = seat.leave_out(&participant, step, act, &reason);
+        done.map_err(with_help)
+    });
+    done.await?;
+    Ok(to_lab())
+}
+
 async fn note(State(shared): State<Shared>, body: Bytes) -> Answered<Response> {
     let text = form_field(&body, "note").unwrap_or_default();
     let text: String = text.trim().chars().take(LONGEST_NOTE).collect();
@@ -295,22 +248,4 @@ async fn note(State(shared): State<Shared>, body: Bytes) -> Answered<Response> {
         shared.blocking(move |seat| seat.note(&text)).await?;
     }
     Ok(to_lab())
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn whose_drive_is_beyond_what_the_model_has_met_is_marked_among_the_people() {
-        let mut person = Person::new("t".to_owned(), "P001".to_owned(), Vec::new());
-        assert!(!row(&person).contains("beyond"));
-        let fit = r#"{"embedding":[0.0],"covariance":null,"score":30.0,"readings":3,"beyond":"style:pass"}"#;
-        person.fit = Some(fit.to_owned());
-        let marked = row(&person);
-        assert!(
-            marked.contains("<td>beyond what the model has met: shows a style"),
-            "{marked}"
-        );
-    }
 }

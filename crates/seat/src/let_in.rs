@@ -13,7 +13,6 @@ use crate::{
 use maveric_domain::{
     ParticipantId,
     design::{williams, williams_rows},
-    nearest,
 };
 use rusqlite::params;
 use std::collections::BTreeSet;
@@ -23,17 +22,11 @@ use std::collections::BTreeSet;
 pub struct Invitation {
     /// Their id; none: the next that nobody has.
     pub participant: Option<String>,
+    /// The conditions in the order in which they ride, ids with spaces or commas between them; none: the row of the square that is free.
+    pub order: Option<String>,
 }
 
 impl Books<'_> {
-    /// The ids of everybody, in the order in which they were let in.
-    pub(crate) fn ids(&self) -> Result<Vec<String>, SeatError> {
-        self.ask(|c| {
-            let mut rows = c.prepare_cached("SELECT participant FROM person ORDER BY rowid")?;
-            rows.query_map([], |row| row.get(0))?.collect()
-        })
-    }
-
     /// The lowest row of `first` and every `apart`-th after it that nobody has. As [`Person::has_place`]: who left has none.
     fn free_row(&self, first: usize, apart: usize) -> Result<usize, SeatError> {
         let held: BTreeSet<usize> = self.ask(|c| {
@@ -60,13 +53,6 @@ impl Books<'_> {
     }
 }
 
-fn refused(problem: String, help: &str) -> SeatError {
-    SeatError::Protocol {
-        problem,
-        help: Some(help.to_owned()),
-    }
-}
-
 impl Seat {
     /// Rows of the square; one while nobody rides.
     pub(crate) fn orders(&self) -> usize {
@@ -82,17 +68,62 @@ impl Seat {
         if !self.rides() {
             return Ok(());
         }
-        let conditions = self.settings.design.conditions();
-        let order = |row: usize| williams(conditions.len(), row).into_iter();
-        let named = |row: usize| order(row).map(|place| conditions[place].id.to_string());
-        let rows: Vec<Vec<String>> = (0..self.orders()).map(|r| named(r).collect()).collect();
         for person in people.iter().filter(|p| p.row.is_none() && p.has_place()) {
-            let rides = person.rides();
-            if let Some(first) = rows.iter().position(|row| *row == rides) {
-                b.give_row(person, b.free_row(first, rows.len())?)?;
+            // What the study has no longer is in no row.
+            let order = self.order_by_hand(&person.rides().join(" "));
+            if let Some(row) = order
+                .ok()
+                .map(|order| self.row_of(b, &order))
+                .transpose()?
+                .flatten()
+            {
+                b.give_row(person, row)?;
             }
         }
         Ok(())
+    }
+
+    /// The places of the conditions in this row of the square.
+    pub(crate) fn order(&self, row: usize) -> Vec<usize> {
+        williams(self.settings.design.conditions().len(), row)
+    }
+
+    /// The lowest row of this order that nobody has; none where the square does not have the order.
+    fn row_of(&self, b: &Books<'_>, order: &[usize]) -> Result<Option<usize>, SeatError> {
+        let mut rows = 0..self.orders();
+        let first = rows.find(|row| self.order(*row) == order);
+        first
+            .map(|first| b.free_row(first, self.orders()))
+            .transpose()
+    }
+
+    /// The places of conditions that were named in an order, each of the study's once.
+    fn order_by_hand(&self, text: &str) -> Result<Vec<usize>, SeatError> {
+        let conditions = self.settings.design.conditions();
+        let ids = || conditions.iter().map(|condition| condition.id.as_str());
+        let help = format!(
+            "expected each of these once: {}",
+            ids().collect::<Vec<_>>().join(" ")
+        );
+        let cannot =
+            |problem: String| SeatError::cannot(format!("the order `{text}`: {problem}"), &help);
+        if !self.rides() {
+            return Err(cannot("nobody rides in this phase of the study".to_owned()));
+        }
+        let mut order = Vec::new();
+        for word in text.split([' ', ',']).filter(|word| !word.is_empty()) {
+            let place = ids().position(|id| id == word);
+            let place = place
+                .ok_or_else(|| cannot(format!("`{word}` is not a condition of this study")))?;
+            if order.contains(&place) {
+                return Err(cannot(format!("`{word}` stands twice")));
+            }
+            order.push(place);
+        }
+        let missing = (0..conditions.len()).find(|place| !order.contains(place));
+        missing.map_or(Ok(order), |place| {
+            Err(cannot(format!("`{}` is missing", conditions[place].id)))
+        })
     }
 
     /// The ids that nobody is given, in small letters: files of ids that differ by nothing else are one file on some systems.
@@ -113,13 +144,13 @@ impl Seat {
             return Ok(format!("P{number:03}"));
         };
         let checked = ParticipantId::new(wanted).map_err(|e| {
-            refused(
+            SeatError::cannot(
                 e.to_string(),
                 "give another one, or none for the next that is free",
             )
         })?;
         if taken.contains(&wanted.to_lowercase()) {
-            return Err(refused(
+            return Err(SeatError::cannot(
                 format!(
                     "the id `{wanted}` stands already, here or in the study's table of people, or was somebody's who is forgotten"
                 ),
@@ -160,10 +191,10 @@ impl Seat {
         self.invite(&Invitation::default())
     }
 
-    /// Lets somebody in as the experimenter says: their token. Their row of the square is the lowest that nobody has.
+    /// Lets somebody in as the experimenter says: their token. Their row of the square is the lowest that nobody has, of an order by hand where it has one.
     ///
     /// # Errors
-    /// [`SeatError::Protocol`] for an id that stands already or can be none; [`SeatError::Store`], [`SeatError::Random`];
+    /// [`SeatError::Protocol`] for an id that stands already or can be none, or an order in which a condition is missing or stands twice; [`SeatError::Store`], [`SeatError::Random`];
     /// [`SeatError::Study`] if the table of people cannot be read.
     pub fn invite(&self, invitation: &Invitation) -> Result<String, SeatError> {
         let rides = self.rides();
@@ -173,10 +204,16 @@ impl Seat {
         let token = token::new()?;
         let person = self.store.within(|b| {
             let participant = self.id_for(b, invitation.participant.as_deref())?;
-            let row = b.free_row(0, 1)?;
-            let steps = self.steps_of(Whose::Person(&participant), row)?;
+            let (row, order) = if let Some(text) = &invitation.order {
+                let order = self.order_by_hand(text)?;
+                (self.row_of(b, &order)?, order)
+            } else {
+                let row = b.free_row(0, 1)?;
+                (Some(row), self.order(row))
+            };
+            let steps = self.steps_of(Whose::Person(&participant), &order)?;
             let person = Person {
-                row: rides.then_some(row),
+                row: row.filter(|_| rides),
                 ..Person::new(token.clone(), participant, steps)
             };
             b.add(&person)?;
@@ -193,22 +230,15 @@ impl Seat {
     /// [`SeatError::Study`] if a file cannot be written.
     pub fn never_came(&self, participant: &str) -> Result<(), SeatError> {
         self.store.within(|b| {
-            let Some(person) = b.called(participant)? else {
-                let ids = b.ids()?;
-                return Err(SeatError::Nobody {
-                    participant: participant.to_owned(),
-                    nearest: nearest(participant, ids.iter().map(String::as_str))
-                        .map(str::to_owned),
-                });
-            };
+            let person = b.called(participant)?;
             if let Some(how) = &person.ended {
-                return Err(refused(
+                return Err(SeatError::cannot(
                     format!("the part of `{participant}` has ended already: {how}"),
                     "nothing is left to do",
                 ));
             }
             if person.at > 0 || !b.begun(participant, 0)?.is_empty() {
-                return Err(refused(
+                return Err(SeatError::cannot(
                     format!(
                         "`{participant}` came: they are at step {} of {}",
                         person.at + 1,

@@ -15,6 +15,11 @@ pub(crate) fn on_the_scale(style: Fit) -> Fit {
     }
 }
 
+/// A style as it is kept.
+pub(crate) fn style_kept(fit: Option<&str>) -> Option<Fit> {
+    serde_json::from_str(fit?).ok().map(on_the_scale)
+}
+
 /// How the part of somebody ended who does not take part.
 pub(crate) const NOT_ADMITTED: &str = "not admitted";
 
@@ -83,8 +88,7 @@ impl Person {
 
     /// Their style.
     pub(crate) fn style(&self) -> Option<Fit> {
-        let style = serde_json::from_str(self.fit.as_deref()?).ok()?;
-        Some(on_the_scale(style))
+        style_kept(self.fit.as_deref())
     }
 
     /// Why the drive that their style was learned of is beyond what the model has learned from; none where it is not.

@@ -9,7 +9,7 @@ use crate::{
 };
 use maveric_domain::{
     ConditionId, Design, EmbeddingRow, Moment, ParticipantId, Scale,
-    design::{Car, Condition, Protocol, ProtocolStep, World, williams},
+    design::{Car, Condition, Protocol, ProtocolStep, World},
     stream_seed,
 };
 use maveric_seat_page::{RideStyle, Seed};
@@ -53,8 +53,8 @@ impl Whose<'_> {
 /// Somebody who rides.
 #[derive(Debug, Clone, Copy)]
 pub struct Riding<'a> {
-    /// Their number among those who ride, from 0.
-    pub index: usize,
+    /// The places that the conditions have in the design, in the order in which they are ridden.
+    pub order: &'a [usize],
     /// Points of the model for one of the study's style.
     pub stretch: f64,
     /// The styles that conditions name.
@@ -171,8 +171,7 @@ fn rides(
 ) -> Result<(), SeatError> {
     let protocol: &Protocol = design.protocol();
     let conditions = design.conditions();
-    let order = williams(conditions.len(), riding.index);
-    for (number, place) in order.into_iter().enumerate() {
+    for (number, &place) in riding.order.iter().enumerate() {
         let condition = &conditions[place];
         let (style, points, turns) = driven(design, condition, whose, riding.styles)?;
         steps.push(Step::Ride {
@@ -254,7 +253,7 @@ pub(crate) fn car(condition: &Condition) -> Result<&Car, Hindrance> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use maveric_domain::design::williams_rows;
+    use maveric_domain::design::{williams, williams_rows};
     use std::collections::BTreeSet;
 
     /// The worlds of somebody: practice, drive, then a condition and its world for each ride.
@@ -284,7 +283,7 @@ mod tests {
         );
         let design = Design::from_toml(&text).unwrap();
         let riding = Riding {
-            index,
+            order: &williams(3, index),
             stretch: 1.0,
             styles: &Styles::new(),
         };

@@ -1,5 +1,6 @@
 //! What the server refused or could not keep, for whoever runs the study: held in memory, since a full disk keeps nothing.
 
+use crate::books;
 use std::{
     sync::{Mutex, MutexGuard, PoisonError},
     time::{Duration, Instant},
@@ -20,15 +21,9 @@ pub(crate) struct Refusal {
     pub(crate) participant: Option<String>,
     pub(crate) why: String,
     pub(crate) times: u64,
-    last: Instant,
+    /// When it came last, in s since 1970.
+    pub(crate) last_s: i64,
     told: Option<Instant>,
-}
-
-impl Refusal {
-    /// How long ago it came last.
-    pub(crate) fn ago(&self) -> Duration {
-        self.last.elapsed()
-    }
 }
 
 impl std::fmt::Display for Refusal {
@@ -88,12 +83,12 @@ impl Refusals {
                 participant,
                 why,
                 times: 0,
-                last: now,
+                last_s: 0,
                 told: None,
             },
         };
         refusal.times += 1;
-        refusal.last = now;
+        refusal.last_s = books::now();
         if !lately(refusal.told) && (ours || list.told < MOST_TOLD) {
             refusal.told = Some(now);
             list.told += usize::from(!ours);

@@ -42,7 +42,7 @@ pub(crate) const LASTING: HeaderName = HeaderName::from_static("maveric-refused"
 pub(crate) enum Refused {
     /// Nobody has this link.
     NoSuchPerson,
-    /// Their part is over.
+    /// Their part is over, or that of a step that was left out.
     Over,
     /// What was sent is not what the step may send.
     NotThis(String),
@@ -137,6 +137,7 @@ impl Books<'_> {
         let there = person.steps.get(step).cloned();
         match there.filter(|_| step <= person.at) {
             Some(_) if person.ended.is_some() && step >= person.at => Err(Refused::Over),
+            Some(_) if self.is_left_out(&person.participant, step)? => Err(Refused::Over),
             Some(there) => Ok((person, there)),
             None => Err(Refused::NotThis(format!(
                 "step {step}, expected at most {}",

@@ -5,6 +5,7 @@ use crate::{
     collected::NOTE,
     error::SeatError,
     files::Files,
+    known::Known,
     listed::Listed,
     person::Person,
     plan::{self, Riding, Styles, Whose},
@@ -22,7 +23,7 @@ use std::{
     collections::{BTreeMap, BTreeSet},
     path::Path,
     sync::{
-        Mutex, MutexGuard, PoisonError,
+        Arc, Mutex, MutexGuard, PoisonError,
         atomic::{AtomicBool, AtomicU64, Ordering},
     },
 };
@@ -52,8 +53,8 @@ pub struct SeatSettings {
 /// Whose links there are.
 #[derive(Debug, Default)]
 struct Links {
-    /// Token and id.
-    people: BTreeMap<String, String>,
+    /// By their tokens.
+    people: BTreeMap<String, Arc<Known>>,
     /// Digests of the tokens of who is forgotten.
     forgotten: BTreeSet<String>,
 }
@@ -126,9 +127,9 @@ impl Seat {
         *held(&seat.links) = seat.store.within(|b| {
             let people = b.everybody()?;
             seat.find_rows(b, &people)?;
-            let people = people.into_iter();
+            let known = |p: &Person| (p.token.clone(), Arc::new(Known::of(p)));
             Ok::<_, SeatError>(Links {
-                people: people.map(|p| (p.token, p.participant)).collect(),
+                people: people.iter().map(known).collect(),
                 forgotten: b.links_forgotten()?,
             })
         })?;
@@ -141,6 +142,11 @@ impl Seat {
 
     /// The id of whoever has a link.
     pub(crate) fn whose(&self, token: &str) -> Option<String> {
+        self.known(token).map(|known| known.participant.clone())
+    }
+
+    /// What is kept at hand of whoever has a link.
+    pub(crate) fn known(&self, token: &str) -> Option<Arc<Known>> {
         held(&self.links).people.get(token).cloned()
     }
 
@@ -152,8 +158,8 @@ impl Seat {
     }
 
     pub(crate) fn add_link(&self, person: &Person) {
-        let (token, id) = (person.token.clone(), person.participant.clone());
-        held(&self.links).people.insert(token, id);
+        let known = Arc::new(Known::of(person));
+        held(&self.links).people.insert(person.token.clone(), known);
     }
 
     pub(crate) fn forget_link(&self, token: &str) {
@@ -208,11 +214,15 @@ impl Seat {
         self.settings.design.protocol().steps.contains(&step)
     }
 
-    /// The steps of `whose` in the row `index` of the square.
-    pub(crate) fn steps_of(&self, whose: Whose<'_>, index: usize) -> Result<Vec<Step>, SeatError> {
+    /// The steps of `whose`, who rides in this order of the conditions.
+    pub(crate) fn steps_of(
+        &self,
+        whose: Whose<'_>,
+        order: &[usize],
+    ) -> Result<Vec<Step>, SeatError> {
         let s = &self.settings;
         let riding = self.rides().then_some(Riding {
-            index,
+            order,
             stretch: s.stretch,
             styles: &self.styles,
         });

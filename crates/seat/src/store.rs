@@ -35,6 +35,8 @@ CREATE TABLE IF NOT EXISTS drive (
 CREATE TABLE IF NOT EXISTS piece (
     participant TEXT NOT NULL, step INTEGER NOT NULL, attempt INTEGER NOT NULL, from_tick INTEGER NOT NULL, line TEXT NOT NULL,
     PRIMARY KEY (participant, step, attempt, from_tick)) STRICT, WITHOUT ROWID;
+CREATE TABLE IF NOT EXISTS left_out (
+    participant TEXT NOT NULL, step INTEGER NOT NULL, what TEXT NOT NULL, given INTEGER NOT NULL, PRIMARY KEY (participant, step)) STRICT;
 CREATE TABLE IF NOT EXISTS event (
     given INTEGER NOT NULL, participant TEXT, what TEXT NOT NULL) STRICT;
 CREATE TABLE IF NOT EXISTS forgotten (
@@ -203,7 +205,10 @@ fn prepare(connection: &mut Connection) -> rusqlite::Result<i64> {
             older.execute_batch(TABLES)?;
             forget_deleted(&older)?;
         }
-        2 => older.execute_batch(FROM_2)?,
+        2 => {
+            older.execute_batch(FROM_2)?;
+            older.execute_batch(TABLES)?;
+        }
         _ => return Ok(found),
     }
     older.pragma_update(None, "user_version", VERSION)?;

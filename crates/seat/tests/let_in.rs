@@ -4,10 +4,10 @@
 
 mod support;
 
-use maveric_seat::Seat;
+use maveric_seat::{Invitation, Seat};
 use rusqlite::Connection;
 use std::{fs, path::Path};
-use support::{Server, entered, folder, go_on, opened, settings};
+use support::{STUDY, Server, entered, folder, folder_of, go_on, opened, settings};
 
 /// Everybody's id, row of the square and first ride, and how their part ended.
 fn people(folder: &Path) -> Vec<(String, Option<i64>, String, Option<String>)> {
@@ -139,4 +139,68 @@ fn riders_whom_the_second_version_let_in_have_the_rows_of_their_orders() {
     assert_eq!(rows(folder.path()), [None, Some(1), Some(0), None, Some(2)]);
     seat.let_in().unwrap();
     assert_eq!(rows(folder.path()).pop().unwrap(), Some(3));
+}
+
+#[test]
+fn an_order_by_hand_is_ridden_holds_the_row_that_it_has_and_names_every_condition_once() {
+    let folder = folder();
+    let server = Server::open(folder.path());
+    let cookie = entered(&server);
+    let next = |order: &str| {
+        let body = format!("participant=&order={order}");
+        server.ask("POST", "/lab/next", &body, &[("Cookie", &cookie)])
+    };
+    for (order, why) in [
+        ("calm+calm", "`calm` stands twice"),
+        ("calm", "`sporty` is missing"),
+        ("calm+fast", "`fast` is not a condition of this study"),
+    ] {
+        let (status, reply) = next(order);
+        assert!(status == 400 && reply.contains(why), "{reply}");
+        assert!(
+            reply.contains("expected each of these once: calm sporty"),
+            "{reply}"
+        );
+    }
+    assert!(people(folder.path()).is_empty());
+    for order in ["sporty+calm", "", "sporty%2C+calm", "+"] {
+        assert_eq!(next(order).0, 303, "{order}");
+    }
+    let ridden: Vec<_> = people(folder.path())
+        .into_iter()
+        .map(|(_, row, first, _)| (row, first))
+        .collect();
+    let expected = [(1, "sporty"), (0, "calm"), (3, "sporty"), (2, "calm")];
+    assert_eq!(
+        ridden,
+        expected.map(|(row, first)| (Some(row), first.to_owned()))
+    );
+}
+
+#[test]
+fn an_order_that_the_square_does_not_have_takes_no_row_from_anybody() {
+    let four = STUDY.replace(
+        "[baseline]",
+        "[[condition]]\nid = \"mean\"\ncar = { mean = true, recorded = true }\n[[condition]]\nid = \"own_style\"\ncar = { dial = 0, recorded = true }\n[baseline]",
+    );
+    let folder = folder_of(&four);
+    let seat = Seat::open(&folder.path().join("seat/seat.db"), settings(folder.path())).unwrap();
+    let order = Some("calm sporty mean own_style".to_owned());
+    let invitation = Invitation {
+        order,
+        ..Invitation::default()
+    };
+    seat.invite(&invitation).unwrap();
+    seat.let_in().unwrap();
+    assert_eq!(rows(folder.path()), [None, Some(0)]);
+    seat.write_files().unwrap();
+    let listed = fs::read_to_string(folder.path().join("participants.csv")).unwrap();
+    assert!(
+        listed.contains("P001,2,calm sporty mean own_style\n"),
+        "{listed}"
+    );
+    // Nor when the seat is opened again.
+    drop(seat);
+    Seat::open(&folder.path().join("seat/seat.db"), settings(folder.path())).unwrap();
+    assert_eq!(rows(folder.path()), [None, Some(0)]);
 }

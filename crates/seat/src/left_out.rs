@@ -1,0 +1,171 @@
+//! What the experimenter does with the step at which somebody is: it is skipped, or nothing is driven any more.
+
+use crate::{
+    books::{Books, now, whole},
+    error::SeatError,
+    person::Person,
+    seat::Seat,
+    steps::Step,
+};
+use maveric_seat_page::RideStyle;
+use rusqlite::params;
+
+/// How a step is left out.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Act {
+    /// Somebody goes on at the next.
+    Skip,
+    /// Nothing is driven any more: somebody goes on where they are told what those are told who stop.
+    Abort,
+}
+
+impl Act {
+    /// As the record says it.
+    pub(crate) fn past(self) -> &'static str {
+        match self {
+            Self::Skip => "skipped",
+            Self::Abort => "aborted",
+        }
+    }
+}
+
+/// A step that was left out, and why.
+pub(crate) struct LeftOut {
+    pub(crate) step: usize,
+    /// Such as `skipped: the wheel came loose`.
+    pub(crate) what: String,
+    /// In s since 1970.
+    pub(crate) given: i64,
+}
+
+impl Books<'_> {
+    /// Whether a step of somebody was left out.
+    pub(crate) fn is_left_out(&self, participant: &str, step: usize) -> Result<bool, SeatError> {
+        self.ask(|c| {
+            c.prepare_cached("SELECT 1 FROM left_out WHERE participant = ?1 AND step = ?2")?
+                .exists(params![participant, whole(step)])
+        })
+    }
+
+    /// The steps of somebody that were left out.
+    pub(crate) fn left_out(&self, participant: &str) -> Result<Vec<LeftOut>, SeatError> {
+        self.ask(|c| {
+            let question =
+                "SELECT step, what, given FROM left_out WHERE participant = ?1 ORDER BY step";
+            let mut rows = c.prepare_cached(question)?;
+            let read = |row: &rusqlite::Row<'_>| {
+                Ok(LeftOut {
+                    step: row.get::<_, i64>(0)? as usize,
+                    what: row.get(1)?,
+                    given: row.get(2)?,
+                })
+            };
+            rows.query_map([participant], read)?.collect()
+        })
+    }
+
+    fn leave_out(&self, participant: &str, step: usize, what: &str) -> Result<(), SeatError> {
+        self.ask(|c| {
+            c.execute(
+                "INSERT INTO left_out VALUES (?1, ?2, ?3, ?4)",
+                params![participant, whole(step), what, now()],
+            )
+        })
+        .map(drop)
+    }
+}
+
+/// Why this cannot be done with the step at which somebody is; none where it can.
+fn hindrance(person: &Person, act: Act) -> Option<&'static str> {
+    let first = |step: &Step| matches!(step, Step::Screen { .. } | Step::Text { agree: true, .. });
+    let own = |step: &Step| {
+        let own = |style: &RideStyle| !matches!(style, RideStyle::Mean | RideStyle::Given(_));
+        matches!(step, Step::Ride { style, .. } if own(style))
+    };
+    let mut ahead = person.steps.iter().skip(person.at);
+    match (act, ahead.clone().next()) {
+        (_, None | Some(Step::Thanks { .. })) => Some("this is the end"),
+        (Act::Skip, Some(step)) if first(step) => {
+            Some("nobody goes on who was not admitted and has not agreed")
+        }
+        (Act::Skip, Some(Step::Drive { .. })) if person.fit.is_none() && ahead.any(own) => {
+            Some("the rides need the style that is learned of this drive")
+        }
+        (Act::Skip, _) => None,
+        (Act::Abort, _) if ahead.clone().any(first) => {
+            Some("somebody who has not agreed yet has nothing to be aborted")
+        }
+        (Act::Abort, _) => {
+            (!ahead.any(|step| step.world().is_some())).then_some("nothing is driven any more")
+        }
+    }
+}
+
+impl Seat {
+    /// Leaves out the step at which somebody is, for a reason that stands in the record: what was driven of it is kept, cut short as it is,
+    /// and a drive or a ride is out of the analysis by name.
+    ///
+    /// # Errors
+    /// [`SeatError::Nobody`]; [`SeatError::Protocol`] for somebody who is elsewhere by now or has ended, a step that cannot be left out, or
+    /// no reason; [`SeatError::Store`]; [`SeatError::Study`] if a file cannot be written.
+    pub fn leave_out(
+        &self,
+        participant: &str,
+        step: usize,
+        act: Act,
+        reason: &str,
+    ) -> Result<(), SeatError> {
+        let person = self.store.look(|b| Self::there(b, participant, step))?;
+        let reason = reason.trim();
+        if reason.is_empty() {
+            return Err(SeatError::cannot(
+                "a step is left out for a reason, and none was given",
+                "say why",
+            ));
+        }
+        if let Some(why) = hindrance(&person, act) {
+            let number = step + 1;
+            return Err(SeatError::cannot(
+                format!(
+                    "step {number} of `{participant}` cannot be {}: {why}",
+                    act.past()
+                ),
+                "let them go on, leave by their own page, or forget them",
+            ));
+        }
+        let what = format!("{}: {reason}", act.past());
+        if let Some(there) = person.steps.get(step) {
+            let why = format!("the experimenter left it out ({what})");
+            self.write_drive(&person, (step, there), Some(&why))?;
+        }
+        self.store.within(|b| {
+            // Who went on meanwhile is not held back.
+            Self::there(b, participant, step)?;
+            b.leave_out(participant, step, &what)?;
+            b.event(Some(participant), &format!("step {}: {what}", step + 1))?;
+            match act {
+                Act::Skip => b.go_on(&person, step),
+                Act::Abort => b.stop(&person, step),
+            }
+        })
+    }
+
+    /// Somebody who is at this step.
+    fn there(b: &Books<'_>, participant: &str, step: usize) -> Result<Person, SeatError> {
+        let person = b.called(participant)?;
+        let elsewhere = match &person.ended {
+            Some(how) => format!("the part of `{participant}` has ended: {how}"),
+            None if person.at == step => return Ok(person),
+            None => format!(
+                "`{participant}` is at step {} of {} by now, not at step {}",
+                person.at + 1,
+                person.steps.len(),
+                step + 1
+            ),
+        };
+        Err(SeatError::cannot(
+            elsewhere,
+            "nothing was changed: look at the page again",
+        ))
+    }
+}

@@ -1,0 +1,261 @@
+//! What goes on, as the experimenter's page shows it: a summary of everybody that reads nobody's steps.
+
+use crate::{
+    books::Books, error::SeatError, known::Known, markup::plain, person::style_kept,
+    refusals::Refusal, request::Shared, steps::TICKS_PER_S,
+};
+use maveric_seat_page::Chunk;
+use maveric_study::beyond_in_words;
+use std::fmt::Write as _;
+
+/// Things that happened which are shown.
+const SHOWN: u32 = 200;
+
+/// The parts of the page that may change, by the ids of their places.
+pub(crate) const REFUSED: &str = "refused";
+pub(crate) const PEOPLE: &str = "people";
+pub(crate) const HAPPENED: &str = "happened";
+
+/// Where somebody is.
+struct Whereabouts {
+    token: String,
+    at: usize,
+    ended: Option<String>,
+    /// When they came to the step, or ended, in s since 1970; of an older file nobody knows.
+    since: Option<i64>,
+    /// Their style, as JSON.
+    fit: Option<String>,
+    /// Steps of 0.01 s of what they drive now, and its last piece.
+    driven: Option<(u64, Option<String>)>,
+}
+
+impl Books<'_> {
+    /// Where everybody is, in the order in which they were let in.
+    fn whereabouts(&self) -> Result<Vec<Whereabouts>, SeatError> {
+        self.ask(|c| {
+            let mut rows = c.prepare_cached(
+                "SELECT p.token, p.at, p.ended, p.since, p.fit, d.ticks,
+                    (SELECT line FROM piece WHERE participant = d.participant AND step = d.step AND attempt = d.attempt
+                     ORDER BY from_tick DESC LIMIT 1)
+                 FROM person p LEFT JOIN drive d ON p.ended IS NULL AND d.participant = p.participant AND d.step = p.at
+                    AND d.attempt = (SELECT MAX(attempt) FROM drive WHERE participant = p.participant AND step = p.at)
+                 ORDER BY p.rowid",
+            )?;
+            let read = |row: &rusqlite::Row<'_>| {
+                let ticks: Option<i64> = row.get(5)?;
+                let piece = row.get(6)?;
+                Ok(Whereabouts {
+                    token: row.get(0)?,
+                    at: row.get::<_, i64>(1)? as usize,
+                    ended: row.get(2)?,
+                    since: row.get(3)?,
+                    fit: row.get(4)?,
+                    driven: ticks.map(|ticks| (ticks.cast_unsigned(), piece)),
+                })
+            };
+            rows.query_map([], read)?.collect()
+        })
+    }
+
+    /// How many people have not ended.
+    pub(crate) fn on_the_way(&self) -> Result<i64, SeatError> {
+        self.ask(|c| {
+            c.query_row(
+                "SELECT COUNT(*) FROM person WHERE ended IS NULL",
+                [],
+                |row| row.get(0),
+            )
+        })
+    }
+}
+
+/// What may change of the page: parts and what stands in them. What was refused is shown even where nothing can be read.
+pub(crate) async fn parts(shared: &Shared) -> Vec<(&'static str, String)> {
+    let read = shared.blocking(|seat| {
+        let (people, events) = seat
+            .store
+            .look(|b| Ok::<_, SeatError>((b.whereabouts()?, b.events(SHOWN)?)))?;
+        let known = people
+            .into_iter()
+            .filter_map(|there| Some((seat.known(&there.token)?, there)));
+        Ok::<_, SeatError>((known.collect::<Vec<_>>(), events))
+    });
+    let read = read.await;
+    let mut refused = refused(&shared.refusals.newest_first());
+    let (people, events) = match read {
+        Ok(read) => read,
+        Err(error) => {
+            let _ = write!(
+                refused,
+                "<p role=\"alert\">{}</p>",
+                plain(&error.to_string())
+            );
+            return vec![(REFUSED, refused)];
+        }
+    };
+    let people = people
+        .iter()
+        .map(|(known, there)| row(known, there))
+        .collect();
+    let mut happened = String::new();
+    for (who, what) in events {
+        let who = who.map_or_else(String::new, |who| plain(&who));
+        let _ = write!(happened, "<tr><td>{who}<td>{}", plain(&what));
+    }
+    vec![(REFUSED, refused), (PEOPLE, people), (HAPPENED, happened)]
+}
+
+/// What the server refused or could not keep.
+fn refused(all: &[Refusal]) -> String {
+    if all.is_empty() {
+        return String::new();
+    }
+    let mut table = "<h2>What was refused, or could not be kept</h2><table><thead><tr><th>Person<th>What<th>How often<th>Last<tbody>".to_owned();
+    for refusal in all {
+        let who = refusal.participant.as_deref().unwrap_or("somebody");
+        let _ = write!(
+            table,
+            "<tr><td>{}<td>{}<td>{} times<td>{}",
+            plain(who),
+            plain(&refusal.why),
+            refusal.times,
+            time(refusal.last_s)
+        );
+    }
+    table + "</table>"
+}
+
+/// A moment, of which the page says how long ago it is.
+fn time(unix_s: i64) -> String {
+    let moment = chrono::DateTime::from_timestamp(unix_s, 0).unwrap_or_default();
+    format!(
+        "<time data-since=\"{unix_s}\">{} UTC</time>",
+        moment.format("%H:%M:%S")
+    )
+}
+
+fn row(known: &Known, there: &Whereabouts) -> String {
+    let (at, steps) = (there.at, known.steps.len());
+    let mut place = match (&there.ended, known.steps.get(at)) {
+        (Some(how), _) => plain(how),
+        (None, Some(step)) => format!("step {} of {steps}: {}", at + 1, step.what),
+        (None, None) => "at the end".to_owned(),
+    };
+    let mut pictures = String::new();
+    if let (Some((ticks, piece)), Some(step)) = (&there.driven, known.steps.get(at)) {
+        let seconds = step.seconds.unwrap_or_default();
+        let _ = write!(
+            place,
+            ", {:.0} of {seconds:.0} s",
+            *ticks as f64 / TICKS_PER_S
+        );
+        let piece = piece
+            .as_deref()
+            .and_then(|line| serde_json::from_str::<Chunk>(line).ok());
+        // Only pieces of some steps are kept.
+        pictures = piece.map_or(pictures, |piece| {
+            format!(
+                "{:.0}",
+                f64::from(piece.frames.drawn) * TICKS_PER_S / piece.ticks as f64
+            )
+        });
+    }
+    let beyond = style_kept(there.fit.as_deref()).and_then(|style| style.beyond);
+    let beyond = beyond.map_or_else(String::new, |why| {
+        format!(
+            "beyond what the model has met: {}",
+            plain(&beyond_in_words(&why))
+        )
+    });
+    let rides: Vec<String> = known.rides.iter().map(|ride| plain(ride)).collect();
+    let (link, who) = (format!("/p/{}", there.token), plain(&known.participant));
+    // Whoever began came.
+    let never_came = if at == 0 && there.ended.is_none() && there.driven.is_none() {
+        format!(
+            "<form method=\"post\" action=\"/lab/never/{who}\"><button>Never came</button></form>"
+        )
+    } else {
+        String::new()
+    };
+    let step = if there.ended.is_none() && at < steps {
+        format!("<a href=\"/lab/step/{who}/{at}\">Step …</a>")
+    } else {
+        String::new()
+    };
+    format!(
+        "<tr id=\"person-{who}\"><td><a href=\"/lab/above/{who}\">{who}</a><td>{place}<td>{}<td>{pictures}<td>{}<td>{beyond}\
+         <td><a href=\"{link}\">{link}</a><td>{never_came}{step} <a href=\"/lab/forget/{who}\">Forget …</a>",
+        there.since.map_or_else(String::new, time),
+        rides.join(", "),
+    )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{person::Person, steps::Step};
+
+    fn there(at: usize) -> Whereabouts {
+        Whereabouts {
+            token: "t".to_owned(),
+            at,
+            ended: None,
+            since: Some(0),
+            fit: None,
+            driven: None,
+        }
+    }
+
+    fn known(steps: Vec<Step>) -> Known {
+        Known::of(&Person::new("t".to_owned(), "P001".to_owned(), steps))
+    }
+
+    #[test]
+    fn whose_drive_is_beyond_what_the_model_has_met_is_marked_among_the_people() {
+        let mut there = there(0);
+        assert!(!row(&known(Vec::new()), &there).contains("beyond"));
+        let fit = r#"{"embedding":[0.0],"covariance":null,"score":30.0,"readings":3,"beyond":"style:pass"}"#;
+        there.fit = Some(fit.to_owned());
+        let marked = row(&known(Vec::new()), &there);
+        assert!(
+            marked.contains("<td>beyond what the model has met: shows a style"),
+            "{marked}"
+        );
+    }
+
+    #[test]
+    fn who_drives_is_shown_with_how_far_and_how_many_pictures_a_second_the_last_piece_had() {
+        let practice = Step::Practice {
+            seconds: 300.0,
+            lane_kept_s: 30.0,
+            passes: 1,
+            seed: "1".to_owned(),
+            probe: None,
+        };
+        let known = known(vec![Step::Controls, practice]);
+        let mut there = there(0);
+        let shown = row(&known, &there);
+        assert!(
+            shown.contains(
+                "<td>step 1 of 2: controls<td><time data-since=\"0\">00:00:00 UTC</time><td><td>"
+            ),
+            "{shown}"
+        );
+        assert!(shown.contains("Never came"));
+        there.at = 1;
+        let piece = r#"{"from_tick":6400,"ticks":50,"held":[[50,0,0,0,0]],"frames":{"drawn":29,"late":0,"dropped_steps":0}}"#;
+        there.driven = Some((6_450, Some(piece.to_owned())));
+        let shown = row(&known, &there);
+        assert!(
+            shown.contains("step 2 of 2: practice, 64 of 300 s<td>")
+                && shown.contains("<td>58<td>"),
+            "{shown}"
+        );
+        assert!(!shown.contains("Never came"));
+        // Begun, and nothing has come yet.
+        there.driven = Some((0, None));
+        assert!(row(&known, &there).contains(
+            "practice, 0 of 300 s<td><time data-since=\"0\">00:00:00 UTC</time><td><td>"
+        ));
+    }
+}
