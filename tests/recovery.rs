@@ -9,6 +9,7 @@
 
 mod support;
 
+use path_slash::PathExt as _;
 use std::collections::BTreeMap;
 use support::TempStudy;
 
@@ -97,6 +98,7 @@ fn the_car_drives_like_its_owner_and_the_dial_turns_the_right_way() {
     run("steer --model d/model.maveric --embeddings d/embeddings.csv --out d/conditions.csv");
     sweeps_and_attributes(&study);
     nobody_whom_the_scale_does_not_have_is_turned(&study);
+    a_lent_style_has_the_riders_score(&study);
     run(
         "simulate --model d/model.maveric --conditions d/conditions.csv --out d/av --duration 300 --scene S2P02 --watch d/watch.html --watch-participant S2P02 --watch-own d/logs/study2/S2P02-own.mcap",
     );
@@ -232,6 +234,78 @@ fn nobody_whom_the_scale_does_not_have_is_turned(study: &TempStudy) {
     ];
     let (_, theirs, rows) = steered(&openness);
     assert_eq!((theirs.len(), rows), (1, 1 + 7 * 3 + 1));
+}
+
+/// Somebody else's style, at the rider's own score: of those learned from, or of the others who are tested once there are ten of them.
+fn a_lent_style_has_the_riders_score(study: &TempStudy) {
+    let shipped = support::root().join("study_data");
+    let paper = std::fs::read_to_string(shipped.join("designs/paper.toml")).unwrap();
+    let paper = paper.replace("\"../", &format!("\"{}/", shipped.to_slash_lossy()));
+    let was = "{ across = true }";
+    assert!(paper.contains(was));
+    let lent = |from: &str, people: usize| -> (String, Vec<BTreeMap<String, String>>) {
+        let car = format!("{{ other = \"matched\", from = \"{from}\" }}");
+        study.write("d/lent.toml", paper.replace(was, &car));
+        // The same eight again, and again, under other names: nobody's style is more than twice the same.
+        let table = std::fs::read_to_string(study.path("d/embeddings.csv")).unwrap();
+        let own = |line: &&str| line.starts_with("S2P") && line.contains(",own,");
+        let mut lines = table.lines();
+        let mut rows = vec![lines.next().unwrap().to_owned()];
+        for round in 0..people.div_ceil(8) {
+            let again = lines.clone().filter(own);
+            rows.extend(again.map(|line| line.replace("S2P0", &format!("S2P{round}"))));
+        }
+        study.write("d/lent.csv", rows.join("\n") + "\n");
+        let call = "steer --design d/lent.toml --model d/model.maveric --embeddings d/lent.csv --out d/lent_conditions.csv";
+        let ran = study.maveric(&call.split(' ').collect::<Vec<_>>()).ok();
+        let table = std::fs::read_to_string(study.path("d/lent_conditions.csv")).unwrap();
+        let mut lines = table.lines();
+        let head: Vec<&str> = lines.next().unwrap().split(',').collect();
+        let row = |line: &str| {
+            let cells = head.iter().zip(line.split(','));
+            cells
+                .map(|(name, cell)| ((*name).to_owned(), cell.to_owned()))
+                .collect()
+        };
+        (ran.stderr, lines.map(row).collect())
+    };
+    for (from, people, donors) in [
+        ("learned", 8, "S1P"),
+        ("tested", 8, "S1P"),
+        ("tested", 16, "S2P"),
+    ] {
+        let (told, rows) = lent(from, people);
+        let rides = rows
+            .iter()
+            .filter(|row| row["condition"] == "perpendicular");
+        let mut reached = 0;
+        let mut drawn = BTreeMap::new();
+        for row in rides {
+            let (who, donor) = (&row["participant"], &row["donor"]);
+            let number = |name: &str| row[name].parse::<f64>().unwrap();
+            assert!(
+                donor.starts_with(donors) && !donor.starts_with(who.as_str()),
+                "{row:?}"
+            );
+            assert!(number("moved_points").abs() < 1e-9, "{row:?}");
+            let within = number("donor_shift_points").abs() <= 8.0
+                && (0.7..=2.5).contains(&number("donor_distance_sd"));
+            assert_eq!(row["donor_within_reach"], within.to_string(), "{row:?}");
+            reached += usize::from(within);
+            *drawn.entry(donor.clone()).or_insert(0) += 1;
+        }
+        assert_eq!(drawn.values().sum::<usize>(), people);
+        assert!(
+            reached > people / 2 && drawn.len() > people / 3,
+            "{reached} {drawn:?}"
+        );
+        let missed = format!("nobody within reach of {} of {people}", people - reached);
+        assert_eq!(told.contains(&missed), reached < people, "{told}");
+        assert!(
+            rows.iter()
+                .all(|row| (row["condition"] == "perpendicular") != row["donor"].is_empty())
+        );
+    }
 }
 
 /// A sweep can be driven, another attribute can be moved with aggression held, and what cannot is said.

@@ -4,7 +4,7 @@ use crate::{
     AnalysisError,
     balance::OrderBalance,
     exclusions::{Driven, LeftOut, Stopped},
-    flow::{self, Flow},
+    flow::{self, Flow, NotAdmitted},
     person::Person,
     turned::{Settled, Turns},
 };
@@ -81,6 +81,8 @@ pub struct Tables {
     pub kept_out: Vec<Driven>,
     /// Drives and rides that people stopped.
     pub stopped: Vec<Stopped>,
+    /// People who wanted to take part and were not admitted.
+    pub not_admitted: Vec<NotAdmitted>,
 }
 
 /// What the analyses of a study read: whoever is left out by the design is not in it.
@@ -162,7 +164,12 @@ impl StudyData {
             .map(|(p, _)| p.clone())
             .collect();
         left_out.and_without_drives(&judged, &kept);
-        let flow = flow::flow(design, &tables.people, &there, &left_out);
+        let flow = flow::flow(
+            design,
+            &tables.people,
+            &there,
+            (&left_out, &tables.not_admitted),
+        );
         let mut measurements = tables.measurements;
         measurements.retain(|d| left_out.keeps(&d.meta.participant, d.meta.condition));
         let (mut pre, mut post) = (tables.pre, tables.post);

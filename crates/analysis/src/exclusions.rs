@@ -375,7 +375,7 @@ mod tests {
             &design,
             &[],
             &[who("P1"), who("P2"), who("P3")].into(),
-            &left_out,
+            (&left_out, &[]),
         );
         let rows: Vec<(&str, usize)> = flow
             .drives

@@ -11,6 +11,8 @@ use std::collections::{BTreeMap, BTreeSet};
 /// How many people there were at each step: a flow of participants as CONSORT draws it.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct Flow {
+    /// People who wanted to take part and were not admitted, a row a rule; they are in no table.
+    pub not_admitted: Vec<NotAdmitted>,
     /// People in the table who were to sit through the conditions.
     pub recruited: usize,
     /// Those of them who drove or rated at least one condition, were measured in one, or drove the baseline.
@@ -21,6 +23,15 @@ pub struct Flow {
     pub analysed: usize,
     /// Single drives left out of those analysed, a row a reason.
     pub drives: Vec<LeftOutFor>,
+}
+
+/// How many people a rule of the screening held back.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub struct NotAdmitted {
+    /// What they did not fulfil.
+    pub rule: String,
+    /// How many, each counted by the first rule that held them back.
+    pub people: usize,
 }
 
 /// Those who are left out for one reason.
@@ -39,7 +50,7 @@ pub(crate) fn flow(
     design: &Design,
     people: &[Person],
     there: &BTreeSet<ParticipantId>,
-    left_out: &LeftOut,
+    (left_out, not_admitted): (&LeftOut, &[NotAdmitted]),
 ) -> Flow {
     let recruited: BTreeSet<&ParticipantId> = if people.is_empty() {
         there.iter().collect()
@@ -55,6 +66,7 @@ pub(crate) fn flow(
     let drives = left_out.drives.iter();
     let drives = drives.map(|(drive, why)| (drive.to_string(), why));
     Flow {
+        not_admitted: not_admitted.to_vec(),
         recruited: recruited.len(),
         drove: recruited.iter().filter(|who| there.contains(**who)).count(),
         analysed: recruited.len() - out.len(),

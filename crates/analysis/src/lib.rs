@@ -45,7 +45,7 @@ pub use design_test::Purpose;
 pub use error::AnalysisError;
 pub use exclusions::{Driven, LeftOut, Rule, Stopped, Why};
 pub use finding::{Finding, Needed, Part, Question};
-pub use flow::{Flow, LeftOutFor};
+pub use flow::{Flow, LeftOutFor, NotAdmitted};
 pub use person::Person;
 pub use planned::{PlannedTest, planned};
 pub use presses::{BeforePress, CoursePoint, FEWEST_PEOPLE, FEWEST_PRESSES, PressCourse, Presses};

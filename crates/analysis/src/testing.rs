@@ -178,6 +178,7 @@ pub(crate) fn steered(
         moved_points_sd: None,
         clamped: false,
         angle_rad,
+        lent: None,
         beyond_training,
         beyond_why: None,
         sweep: None,

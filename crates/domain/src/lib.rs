@@ -36,7 +36,7 @@ pub use scene::{EgoState, Reference, Road, Scene, Situation, VehicleState};
 pub use seed::stream_seed;
 pub use sees::Sees;
 pub use setpoints::{LaneWish, Setpoints, When};
-pub use steered::{ConditionRow, SweepPoint};
+pub use steered::{ConditionRow, Lent, SweepPoint};
 pub use survey::{AdbScore, Answer, Moment, NormCorrelation, Norms, Scale, Score, Subscale};
 pub use trace::{LaneActivity, TraceRow};
 pub use traits::LatentTraits;

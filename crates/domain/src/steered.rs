@@ -26,6 +26,9 @@ pub struct ConditionRow {
     pub clamped: bool,
     /// Angle on the ellipse across the dial, in rad; only there.
     pub angle_rad: Option<f64>,
+    /// Whose style it is where somebody else's is lent. In a table its fields are columns of their own.
+    #[serde(skip_deserializing)]
+    pub lent: Option<Lent>,
     /// Whether the embedding lies further out than any training driver's.
     pub beyond_training: bool,
     /// Why the drive that the person's style was learned of is beyond what the model has met; none where it is not or nobody can say, and
@@ -49,6 +52,19 @@ pub struct SweepPoint {
     pub requested_points: f64,
     /// How far it moved within its range, in its own points.
     pub attribute_points: f64,
+}
+
+/// A style that somebody else lends, moved along the dial to the person's own score.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Lent {
+    /// The drive that the style was learned of.
+    pub donor: DriveId,
+    /// How far it was moved, in points.
+    pub donor_shift_points: f64,
+    /// How far donor and person lie apart across the dial, in standard deviations of the people learned from.
+    pub donor_distance_sd: f64,
+    /// Whether shift and distance are within what was asked for; the nearest was taken where nobody's are.
+    pub donor_within_reach: bool,
 }
 
 impl ConditionRow {

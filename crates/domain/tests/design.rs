@@ -5,8 +5,8 @@
 use maveric_domain::{
     ConditionId, Design, DriveId, ParticipantId,
     design::{
-        Car, Claim, Color, Compare, Condition, DeclaredTest, Factor, Mappings, ProtocolStep,
-        ScoreName, Sign, Software,
+        Car, Claim, Color, Compare, Condition, DeclaredTest, Donors, Factor, Mappings, Matched,
+        ProtocolStep, ScoreName, Sign, Software,
     },
 };
 use serde_json::Value;
@@ -628,6 +628,17 @@ fn labels_are_given_once_factors_have_levels_and_a_car_is_of_one_kind() {
         Design::from_toml(&text).map_err(|e| e.to_string())
     };
     assert!(two("", "id = \"b\"").is_ok());
+    let matched = |more: &str| {
+        let design = two(
+            &format!("car = {{ other = \"matched\"{more} }}"),
+            "id = \"b\"",
+        );
+        design.unwrap().conditions()[0].car.clone().unwrap()
+    };
+    let lent = |from, apart_sd| Car::Matched(Matched { from, apart_sd });
+    assert_eq!(matched(""), lent(Donors::Tested, [0.7, 2.5]));
+    let learned = ", from = \"learned\", apart = [1, 3]";
+    assert_eq!(matched(learned), lent(Donors::Learned, [1.0, 3.0]));
     // The word for before the drives is as good an id as any.
     assert!(two("", "id = \"pre\"").is_ok());
     for (first, second, expected) in [
@@ -645,6 +656,26 @@ fn labels_are_given_once_factors_have_levels_and_a_car_is_of_one_kind() {
             "car = { dial = 1, across = true }",
             "id = \"b\"",
             "`dial` and `across`",
+        ),
+        (
+            "car = { other = \"matched\", mean = true }",
+            "id = \"b\"",
+            "`mean` and `other`",
+        ),
+        (
+            "car = { dial = 0, apart = [1, 2] }",
+            "id = \"b\"",
+            "`condition.a.car.apart`: found a car that has nobody else's style",
+        ),
+        (
+            "car = { other = \"matched\", apart = [2.5, 0.7] }",
+            "id = \"b\"",
+            "found [2.5, 0.7]",
+        ),
+        (
+            "car = { other = \"alike\" }",
+            "id = \"b\"",
+            "unknown variant `alike`",
         ),
     ] {
         let refused = two(first, second).unwrap_err();

@@ -68,6 +68,7 @@ fn a_conditions_drive_is_called_after_person_and_condition_and_a_sweeps_by_itsel
         moved_points_sd: None,
         clamped: false,
         angle_rad: None,
+        lent: None,
         beyond_training: false,
         beyond_why: None,
         sweep: None,

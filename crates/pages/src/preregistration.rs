@@ -5,8 +5,8 @@ use maveric_analysis::{PlannedTest, planned};
 use maveric_domain::{
     Design,
     design::{
-        Car, Claim, Compare, Condition, DeclaredTest, Hypothesis, LevelContrast, Levels, Outcome,
-        Sign,
+        Car, Claim, Compare, Condition, DeclaredTest, Donors, Hypothesis, LevelContrast, Levels,
+        Outcome, Sign,
     },
 };
 use maveric_measures::objective;
@@ -126,6 +126,7 @@ pub(crate) fn condition(c: &Condition) -> Value {
         Some(Car::Across) => ("across", None, None),
         Some(Car::Mean) => ("mean", None, None),
         Some(Car::Embedding(path)) => ("embedding", None, Some(path.to_slash_lossy().into_owned())),
+        Some(Car::Matched(_)) => ("matched", None, None),
         Some(_) => ("turned", None, None),
     };
     let levels = c.levels.iter().map(|(f, l)| format!("{f}: {l}"));
@@ -135,10 +136,21 @@ pub(crate) fn condition(c: &Condition) -> Value {
         car,
         points,
         path,
+        lent => lent(c),
         varies => c.vary,
         recorded => c.recorded,
         levels => levels.collect::<Vec<_>>(),
     }
+}
+
+/// Whose style is lent, and how far apart they shall lie.
+fn lent(c: &Condition) -> Option<Value> {
+    let Some(Car::Matched(matched)) = &c.car else {
+        return None;
+    };
+    let [least, most] = matched.apart_sd;
+    let tested = matched.from == Donors::Tested;
+    Some(context! { tested, from => Donors::FROM, least, most })
 }
 
 fn outcome(design: &Design, o: &Outcome) -> Value {

@@ -283,6 +283,7 @@ fn condition_row(
         moved_points_sd: None,
         clamped: false,
         angle_rad: (condition.car == Some(Car::Across)).then_some(angle),
+        lent: None,
         beyond_training: false,
         beyond_why: None,
         sweep: None,

@@ -19,7 +19,7 @@ use maveric_study::{
     forget::{Forgotten, forget_person},
     tables::{
         TableName,
-        collected::{CONSENTS, EVENTS, EventRow, NOT_ADMITTED, NOTES, NotAdmittedRow, STOPPED},
+        collected::{CONSENTS, EVENTS, EventRow, NOT_ADMITTED, NOTES, NotAdmitted, STOPPED},
         dial::{ENDING, Turn},
         embeddings::read_styles,
         read_rows, write_rows,
@@ -265,10 +265,10 @@ impl Files {
     }
 
     /// Writes how many people each rule of the screening held back, once it held somebody back.
-    pub(crate) fn not_admitted(&self, rows: &[NotAdmittedRow]) -> Result<(), SeatError> {
+    pub(crate) fn not_admitted(&self, rows: &[NotAdmitted]) -> Result<(), SeatError> {
         match self.0.as_ref().filter(|_| !rows.is_empty()) {
             Some(place) => {
-                let path = place.records.join(NOT_ADMITTED);
+                let path = place.study.resolve(Path::new(NOT_ADMITTED));
                 Ok(write_rows(TableName::NotAdmitted, &path, rows)?)
             }
             None => Ok(()),

@@ -6,7 +6,7 @@ use crate::{
     person::{NOT_ADMITTED, Person},
     steps::Judged,
 };
-use maveric_study::tables::collected::NotAdmittedRow;
+use maveric_study::tables::collected::NotAdmitted;
 use rusqlite::params;
 
 impl Books<'_> {
@@ -40,11 +40,11 @@ impl Books<'_> {
     }
 
     /// How many people each rule held back.
-    pub(crate) fn not_admitted(&self) -> Result<Vec<NotAdmittedRow>, SeatError> {
+    pub(crate) fn not_admitted(&self) -> Result<Vec<NotAdmitted>, SeatError> {
         self.ask(|c| {
             let mut rows = c.prepare("SELECT rule, people FROM not_admitted ORDER BY rule")?;
             let read = |row: &rusqlite::Row<'_>| {
-                Ok(NotAdmittedRow {
+                Ok(NotAdmitted {
                     rule: row.get(0)?,
                     people: row.get::<_, i64>(1)? as usize,
                 })

@@ -5,16 +5,17 @@ use crate::{
     error::StudyError,
     forgotten::ForgottenList,
     tables::{
-        collected::STOPPED,
+        collected::{NOT_ADMITTED, STOPPED},
         drives::read_drives,
         participants::{Enrolled, read_enrolled},
         read_rows,
     },
 };
-use maveric_analysis::Stopped;
+use maveric_analysis::{NotAdmitted, Stopped};
 use maveric_domain::{Design, Drive, ParticipantId};
 use maveric_participants::Part;
 use path_slash::PathExt as _;
+use serde::de::DeserializeOwned;
 use std::{
     collections::BTreeSet,
     path::{Path, PathBuf},
@@ -148,7 +149,20 @@ impl DesignFile {
     /// # Errors
     /// As [`read_rows`].
     pub fn stopped(&self) -> Result<Vec<Stopped>, StudyError> {
-        let path = self.resolve(Path::new(STOPPED));
+        self.collected(STOPPED)
+    }
+
+    /// The people whom a rule of `[protocol] admit_if` held back.
+    ///
+    /// # Errors
+    /// As [`read_rows`].
+    pub fn not_admitted(&self) -> Result<Vec<NotAdmitted>, StudyError> {
+        self.collected(NOT_ADMITTED)
+    }
+
+    /// The rows of a file that the seat writes once there is something; none before.
+    fn collected<T: DeserializeOwned>(&self, file: &str) -> Result<Vec<T>, StudyError> {
+        let path = self.resolve(Path::new(file));
         if self.path.is_none() || !path.is_file() {
             return Ok(Vec::new());
         }

@@ -254,6 +254,7 @@ pub(crate) fn read_study(
         durations_s: durations(folder)?,
         kept_out: drives_kept_out(folder)?,
         stopped: study.stopped()?,
+        not_admitted: study.not_admitted()?,
     };
     let rides = if_there(&presses_path(&measurements), read_rows)?;
     let moments = if_there(&press_moments_path(&measurements), read_rows)?;

@@ -5,7 +5,7 @@ use crate::{
     error::StudyError,
     outcome::{Outcome, Watch},
     outputs::spare_inputs,
-    tables::collected::STOPPED,
+    tables::collected::{NOT_ADMITTED, STOPPED},
 };
 use std::path::{Path, PathBuf};
 
@@ -102,11 +102,13 @@ impl Files {
             (None, Some(study)) => Some(study.resolve(&study.design.people().file)),
             _ => None,
         };
-        let stopped = DesignFile::below(root, design).map(|s| s.resolve(Path::new(STOPPED)));
+        let study = DesignFile::below(root, design);
+        let collected = |file: &str| study.as_ref().map(|s| s.resolve(Path::new(file)));
         self.reads_design(design)
             .reads(participants)
             .reads_if_there(of_design)
-            .reads_if_there(stopped)
+            .reads_if_there(collected(STOPPED))
+            .reads_if_there(collected(NOT_ADMITTED))
     }
 
     /// With the questionnaires that say the range of a design's style, where the design does not say it itself.

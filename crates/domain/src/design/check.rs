@@ -1,7 +1,7 @@
 //! Reading a design: whether it agrees with itself.
 
 use super::{
-    condition::{Baseline, Car, Condition, Role, Sign},
+    condition::{Baseline, Car, Condition, Matched, Role, Sign},
     error::DesignError,
     exclude::Exclude,
     factors,
@@ -329,17 +329,22 @@ fn condition(
     })
 }
 
-const CARS: &str = "one of { dial = POINTS }, { across = true }, { mean = true }, { embedding = \"FILE.csv\" }, { free = true }, \
-                    { recorded = true }";
+const CARS: &str = "one of { dial = POINTS }, { across = true }, { mean = true }, { embedding = \"FILE.csv\" }, \
+                    { other = \"matched\" }, { free = true }, { recorded = true }";
+
+/// How far donor and rider lie apart where the design does not say it, in standard deviations across the dial.
+const APART_SD: [f64; 2] = [0.7, 2.5];
 
 fn car(key: &str, raw: CarToml, style: Option<&Style>) -> Checked<Option<Car>> {
-    let on_the_dial = raw.dial.is_some() || raw.across || raw.free;
+    let on_the_dial = raw.dial.is_some() || raw.across || raw.free || raw.other.is_some();
+    let matched = matched(key, &raw)?;
     let dial = raw.dial.map(|d| dial(key, d, style)).transpose()?;
     let cars = [
         dial.map(Car::Dial),
         raw.across.then_some(Car::Across),
         raw.mean.then_some(Car::Mean),
         raw.embedding.map(Car::Embedding),
+        matched.map(Car::Matched),
         raw.free.then_some(Car::Free),
     ];
     let mut found: Vec<Car> = cars.into_iter().flatten().collect();
@@ -360,6 +365,32 @@ fn car(key: &str, raw: CarToml, style: Option<&Style>) -> Checked<Option<Car>> {
     Ok(found.pop())
 }
 
+/// Somebody else's style.
+fn matched(key: &str, raw: &CarToml) -> Checked<Option<Matched>> {
+    let beside = [("from", raw.from.is_some()), ("apart", raw.apart.is_some())];
+    if raw.other.is_none() {
+        return match beside.into_iter().find(|(_, given)| *given) {
+            Some((name, _)) => Err(DesignError::key(
+                format!("{key}.{name}"),
+                "a car that has nobody else's style",
+                "it beside `other = \"matched\"` alone",
+            )),
+            None => Ok(None),
+        };
+    }
+    let apart_sd = raw.apart.unwrap_or(APART_SD);
+    let [least, most] = apart_sd;
+    if !(least >= 0.0 && least < most && most.is_finite()) {
+        return Err(DesignError::key(
+            format!("{key}.apart"),
+            format!("[{least}, {most}]"),
+            "two distances in standard deviations, the shorter first, such as [0.7, 2.5]",
+        ));
+    }
+    let from = raw.from.unwrap_or_default();
+    Ok(Some(Matched { from, apart_sd }))
+}
+
 /// The key of a kind of car.
 fn kind(car: &Car) -> &'static str {
     match car {
@@ -367,6 +398,7 @@ fn kind(car: &Car) -> &'static str {
         Car::Across => "`across`",
         Car::Mean => "`mean`",
         Car::Embedding(_) => "`embedding`",
+        Car::Matched(_) => "`other`",
         Car::Free => "`free`",
     }
 }

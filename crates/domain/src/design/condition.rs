@@ -59,8 +59,35 @@ pub enum Car {
     Mean,
     /// A style from a file of embeddings.
     Embedding(PathBuf),
+    /// Somebody else's style, moved along the dial to the person's own score.
+    Matched(Matched),
     /// The person turns the dial while riding.
     Free,
+}
+
+/// Whose style is lent to the person.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Matched {
+    /// Who may lend theirs.
+    pub from: Donors,
+    /// How far donor and rider shall lie apart across the dial: least and most, in standard deviations of the people learned from.
+    pub apart_sd: [f64; 2],
+}
+
+/// Who may lend their style.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Donors {
+    /// The others who are tested, once [`Donors::FROM`] of them have driven; until then those whom the model learned from.
+    #[default]
+    Tested,
+    /// Those whom the model learned from.
+    Learned,
+}
+
+impl Donors {
+    /// So many of the tested must have driven before they lend their styles.
+    pub const FROM: usize = 10;
 }
 
 /// Which way something goes.

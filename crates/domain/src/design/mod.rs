@@ -21,7 +21,7 @@ mod toml_file;
 mod williams;
 
 pub use answer_rule::{AnswerRule, Than};
-pub use condition::{Baseline, By, Car, Color, Condition, Role, Sign};
+pub use condition::{Baseline, By, Car, Color, Condition, Donors, Matched, Role, Sign};
 pub use contrast::{Claim, Compare, Hypothesis, LevelContrast, Levels};
 pub use error::DesignError;
 pub use exclude::Exclude;

@@ -1,7 +1,7 @@
 //! The shape of `study.toml`, before it is checked.
 
 use super::{
-    condition::{By, Sign},
+    condition::{By, Donors, Sign},
     contrast::LevelContrast,
     exclude::Exclude,
     files::{BeyondRule, Files},
@@ -144,10 +144,20 @@ pub(super) struct CarToml {
     pub(super) embedding: Option<PathBuf>,
     #[serde(default)]
     pub(super) free: bool,
+    pub(super) other: Option<OtherToml>,
+    pub(super) from: Option<Donors>,
+    pub(super) apart: Option<[f64; 2]>,
     #[serde(default)]
     pub(super) recorded: bool,
     #[serde(default)]
     pub(super) vary: bool,
+}
+
+/// How somebody else's style is brought to the person's.
+#[derive(Debug, Clone, Copy, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub(super) enum OtherToml {
+    Matched,
 }
 
 #[derive(Debug, Deserialize)]

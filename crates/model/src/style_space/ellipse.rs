@@ -59,7 +59,11 @@ impl PerpendicularEllipse {
         Ok(Self::around(&direction, &model.points(), &speeds))
     }
 
-    fn around(direction: &DVector<f64>, points: &[DVector<f64>], speeds: &[f64]) -> Self {
+    pub(super) fn around(
+        direction: &DVector<f64>,
+        points: &[DVector<f64>],
+        speeds: &[f64],
+    ) -> Self {
         let basis = complement(direction);
         let inside: Vec<DVector<f64>> = points.iter().map(|p| basis.tr_mul(p)).collect();
         let (mean, covariance) = moments(&inside, basis.ncols());

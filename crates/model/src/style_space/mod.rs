@@ -3,11 +3,13 @@
 pub mod attribute;
 pub mod ellipse;
 pub mod head;
+pub mod matched;
 pub mod move_along;
 pub mod range;
 
 pub use attribute::AttributeHead;
 pub use ellipse::{Perpendicular, PerpendicularEllipse};
 pub use head::{LinearHead, Moved};
+pub use matched::{Donor, FEWEST_DONORS, FURTHEST_SHIFT_POINTS, MatchedStyle, Matching};
 pub use move_along::StyleMetric;
 pub use range::share_outside_training;

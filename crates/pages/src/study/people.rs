@@ -106,7 +106,9 @@ impl StudyPage<'_> {
         let rows =
             |left: &[LeftOutFor]| left.iter().map(|l| (l.why.clone(), l.who.len())).collect();
         let panels = self.analysis.panels.iter();
+        let held_back = flow.not_admitted.iter();
         Flow {
+            not_admitted: held_back.map(|n| (n.rule.clone(), n.people)).collect(),
             recruited: flow.recruited,
             drove: flow.drove,
             left_out: rows(&flow.left_out),

@@ -5,6 +5,8 @@ use super::prelude::*;
 /// Counts of people.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Flow {
+    /// People who asked to take part and were not admitted: the rule that they did not fulfil, and count. Plain text.
+    pub not_admitted: Vec<(String, usize)>,
     /// People who were to be tested.
     pub recruited: usize,
     /// Those of them who drove or rated something.
@@ -47,7 +49,7 @@ pub fn flow(input: &Flow, context: &Context) -> Result<Figure, ReportError> {
     }
     let steps = steps(input);
     let height: f64 = steps.iter().map(Step::height).sum::<f64>() + GAP * steps.len() as f64;
-    let out: usize = input.left_out.iter().map(|(_, n)| n).sum();
+    let out = count(&input.left_out);
     let plan = Plan {
         name: NAME.to_owned(),
         size_mm: (TWO_COLUMNS_MM, (height + 12.0) * 25.4 / 72.0 + 4.0),
@@ -58,7 +60,11 @@ pub fn flow(input: &Flow, context: &Context) -> Result<Figure, ReportError> {
             input.analysed
         ),
         alt: format!(
-            "{} recruited, {} took part, {out} left out{}, {} analysed.",
+            "{}{} recruited, {} took part, {out} left out{}, {} analysed.",
+            match count(&input.not_admitted) {
+                0 => String::new(),
+                n => format!("{n} not admitted{}, ", reasons(&input.not_admitted)),
+            },
             input.recruited,
             input.drove,
             reasons(&input.left_out),
@@ -80,6 +86,10 @@ impl Step {
         let lines = self.lines.len().max(self.beside.len());
         lines as f64 * LINE + 2.0 * PAD
     }
+}
+
+fn count(left: &[(String, usize)]) -> usize {
+    left.iter().map(|(_, n)| n).sum()
 }
 
 fn reasons(left: &[(String, usize)]) -> String {
@@ -114,8 +124,7 @@ fn listed(title: &str, left: &[(String, usize)]) -> Vec<String> {
     if left.is_empty() {
         return Vec::new();
     }
-    let sum: usize = left.iter().map(|(_, n)| n).sum();
-    let mut lines = vec![format!("{title}: {sum}")];
+    let mut lines = vec![format!("{title}: {}", count(left))];
     for (why, n) in left {
         lines.extend(wrapped(&format!("{n}: {why}")));
     }
@@ -128,7 +137,15 @@ fn steps(input: &Flow) -> Vec<Step> {
     let mut analysed = vec![format!("Analysed: {}", input.analysed)];
     let outcomes = input.outcomes.iter();
     analysed.extend(outcomes.map(|(title, n)| format!("{title}: {n}")));
-    vec![
+    let held_back = count(&input.not_admitted);
+    let asked = (held_back > 0).then(|| Step {
+        lines: vec![format!(
+            "Asked to take part: {}",
+            input.recruited + held_back
+        )],
+        beside: listed("Not admitted", &input.not_admitted),
+    });
+    let others = [
         Step {
             lines: vec![format!("Recruited to be tested: {}", input.recruited)],
             beside: Vec::new(),
@@ -141,7 +158,8 @@ fn steps(input: &Flow) -> Vec<Step> {
             lines: analysed,
             beside: Vec::new(),
         },
-    ]
+    ];
+    asked.into_iter().chain(others).collect()
 }
 
 fn paint(canvas: &mut Canvas<'_>, place: Place, steps: &[Step]) {
@@ -191,6 +209,7 @@ mod tests {
 
     fn input() -> Flow {
         Flow {
+            not_admitted: vec![("about_you.age >= 18".into(), 3)],
             recruited: 24,
             drove: 23,
             left_out: vec![
@@ -208,6 +227,8 @@ mod tests {
         let figure = flow(&input(), &Context::real()).unwrap();
         for said in [
             "24",
+            "Asked to take part: 27",
+            "3: about_you.age",
             "Left out: 2",
             "withdrew consent",
             "Analysed: 22",
@@ -216,6 +237,13 @@ mod tests {
             assert!(figure.svg.contains(said), "{said}");
         }
         assert!(figure.alt.contains("1: withdrew consent"), "{}", figure.alt);
+        assert!(figure.alt.starts_with("3 not admitted"), "{}", figure.alt);
+        let everybody = Flow {
+            not_admitted: Vec::new(),
+            ..input()
+        };
+        let figure = flow(&everybody, &Context::real()).unwrap();
+        assert!(!figure.svg.contains("Asked"), "nobody was screened");
     }
 
     #[test]

@@ -512,6 +512,7 @@ mod tests {
             moved_points_sd: None,
             clamped: false,
             angle_rad: None,
+            lent: None,
             beyond_training: false,
             beyond_why: None,
             sweep: None,

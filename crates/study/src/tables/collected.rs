@@ -1,7 +1,7 @@
 //! What the seat collects beside answers and drives: what happened on every page and in every drive, what was agreed to, what was noted.
 //! What the columns are `columns.toml` says.
 
-pub use maveric_analysis::Stopped;
+pub use maveric_analysis::{NotAdmitted, Stopped};
 
 use maveric_domain::ParticipantId;
 use serde::{Deserialize, Serialize};
@@ -41,14 +41,6 @@ pub struct NoteRow {
     pub text: String,
 }
 
-/// How many people a rule of the screening held back.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
-#[expect(missing_docs, reason = "`columns.toml` says what they are")]
-pub struct NotAdmittedRow {
-    pub rule: String,
-    pub people: usize,
-}
-
 /// Their files in the seat's folder.
 pub const EVENTS: &str = "events.csv";
 /// As [`EVENTS`].
@@ -57,5 +49,5 @@ pub const CONSENTS: &str = "consents.csv";
 pub const NOTES: &str = "notes.csv";
 /// The drives and rides that people stopped, from the study's folder.
 pub const STOPPED: &str = "seat/stopped.csv";
-/// As [`EVENTS`].
-pub const NOT_ADMITTED: &str = "not_admitted.csv";
+/// How many people were not admitted, from the study's folder.
+pub const NOT_ADMITTED: &str = "seat/not_admitted.csv";

@@ -6,6 +6,8 @@ use super::{
     write_rows,
 };
 use crate::error::StudyError;
+use maveric_domain::{DriveId, Lent};
+use serde::Deserialize;
 use std::path::Path;
 
 pub use maveric_domain::{ConditionRow, SweepPoint};
@@ -17,7 +19,7 @@ pub use maveric_domain::{ConditionRow, SweepPoint};
 pub fn write_conditions(path: &Path, rows: &[ConditionRow]) -> Result<(), StudyError> {
     let written = rows
         .iter()
-        .map(|row| (row, coordinates(&row.embedding), &row.sweep));
+        .map(|row| (row, coordinates(&row.embedding), &row.lent, &row.sweep));
     write_rows(TableName::Conditions, path, written)
 }
 
@@ -33,6 +35,14 @@ pub fn read_conditions(path: &Path) -> Result<Vec<ConditionRow>, StudyError> {
         beside.push(("beyond_why", vec![None; table.rows()]));
     }
     let mut rows: Vec<ConditionRow> = table.records_beside(&beside)?;
+    if table.has("donor") {
+        for (number, cells) in table.records::<LentCells>()?.into_iter().enumerate() {
+            rows[number].lent = cells.lent().map_err(|donor| {
+                let expected = "shift, distance and reach of the donor beside it";
+                table.bad_cell(number, "donor", donor.as_str(), expected)
+            })?;
+        }
+    }
     if !table.has("drive") {
         table.each_once(&["participant", "condition"])?;
         return Ok(rows);
@@ -44,13 +54,46 @@ pub fn read_conditions(path: &Path) -> Result<Vec<ConditionRow>, StudyError> {
     Ok(rows)
 }
 
+/// The columns of a style that is lent; empty in the rows of every other car.
+#[derive(Deserialize)]
+struct LentCells {
+    donor: Option<DriveId>,
+    donor_shift_points: Option<f64>,
+    donor_distance_sd: Option<f64>,
+    donor_within_reach: Option<bool>,
+}
+
+impl LentCells {
+    /// None without a donor; the donor, where something is missing beside it.
+    fn lent(self) -> Result<Option<Lent>, DriveId> {
+        let Some(donor) = self.donor else {
+            return Ok(None);
+        };
+        match (
+            self.donor_shift_points,
+            self.donor_distance_sd,
+            self.donor_within_reach,
+        ) {
+            (Some(donor_shift_points), Some(donor_distance_sd), Some(donor_within_reach)) => {
+                Ok(Some(Lent {
+                    donor,
+                    donor_shift_points,
+                    donor_distance_sd,
+                    donor_within_reach,
+                }))
+            }
+            _ => Err(donor),
+        }
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
-    use maveric_domain::{BeyondWhy, DriveId, Embedding, ParticipantId};
+    use maveric_domain::{BeyondWhy, Embedding, ParticipantId};
 
     #[test]
-    fn a_sweep_comes_back_with_its_drives_and_a_study_without() {
+    fn a_sweep_comes_back_with_its_drives_a_study_without_and_a_lent_style_with_its_donor() {
         let row = |sweep: Option<SweepPoint>| ConditionRow {
             participant: ParticipantId::new("P01").unwrap(),
             condition: "sporty".parse().unwrap(),
@@ -59,6 +102,7 @@ mod tests {
             moved_points_sd: Some(1.5),
             clamped: false,
             angle_rad: None,
+            lent: None,
             beyond_training: false,
             beyond_why: sweep.is_none().then(|| BeyondWhy::Habits {
                 habit: "pass".to_owned(),
@@ -78,10 +122,27 @@ mod tests {
             row(Some(point(5.0, "P01-a"))),
             row(Some(point(10.0, "P01-b"))),
         ];
-        for rows in [vec![row(None)], sweep] {
+        let lent = ConditionRow {
+            condition: "lent".parse().unwrap(),
+            lent: Some(Lent {
+                donor: DriveId::new("P02-own").unwrap(),
+                donor_shift_points: -3.5,
+                donor_distance_sd: 1.25,
+                donor_within_reach: true,
+            }),
+            ..row(None)
+        };
+        for rows in [vec![row(None)], sweep, vec![row(None), lent]] {
             write_conditions(&path, &rows).unwrap();
             assert_eq!(read_conditions(&path).unwrap(), rows);
         }
+        let half = std::fs::read_to_string(&path).unwrap().replace("1.25", "");
+        std::fs::write(&path, half).unwrap();
+        let refused = read_conditions(&path).unwrap_err().to_string();
+        assert!(
+            refused.contains("P02-own") && refused.contains("`donor`"),
+            "{refused}"
+        );
         // A table of before has no column for it.
         let before = "participant,condition,adb_hat,moved_points,moved_points_sd,clamped,angle_rad,beyond_training,w1\nP01,own,30,0,,false,,false,0.5\n";
         std::fs::write(&path, before).unwrap();

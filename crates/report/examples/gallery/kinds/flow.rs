@@ -12,6 +12,7 @@ pub(crate) fn draw(context: &Context) -> Result<Figure, ReportError> {
 
 pub(crate) fn input() -> Flow {
     Flow {
+        not_admitted: Vec::new(),
         recruited: PARTICIPANTS + 4,
         drove: PARTICIPANTS + 3,
         left_out: vec![

@@ -6,7 +6,9 @@ use crate::{
     named,
     tables::{
         TableName,
-        collected::{CONSENTS, ConsentRow, EVENTS, EventRow, NOTES, NoteRow},
+        collected::{
+            CONSENTS, ConsentRow, EVENTS, EventRow, NOT_ADMITTED, NOTES, NotAdmitted, NoteRow,
+        },
         read_rows, write_rows,
     },
 };
@@ -19,6 +21,7 @@ pub(super) struct Collected {
     events: Vec<EventRow>,
     consents: Vec<ConsentRow>,
     notes: Option<Vec<NoteRow>>,
+    not_admitted: Vec<NotAdmitted>,
 }
 
 impl Collected {
@@ -37,10 +40,16 @@ impl Collected {
                 ),
             });
         }
+        let held_back = folder.with_file_name(NOT_ADMITTED);
         Ok(Self {
             events: read_rows(&folder.join(EVENTS))?,
             consents: read_rows(&folder.join(CONSENTS))?,
             notes: notes.then(|| read_rows(&folder.join(NOTES))).transpose()?,
+            not_admitted: if held_back.is_file() {
+                read_rows(&held_back)?
+            } else {
+                Vec::new()
+            },
         })
     }
 
@@ -105,6 +114,13 @@ impl Collected {
             .sort_by(|a, b| a.participant.cmp(&b.participant));
         self.consents
             .sort_by(|a, b| a.participant.cmp(&b.participant));
+        if !self.not_admitted.is_empty() {
+            write_rows(
+                TableName::NotAdmitted,
+                &out.join(NOT_ADMITTED),
+                &self.not_admitted,
+            )?;
+        }
         let out = out.join("seat");
         write_rows(TableName::Events, &out.join(EVENTS), &self.events)?;
         write_rows(TableName::Consents, &out.join(CONSENTS), &self.consents)?;

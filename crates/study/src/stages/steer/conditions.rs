@@ -1,6 +1,6 @@
 //! Where each condition of the design lies for each person.
 
-use super::{Steer, Steered, is_beyond, strangers::Strangers};
+use super::{Steer, Steered, donors::Lending, is_beyond, strangers::Strangers};
 use crate::{
     design::DesignFile,
     error::StudyError,
@@ -12,7 +12,7 @@ use crate::{
     },
 };
 use maveric_domain::{
-    BeyondWhy, DriveId, Embedding,
+    BeyondWhy, ConditionId, DriveId, Embedding, Lent,
     design::{Car, Condition},
     stream_seed,
 };
@@ -22,6 +22,7 @@ use maveric_model::{
 };
 use maveric_steering::{PlacedStyle, RideStyle, Seed};
 use path_slash::PathExt as _;
+use std::collections::BTreeMap;
 
 struct Steering<'a> {
     model: &'a Model,
@@ -29,6 +30,8 @@ struct Steering<'a> {
     axis: Option<&'a LinearHead>,
     /// Whether there is something across the dial.
     across: bool,
+    /// Where somebody else's style is lent.
+    lending: BTreeMap<ConditionId, Lending<'a>>,
     /// Points of the model for one of the design's: a `--points` that is not the design's own step.
     stretch: f64,
     seed: u64,
@@ -65,6 +68,7 @@ pub(super) fn conditions(
         model,
         axis,
         across: false,
+        lending: BTreeMap::new(),
         stretch: options
             .points
             .zip(step)
@@ -81,6 +85,12 @@ pub(super) fn conditions(
                 warnings.extend(across.map(|c| format!("condition {} left out: {error}", c.id)));
             }
             ellipse => steering.across = ellipse.map(|_| true)?,
+        }
+    }
+    for condition in &driven {
+        if let (Some(Car::Matched(matched)), Some(dial)) = (&condition.car, axis) {
+            let lending = Lending::of(model, *matched, own, dial)?;
+            steering.lending.insert(condition.id, lending);
         }
     }
     let mut rows = Vec::new();
@@ -100,7 +110,7 @@ pub(super) fn conditions(
                 warnings.push(format!("drive {id}: left out by exclude.drives"));
                 continue;
             }
-            let Some(placed) = steering.place(study, condition, person)? else {
+            let Some((placed, lent)) = steering.place(study, condition, person)? else {
                 continue;
             };
             shifts += usize::from(condition.side().is_some());
@@ -121,6 +131,10 @@ pub(super) fn conditions(
                     .map(|sd| sd / scale.stretch()),
                 clamped: placed.clamped,
                 angle_rad: placed.angle_rad,
+                lent: lent.map(|lent| Lent {
+                    donor_shift_points: lent.donor_shift_points / scale.stretch(),
+                    ..lent
+                }),
                 beyond_training: is_beyond(model, &embedding)?,
                 beyond_why: match condition.car {
                     Some(Car::Dial(_) | Car::Across) => why.clone(),
@@ -132,6 +146,8 @@ pub(super) fn conditions(
         }
     }
     warnings.extend(strangers.warnings());
+    let lending = steering.lending.iter();
+    warnings.extend(lending.flat_map(|(id, lending)| lending.warnings(*id)));
     if clamped > 0 {
         warnings.push(format!(
             "{clamped} of {shifts} shifts were cut short by the ends of the scale"
@@ -162,19 +178,27 @@ pub(super) fn conditions(
 }
 
 impl Steering<'_> {
-    /// Where a condition lies for a person; none across the dial where there is nothing.
+    /// Where a condition lies for a person, and who lends the style; none across the dial where there is nothing.
     fn place(
-        &self,
+        &mut self,
         study: &DesignFile,
         condition: &Condition,
         person: &EmbeddingRow,
-    ) -> Result<Option<PlacedStyle>, StudyError> {
+    ) -> Result<Option<(PlacedStyle, Option<Lent>)>, StudyError> {
         let who = &person.participant;
+        let drawn = stream_seed(self.seed, &[who.as_str(), condition.id.as_str()]);
+        let mut lent = None;
         let style = match &condition.car {
             Some(Car::Dial(_)) => RideStyle::Own,
-            Some(Car::Across) if self.across => {
-                let labels = [who.as_str(), condition.id.as_str()];
-                RideStyle::Across(Seed(stream_seed(self.seed, &labels)))
+            Some(Car::Across) if self.across => RideStyle::Across(Seed(drawn)),
+            Some(Car::Matched(_)) => {
+                let lending = self.lending.get_mut(&condition.id);
+                let found = lending.map(|lending| lending.lend(person, drawn));
+                let Some((style, from)) = found.transpose()?.flatten() else {
+                    return Ok(None);
+                };
+                lent = Some(from);
+                RideStyle::Given(style)
             }
             Some(Car::Mean) => RideStyle::Mean,
             Some(Car::Embedding(file)) => {
@@ -185,7 +209,8 @@ impl Steering<'_> {
             _ => return Ok(None),
         };
         let points = condition.dial().unwrap_or(0.0) * self.stretch;
-        Ok(Some(style.place(self.model, &person.embedding, points)?))
+        let placed = style.place(self.model, &person.embedding, points)?;
+        Ok(Some((placed, lent)))
     }
 
     /// Ŝ at an embedding; none where the model has no style head.

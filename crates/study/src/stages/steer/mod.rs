@@ -2,6 +2,7 @@
 
 mod attribute_scores;
 mod conditions;
+mod donors;
 mod strangers;
 mod sweep;
 

@@ -108,6 +108,7 @@ pub(super) fn sweep(
                 moved_points_sd: axis.step_sd(&step).map(|sd| sd / scale.stretch()),
                 clamped: cut,
                 angle_rad: None,
+                lent: None,
                 beyond_training: is_beyond(model, &embedding)?,
                 beyond_why: why.clone(),
                 sweep: Some(SweepPoint {
