@@ -10,13 +10,14 @@
 mod seat;
 mod support;
 
-use maveric_model::model_file;
+use maveric_model::{model_file, style_space::LinearHead};
 use maveric_seat::{Seat, SeatSettings, replay};
 use maveric_seat_page::Record;
 use maveric_simulator::Scenario;
 use maveric_study::{
     run_folder::read_scales,
     tables::{
+        collected::read_lent,
         conditions::read_conditions,
         embeddings::{read_embeddings, write_embeddings},
     },
@@ -68,7 +69,7 @@ const CALM: &str = "id = \"calm\"\ntitle = \"Calm\"\nreference = \"made for this
 wording = [\"I was calm.\", \"I felt at ease.\"]\n[[subscales]]\nid = \"total\"\ntitle = \"Calm\"\nitems = [1, 2]\n";
 
 /// The study's folder, with a model that learned from six made-up people.
-fn learned() -> TempStudy {
+fn learned(conditions: &str) -> TempStudy {
     let study = TempStudy::new();
     let init = [
         "init",
@@ -89,7 +90,7 @@ fn learned() -> TempStudy {
     } else {
         baseline
     };
-    study.write("mine/study.toml", format!("{head}{baseline}{CONDITIONS}"));
+    study.write("mine/study.toml", format!("{head}{baseline}{conditions}"));
     study.write("mine/consent.md", "You may leave at any time.");
     study.write("mine/scales/calm.toml", CALM);
     let asked: String = (1..=11).fold(String::new(), |mut text, item| {
@@ -129,7 +130,7 @@ fn opened(folder: &Path) -> Server {
 
 #[test]
 fn the_papers_four_conditions_are_ridden_from_consent_to_page() {
-    let study = learned();
+    let study = learned(CONDITIONS);
     let folder = study.path("mine");
     // What the helper reads where a model of the laboratory's rides.
     std::fs::copy(
@@ -227,4 +228,104 @@ fn the_papers_four_conditions_are_ridden_from_consent_to_page() {
         "`mimic` was stopped: unwell",
         "four conditions: Mimic, Aggressive, Cautious and Perpendicular",
     ]);
+}
+
+/// One's own style beside somebody else's of the same score.
+const MINE_OR_ANOTHERS: &str = r#"
+[[condition]]
+id = "mine"
+car = { dial = 0, recorded = true }
+[[condition]]
+id = "other"
+car = { other = "matched", recorded = true }
+
+[[outcome]]
+scale = "calm.total"
+label = "Calm"
+
+[protocol]
+consent = "consent.md"
+before = ["adb"]
+after = ["calm"]
+practice = { lane_kept_s = 1, passes = 0, at_most_s = 10 }
+drive_s = 240
+ride_s = 10
+seed = 5
+"#;
+
+#[test]
+fn somebody_elses_style_is_ridden_at_ones_own_score_and_whose_it_was_is_kept_for_the_study_alone() {
+    let study = learned(MINE_OR_ANOTHERS);
+    let folder = study.path("mine");
+    let model = folder.join("results/model.maveric");
+    std::fs::copy(&model, folder.join("lab.maveric")).unwrap();
+    let model = model_file::from_bytes(&std::fs::read(model).unwrap()).unwrap();
+    let dial = LinearHead::aggression(&model).unwrap();
+    let model = Rc::new(model);
+    let server = opened(&folder);
+    for person in 0..12 {
+        let person = Script {
+            model: Rc::clone(&model),
+            own: None,
+            stops: None,
+            speed: Some(31.0 + 0.2 * f64::from(person)),
+            answers: |item, low, high| Some(i64::midpoint(low, high) + i64::from(item == 1)),
+        };
+        let token = server.seat.let_in().unwrap();
+        let opened = server.post(&format!("/api/{token}/open/{TAB}"), "null");
+        assert_eq!(opened.0, 200);
+        while person.go_on(&server, &token) {}
+        let state = server.state(&token);
+        assert_eq!(state["ended"], "done");
+        // Whoever rides is not told whose style it is.
+        assert!(!state.to_string().contains("donor"), "{state}");
+    }
+    server.seat.write_files().unwrap();
+    let lent = read_lent(&folder.join("seat/lent.csv")).unwrap();
+    assert_eq!(lent.len(), 12);
+    let ridden = |drive: String| {
+        let record = std::fs::read_to_string(folder.join(format!("seat/{drive}.jsonl"))).unwrap();
+        Record::from_lines(&record).unwrap().header.style.unwrap()
+    };
+    for (place, row) in lent.iter().enumerate() {
+        let own = ridden(format!("{}-mine", row.participant));
+        let other = ridden(format!("{}-other", row.participant));
+        assert_eq!(other, row.embedding);
+        let apart = dial.read(&own).unwrap() - dial.read(&other).unwrap();
+        assert!(apart.abs() < 1e-4 && own != other, "{row:?}: {apart}");
+        // The first ten ride in styles that the model learned from; then there are ten others.
+        let tested = row.donor.as_str().starts_with('P');
+        assert!(!row.donor.as_str().starts_with(row.participant.as_str()));
+        assert_eq!(tested, place >= 10, "{row:?}");
+    }
+    let notes = read(&study, "mine/seat/notes.csv");
+    assert!(!notes.contains("another style"), "{notes}");
+    // The run knows what was ridden.
+    drop(server);
+    study.maveric_in("mine", &["run", "--set", "epochs=2"]).ok();
+    let placed = read_conditions(&folder.join("results/conditions.csv")).unwrap();
+    let placed: Vec<_> = placed
+        .iter()
+        .filter(|row| row.condition.as_str() == "other")
+        .collect();
+    assert_eq!(placed.len(), lent.len());
+    for (placed, lent) in placed.into_iter().zip(&lent) {
+        assert_eq!(placed.participant, lent.participant);
+        assert_eq!(placed.embedding, lent.embedding);
+        assert_eq!(placed.lent.as_ref().unwrap().donor, lent.donor);
+    }
+    // What is given away names no donor by an id.
+    study.write("mine/key.txt", "no key of anybody's, for a test alone");
+    let export = "export --key key.txt --out given";
+    study
+        .maveric_in("mine", &export.split(' ').collect::<Vec<_>>())
+        .ok();
+    let given = read(&study, "mine/given/seat/lent.csv");
+    assert_eq!(given.lines().count(), 13);
+    let ids = lent
+        .iter()
+        .flat_map(|row| [row.donor.as_str(), row.participant.as_str()]);
+    for id in ids {
+        assert!(!given.contains(id), "{id}: {given}");
+    }
 }

@@ -17,6 +17,9 @@ pub enum ModelError {
         /// The range in words.
         expected: &'static str,
     },
+    /// Nobody whose style could be lent.
+    #[error("the model keeps nobody whose style could be lent to somebody else")]
+    NoDonor,
     /// Nothing to learn from.
     #[error("no drive to train on: {given} given, {excluded} of them shorter than a window")]
     NoDrives {

@@ -49,7 +49,7 @@ fn beside(person: &Person, everybody: &[Person]) -> Option<(Option<f64>, Vec<f64
 
 impl Seat {
     /// Those of whom others may see something: not who was taken out of the study.
-    fn seen(&self, mut everybody: Vec<Person>) -> Vec<Person> {
+    pub(crate) fn seen(&self, mut everybody: Vec<Person>) -> Vec<Person> {
         let excluded = &self.settings.design.exclude().people;
         let out = |p: &Person| excluded.keys().any(|id| id.as_str() == p.participant);
         everybody.retain(|p| p.listed != Listed::TakenOut && !out(p));

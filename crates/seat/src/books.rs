@@ -28,7 +28,7 @@ pub(crate) fn now() -> i64 {
     since.map_or(0, |d| d.as_secs().cast_signed())
 }
 
-const PERSON: &str = "SELECT token, participant, steps, at, ended, fit, listed FROM person";
+const PERSON: &str = "SELECT token, participant, steps, at, ended, fit, listed, row FROM person";
 
 impl Books<'_> {
     pub(crate) fn ask<T>(
@@ -47,8 +47,8 @@ impl Books<'_> {
         let steps = serde_json::to_string(&person.steps).unwrap_or_default();
         self.ask(|c| {
             c.execute(
-                "INSERT INTO person (token, participant, steps, at, ended, fit, made) VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7)",
-                params![person.token, person.participant, steps, whole(person.at), person.ended, person.fit, now()],
+                "INSERT INTO person (token, participant, steps, at, ended, fit, row, made, since) VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?8)",
+                params![person.token, person.participant, steps, whole(person.at), person.ended, person.fit, person.row.map(whole), now()],
             )
         })
         .map(drop)
@@ -87,6 +87,15 @@ impl Books<'_> {
         })
     }
 
+    /// The person of an id.
+    pub(crate) fn called(&self, participant: &str) -> Result<Option<Person>, SeatError> {
+        self.ask(|c| {
+            c.prepare_cached(&format!("{PERSON} WHERE participant = ?1"))?
+                .query_row([participant], Person::read)
+                .optional()
+        })
+    }
+
     /// Everybody, in the order in which they were let in.
     pub(crate) fn everybody(&self) -> Result<Vec<Person>, SeatError> {
         self.ask(|c| {
@@ -120,8 +129,8 @@ impl Books<'_> {
     fn go_to(&self, person: &Person, from: usize, to: usize) -> Result<(), SeatError> {
         self.ask(|c| {
             c.execute(
-                "UPDATE person SET at = ?3 WHERE token = ?1 AND at = ?2",
-                params![person.token, whole(from), whole(to)],
+                "UPDATE person SET at = ?3, since = ?4 WHERE token = ?1 AND at = ?2",
+                params![person.token, whole(from), whole(to), now()],
             )
         })
         .map(drop)
@@ -212,12 +221,25 @@ impl Books<'_> {
         .map(drop)
     }
 
-    /// Ends a person's part, `done` or `left`; how it ended before stays.
+    /// Keeps a person's steps anew.
+    pub(crate) fn set_steps(&self, participant: &str, steps: &[Step]) -> Result<(), SeatError> {
+        self.ask(|c| {
+            let steps = serde_json::to_string(steps)
+                .map_err(|e| rusqlite::Error::ToSqlConversionFailure(Box::new(e)))?;
+            c.execute(
+                "UPDATE person SET steps = ?2 WHERE participant = ?1",
+                [participant, &*steps],
+            )
+        })
+        .map(drop)
+    }
+
+    /// Ends a person's part, as [`Person::ended`] says; how it ended before stays.
     pub(crate) fn ended(&self, person: &Person, how: &str) -> Result<(), SeatError> {
         self.ask(|c| {
             c.execute(
-                "UPDATE person SET ended = ?2 WHERE token = ?1 AND ended IS NULL",
-                [&*person.token, how],
+                "UPDATE person SET ended = ?2, since = ?3 WHERE token = ?1 AND ended IS NULL",
+                params![person.token, how, now()],
             )
         })
         .map(drop)
@@ -226,6 +248,7 @@ impl Books<'_> {
     /// Takes away all that is kept of a person, and every note that names them, but the id, which nobody gets again, and the digest of their link, so that it says what
     /// became of it and no file of theirs is taken in again. Gives their token, if they had one here.
     pub(crate) fn forget(&self, participant: &str) -> Result<Option<String>, SeatError> {
+        self.without_donor(participant)?;
         let token: Option<String> = self.ask(|c| {
             c.query_row(
                 "SELECT token FROM person WHERE participant = ?1",

@@ -365,7 +365,7 @@ pub fn take_in(seat: &Seat, path: &Path) -> Result<TakenIn, SeatError> {
             }
         }
     }
-    let person = seat.take_in(&token, &steps, &given)?;
+    let person = seat.take_in((&token, row), &steps, &given)?;
     let mut drives = 0;
     for (step, found) in steps.iter().enumerate() {
         let reason = seat

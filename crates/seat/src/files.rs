@@ -19,7 +19,10 @@ use maveric_study::{
     forget::{Forgotten, forget_person},
     tables::{
         TableName,
-        collected::{CONSENTS, EVENTS, EventRow, NOT_ADMITTED, NOTES, NotAdmitted, STOPPED},
+        collected::{
+            CONSENTS, EVENTS, EventRow, LENT, LentRow, NOT_ADMITTED, NOTES, NotAdmitted, STOPPED,
+            write_lent,
+        },
         dial::{ENDING, Turn},
         embeddings::read_styles,
         read_rows, write_rows,
@@ -270,6 +273,20 @@ impl Files {
             Some(place) => {
                 let path = place.study.resolve(Path::new(NOT_ADMITTED));
                 Ok(write_rows(TableName::NotAdmitted, &path, rows)?)
+            }
+            None => Ok(()),
+        }
+    }
+
+    /// Writes whose style was lent to whom, once somebody's was.
+    pub(crate) fn lent(&self, rows: &[LentRow]) -> Result<(), SeatError> {
+        match &self.0 {
+            Some(place) => {
+                let path = place.study.resolve(Path::new(LENT));
+                if rows.is_empty() && !path.is_file() {
+                    return Ok(());
+                }
+                Ok(write_lent(&path, rows)?)
             }
             None => Ok(()),
         }

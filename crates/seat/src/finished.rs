@@ -188,6 +188,7 @@ impl Seat {
                 }
                 if let Some(style) = &outcome.style {
                     b.fit(person, style)?;
+                    self.lend(b, person, style)?;
                 }
                 if let Some(probes) = &outcome.probes {
                     b.keep_sheet(person, step, probes)?;
@@ -270,13 +271,16 @@ fn probes_of(step: &Step, record: &Record) -> Option<String> {
 
 /// What is said of a ride in a style that was learned of a drive beyond what the model has learned from.
 fn mark(person: &Person, step: &Step) -> Option<String> {
-    let Step::Ride {
-        style: RideStyle::Own | RideStyle::Across(_),
-        ..
-    } = step
-    else {
+    let Step::Ride { style, lent, .. } = step else {
         return None;
     };
+    let theirs = matches!(
+        style,
+        RideStyle::Own | RideStyle::Across(_) | RideStyle::Lent { .. }
+    );
+    if !theirs && lent.is_none() {
+        return None;
+    }
     let why = beyond_in_words(&person.beyond()?);
     Some(format!(
         "the car has a style that says little of this person, whose drive by hand {why}"
@@ -364,6 +368,7 @@ mod tests {
             points: 0.0,
             stretch: 1.0,
             turns: None,
+            lent: None,
             probe: None,
         };
         let mut person = Person::new("t".to_owned(), "P001".to_owned(), Vec::new());

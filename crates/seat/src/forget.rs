@@ -61,11 +61,13 @@ fn known(here: &[String], files: &Files, participant: &str) -> Result<(), SeatEr
 /// Takes somebody's rows out of the seat's file; their token, if they had one.
 fn take_out(store: &Store, files: &Files, participant: &str) -> Result<Option<String>, SeatError> {
     let here = store.look(|b| {
-        let people = b.everybody()?.into_iter().map(|p| p.participant);
+        let people = b.ids()?.into_iter();
         Ok::<_, SeatError>(people.chain(b.forgotten()?).collect::<Vec<_>>())
     })?;
     known(&here, files, participant)?;
-    store.within(|b| b.forget(participant))
+    let token = store.within(|b| b.forget(participant))?;
+    files.lent(&store.look(|b| b.lent())?)?;
+    Ok(token)
 }
 
 impl Seat {

@@ -4,6 +4,7 @@ use maveric_domain::{
     ConditionId,
     design::{ScoreName, Software},
 };
+use maveric_model::style_space::FEWEST_DONORS;
 
 /// One thing that a study lacks, or that the seat cannot do.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
@@ -68,6 +69,16 @@ pub enum Hindrance {
         condition: ConditionId,
         /// What the model says.
         why: String,
+    },
+    /// A condition in which somebody else's style is lent, and too few who could lend theirs.
+    #[error(
+        "condition `{condition}` lends somebody else's style: the model keeps {donors} drives, expected {FEWEST_DONORS} or more"
+    )]
+    FewDonors {
+        /// The condition.
+        condition: ConditionId,
+        /// Drives that the model keeps.
+        donors: usize,
     },
     /// A condition whose file of styles cannot be used.
     #[error("condition `{condition}`: {problem}")]
@@ -149,12 +160,15 @@ impl Hindrance {
             Self::NotByModel { .. } => {
                 "learn a model of two numbers or more from people who answered the scale of [style]".to_owned()
             }
+            Self::FewDonors { .. } => {
+                "learn a model from more people, or give the condition another `car`".to_owned()
+            }
             Self::Styles { remedy, .. } => remedy.clone(),
             Self::SimulatedAgain { .. } => {
                 "write `recorded = true` into its `car`: what was ridden in the seat is what is analysed".to_owned()
             }
             Self::Car { .. } => {
-                "the seat drives `car = { dial = 8, recorded = true }`, `across`, `mean`, `embedding` and `free`".to_owned()
+                "the seat drives `car = { dial = 8, recorded = true }`, `across`, `mean`, `embedding`, `other` and `free`".to_owned()
             }
             Self::ProbeItems { .. } => {
                 "name a scale of one item, such as probe = { scale = \"misc\", every_s = 60 }".to_owned()

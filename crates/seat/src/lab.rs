@@ -3,6 +3,7 @@
 use crate::{
     above, assets, entrance,
     error::SeatError,
+    let_in::Invitation,
     markup::{form_field, html, plain, to_lab},
     person::Person,
     refusals::Refusal,
@@ -29,6 +30,7 @@ pub(crate) fn routes(shared: &Shared) -> Router<Shared> {
         .route("/lab", get(page))
         .route("/lab/live", get(live))
         .route("/lab/next", post(next))
+        .route("/lab/never/{participant}", post(never_came))
         .route("/lab/note", post(note))
         .route("/lab/stop", get(asks_to_stop).post(stop))
         .route(
@@ -66,7 +68,8 @@ async fn page(State(shared): State<Shared>) -> Answered<Response> {
     let live = what_may_change(&shared).await?;
     Ok(html(&format!(
         "<h1>{title}</h1>{phase}<p id=\"silent\" role=\"alert\" hidden>The seat does not answer: what stands here may be old.</p>\
-         <form method=\"post\" action=\"/lab/next\"><button>Link for the next person</button></form>\
+         <form method=\"post\" action=\"/lab/next\"><label>Id, the next that is free where it is left empty \
+         <input name=\"participant\" maxlength=\"64\" size=\"12\"></label> <button>Link for the next person</button></form>\
          <form method=\"post\" action=\"/lab/note\"><label>A note of yours <input name=\"note\" maxlength=\"{LONGEST_NOTE}\" size=\"60\"></label> \
          <button>Write down</button></form><div id=\"live\">{live}</div>\
          <h2>The study</h2><p><a href=\"/lab/answers.csv\">Answers so far</a></p>\
@@ -141,9 +144,17 @@ fn row(person: &Person) -> String {
         )
     });
     let (link, who) = (format!("/p/{}", person.token), plain(&person.participant));
+    // Whoever began came.
+    let never_came = if person.at == 0 && person.ended.is_none() {
+        format!(
+            "<form method=\"post\" action=\"/lab/never/{who}\"><button>Never came</button></form>"
+        )
+    } else {
+        String::new()
+    };
     format!(
         "<tr><td><a href=\"/lab/above/{who}\">{who}</a><td>{place}<td>{}<td>{}<td><a href=\"{link}\">{link}</a>\
-         <td><a href=\"/lab/forget/{who}\">Forget …</a>",
+         <td>{never_came}<a href=\"/lab/forget/{who}\">Forget …</a>",
         order.join(", "),
         beyond.unwrap_or_default()
     )
@@ -163,9 +174,23 @@ fn what(step: &Step) -> &'static str {
     }
 }
 
-async fn next(State(shared): State<Shared>) -> Answered<Response> {
+async fn next(State(shared): State<Shared>, body: Bytes) -> Answered<Response> {
+    let given = |name| form_field(&body, name).map(|text| text.trim().to_owned());
+    let invitation = Invitation {
+        participant: given("participant").filter(|id| !id.is_empty()),
+    };
     shared
-        .blocking(|seat| seat.let_in().map_err(with_help))
+        .blocking(move |seat| seat.invite(&invitation).map_err(with_help))
+        .await?;
+    Ok(to_lab())
+}
+
+async fn never_came(
+    State(shared): State<Shared>,
+    Path(participant): Path<String>,
+) -> Answered<Response> {
+    shared
+        .blocking(move |seat| seat.never_came(&participant).map_err(with_help))
         .await?;
     Ok(to_lab())
 }

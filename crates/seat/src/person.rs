@@ -18,6 +18,9 @@ pub(crate) fn on_the_scale(style: Fit) -> Fit {
 /// How the part of somebody ended who does not take part.
 pub(crate) const NOT_ADMITTED: &str = "not admitted";
 
+/// How the part of somebody ended whom nobody waits for any more.
+pub(crate) const NEVER_CAME: &str = "never came";
+
 /// Somebody with a link.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Person {
@@ -27,12 +30,14 @@ pub(crate) struct Person {
     pub(crate) steps: Vec<Step>,
     /// The step they are at.
     pub(crate) at: usize,
-    /// How their part ended: `done`, `left`.
+    /// How their part ended: `done`, `left`, [`NOT_ADMITTED`] or [`NEVER_CAME`].
     pub(crate) ended: Option<String>,
     /// Their style, as JSON.
     pub(crate) fit: Option<String>,
     /// What stands of them in the study's table of people.
     pub(crate) listed: Listed,
+    /// Their row of the square, counted on through all its repetitions from 0; none of who does not ride, or in an order of no row.
+    pub(crate) row: Option<usize>,
 }
 
 impl Person {
@@ -46,7 +51,13 @@ impl Person {
             ended: None,
             fit: None,
             listed: Listed::NotYet,
+            row: None,
         }
+    }
+
+    /// Whether they take part still, or did to the end: the others leave their row to whoever comes next.
+    pub(crate) fn has_place(&self) -> bool {
+        matches!(self.ended.as_deref(), None | Some("done"))
     }
 
     /// Whether they were not admitted.
@@ -94,6 +105,7 @@ impl Person {
             ended: row.get(4)?,
             fit: row.get(5)?,
             listed: Listed::read(row.get(6)?),
+            row: row.get::<_, Option<i64>>(7)?.map(|row| row as usize),
         })
     }
 }

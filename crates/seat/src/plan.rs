@@ -40,8 +40,8 @@ impl Whose<'_> {
         }
     }
 
-    /// Root of the angle across the dial: of a person the one that `maveric steer` takes.
-    fn angle(self, root: u64, condition: ConditionId) -> Seed {
+    /// Root of the angle across the dial, and of the donor: of a person the one that `maveric steer` takes.
+    fn place(self, root: u64, condition: ConditionId) -> Seed {
         Seed(match self {
             Self::Person(id) => stream_seed(root, &[id, condition.as_str()]),
             Self::Link(token) => maveric_seat_page::world(token, &format!("{condition} across")),
@@ -184,6 +184,7 @@ fn rides(
             points,
             stretch: riding.stretch,
             turns,
+            lent: None,
             probe: probe.cloned(),
         });
         for id in &protocol.after {
@@ -214,10 +215,14 @@ fn driven(
         Car::Free => (RideStyle::Own, 0.0, Some(step)),
         Car::Mean => (RideStyle::Mean, 0.0, None),
         Car::Across => (
-            RideStyle::Across(whose.angle(root, condition.id)),
+            RideStyle::Across(whose.place(root, condition.id)),
             0.0,
             None,
         ),
+        Car::Matched(matched) => {
+            let (apart_sd, seed) = (matched.apart_sd, whose.place(root, condition.id));
+            (RideStyle::Lent { apart_sd, seed }, 0.0, None)
+        }
         Car::Embedding(file) => {
             let rows = styles.get(file).map_or(&[][..], Vec::as_slice);
             let id = match whose {

@@ -6,7 +6,6 @@ use crate::{
     error::SeatError,
     files::Files,
     listed::Listed,
-    parts::Carried,
     person::Person,
     plan::{self, Riding, Styles, Whose},
     servable::hindrances,
@@ -16,10 +15,7 @@ use crate::{
     token,
     withdrawal::Withdrawal,
 };
-use maveric_domain::{
-    Design, Scale, SpeedUnit,
-    design::{ProtocolStep, williams_rows},
-};
+use maveric_domain::{Design, Scale, SpeedUnit, design::ProtocolStep};
 use maveric_model::{Model, model_file};
 use maveric_simulator::Scenario;
 use std::{
@@ -127,8 +123,10 @@ impl Seat {
             asked: AtomicU64::new(0),
             written: Mutex::new(0),
         };
-        *held(&seat.links) = seat.store.look(|b| {
-            let people = b.everybody()?.into_iter();
+        *held(&seat.links) = seat.store.within(|b| {
+            let people = b.everybody()?;
+            seat.find_rows(b, &people)?;
+            let people = people.into_iter();
             Ok::<_, SeatError>(Links {
                 people: people.map(|p| (p.token, p.participant)).collect(),
                 forgotten: b.links_forgotten()?,
@@ -153,7 +151,7 @@ impl Seat {
             || token::possible(token) && links.forgotten.contains(&token::sha256(token))
     }
 
-    fn add_link(&self, person: &Person) {
+    pub(crate) fn add_link(&self, person: &Person) {
         let (token, id) = (person.token.clone(), person.participant.clone());
         held(&self.links).people.insert(token, id);
     }
@@ -221,72 +219,6 @@ impl Seat {
         plan::of_design(&s.design, &s.scales, &s.texts, whose, riding)
     }
 
-    /// Rows of the square; one while nobody rides.
-    pub(crate) fn orders(&self) -> usize {
-        if self.rides() {
-            williams_rows(self.settings.design.conditions().len()).max(1)
-        } else {
-            1
-        }
-    }
-
-    /// The next id that nobody has or had, here or in the study's table of people.
-    fn next_id(&self, b: &Books<'_>, here: &[Person]) -> Result<String, SeatError> {
-        let (elsewhere, forgotten) = (self.settings.files.people()?, b.forgotten()?);
-        let taken = |id: &String| {
-            elsewhere.contains(id)
-                || forgotten.contains(id)
-                || here.iter().any(|p| p.participant == *id)
-        };
-        let mut ids = (here.len() + 1..).map(|number| format!("P{number:03}"));
-        Ok(ids.find(|id| !taken(id)).unwrap_or_default())
-    }
-
-    /// Lets in somebody who took part elsewhere, with all that they gave, or not at all.
-    pub(crate) fn take_in(
-        &self,
-        token: &str,
-        steps: &[Step],
-        given: &Carried,
-    ) -> Result<Person, SeatError> {
-        let person = self.store.within(|b| {
-            let participant = self.next_id(b, &b.everybody()?)?;
-            let person = Person {
-                at: steps.len(),
-                ended: Some(given.ended.clone()),
-                fit: given.style.clone(),
-                ..Person::new(token.to_owned(), participant, steps.to_vec())
-            };
-            b.take_in(&person, given)?;
-            Ok::<_, SeatError>(person)
-        })?;
-        self.add_link(&person);
-        Ok(person)
-    }
-
-    /// Lets the next person in: their token. The id is the next that nobody has, here or in the study's table of people.
-    ///
-    /// # Errors
-    /// [`SeatError::Store`], [`SeatError::Random`]; [`SeatError::Study`] if the table cannot be read.
-    pub fn let_in(&self) -> Result<String, SeatError> {
-        if self.rides() {
-            self.model_for_page()?;
-        }
-        let token = token::new()?;
-        let person = self.store.within(|b| {
-            let here = b.everybody()?;
-            let participant = self.next_id(b, &here)?;
-            let rides = |p: &&Person| !p.rides().is_empty() && !p.was_refused();
-            let riders = here.iter().filter(rides).count();
-            let steps = self.steps_of(Whose::Person(&participant), riders)?;
-            let person = Person::new(token.clone(), participant, steps);
-            b.add(&person)?;
-            Ok::<_, SeatError>(person)
-        })?;
-        self.add_link(&person);
-        Ok(token)
-    }
-
     /// Does something to the study's files while nobody writes answers and people into them.
     pub(crate) fn without_writing<T>(&self, work: impl FnOnce(&Files) -> T) -> T {
         let _alone = held(&self.written);
@@ -316,15 +248,16 @@ impl Seat {
             return Ok(());
         }
         let answered = self.asked.load(Ordering::SeqCst);
-        let (given, not_admitted) = self.store.look(|b| {
+        let (given, not_admitted, lent) = self.store.look(|b| {
             let people = b.everybody()?.into_iter().filter(Person::is_admitted);
             let with_answers = |p: Person| Ok((b.answers(&p.participant)?, p));
             let given: Vec<_> = people.map(with_answers).collect::<Result<_, SeatError>>()?;
-            Ok::<_, SeatError>((given, b.not_admitted()?))
+            Ok::<_, SeatError>((given, b.not_admitted()?, b.lent()?))
         })?;
         let given = given.into_iter().map(|(answers, person)| (person, answers));
         let given: Vec<_> = given.collect();
         self.settings.files.not_admitted(&not_admitted)?;
+        self.settings.files.lent(&lent)?;
         if !given.is_empty() {
             let listed = self.settings.files.write(&given)?;
             self.store
@@ -382,17 +315,5 @@ impl Seat {
     /// Whether speeds are shown in miles an hour.
     pub(crate) fn mph(&self) -> bool {
         self.settings.design.speed_unit() == SpeedUnit::Mph
-    }
-
-    /// The first person, let in if nobody was: for a seat that one person uses.
-    ///
-    /// # Errors
-    /// As [`Seat::let_in`].
-    pub fn only_person(&self) -> Result<String, SeatError> {
-        let first = |people: Vec<Person>| people.into_iter().find(|p| p.ended.is_none());
-        match self.store.look(|b| b.everybody().map(first))? {
-            Some(person) => Ok(person.token),
-            None => self.let_in(),
-        }
     }
 }

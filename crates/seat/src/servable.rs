@@ -13,7 +13,7 @@ use maveric_domain::{
 };
 use maveric_model::{
     Model, ModelError,
-    style_space::{LinearHead, PerpendicularEllipse},
+    style_space::{FEWEST_DONORS, LinearHead, Matching, PerpendicularEllipse},
 };
 
 /// All that keeps the seat from running a study, in the order of the design; nothing for one that it can run to its end.
@@ -75,6 +75,16 @@ pub(crate) fn hindrances(
     }
     for condition in conditions {
         found.extend(car(condition).err());
+        let lends = matches!(condition.car, Some(Car::Matched(_)));
+        let donors = model.map(|model| model.training().len());
+        found.extend(
+            donors
+                .filter(|n| lends && *n < FEWEST_DONORS)
+                .map(|donors| Hindrance::FewDonors {
+                    condition: condition.id,
+                    donors,
+                }),
+        );
         if let Some(Err(error)) = model.map(|model| asked_of(model, condition)) {
             found.push(Hindrance::NotByModel {
                 condition: condition.id,
@@ -89,6 +99,7 @@ pub(crate) fn hindrances(
 fn asked_of(model: &Model, condition: &Condition) -> Result<(), ModelError> {
     match &condition.car {
         Some(Car::Across) => PerpendicularEllipse::of(model).map(drop),
+        Some(Car::Matched(matched)) => Matching::of(model, matched.apart_sd).map(drop),
         Some(Car::Free) => LinearHead::aggression(model).map(drop),
         _ if condition.side().is_some() => LinearHead::aggression(model).map(drop),
         _ => Ok(()),

@@ -2,7 +2,7 @@
 
 use crate::{hindrance::Hindrance, words::Words};
 use maveric_domain::{
-    ConditionId, Moment, Scale,
+    ConditionId, Lent, Moment, Scale,
     design::Than,
     nearest,
     survey::{Item, ItemWords},
@@ -96,6 +96,9 @@ pub enum Step {
         stretch: f64,
         /// Points a step of the dial towards sportier (negative on a score of calmness), where the person may turn it.
         turns: Option<f64>,
+        /// Whose style it is where somebody else's is lent, once the drive by hand was learned from.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        lent: Option<Lent>,
         /// What is asked on the way.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         probe: Option<AskedProbe>,
@@ -225,8 +228,11 @@ impl Step {
         let coded = |id: ConditionId| rides.iter().find(|(c, _)| *c == id).map(|(_, n)| *n);
         let mut step = self.clone();
         match &mut step {
-            Self::Ride { condition, .. } => {
+            Self::Ride {
+                condition, lent, ..
+            } => {
                 *condition = coded(*condition).unwrap_or(*condition);
+                *lent = None;
             }
             Self::Scale {
                 moment: Moment::After(condition),

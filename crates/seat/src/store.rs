@@ -11,7 +11,7 @@ use std::{
 };
 
 /// Version of the tables.
-const VERSION: i64 = 2;
+const VERSION: i64 = 3;
 
 /// How the file is kept: what is deleted is overwritten.
 const KEPT: &str = "
@@ -24,7 +24,7 @@ PRAGMA secure_delete = ON;
 const TABLES: &str = "
 CREATE TABLE IF NOT EXISTS person (
     token TEXT PRIMARY KEY, participant TEXT NOT NULL UNIQUE, steps TEXT NOT NULL, at INTEGER NOT NULL DEFAULT 0,
-    ended TEXT, fit TEXT, tab TEXT, made INTEGER NOT NULL, listed INTEGER NOT NULL DEFAULT 0) STRICT;
+    ended TEXT, fit TEXT, tab TEXT, made INTEGER NOT NULL, listed INTEGER NOT NULL DEFAULT 0, row INTEGER, since INTEGER) STRICT;
 CREATE TABLE IF NOT EXISTS answer (
     participant TEXT NOT NULL, step INTEGER NOT NULL, body TEXT NOT NULL, given INTEGER NOT NULL, listed INTEGER NOT NULL DEFAULT 0,
     PRIMARY KEY (participant, step)) STRICT;
@@ -50,6 +50,12 @@ ALTER TABLE answer ADD COLUMN listed INTEGER NOT NULL DEFAULT 0;
 ALTER TABLE drive ADD COLUMN bytes INTEGER NOT NULL DEFAULT 0;
 UPDATE person SET listed = 1 WHERE ended IS NOT NULL;
 UPDATE answer SET listed = 1 WHERE participant IN (SELECT participant FROM person WHERE ended IS NOT NULL);
+";
+
+/// What the second version had not: the row of the square that somebody has, and since when they are at their step.
+const FROM_2: &str = "
+ALTER TABLE person ADD COLUMN row INTEGER;
+ALTER TABLE person ADD COLUMN since INTEGER;
 ";
 
 /// A program that was killed a moment ago may still have the file open.
@@ -193,9 +199,11 @@ fn prepare(connection: &mut Connection) -> rusqlite::Result<i64> {
         VERSION => older.execute_batch(TABLES)?,
         1 => {
             older.execute_batch(FROM_1)?;
+            older.execute_batch(FROM_2)?;
             older.execute_batch(TABLES)?;
             forget_deleted(&older)?;
         }
+        2 => older.execute_batch(FROM_2)?,
         _ => return Ok(found),
     }
     older.pragma_update(None, "user_version", VERSION)?;

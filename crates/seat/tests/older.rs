@@ -94,7 +94,7 @@ fn a_study_of_the_first_version_goes_on_where_it_was() {
     let token = server.seat.let_in().unwrap();
     let question = format!("SELECT participant = 'P004' FROM person WHERE token = '{token}'");
     assert_eq!(one(folder.path(), &question), 1);
-    assert_eq!(one(folder.path(), "PRAGMA user_version"), 2);
+    assert_eq!(one(folder.path(), "PRAGMA user_version"), 3);
     let left = "SELECT COUNT(*) FROM person WHERE participant = 'P002' OR ended = 'deleted'";
     assert_eq!(one(folder.path(), left), 0);
 }
@@ -111,7 +111,7 @@ fn what_stops_on_the_way_to_this_version_begins_again_from_the_older_one() {
     assert_eq!(one(folder.path(), "PRAGMA user_version"), 1);
     state.execute_batch("DROP TRIGGER full").unwrap();
     drop(open().unwrap());
-    assert_eq!(one(folder.path(), "PRAGMA user_version"), 2);
+    assert_eq!(one(folder.path(), "PRAGMA user_version"), 3);
     let forgotten = "SELECT COUNT(*) FROM forgotten WHERE participant = 'P002' AND swept = 1";
     assert_eq!(one(folder.path(), forgotten), 1);
 }
@@ -120,13 +120,13 @@ fn what_stops_on_the_way_to_this_version_begins_again_from_the_older_one() {
 fn a_file_of_a_later_version_is_refused_and_left_as_it_is() {
     let folder = folder();
     let state = first_version(folder.path());
-    state.execute_batch("PRAGMA user_version = 3").unwrap();
+    state.execute_batch("PRAGMA user_version = 4").unwrap();
     let refused = Seat::open(&folder.path().join("seat/seat.db"), settings(folder.path()));
     assert!(matches!(
         refused.err().unwrap(),
         SeatError::Version {
-            found: 3,
-            expected: 2,
+            found: 4,
+            expected: 3,
             ..
         }
     ));

@@ -80,6 +80,15 @@ fn what_is_handed_over_becomes_the_files_that_a_run_reads() {
     // The same again is somebody who was there.
     let again = carried::take_in(&seat, &written(folder.path(), &lines));
     assert!(again.is_err_and(|e| e.to_string().contains("taken in before, as P001")));
+    // Their row of the square is theirs: who comes next gets the rows that are left, 0 and 2.
+    seat.let_in().unwrap();
+    seat.let_in().unwrap();
+    seat.write_files().unwrap();
+    let people = fs::read_to_string(at("participants.csv")).unwrap();
+    assert!(
+        people.ends_with("P002,2,calm sporty\nP003,2,calm sporty\n"),
+        "{people}"
+    );
     // Nor is somebody who is forgotten.
     seat.forget("P001").unwrap();
     let again = carried::take_in(&seat, &written(folder.path(), &lines));

@@ -1,9 +1,9 @@
 //! Whose style drives a ride, and where in style space that is.
 
-use maveric_domain::Embedding;
+use maveric_domain::{Embedding, Lent};
 use maveric_model::{
     Model, ModelError,
-    style_space::{LinearHead, PerpendicularEllipse},
+    style_space::{Donor, LinearHead, Matching, PerpendicularEllipse},
 };
 use rand::SeedableRng;
 use rand_pcg::Pcg64Mcg;
@@ -19,6 +19,13 @@ pub enum RideStyle {
     Mean,
     /// The person's own, moved across the dial at an angle that this seed draws.
     Across(Seed),
+    /// Somebody else's of whom the model learned, moved along the dial to the person's own score.
+    Lent {
+        /// How far apart across the dial, least and most, in standard deviations.
+        apart_sd: [f64; 2],
+        /// Draws the donor.
+        seed: Seed,
+    },
     /// This one, whoever rides.
     Given(Embedding),
 }
@@ -50,6 +57,8 @@ pub struct PlacedStyle {
     pub moved_points: Option<f64>,
     /// Angle of a move across the dial, in rad; only there.
     pub angle_rad: Option<f64>,
+    /// Whose style it is where it is lent.
+    pub lent: Option<Lent>,
     /// Whether an end of the scale cut a move along the dial short.
     pub clamped: bool,
 }
@@ -59,7 +68,7 @@ impl RideStyle {
     ///
     /// # Errors
     /// [`ModelError::NoAggressionAxis`] for a dial, or a move across it, of a model without one; [`ModelError::NoPerpendicular`] where there
-    /// is nothing across it; [`ModelError::EmbeddingSize`] for a style of another model.
+    /// is nothing across it; [`ModelError::NoDonor`] where the model keeps nobody; [`ModelError::EmbeddingSize`] for a style of another model.
     pub fn place(
         &self,
         model: &Model,
@@ -70,6 +79,7 @@ impl RideStyle {
             embedding,
             moved_points,
             angle_rad,
+            lent: None,
             clamped: false,
         };
         // A style that is not the person's own, and how far along the dial it is from there.
@@ -94,6 +104,21 @@ impl RideStyle {
                 let mut rng = Pcg64Mcg::seed_from_u64(*seed);
                 let across = PerpendicularEllipse::of(model)?.sample(own, &mut rng)?;
                 Ok(placed(across.embedding, Some(0.0), Some(across.angle_rad)))
+            }
+            Self::Lent { apart_sd, seed } => {
+                let training = model.training();
+                let donors = training.iter().map(|drive| Donor {
+                    style: &drive.embedding,
+                    lent: 0,
+                });
+                let donors: Vec<Donor<'_>> = donors.collect();
+                let drawn = Matching::of(model, *apart_sd)?.draw(own, &donors, seed.0)?;
+                let (at, style) = drawn.ok_or(ModelError::NoDonor)?;
+                let lent = Some(style.lent_by(training[at].drive.clone()));
+                Ok(PlacedStyle {
+                    lent,
+                    ..elsewhere(&style.embedding)?
+                })
             }
             Self::Given(style) => match (style.size(), model.embedding_size()) {
                 (found, expected) if found != expected => {

@@ -5,7 +5,7 @@ use crate::{
     error::StudyError,
     forgotten::ForgottenList,
     tables::{
-        collected::{NOT_ADMITTED, STOPPED},
+        collected::{LENT, LentRow, NOT_ADMITTED, STOPPED, read_lent},
         drives::read_drives,
         participants::{Enrolled, read_enrolled},
         read_rows,
@@ -158,6 +158,18 @@ impl DesignFile {
     /// As [`read_rows`].
     pub fn not_admitted(&self) -> Result<Vec<NotAdmitted>, StudyError> {
         self.collected(NOT_ADMITTED)
+    }
+
+    /// The styles that were lent in the seat.
+    ///
+    /// # Errors
+    /// As [`read_lent`].
+    pub fn lent(&self) -> Result<Vec<LentRow>, StudyError> {
+        let path = self.resolve(Path::new(LENT));
+        if self.path.is_none() || !path.is_file() {
+            return Ok(Vec::new());
+        }
+        read_lent(&path)
     }
 
     /// The rows of a file that the seat writes once there is something; none before.

@@ -2,7 +2,7 @@
 
 use super::{LinearHead, PerpendicularEllipse};
 use crate::{error::ModelError, model::Model};
-use maveric_domain::Embedding;
+use maveric_domain::{DriveId, Embedding, Lent};
 use rand::{RngExt as _, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 use std::cmp::Ordering;
@@ -12,6 +12,9 @@ pub const FURTHEST_SHIFT_POINTS: f64 = 8.0;
 
 /// With fewer possible donors than these nearly everybody meets the same one.
 pub const FEWEST_DONORS: usize = 5;
+
+/// An axis that is so much shorter than the longest is none: nobody differs along it.
+const FLAT: f64 = 1e-6;
 
 /// Somebody whose style may be lent.
 #[derive(Debug, Clone, Copy)]
@@ -33,6 +36,18 @@ pub struct MatchedStyle {
     pub distance_sd: f64,
     /// Whether the shift is at most [`FURTHEST_SHIFT_POINTS`] and the distance within what was asked for.
     pub within_reach: bool,
+}
+
+impl MatchedStyle {
+    /// What is kept of it, with the drive that the style was learned of.
+    pub fn lent_by(&self, donor: DriveId) -> Lent {
+        Lent {
+            donor,
+            donor_shift_points: self.shift_points,
+            donor_distance_sd: self.distance_sd,
+            donor_within_reach: self.within_reach,
+        }
+    }
 }
 
 /// Draws donors of a model.
@@ -72,7 +87,8 @@ impl Matching {
             both.zip(axis).map(|((a, b), x)| (a - b) * x).sum()
         };
         let halves = self.across.axes().iter().zip(self.across.half_axes());
-        let squares = halves.filter(|(_, half)| **half > 0.0);
+        let widest = self.across.half_axes().iter().copied().fold(0.0, f64::max);
+        let squares = halves.filter(|(_, half)| **half > FLAT * widest);
         let squares = squares.map(|(axis, half)| (apart(axis) / half).powi(2));
         let distance_sd = squares.sum::<f64>().sqrt();
         let [least, most] = self.apart_sd;

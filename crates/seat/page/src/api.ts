@@ -23,8 +23,9 @@ export type Step =
   | { kind: "aftercare"; text: string }
   | { kind: "thanks"; text: string; code: string | null };
 
-/// Whose style drives: the person's own, the average driver's, the own one moved across the dial as a seed says, or this one.
-export type RideStyle = "own" | "mean" | { across: string } | { given: number[] };
+/// Whose style drives: the person's own, the average driver's, the own one moved across the dial as a seed says, somebody else's of whom
+/// the model learned, whom a seed draws, or this one.
+export type RideStyle = "own" | "mean" | { across: string } | { lent: { apart_sd: number[]; seed: string } } | { given: number[] };
 
 /// `beyond`: why the drive is beyond what the model has learned from, such as `scale` or `style:pass`; left out where it is not.
 export interface Fit { embedding: number[]; covariance: number[] | null; score: number | null; readings: number; beyond?: string }

@@ -92,8 +92,10 @@ export class Browser implements Keeper {
     const [study, kept] = [await this.study, await this.kept()];
     const { rows, model: _model, post: _post, ...told } = study;
     const steps = (rows[kept.row] as Step[]).map((step): Step => {
-      if (step.kind === "ride" && typeof step.style === "object" && "across" in step.style) {
-        step = { ...step, style: { across: world(token, `${step.condition} across`) } };
+      if (step.kind === "ride" && typeof step.style === "object") {
+        const seed = world(token, `${step.condition} across`);
+        if ("across" in step.style) step = { ...step, style: { across: seed } };
+        else if ("lent" in step.style) step = { ...step, style: { lent: { ...step.style.lent, seed } } };
       }
       // A world that everybody meets is drawn by the study.
       if (!("seed" in step) || step.seed !== "") return step;

@@ -48,7 +48,7 @@ async function drives(state: api.State, step: api.Step & { kind: "practice" | "d
   if (step.kind === "ride") {
     if (!learned) throw new Error(say("no_model"));
     const fitted = state.fit && Float64Array.from(state.fit.embedding);
-    const theirs = step.style === "own" || (typeof step.style === "object" && "across" in step.style);
+    const theirs = step.style === "own" || (typeof step.style === "object" && !("given" in step.style));
     if (theirs && !fitted) throw new Error(say("no_style"));
     const beyond = (theirs && state.fit?.beyond) || null;
     wanted.ride = { model: learned, own: fitted ?? new Float64Array(), style: JSON.stringify(step.style), beyond, points: step.points, stretch: step.stretch, turns: step.turns };

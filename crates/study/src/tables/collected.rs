@@ -3,8 +3,15 @@
 
 pub use maveric_analysis::{NotAdmitted, Stopped};
 
-use maveric_domain::ParticipantId;
+use super::{
+    Table, TableName,
+    embeddings::{coordinates, read_coordinates},
+    write_rows,
+};
+use crate::error::StudyError;
+use maveric_domain::{ConditionId, DriveId, Embedding, ParticipantId};
 use serde::{Deserialize, Serialize};
+use std::path::Path;
 
 /// Something that happened on a page or in a drive.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -41,6 +48,39 @@ pub struct NoteRow {
     pub text: String,
 }
 
+/// A style that was lent to somebody in the seat.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[expect(missing_docs, reason = "`columns.toml` says what they are")]
+pub struct LentRow {
+    pub participant: ParticipantId,
+    pub condition: ConditionId,
+    pub donor: DriveId,
+    pub donor_shift_points: f64,
+    pub donor_distance_sd: f64,
+    pub donor_within_reach: bool,
+    /// In a table its numbers are columns of their own.
+    pub embedding: Embedding,
+}
+
+/// Writes the styles that were lent.
+///
+/// # Errors
+/// As [`write_rows`].
+pub fn write_lent(path: &Path, rows: &[LentRow]) -> Result<(), StudyError> {
+    let written = rows.iter().map(|row| (row, coordinates(&row.embedding)));
+    write_rows(TableName::Lent, path, written)
+}
+
+/// Reads them back.
+///
+/// # Errors
+/// As [`Table`] does, naming row and column.
+pub fn read_lent(path: &Path) -> Result<Vec<LentRow>, StudyError> {
+    let table = Table::read(path)?;
+    table.each_once(&["participant", "condition"])?;
+    table.records_beside(&[("embedding", read_coordinates(&table)?)])
+}
+
 /// Their files in the seat's folder.
 pub const EVENTS: &str = "events.csv";
 /// As [`EVENTS`].
@@ -51,3 +91,5 @@ pub const NOTES: &str = "notes.csv";
 pub const STOPPED: &str = "seat/stopped.csv";
 /// How many people were not admitted, from the study's folder.
 pub const NOT_ADMITTED: &str = "seat/not_admitted.csv";
+/// The styles that were lent, from the study's folder.
+pub const LENT: &str = "seat/lent.csv";

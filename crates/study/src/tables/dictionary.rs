@@ -33,6 +33,7 @@ pub enum TableName {
     Measures,
     Missing,
     NotAdmitted,
+    Lent,
     Notes,
     OutcomesLong,
     OutcomesWide,

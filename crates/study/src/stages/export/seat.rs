@@ -7,12 +7,13 @@ use crate::{
     tables::{
         TableName,
         collected::{
-            CONSENTS, ConsentRow, EVENTS, EventRow, NOT_ADMITTED, NOTES, NotAdmitted, NoteRow,
+            CONSENTS, ConsentRow, EVENTS, EventRow, LENT, LentRow, NOT_ADMITTED, NOTES,
+            NotAdmitted, NoteRow, read_lent, write_lent,
         },
         read_rows, write_rows,
     },
 };
-use maveric_domain::ParticipantId;
+use maveric_domain::{DriveId, ParticipantId};
 use std::{collections::BTreeSet, path::Path};
 
 /// The three tables of a seat's folder.
@@ -22,6 +23,7 @@ pub(super) struct Collected {
     consents: Vec<ConsentRow>,
     notes: Option<Vec<NoteRow>>,
     not_admitted: Vec<NotAdmitted>,
+    lent: Vec<LentRow>,
 }
 
 impl Collected {
@@ -41,12 +43,18 @@ impl Collected {
             });
         }
         let held_back = folder.with_file_name(NOT_ADMITTED);
+        let lent = folder.with_file_name(LENT);
         Ok(Self {
             events: read_rows(&folder.join(EVENTS))?,
             consents: read_rows(&folder.join(CONSENTS))?,
             notes: notes.then(|| read_rows(&folder.join(NOTES))).transpose()?,
             not_admitted: if held_back.is_file() {
                 read_rows(&held_back)?
+            } else {
+                Vec::new()
+            },
+            lent: if lent.is_file() {
+                read_lent(&lent)?
             } else {
                 Vec::new()
             },
@@ -68,6 +76,7 @@ impl Collected {
         };
         self.events.retain(|row| keeps(&row.participant));
         self.consents.retain(|row| keeps(&row.participant));
+        self.lent.retain(|row| keeps(&row.participant));
         if let Some(notes) = &mut self.notes {
             notes.retain(|row| row.participant.as_ref().is_none_or(&mut keeps));
         }
@@ -121,6 +130,14 @@ impl Collected {
                 &self.not_admitted,
             )?;
         }
+        for row in &mut self.lent {
+            row.participant = names.of(&row.participant);
+            row.donor = donor_given_away(&row.donor, names)?;
+        }
+        if !self.lent.is_empty() {
+            self.lent.sort_by(|a, b| a.participant.cmp(&b.participant));
+            write_lent(&out.join(LENT), &self.lent)?;
+        }
         let out = out.join("seat");
         write_rows(TableName::Events, &out.join(EVENTS), &self.events)?;
         write_rows(TableName::Consents, &out.join(CONSENTS), &self.consents)?;
@@ -148,4 +165,15 @@ impl Collected {
         );
         Ok((by_hand + withheld > 0).then_some(warning))
     }
+}
+
+/// The donor of a style by their pseudonym; of whoever is not in the export nothing is said.
+fn donor_given_away(donor: &DriveId, names: &Pseudonyms) -> Result<DriveId, StudyError> {
+    let renamed = names.rename(donor.as_str());
+    let name = if renamed == donor.as_str() {
+        "withheld"
+    } else {
+        &renamed
+    };
+    Ok(DriveId::new(name)?)
 }

@@ -1,12 +1,15 @@
 //! Where each condition of the design lies for each person.
 
-use super::{Steer, Steered, donors::Lending, is_beyond, strangers::Strangers};
+use super::{Steer, Steered, is_beyond, strangers::Strangers};
 use crate::{
     design::DesignFile,
     error::StudyError,
+    lending::Lending,
+    once::told_once,
     outcome::{Outcome, Watch},
     style_scale::StyleScale,
     tables::{
+        collected::{LENT, LentRow},
         conditions::ConditionRow,
         embeddings::{EmbeddingRow, read_styles, style_of},
     },
@@ -31,7 +34,11 @@ struct Steering<'a> {
     /// Whether there is something across the dial.
     across: bool,
     /// Where somebody else's style is lent.
-    lending: BTreeMap<ConditionId, Lending<'a>>,
+    lending: BTreeMap<ConditionId, Lending>,
+    /// What was lent in the seat.
+    ridden: Vec<LentRow>,
+    /// Points of the model for one of the study's.
+    points: f64,
     /// Points of the model for one of the design's: a `--points` that is not the design's own step.
     stretch: f64,
     seed: u64,
@@ -69,6 +76,8 @@ pub(super) fn conditions(
         axis,
         across: false,
         lending: BTreeMap::new(),
+        ridden: study.lent()?,
+        points: scale.stretch(),
         stretch: options
             .points
             .zip(step)
@@ -88,8 +97,18 @@ pub(super) fn conditions(
         }
     }
     for condition in &driven {
-        if let (Some(Car::Matched(matched)), Some(dial)) = (&condition.car, axis) {
-            let lending = Lending::of(model, *matched, own, dial)?;
+        if let (Some(Car::Matched(matched)), false) = (&condition.car, condition.recorded) {
+            let mut tested = Vec::new();
+            for person in own {
+                let hat = steering.hat(&person.embedding)?;
+                if BeyondWhy::of_reading(hat, person.beyond_why.clone())
+                    .1
+                    .is_none()
+                {
+                    tested.push((person.drive.clone(), person.embedding.clone()));
+                }
+            }
+            let lending = Lending::of(model, *matched, tested)?;
             steering.lending.insert(condition.id, lending);
         }
     }
@@ -132,7 +151,7 @@ pub(super) fn conditions(
                 clamped: placed.clamped,
                 angle_rad: placed.angle_rad,
                 lent: lent.map(|lent| Lent {
-                    donor_shift_points: lent.donor_shift_points / scale.stretch(),
+                    donor_shift_points: lent.donor_shift_points / steering.points,
                     ..lent
                 }),
                 beyond_training: is_beyond(model, &embedding)?,
@@ -148,6 +167,8 @@ pub(super) fn conditions(
     warnings.extend(strangers.warnings());
     let lending = steering.lending.iter();
     warnings.extend(lending.flat_map(|(id, lending)| lending.warnings(*id)));
+    let nobody = told_once("participant", steering.nobodys(&driven, own));
+    warnings.extend(nobody);
     if clamped > 0 {
         warnings.push(format!(
             "{clamped} of {shifts} shifts were cut short by the ends of the scale"
@@ -191,9 +212,25 @@ impl Steering<'_> {
         let style = match &condition.car {
             Some(Car::Dial(_)) => RideStyle::Own,
             Some(Car::Across) if self.across => RideStyle::Across(Seed(drawn)),
+            // Where it was ridden, what was lent is known.
+            Some(Car::Matched(_)) if condition.recorded => {
+                let ridden = self.ridden.iter();
+                let mut theirs = ridden.filter(|row| row.condition == condition.id);
+                let Some(row) = theirs.find(|row| row.participant == *who) else {
+                    return Ok(None);
+                };
+                lent = Some(Lent {
+                    donor: row.donor.clone(),
+                    donor_shift_points: row.donor_shift_points * self.points,
+                    donor_distance_sd: row.donor_distance_sd,
+                    donor_within_reach: row.donor_within_reach,
+                });
+                RideStyle::Given(row.embedding.clone())
+            }
             Some(Car::Matched(_)) => {
                 let lending = self.lending.get_mut(&condition.id);
-                let found = lending.map(|lending| lending.lend(person, drawn));
+                let rider = (&person.drive, &person.embedding);
+                let found = lending.map(|lending| lending.lend(rider, drawn));
                 let Some((style, from)) = found.transpose()?.flatten() else {
                     return Ok(None);
                 };
@@ -211,6 +248,25 @@ impl Steering<'_> {
         let points = condition.dial().unwrap_or(0.0) * self.stretch;
         let placed = style.place(self.model, &person.embedding, points)?;
         Ok(Some((placed, lent)))
+    }
+
+    /// Who was lent nobody's style in a condition that was ridden, and what is said of it.
+    fn nobodys(&self, driven: &[&Condition], own: &[&EmbeddingRow]) -> Vec<(String, String)> {
+        let ridden = driven.iter().filter(|c| c.recorded);
+        let ridden = ridden.filter(|c| matches!(c.car, Some(Car::Matched(_))));
+        let missing =
+            ridden.flat_map(|condition| {
+                own.iter().filter_map(|person| {
+                let mut lent = self.ridden.iter().filter(|row| row.condition == condition.id);
+                let known = lent.any(|row| row.participant == person.participant);
+                let what = format!(
+                    "nobody's style was lent in the seat for condition {} ({LENT}): left out there",
+                    condition.id
+                );
+                (!known).then(|| (person.participant.to_string(), what))
+            })
+            });
+        missing.collect()
     }
 
     /// Ŝ at an embedding; none where the model has no style head.

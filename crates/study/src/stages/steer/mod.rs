@@ -2,7 +2,6 @@
 
 mod attribute_scores;
 mod conditions;
-mod donors;
 mod strangers;
 mod sweep;
 
@@ -16,6 +15,7 @@ use crate::{
     run_folder::read_model,
     stage::{Files, Stage},
     tables::{
+        collected::LENT,
         conditions::{ConditionRow, write_conditions},
         embeddings::{EmbeddingRow, read_embeddings},
     },
@@ -105,6 +105,7 @@ impl Stage for Steer {
             .reads(&self.scores)
             .reads_design(self.design.as_deref())
             .reads_style(Some(&study))
+            .reads_if_there(Some(study.resolve(Path::new(LENT))))
             .writes([&self.out]))
     }
 

@@ -1,0 +1,243 @@
+//! Who is let in: their id, their row of the square, their steps; and who never came.
+
+use crate::{
+    books::{Books, whole},
+    error::SeatError,
+    parts::Carried,
+    person::{NEVER_CAME, Person},
+    plan::Whose,
+    seat::Seat,
+    steps::Step,
+    token,
+};
+use maveric_domain::{
+    ParticipantId,
+    design::{williams, williams_rows},
+    nearest,
+};
+use rusqlite::params;
+use std::collections::BTreeSet;
+
+/// What the experimenter says of the next person.
+#[derive(Debug, Clone, Default)]
+pub struct Invitation {
+    /// Their id; none: the next that nobody has.
+    pub participant: Option<String>,
+}
+
+impl Books<'_> {
+    /// The ids of everybody, in the order in which they were let in.
+    pub(crate) fn ids(&self) -> Result<Vec<String>, SeatError> {
+        self.ask(|c| {
+            let mut rows = c.prepare_cached("SELECT participant FROM person ORDER BY rowid")?;
+            rows.query_map([], |row| row.get(0))?.collect()
+        })
+    }
+
+    /// The lowest row of `first` and every `apart`-th after it that nobody has. As [`Person::has_place`]: who left has none.
+    fn free_row(&self, first: usize, apart: usize) -> Result<usize, SeatError> {
+        let held: BTreeSet<usize> = self.ask(|c| {
+            let question = "SELECT row FROM person WHERE row IS NOT NULL AND (ended IS NULL OR ended = 'done')";
+            let mut rows = c.prepare_cached(question)?;
+            rows.query_map([], |row| Ok(row.get::<_, i64>(0)? as usize))?
+                .collect()
+        })?;
+        let mut row = first;
+        while held.contains(&row) {
+            row += apart;
+        }
+        Ok(row)
+    }
+
+    fn give_row(&self, person: &Person, row: usize) -> Result<(), SeatError> {
+        self.ask(|c| {
+            c.execute(
+                "UPDATE person SET row = ?2 WHERE token = ?1",
+                params![person.token, whole(row)],
+            )
+        })
+        .map(drop)
+    }
+}
+
+fn refused(problem: String, help: &str) -> SeatError {
+    SeatError::Protocol {
+        problem,
+        help: Some(help.to_owned()),
+    }
+}
+
+impl Seat {
+    /// Rows of the square; one while nobody rides.
+    pub(crate) fn orders(&self) -> usize {
+        if self.rides() {
+            williams_rows(self.settings.design.conditions().len()).max(1)
+        } else {
+            1
+        }
+    }
+
+    /// Finds the rows of riders whom an older version let in, by their orders; an order of no row has none.
+    pub(crate) fn find_rows(&self, b: &Books<'_>, people: &[Person]) -> Result<(), SeatError> {
+        if !self.rides() {
+            return Ok(());
+        }
+        let conditions = self.settings.design.conditions();
+        let order = |row: usize| williams(conditions.len(), row).into_iter();
+        let named = |row: usize| order(row).map(|place| conditions[place].id.to_string());
+        let rows: Vec<Vec<String>> = (0..self.orders()).map(|r| named(r).collect()).collect();
+        for person in people.iter().filter(|p| p.row.is_none() && p.has_place()) {
+            let rides = person.rides();
+            if let Some(first) = rows.iter().position(|row| *row == rides) {
+                b.give_row(person, b.free_row(first, rows.len())?)?;
+            }
+        }
+        Ok(())
+    }
+
+    /// The ids that nobody is given, in small letters: files of ids that differ by nothing else are one file on some systems.
+    fn ids_taken(&self, b: &Books<'_>) -> Result<BTreeSet<String>, SeatError> {
+        let elsewhere = self.settings.files.people()?.into_iter();
+        let here = b.ids()?.into_iter().chain(b.forgotten()?);
+        Ok(elsewhere.chain(here).map(|id| id.to_lowercase()).collect())
+    }
+
+    /// The id that is wanted, or the next that nobody has or had, here or in the study's table of people.
+    fn id_for(&self, b: &Books<'_>, wanted: Option<&str>) -> Result<String, SeatError> {
+        let taken = self.ids_taken(b)?;
+        let Some(wanted) = wanted else {
+            let mut number = b.ids()?.len() + 1;
+            while taken.contains(&format!("p{number:03}")) {
+                number += 1;
+            }
+            return Ok(format!("P{number:03}"));
+        };
+        let checked = ParticipantId::new(wanted).map_err(|e| {
+            refused(
+                e.to_string(),
+                "give another one, or none for the next that is free",
+            )
+        })?;
+        if taken.contains(&wanted.to_lowercase()) {
+            return Err(refused(
+                format!(
+                    "the id `{wanted}` stands already, here or in the study's table of people, or was somebody's who is forgotten"
+                ),
+                "give another one, or none for the next that is free; nobody was let in",
+            ));
+        }
+        Ok(checked.into())
+    }
+
+    /// Lets in somebody who took part elsewhere in this row of the square, with all that they gave, or not at all.
+    pub(crate) fn take_in(
+        &self,
+        (token, row): (&str, usize),
+        steps: &[Step],
+        given: &Carried,
+    ) -> Result<Person, SeatError> {
+        let person = self.store.within(|b| {
+            let rides = self.rides();
+            let person = Person {
+                at: steps.len(),
+                ended: Some(given.ended.clone()),
+                fit: given.style.clone(),
+                row: rides.then(|| b.free_row(row, self.orders())).transpose()?,
+                ..Person::new(token.to_owned(), self.id_for(b, None)?, steps.to_vec())
+            };
+            b.take_in(&person, given)?;
+            Ok::<_, SeatError>(person)
+        })?;
+        self.add_link(&person);
+        Ok(person)
+    }
+
+    /// Lets the next person in: their token.
+    ///
+    /// # Errors
+    /// As [`Seat::invite`].
+    pub fn let_in(&self) -> Result<String, SeatError> {
+        self.invite(&Invitation::default())
+    }
+
+    /// Lets somebody in as the experimenter says: their token. Their row of the square is the lowest that nobody has.
+    ///
+    /// # Errors
+    /// [`SeatError::Protocol`] for an id that stands already or can be none; [`SeatError::Store`], [`SeatError::Random`];
+    /// [`SeatError::Study`] if the table of people cannot be read.
+    pub fn invite(&self, invitation: &Invitation) -> Result<String, SeatError> {
+        let rides = self.rides();
+        if rides {
+            self.model_for_page()?;
+        }
+        let token = token::new()?;
+        let person = self.store.within(|b| {
+            let participant = self.id_for(b, invitation.participant.as_deref())?;
+            let row = b.free_row(0, 1)?;
+            let steps = self.steps_of(Whose::Person(&participant), row)?;
+            let person = Person {
+                row: rides.then_some(row),
+                ..Person::new(token.clone(), participant, steps)
+            };
+            b.add(&person)?;
+            Ok::<_, SeatError>(person)
+        })?;
+        self.add_link(&person);
+        Ok(token)
+    }
+
+    /// Ends the part of somebody who gave nothing and is waited for no more: their row goes to whoever comes next.
+    ///
+    /// # Errors
+    /// [`SeatError::Nobody`]; [`SeatError::Protocol`] for somebody who began, or whose part has ended; [`SeatError::Store`];
+    /// [`SeatError::Study`] if a file cannot be written.
+    pub fn never_came(&self, participant: &str) -> Result<(), SeatError> {
+        self.store.within(|b| {
+            let Some(person) = b.called(participant)? else {
+                let ids = b.ids()?;
+                return Err(SeatError::Nobody {
+                    participant: participant.to_owned(),
+                    nearest: nearest(participant, ids.iter().map(String::as_str))
+                        .map(str::to_owned),
+                });
+            };
+            if let Some(how) = &person.ended {
+                return Err(refused(
+                    format!("the part of `{participant}` has ended already: {how}"),
+                    "nothing is left to do",
+                ));
+            }
+            if person.at > 0 || !b.begun(participant, 0)?.is_empty() {
+                return Err(refused(
+                    format!(
+                        "`{participant}` came: they are at step {} of {}",
+                        person.at + 1,
+                        person.steps.len()
+                    ),
+                    "let them leave by their own page, or forget them",
+                ));
+            }
+            b.ended(&person, NEVER_CAME)?;
+            // Of no person: it is kept also of somebody who is in no table, since they were not admitted yet.
+            let place = if person.row.is_some() {
+                ": their row of the square is free"
+            } else {
+                ""
+            };
+            b.event(None, &format!("{participant} never came{place}"))
+        })?;
+        self.write_files()
+    }
+
+    /// The first person, let in if nobody was: for a seat that one person uses.
+    ///
+    /// # Errors
+    /// As [`Seat::invite`].
+    pub fn only_person(&self) -> Result<String, SeatError> {
+        let first = |people: Vec<Person>| people.into_iter().find(|p| p.ended.is_none());
+        match self.store.look(|b| b.everybody().map(first))? {
+            Some(person) => Ok(person.token),
+            None => self.let_in(),
+        }
+    }
+}

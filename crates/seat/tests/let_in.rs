@@ -1,0 +1,142 @@
+//! Who is let in: ids, rows of the square, and who never came.
+
+#![allow(clippy::unwrap_used, reason = "a test stops at the first surprise")]
+
+mod support;
+
+use maveric_seat::Seat;
+use rusqlite::Connection;
+use std::{fs, path::Path};
+use support::{Server, entered, folder, go_on, opened, settings};
+
+/// Everybody's id, row of the square and first ride, and how their part ended.
+fn people(folder: &Path) -> Vec<(String, Option<i64>, String, Option<String>)> {
+    let state = Connection::open(folder.join("seat/seat.db")).unwrap();
+    let question = "SELECT participant, row, steps, ended FROM person ORDER BY rowid";
+    let mut rows = state.prepare(question).unwrap();
+    let read = |row: &rusqlite::Row<'_>| {
+        let steps: String = row.get(2)?;
+        let steps: serde_json::Value = serde_json::from_str(&steps).unwrap();
+        let mut steps = steps.as_array().unwrap().iter();
+        let ride = steps.find(|step| step["kind"] == "ride");
+        let ride = ride.map_or("", |ride| ride["condition"].as_str().unwrap());
+        Ok((row.get(0)?, row.get(1)?, ride.to_owned(), row.get(3)?))
+    };
+    let people = rows.query_map([], read).unwrap();
+    people.map(Result::unwrap).collect()
+}
+
+fn rows(folder: &Path) -> Vec<Option<i64>> {
+    people(folder).into_iter().map(|(_, row, ..)| row).collect()
+}
+
+#[test]
+fn a_row_belongs_to_who_takes_part_and_goes_to_the_next_when_they_left_or_never_came() {
+    let folder = folder();
+    let server = Server::open(folder.path());
+    let cookie = entered(&server);
+    let lab = |path: &str| server.ask("POST", path, "", &[("Cookie", &cookie)]);
+    let mut links: Vec<String> = (0..3).map(|_| opened(&server)).collect();
+    assert_eq!(rows(folder.path()), [Some(0), Some(1), Some(2)]);
+    while go_on(&server, &links[2]) {}
+    server.post(&format!("/api/{}/leave", links[0]), r#"{"keep":true}"#);
+    links.push(opened(&server));
+    let fourth = people(folder.path()).pop().unwrap();
+    assert_eq!((fourth.1, fourth.2.as_str()), (Some(0), "calm"));
+    // Nothing of it without the password.
+    server.post("/lab/never/P002", "");
+    assert_eq!(people(folder.path())[1].3, None);
+    let (_, page) = server.ask("GET", "/lab", "", &[("Cookie", &cookie)]);
+    let offered = |who: &str| page.contains(&format!("action=\"/lab/never/{who}\""));
+    assert!(offered("P002") && offered("P004") && !offered("P001") && !offered("P003"));
+    assert_eq!(lab("/lab/never/P002").0, 303);
+    server.seat.let_in().unwrap();
+    let fifth = people(folder.path()).pop().unwrap();
+    assert_eq!((fifth.1, fifth.2.as_str()), (Some(1), "sporty"));
+    server.seat.let_in().unwrap();
+    assert_eq!(
+        people(folder.path()).pop().unwrap().1,
+        Some(3),
+        "row 2 is of who is through"
+    );
+    let notes = fs::read_to_string(folder.path().join("seat/notes.csv")).unwrap();
+    assert!(
+        notes.contains("P002 never came: their row of the square is free"),
+        "{notes}"
+    );
+    assert_eq!(server.state(&links[1])["ended"], "never came");
+
+    // Who began came, and nobody never comes twice.
+    while server.state(&links[3])["at"] == 0 {
+        go_on(&server, &links[3]);
+    }
+    for (who, why) in [
+        ("P004", "`P004` came: they are at step 2"),
+        ("P002", "has ended already: never came"),
+        ("P02", "did you mean `P002`?"),
+    ] {
+        let (status, reply) = lab(&format!("/lab/never/{who}"));
+        assert!(status == 400 && reply.contains(why), "{reply}");
+    }
+    assert_eq!(people(folder.path())[3].3, None);
+}
+
+#[test]
+fn an_id_is_given_by_hand_once_and_never_one_that_stands_anywhere() {
+    let folder = folder();
+    fs::write(
+        folder.path().join("participants.csv"),
+        "participant,study\nX1,2\n",
+    )
+    .unwrap();
+    let server = Server::open(folder.path());
+    let cookie = entered(&server);
+    let next = |id: &str| {
+        let body = format!("participant={id}");
+        server.ask("POST", "/lab/next", &body, &[("Cookie", &cookie)])
+    };
+    let ids = || -> Vec<String> { people(folder.path()).into_iter().map(|p| p.0).collect() };
+    assert_eq!(next("VP-17").0, 303);
+    assert_eq!(next("+").0, 303);
+    assert_eq!(ids(), ["VP-17", "P002"]);
+    assert_eq!(next("P9").0, 303);
+    server.seat.forget("P9").unwrap();
+    for (id, why) in [
+        ("VP-17", "the id `VP-17` stands already"),
+        ("vp-17", "the id `vp-17` stands already"),
+        ("X1", "the id `X1` stands already"),
+        ("P9", "the id `P9` stands already"),
+        ("a%2Fb", "letters, digits"),
+    ] {
+        let (status, reply) = next(id);
+        assert!(status == 400 && reply.contains(why), "{id}: {reply}");
+    }
+    assert_eq!(ids(), ["VP-17", "P002"]);
+    // The next by itself goes past one that was given by hand.
+    assert_eq!(next("P003").0, 303);
+    assert_eq!(next("P005").0, 303);
+    assert_eq!(next("").0, 303);
+    assert_eq!(ids()[2..], ["P003", "P005", "P006"]);
+}
+
+#[test]
+fn riders_whom_the_second_version_let_in_have_the_rows_of_their_orders() {
+    let folder = folder();
+    let open = || Seat::open(&folder.path().join("seat/seat.db"), settings(folder.path())).unwrap();
+    let seat = open();
+    for _ in 0..5 {
+        seat.let_in().unwrap();
+    }
+    drop(seat);
+    let state = Connection::open(folder.path().join("seat/seat.db")).unwrap();
+    // P001 left; somebody rides what the study has no longer.
+    let second = "ALTER TABLE person DROP COLUMN row; ALTER TABLE person DROP COLUMN since; PRAGMA user_version = 2;
+        UPDATE person SET ended = 'left' WHERE participant = 'P001';
+        UPDATE person SET steps = replace(steps, '\"calm\"', '\"mild\"') WHERE participant = 'P004';";
+    state.execute_batch(second).unwrap();
+    drop(state);
+    let seat = open();
+    assert_eq!(rows(folder.path()), [None, Some(1), Some(0), None, Some(2)]);
+    seat.let_in().unwrap();
+    assert_eq!(rows(folder.path()).pop().unwrap(), Some(3));
+}
