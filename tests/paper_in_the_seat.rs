@@ -314,6 +314,10 @@ fn somebody_elses_style_is_ridden_at_ones_own_score_and_whose_it_was_is_kept_for
         assert_eq!(placed.embedding, lent.embedding);
         assert_eq!(placed.lent.as_ref().unwrap().donor, lent.donor);
     }
+    Page::read(&study.path("mine/report/index.html")).says(&[
+        "beside somebody else’s style of the same score",
+        "12 people were lent the style of",
+    ]);
     // What is given away names no donor by an id.
     study.write("mine/key.txt", "no key of anybody's, for a test alone");
     let export = "export --key key.txt --out given";

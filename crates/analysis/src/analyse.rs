@@ -2,8 +2,8 @@
 
 use crate::{
     Analysis, AnalysisError, Exclusion, Panel, Reproduction, StudyData, by_factor, compare,
-    crossed::crossed, describe, design_test::Purpose, findings, homophily, hypotheses, line, mixed,
-    presses, primary, reproduction,
+    crossed::crossed, describe, design_test::Purpose, findings, homophily, hypotheses, lent, line,
+    mixed, presses, primary, reproduction,
 };
 use maveric_domain::design::{Condition, DeclaredTest, Outcome, Quantity};
 use maveric_measures::objective;
@@ -48,6 +48,7 @@ pub fn analyse(data: &StudyData, purpose: Purpose) -> Result<Analysis, AnalysisE
         similarity: homophily::similarity(data)?,
         preferences: homophily::preferences(data),
         presses: presses::presses(data)?,
+        lent: lent::beside_lent(data)?,
         beyond_training: beyond_training(data),
         notes: notes(data),
         exclusions,

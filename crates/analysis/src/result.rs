@@ -4,6 +4,7 @@ use crate::{
     balance::{Balance, OrderBalance},
     finding::Finding,
     flow::Flow,
+    lent::BesideLent,
     presses::Presses,
     verdict::Verdict,
 };
@@ -64,6 +65,9 @@ pub struct Analysis {
     /// What people pressed during the rides; none where nothing could be pressed.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub presses: Option<Presses>,
+    /// The own style beside somebody else's of the same score, a condition with such a style a row.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub lent: Vec<BesideLent>,
     /// Share of embeddings away from 0 on the dial that lie further out than any training driver's.
     pub beyond_training: Option<f64>,
     /// What the design asks for and this analysis does in another way, or not at all, in sentences.

@@ -65,8 +65,9 @@ fn take_out(store: &Store, files: &Files, participant: &str) -> Result<Option<St
         Ok::<_, SeatError>(people.chain(b.forgotten()?).collect::<Vec<_>>())
     })?;
     known(&here, files, participant)?;
-    let token = store.within(|b| b.forget(participant))?;
-    files.lent(&store.look(|b| b.lent())?)?;
+    let (token, lent) =
+        store.within(|b| Ok::<_, SeatError>((b.forget(participant)?, b.lent()?)))?;
+    files.lent(&lent)?;
     Ok(token)
 }
 

@@ -84,7 +84,7 @@ impl Seat {
                     let mut lending = Lending::of(model, *matched, tested.clone())?;
                     others
                         .iter()
-                        .flat_map(|other| lent_to(other, *condition))
+                        .filter_map(|other| lent_to(other, *condition))
                         .for_each(|lent| lending.count(&lent.donor));
                     lending.lend((&drive, &embedding), seed.0)?
                 }
@@ -218,9 +218,9 @@ mod tests {
             .within(|b| people.iter().try_for_each(|person| b.add(person)))
             .unwrap();
         let donors = || -> Vec<(String, String)> {
-            let rows = store.look(|b| b.lent()).unwrap();
             let row = |row: LentRow| (row.participant.to_string(), row.donor.to_string());
-            rows.into_iter().map(row).collect()
+            let rows = store.look(|b| b.lent().map(|rows| rows.into_iter().map(row).collect()));
+            rows.unwrap()
         };
         let row = |who: &str, donor: &str| (who.to_owned(), donor.to_owned());
         assert_eq!(donors(), [row("P002", "P001-own"), row("P003", "P002-own")]);

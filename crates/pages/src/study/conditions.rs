@@ -6,7 +6,7 @@ use super::{
     titled,
 };
 use crate::words::{capital, omnibus, with_unit};
-use maveric_analysis::{Contrast, Kept, Panel};
+use maveric_analysis::{BesideLent, Contrast, Kept, Panel};
 use maveric_domain::design::Compare;
 use maveric_report::{
     ReportError,
@@ -71,6 +71,9 @@ impl StudyPage<'_> {
         tables.extend(self.factor_tables()?);
         tables.push(self.contrasts()?);
         tables.extend(self.carry_over()?);
+        for lent in &self.analysis.lent {
+            tables.push(self.beside_lent(lent)?);
+        }
         tables.extend(self.accuracy()?);
         let values = context! { from => from.map(|id| id.to_string()), drawn => drawn.len() };
         self.texts
@@ -83,6 +86,19 @@ impl StudyPage<'_> {
         let panels = self.analysis.panels.iter();
         let rows = panels.flat_map(|panel| tested(self.design, panel));
         self.texts.table("omnibus", rows)
+    }
+
+    /// The own style beside somebody else's of the same score.
+    fn beside_lent(&self, lent: &BesideLent) -> Result<Table, ReportError> {
+        let values = context! {
+            own => lent.own.to_string(),
+            condition => lent.condition.to_string(),
+            people => lent.people,
+            donors => lent.donors,
+            beyond_reach => lent.beyond_reach,
+            distance_sd => lent.distance_sd,
+        };
+        self.texts.with(&values).table("beside-lent", &lent.rows)
     }
 
     /// Every declared contrast with its test.

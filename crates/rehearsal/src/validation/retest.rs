@@ -12,7 +12,7 @@ pub struct Retest {
     pub measure: &'static str,
     /// Name for people.
     pub title: &'static str,
-    /// Its unit; empty for counts and shares.
+    /// Its unit; `1` for counts and shares.
     pub unit: &'static str,
     /// People with a value in both drives.
     pub n: usize,
