@@ -3,11 +3,10 @@
 use crate::{
     books::{Books, whole},
     error::SeatError,
-    left_out::Act,
     listed::{KeptSheet, Listed},
     person::Person,
     sheet::Sheet,
-    steps::{STOPPED, Step, TICKS_PER_S},
+    steps::{Act, STOPPED, Step, TICKS_PER_S},
     tables::{Given, Standing},
 };
 use maveric_domain::ParticipantId;

@@ -3,12 +3,12 @@
 use crate::{
     above, assets, entrance,
     error::SeatError,
-    left_out::Act,
     let_in::Invitation,
     live::{self, HAPPENED, PEOPLE, REFUSED},
     markup::{form_field, html, plain, to_lab},
     request::{Answered, Refused, Shared},
     seat::Seat,
+    steps::Act,
     streamed,
     words::in_english,
 };

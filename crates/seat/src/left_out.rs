@@ -5,29 +5,10 @@ use crate::{
     error::SeatError,
     person::Person,
     seat::Seat,
-    steps::Step,
+    steps::{Act, Step},
 };
 use maveric_seat_page::RideStyle;
 use rusqlite::params;
-
-/// How a step is left out.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Act {
-    /// Somebody goes on at the next.
-    Skip,
-    /// Nothing is driven any more: somebody goes on where they are told what those are told who stop.
-    Abort,
-}
-
-impl Act {
-    /// As the record says it.
-    pub(crate) fn past(self) -> &'static str {
-        match self {
-            Self::Skip => "skipped",
-            Self::Abort => "aborted",
-        }
-    }
-}
 
 /// A step that was left out, and why.
 pub(crate) struct LeftOut {

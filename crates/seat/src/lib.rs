@@ -54,7 +54,6 @@ mod words;
 pub use error::SeatError;
 pub use forget::{Forgotten, forget};
 pub use hindrance::Hindrance;
-pub use left_out::Act;
 pub use let_in::Invitation;
 pub use seat::{Seat, SeatSettings};
 pub use serve::{Serving, run, serve};

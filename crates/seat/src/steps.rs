@@ -17,6 +17,25 @@ pub(crate) const TICKS_PER_S: f64 = 100.0;
 pub(crate) const STOPPED: &str = "stopped: ";
 const UNWELL: &str = "unwell";
 
+/// How the experimenter leaves a step out.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Act {
+    /// Somebody goes on at the next.
+    Skip,
+    /// Nothing is driven any more: somebody goes on where they are told what those are told who stop.
+    Abort,
+}
+
+impl Act {
+    /// As the record says it.
+    pub(crate) fn past(self) -> &'static str {
+        match self {
+            Self::Skip => "skipped",
+            Self::Abort => "aborted",
+        }
+    }
+}
+
 /// One step.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(tag = "kind", rename_all = "snake_case")]

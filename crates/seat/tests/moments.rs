@@ -113,7 +113,7 @@ fn who_is_not_admitted_is_counted_by_the_rule_and_leaves_nothing_else() {
     while go_on(&server, &another) {}
     assert_eq!(
         read(folder.path(), "participants.csv"),
-        "participant,study,order\nP002,2,sporty calm\nP003,2,sporty calm\n"
+        "participant,study,order\nP002,2,sporty calm\nP003,2,calm sporty\n"
     );
     for file in [
         "surveys/answers.csv",

@@ -45,7 +45,7 @@ export function askWhetherToLeave(): void {
 
 /// After the end: until when what was given can be taken back, and the button for it.
 export function takingBack({ withdraw, ended }: State): HTMLElement[] {
-  if (!withdraw || ended === "deleted" || ended === "not admitted") return [];
+  if (!withdraw || ended === "deleted" || ended === "not admitted" || ended === "never came") return [];
   const { until, open } = withdraw;
   if (!open) return [make("p", [say("withdraw_over", { until: until ?? "" })])];
   const button = make("button", [say("delete")], { type: "button" });

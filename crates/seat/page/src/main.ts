@@ -79,12 +79,16 @@ async function screens(at: number, step: api.Step & { kind: "screen" }): Promise
   await keeper.judged(at, broken < 0 ? null : broken, (performance.now() - begun) / 1000);
 }
 
+/// What somebody reads who has not taken part: a heading, and why.
+const WITHOUT: Record<string, [string, string]> = { "not admitted": ["thank_you", "not_admitted"], "never came": ["over", "given_away"] };
+
 async function once(state: api.State): Promise<boolean> {
   const step = state.steps[state.at];
   if (state.ended || !step) {
     leaveButton.hidden = true;
-    const through = state.ended === "done" || state.ended === "not admitted" || !step;
-    show(make("h1", [say(through ? "thank_you" : "have_left")]), ...(state.ended === "not admitted" ? [make("p", [say("not_admitted")])] : []),
+    const through = state.ended === "done" || !step;
+    const [title, why] = WITHOUT[state.ended ?? ""] ?? [through ? "thank_you" : "have_left", null];
+    show(make("h1", [say(title)]), ...(why ? [make("p", [say(why)])] : []),
       ...code(state), ...(state.styles ? styles(state.styles) : []), ...await keeper.handOver(),
       make("p", [say(state.ended === "deleted" ? "was_deleted" : "close_page")]), ...takingBack(state));
     return false;
