@@ -9,15 +9,17 @@ mod formula;
 mod marginal;
 mod model_rows;
 mod random_intercept;
+mod ratio;
 mod satterthwaite;
 
 pub use columns::Predictor;
-pub use congruence::{Bend, Congruence, CongruenceData, RatioTest, Region, congruence};
+pub use congruence::{Bend, Congruence, CongruenceData, congruence};
 pub use formula::Formula;
 pub use marginal::MarginalContrast;
 pub use random_intercept::{
     InterceptVariance, RandomIntercept, TermTest, random_by_factor, random_intercept,
 };
+pub use ratio::{RatioTest, Region};
 
 use serde::{Deserialize, Serialize};
 
