@@ -2,8 +2,8 @@
 
 use crate::{
     Analysis, AnalysisError, Exclusion, Panel, Reproduction, StudyData, by_factor, compare,
-    crossed::crossed, describe, design_test::Purpose, findings, homophily, hypotheses, lent, line,
-    mixed, presses, primary, reproduction,
+    congruence, crossed::crossed, describe, design_test::Purpose, findings, homophily, hypotheses,
+    lent, line, mixed, presses, primary, reproduction,
 };
 use maveric_domain::design::{Condition, DeclaredTest, Outcome, Quantity};
 use maveric_measures::objective;
@@ -43,6 +43,7 @@ pub fn analyse(data: &StudyData, purpose: Purpose) -> Result<Analysis, AnalysisE
         descriptives: describe::describe(data),
         nearer,
         kept: line::kept(data)?,
+        congruence: congruence::by_rating(data)?,
         homophily: homophily::homophily(data)?,
         mixed: mixed::mixed(data)?,
         similarity: homophily::similarity(data)?,

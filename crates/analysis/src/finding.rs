@@ -31,6 +31,8 @@ pub enum Question {
     Style,
     /// Does moving across the dial change a habit that the dial leaves alone?
     Across,
+    /// Do people like best a car near their own style?
+    Congruence,
     /// Do people prefer their own style?
     Preferred,
     /// Does personality tell which style one wants?
@@ -72,7 +74,7 @@ pub enum Question {
 }
 
 /// Ids of the questions that are asked once, in JSON and on pages; a hypothesis is `hypothesis-1`, and so on.
-const IDS: [(Question, &str); 27] = [
+const IDS: [(Question, &str); 28] = [
     (Question::OwnStyle, "own-style"),
     (Question::Nearer, "nearer"),
     (Question::Dial, "dial"),
@@ -81,6 +83,7 @@ const IDS: [(Question, &str); 27] = [
     (Question::Differ, "differ"),
     (Question::Style, "style"),
     (Question::Across, "across"),
+    (Question::Congruence, "congruence"),
     (Question::Preferred, "preferred"),
     (Question::Personality, "personality"),
     (Question::Pressed, "pressed"),

@@ -4,6 +4,7 @@ mod analyse;
 mod balance;
 mod by_factor;
 mod compare;
+mod congruence;
 mod contrast;
 mod correlations;
 mod crossed;
@@ -56,9 +57,10 @@ pub use recommendation::{
     SETTINGS, Standard,
 };
 pub use result::{
-    Above, AggressionLine, Analysis, Bias, ByFactor, Contrast, ContrastTest, Correlation,
-    Described, Exclusion, FactorContrast, Group, HomophilyRow, Judged, Kept, LevelMean, LineRow,
-    MixedRow, Nearer, Panel, Preference, PrimaryOutcome, Reproduction, SimilarityRow, TestedFactor,
+    Above, AggressionLine, Analysis, Bias, ByFactor, CongruenceRow, Contrast, ContrastTest,
+    Correlation, Described, Exclusion, FactorContrast, Group, HomophilyRow, Judged, Kept,
+    LevelMean, LineRow, MixedRow, Nearer, Panel, Preference, PrimaryOutcome, Reproduction,
+    SimilarityRow, TestedFactor,
 };
 pub use turned::{Settled, Turns};
 pub use verdict::Verdict;

@@ -13,8 +13,8 @@ use maveric_domain::{
     design::{DeclaredTest, ScoreName, Sign},
 };
 use maveric_stats::{
-    ByDesign, CarryOver, Effect, LevelChoice, LevelContrast, MixedModel, Named, Proportion,
-    SimpleTest, apa,
+    ByDesign, CarryOver, Congruence, Effect, LevelChoice, LevelContrast, MixedModel, Named,
+    Proportion, SimpleTest, apa,
 };
 use serde::{Deserialize, Serialize};
 
@@ -54,6 +54,9 @@ pub struct Analysis {
     pub nearer: Vec<Nearer>,
     /// 9.4, a row a measure that aggression does not move; empty where no car moves across the dial.
     pub kept: Vec<Kept>,
+    /// Each rating over the distance from the own style; empty with fewer than three places on the dial.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub congruence: Vec<CongruenceRow>,
     /// 9.5, a row a pair of factor and rating difference; empty where none was declared.
     pub homophily: Vec<HomophilyRow>,
     /// 9.5, perceived similarity against the ratings, over all answers.
@@ -485,6 +488,29 @@ pub struct SimilarityRow {
     pub pooled: Correlation,
     /// Within people: the analysis that knows that several answers come from one person.
     pub within: Correlation,
+}
+
+/// How a rating depends on the distance of the car from the person's own style.
+#[derive(Debug, Clone, Serialize, Deserialize)]
+pub struct CongruenceRow {
+    /// The rating.
+    pub rating: ScoreName,
+    /// Name for people.
+    pub title: String,
+    /// People with the rating and both places.
+    pub n: usize,
+    /// Places on the dial: the curvature rests on them.
+    pub places: usize,
+    /// Distance that counts as near, in points of the style's score.
+    pub near_points: f64,
+    /// Middle of the scale, which people's own style is counted from; 0 where the range is not known.
+    pub middle: f64,
+    /// Whether the model takes the period; not where no order is known, or the orders do not tell it from the places.
+    pub period: bool,
+    /// The fit: higher is better, whichever way the rating is keyed.
+    pub model: Option<Congruence>,
+    /// Why there is none.
+    pub why_not: Option<String>,
 }
 
 /// A rating on the shift of the dial: the linear mixed model with random intercept and slope a participant.

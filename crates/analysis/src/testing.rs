@@ -186,6 +186,41 @@ pub(crate) fn steered(
     }
 }
 
+/// People whose own style lies from 20 to 40, in the cars at 0 and 15 points to either side: what lies `best` points from their own style is
+/// trusted most, and a squared point from there less by `bend`.
+pub(crate) fn liked(people: usize, best: impl Fn(f64) -> f64, bend: f64) -> Tables {
+    let mut tables = Tables::default();
+    for i in 0..people {
+        // Between -1 and 1, without a pattern.
+        let draw = |what: &str| {
+            let key = format!("{i} {what}");
+            2.0 * (stream_seed(1, &[&key]) as f64 / u64::MAX as f64) - 1.0
+        };
+        let own = 30.0 + 10.0 * draw("own");
+        let top = best(own) + draw("top");
+        tables.pre.push(score(
+            i,
+            Moment::Pre,
+            "mini_ipip",
+            "conscientiousness",
+            draw("trait"),
+        ));
+        for (condition, moved) in [("same", 0.0), ("fast", 15.0), ("slow", -15.0)] {
+            tables.conditions.push(ConditionRow {
+                adb_hat: Some(own + moved),
+                moved_points: Some(moved),
+                ..steered(i, condition, None, false)
+            });
+            let trust = 4.0 + draw("level") - bend * (moved - top).powi(2) + 0.3 * draw(condition);
+            let after = Moment::After(id(condition));
+            tables
+                .post
+                .push(score(i, after, "jian_trust", "overall", trust));
+        }
+    }
+    tables
+}
+
 /// People who rode fast and slow and pressed so often (by person and condition); braking was so much stronger before a press.
 pub(crate) fn pressing(
     people: usize,

@@ -90,8 +90,9 @@ pub use groups::{
 pub use hierarchical::{Belief, Hierarchical, PersonRows, hierarchical};
 pub use mcnemar::{McNemar, McNemarTest, mcnemar};
 pub use mixed::{
-    FixedEffect, Formula, InterceptVariance, MarginalContrast, MixedMethod, MixedModel, Predictor,
-    RandomIntercept, TermTest, mixed_model, random_by_factor, random_intercept,
+    Bend, Congruence, CongruenceData, FixedEffect, Formula, InterceptVariance, MarginalContrast,
+    MixedMethod, MixedModel, Predictor, RandomIntercept, RatioTest, Region, TermTest, congruence,
+    mixed_model, random_by_factor, random_intercept,
 };
 pub use named::Named;
 pub use normality::{Normality, SampleShape, ShapiroWilk, normality};

@@ -2,6 +2,7 @@
 
 mod car;
 mod conditions;
+mod congruence;
 mod declared;
 mod people;
 mod presses;

@@ -48,6 +48,24 @@ impl Block {
 }
 
 impl Blocks {
+    /// From the rows of each subject: `p` columns x and `q` columns z by row, and y.
+    pub(super) fn of_rows(
+        people: &[Vec<usize>],
+        (p, q): (usize, usize),
+        x: impl Fn(usize, usize) -> f64,
+        z: impl Fn(usize, usize) -> f64,
+        y: impl Fn(usize) -> f64,
+    ) -> Self {
+        let block = |rows: &Vec<usize>| {
+            Block::new(
+                Matrix::from(rows.len(), p, |i, j| x(rows[i], j)),
+                Matrix::from(rows.len(), q, |i, j| z(rows[i], j)),
+                Matrix::from(rows.len(), 1, |i, _| y(rows[i])),
+            )
+        };
+        Self::new(people.iter().map(block).collect())
+    }
+
     pub(crate) fn new(subjects: Vec<Block>) -> Self {
         let (p, q) = subjects
             .first()
@@ -68,6 +86,13 @@ impl Blocks {
         }
         sums.subjects = subjects;
         sums
+    }
+
+    /// Root mean square of a random column.
+    pub(super) fn size(&self, j: usize) -> f64 {
+        let of = |b: &Block| (0..b.z.rows).map(|i| b.z[(i, j)].powi(2)).sum::<f64>();
+        let squares: f64 = self.subjects.iter().map(of).sum();
+        (squares / self.rows as f64).sqrt()
     }
 
     /// The sums for Γ = L Lᵀ, by Woodbury's identity: Γ may be singular.

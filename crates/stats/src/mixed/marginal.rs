@@ -106,7 +106,7 @@ impl Described<'_> {
         undefined: &mut Reasons,
     ) -> Named<Named<MarginalMean>> {
         let mut one = |term: &str, cell: &Cell| {
-            let (mean, se, df) = self.estimate(&cell.weights);
+            let (mean, se, df) = self.estimates.estimate(&cell.weights);
             let half = df.and_then(|df| Some(se * t_quantile_two_sided(0.05, df)?));
             let name = cell.name();
             if half.is_none() {
@@ -159,7 +159,7 @@ impl Described<'_> {
 
     fn contrast(&self, a: &Cell, b: &Cell) -> MarginalContrast {
         let weights = a.weights.iter().zip(&b.weights).map(|(a, b)| a - b);
-        let (estimate, se, df) = self.estimate(&weights.collect::<Vec<f64>>());
+        let (estimate, se, df) = self.estimates.estimate(&weights.collect::<Vec<f64>>());
         MarginalContrast::of(estimate, se, df)
     }
 }

@@ -3,31 +3,32 @@
 pub(crate) mod blocks;
 mod columns;
 mod components;
+mod congruence;
 mod described;
 mod formula;
 mod marginal;
+mod model_rows;
 mod random_intercept;
+mod ratio;
 mod satterthwaite;
 
 pub use columns::Predictor;
+pub use congruence::{Bend, Congruence, CongruenceData, congruence};
 pub use formula::Formula;
 pub use marginal::MarginalContrast;
 pub use random_intercept::{
     InterceptVariance, RandomIntercept, TermTest, random_by_factor, random_intercept,
 };
+pub use ratio::{RatioTest, Region};
 
 use serde::{Deserialize, Serialize};
 
 use crate::{
     Named, Reasons, StatsError, complete,
-    numerics::{
-        distributions::{t_quantile_two_sided, t_two_sided},
-        matrix::Matrix,
-        minimise::minimise,
-    },
+    numerics::{matrix::Matrix, minimise::minimise},
 };
-use blocks::{Block, Blocks, Weighted};
-use satterthwaite::{Information, Satterthwaite};
+use blocks::{Blocks, Weighted};
+use described::Estimates;
 
 /// Which likelihood is made largest.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
@@ -154,16 +155,10 @@ pub fn mixed_model(
             complete.columns[j][row]
         }
     };
-    let block = |rows: &Vec<usize>| {
-        Block::new(
-            Matrix::from(rows.len(), p, |i, j| x(rows[i], j)),
-            Matrix::from(rows.len(), q, |i, j| {
-                x(rows[i], if j == 0 { 0 } else { places[j - 1] })
-            }),
-            Matrix::from(rows.len(), 1, |i, _| values[rows[i]] - offset),
-        )
-    };
-    let blocks = Blocks::new(groups.iter().map(block).collect());
+    let random_column = |row: usize, j: usize| x(row, if j == 0 { 0 } else { places[j - 1] });
+    let blocks = Blocks::of_rows(&groups, (p, q), x, random_column, |row| {
+        values[row] - offset
+    });
     let fit = fit(&blocks, method).ok_or_else(|| {
         StatsError::parameter(
             "fixed",
@@ -216,6 +211,25 @@ struct Fit {
     deviance: f64,
 }
 
+/// An SD, in residual SDs of a row of ordinary size, that is called zero.
+const NO_SPREAD: f64 = 1e-4;
+
+impl Fit {
+    fn psi(&self) -> Matrix {
+        self.l.times(&self.l.transposed())
+    }
+
+    /// Standard deviation over people of a random column.
+    fn random_sd(&self, j: usize) -> f64 {
+        (self.variance * self.psi()[(j, j)]).max(0.0).sqrt()
+    }
+
+    /// Whether Ψ is on the edge of what is possible.
+    fn is_singular(&self, blocks: &Blocks) -> bool {
+        (0..blocks.q).any(|j| self.l[(j, j)].abs() * blocks.size(j) < NO_SPREAD)
+    }
+}
+
 fn lower(q: usize, theta: &[f64]) -> Matrix {
     let mut l = Matrix::zeros(q, q);
     let mut next = theta.iter();
@@ -256,15 +270,7 @@ fn profile(blocks: &Blocks, l: &Matrix, method: MixedMethod) -> Option<(Matrix, 
 fn fit(blocks: &Blocks, method: MixedMethod) -> Option<Fit> {
     let q = blocks.q;
     // The natural size of a slope's factor is one over the size of its column.
-    let size = |j: usize| {
-        let squares: f64 = blocks
-            .subjects
-            .iter()
-            .map(|b| (0..b.z.rows).map(|i| b.z[(i, j)].powi(2)).sum::<f64>())
-            .sum();
-        (squares / blocks.rows as f64).sqrt().max(1e-300)
-    };
-    let sizes: Vec<f64> = (0..q).map(size).collect();
+    let sizes: Vec<f64> = (0..q).map(|j| blocks.size(j).max(1e-300)).collect();
     let scaled = |theta: &[f64]| {
         let mut l = lower(q, theta);
         for i in 0..q {
@@ -293,9 +299,6 @@ fn fit(blocks: &Blocks, method: MixedMethod) -> Option<Fit> {
     })
 }
 
-/// An SD, in residual SDs of a row of ordinary size, that is called zero.
-const NO_SPREAD: f64 = 1e-4;
-
 fn describe(
     blocks: &Blocks,
     fit: &Fit,
@@ -305,51 +308,28 @@ fn describe(
     offset: f64,
 ) -> MixedModel {
     let mut undefined = Reasons::default();
-    let psi = fit.l.times(&fit.l.transposed());
-    let entries: Vec<Vec<(usize, usize)>> = (0..blocks.q)
-        .flat_map(|i| (0..=i).map(move |j| vec![(i, j)]))
-        .collect();
-    let freedom = Satterthwaite::new(blocks, &psi, fit.variance, Information::Expected, &entries);
+    let psi = fit.psi();
+    let estimates = Estimates::unrestricted(blocks, fit, offset);
     let mut effect = |j: usize, name: &str| {
-        let estimate = fit.beta[(j, 0)] + if j == 0 { offset } else { 0.0 };
-        let se = Some((fit.variance * fit.xx_inverse[(j, j)]).sqrt())
-            .filter(|se| se.is_finite() && *se > 0.0);
         let unit: Vec<f64> = (0..names.len())
             .map(|i| f64::from(u8::from(i == j)))
             .collect();
-        let df = freedom.as_ref().and_then(|freedom| freedom.df(&unit));
-        let t = se.map(|se| estimate / se);
-        let p = t.zip(df).map(|(t, df)| t_two_sided(t, df));
-        let half = df
-            .and_then(|df| t_quantile_two_sided(0.05, df))
-            .zip(se)
-            .map(|(t, se)| t * se);
-        if p.is_none() || half.is_none() {
+        let effect = estimates.effect(&unit);
+        if effect.ci_low.is_none() {
             undefined.note(
                 &format!("fixed.{name}"),
                 "the variances are not determined, so neither are their degrees of freedom",
             );
         }
-        FixedEffect {
-            estimate,
-            se,
-            df,
-            t,
-            p,
-            ci_low: half.map(|h| estimate - h),
-            ci_high: half.map(|h| estimate + h),
-        }
+        effect
     };
     let fixed: Named<FixedEffect> = names
         .iter()
         .enumerate()
         .map(|(j, name)| ((*name).to_owned(), effect(j, name)))
         .collect();
-    let sd = |i: usize| (fit.variance * psi[(i, i)]).max(0.0).sqrt();
-    let mut singular = false;
     let mut correlations = Vec::new();
     for i in 0..random.len() {
-        singular |= fit.l[(i, i)].abs() * row_size(blocks, i) < NO_SPREAD;
         for j in 0..i {
             let size = (psi[(i, i)] * psi[(j, j)]).sqrt();
             let r = if size > 0.0 { psi[(i, j)] / size } else { 0.0 };
@@ -365,24 +345,14 @@ fn describe(
         random_sd: random
             .iter()
             .enumerate()
-            .map(|(i, name)| ((*name).to_owned(), sd(i)))
+            .map(|(i, name)| ((*name).to_owned(), fit.random_sd(i)))
             .collect(),
         random_correlation: correlations.into_iter().collect(),
         residual_sd: fit.variance.sqrt(),
         deviance: fit.deviance,
-        singular,
+        singular: fit.is_singular(blocks),
         undefined,
     }
-}
-
-/// Root mean square of a random column.
-fn row_size(blocks: &Blocks, j: usize) -> f64 {
-    let squares: f64 = blocks
-        .subjects
-        .iter()
-        .map(|b| (0..b.z.rows).map(|i| b.z[(i, j)].powi(2)).sum::<f64>())
-        .sum();
-    (squares / blocks.rows as f64).sqrt()
 }
 
 #[cfg(test)]

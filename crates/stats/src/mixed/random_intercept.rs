@@ -6,18 +6,17 @@ use serde::{Deserialize, Serialize};
 
 use super::{
     FixedEffect,
-    blocks::{Block, Blocks},
-    columns::{Columns, FactorRows, Predictor, Weight},
+    columns::{FactorRows, Predictor, Weight},
     components::{AtZero, Components},
-    described::Described,
+    described::{Described, Estimates},
     formula::Formula,
-    groups,
     marginal::{MarginalContrast, NO_FREEDOM},
+    model_rows::{ModelRows, no_fit},
 };
 use crate::{
-    MarginalMean, Named, Reasons, StatsError, complete,
+    MarginalMean, Named, Reasons, StatsError,
     numerics::{
-        distributions::{f_upper, t_quantile_two_sided, t_two_sided},
+        distributions::f_upper,
         matrix::{Cholesky, Matrix},
         moments::dot,
         spectrum::orthogonalised,
@@ -162,36 +161,12 @@ fn restricted(
     y: &[Option<f64>],
     at_zero: AtZero,
 ) -> Result<RandomIntercept, StatsError> {
-    let used = find(formula, predictors)?;
-    let lengths = used.iter().map(Predictor::rows).chain([subjects.len()]);
-    for (found, name) in lengths.zip(
-        formula
-            .predictors()
-            .iter()
-            .map(String::as_str)
-            .chain(["subject"]),
-    ) {
-        StatsError::same_length(name, found, y.len())?;
-    }
-    for (name, predictor) in formula.predictors().iter().zip(&used) {
-        if let Predictor::Covariate(values) = predictor {
-            complete::values(values, name, 1)?;
-        }
-    }
-    let values = complete::rows(&[("value", y)], "row", 1)?;
-    let kept: Vec<usize> = (values.kept.iter().copied())
-        .filter(|&row| !used.iter().any(|p| p.is_missing(row)))
-        .collect();
-    let people = groups(subjects, &kept);
-    let columns = Columns::new(formula, &used, &kept)?;
-    let (n, p) = (kept.len(), columns.count());
-    let missing = y.len() - n;
-    complete::enough("subject", people.len(), missing, 2)?;
-    let alone = people.len() == n;
-    complete::enough("row", n, missing, p + 1)?;
-    if let Some(name) = columns.collinear(n) {
-        return Err(StatsError::Collinear { name });
-    }
+    let rows = ModelRows::new(subjects, formula, predictors, y, 2)?;
+    rows.independent()?;
+    let ModelRows {
+        columns, people, ..
+    } = &rows;
+    let alone = people.len() == rows.values.len();
     let by: Vec<(&str, FactorRows)> = by
         .iter()
         .map(|name| {
@@ -206,41 +181,31 @@ fn restricted(
         .filter(|factor| {
             !factor
                 .as_ref()
-                .is_ok_and(|(_, rows)| rows.is_residual(&people))
+                .is_ok_and(|(_, rows)| rows.is_residual(people))
         })
         .collect::<Result<_, StatsError>>()?;
-    let given: Vec<f64> = kept.iter().filter_map(|&row| y[row]).collect();
-    let offset = given[0] + given.iter().map(|v| v - given[0]).sum::<f64>() / n as f64;
     let sizes: Vec<usize> = std::iter::once(1)
         .chain(by.iter().map(|(_, rows)| rows.levels))
         .collect();
     let places: Vec<(usize, usize)> = (0..by.len())
         .flat_map(|f| (0..by[f].1.levels).map(move |level| (f, level)))
         .collect();
-    let block = |rows: &Vec<usize>| {
-        Block::new(
-            Matrix::from(rows.len(), p, |i, j| columns.value(rows[i], j)),
-            Matrix::from(rows.len(), 1 + places.len(), |i, j| {
-                // The intercept, then each level of each factor.
-                let at = |(f, level): (usize, usize)| by[f].1.of_row[rows[i]] == level;
-                f64::from(u8::from(j == 0 || at(places[j - 1])))
-            }),
-            Matrix::from(rows.len(), 1, |i, _| given[rows[i]] - offset),
-        )
+    // The intercept, then each level of each factor.
+    let random = |row: usize, j: usize| {
+        let at = |(f, level): (usize, usize)| by[f].1.of_row[row] == level;
+        f64::from(u8::from(j == 0 || at(places[j - 1])))
     };
-    let blocks = Blocks::new(people.iter().map(block).collect());
+    let blocks = rows.blocks(1 + places.len(), random);
     let components = Components::of_sizes(&sizes);
     let fit = if alone {
         components.at(&blocks, &vec![0.0; sizes.len()])
     } else {
         components.top(&blocks)
     };
-    let fit = fit.ok_or_else(|| StatsError::NoFit {
-        reason: "the predictors explain all of the values, so nothing is left to estimate a variance from".to_owned(),
-    })?;
+    let fit = fit.ok_or_else(no_fit)?;
     // With a single row of each subject nothing is within subjects.
     let at_zero = if alone { AtZero::Pooled } else { at_zero };
-    let described = Described::new(&blocks, &fit, &columns, offset, &components, at_zero);
+    let described = Described::new(&blocks, &fit, columns, rows.offset, &components, at_zero);
     let mut result = described.result(formula);
     let ratios = components.ratios(&fit.l);
     result.variance_by = by
@@ -248,40 +213,27 @@ fn restricted(
         .zip(&ratios[1..])
         .map(|((name, _), ratio)| ((*name).to_owned(), fit.variance * ratio))
         .collect();
-    (result.n_subjects, result.missing) = (people.len(), missing);
+    (result.n_obs, result.n_subjects, result.missing) =
+        (rows.values.len(), people.len(), rows.missing);
     Ok(result)
-}
-
-/// The predictors of the formula, in its order.
-fn find<'a>(
-    formula: &Formula,
-    predictors: &[(&str, Predictor<'a>)],
-) -> Result<Vec<Predictor<'a>>, StatsError> {
-    let one = |name: &String| {
-        let found = predictors.iter().find(|(known, _)| known == name);
-        found.map(|(_, p)| *p).ok_or_else(|| StatsError::Formula {
-            text: name.clone(),
-            expected: "the name of a predictor".to_owned(),
-        })
-    };
-    formula.predictors().iter().map(one).collect()
 }
 
 impl Described<'_> {
     fn result(&self, formula: &Formula) -> RandomIntercept {
         let mut undefined = Reasons::default();
-        let residual = self.fit.variance;
-        let subject = residual * self.fit.l[(0, 0)].powi(2);
+        let fit = self.estimates.fit;
+        let residual = fit.variance;
+        let subject = residual * fit.l[(0, 0)].powi(2);
         RandomIntercept {
             formula: formula.to_string(),
-            n_obs: self.blocks.rows,
+            n_obs: 0,
             n_subjects: 0,
             missing: 0,
             variance: InterceptVariance { subject, residual },
             variance_by: Named::default(),
             icc: subject / (subject + residual),
-            reml_criterion: self.fit.deviance,
-            log_likelihood: -0.5 * self.fit.deviance,
+            reml_criterion: fit.deviance,
+            log_likelihood: -0.5 * fit.deviance,
             coef: self.coefficients(&mut undefined),
             anova: self.terms(formula, &mut undefined),
             emm: self.means(formula, &mut undefined),
@@ -292,23 +244,12 @@ impl Described<'_> {
 
     fn coefficients(&self, undefined: &mut Reasons) -> Named<FixedEffect> {
         let one = |(name, weights): (String, Vec<f64>)| {
-            let (estimate, se, df) = self.estimate(&weights);
-            let t = estimate / se;
-            let half = df.and_then(|df| Some(se * t_quantile_two_sided(0.05, df)?));
-            if df.is_none() || half.is_none() {
+            let effect = self.estimates.effect(&weights);
+            if effect.ci_low.is_none() {
                 for part in ["df", "p", "ci_low", "ci_high"] {
                     undefined.note(&format!("coef.{name}.{part}"), NO_FREEDOM);
                 }
             }
-            let effect = FixedEffect {
-                estimate,
-                se: Some(se),
-                df,
-                t: Some(t),
-                p: df.map(|df| t_two_sided(t, df)),
-                ci_low: half.map(|h| estimate - h),
-                ci_high: half.map(|h| estimate + h),
-            };
             (name, effect)
         };
         self.columns.coefficients().into_iter().map(one).collect()
@@ -359,17 +300,13 @@ impl Described<'_> {
     /// F of several combinations at once, along the principal axes of their covariance.
     fn wald(&self, rows: &[Vec<f64>]) -> TermTest {
         let q = rows.len();
-        let c = &self.fit.xx_inverse;
-        let covariance = Matrix::from(q, q, |i, j| {
-            self.fit.variance * c.between(&rows[i], &rows[j])
-        });
+        let covariance = Matrix::from(q, q, |i, j| self.estimates.covariance(&rows[i], &rows[j]));
+        let Estimates { fit, offset, .. } = self.estimates;
         let estimates: Vec<f64> = rows
             .iter()
             .map(|row| {
-                (0..row.len())
-                    .map(|j| row[j] * self.fit.beta[(j, 0)])
-                    .sum::<f64>()
-                    + row[0] * self.offset
+                let products = (0..row.len()).map(|j| row[j] * fit.beta[(j, 0)]);
+                products.sum::<f64>() + row[0] * offset
             })
             .collect();
         let lower = covariance.cholesky().map(Cholesky::lower);
@@ -389,7 +326,7 @@ impl Described<'_> {
             let weights: Vec<f64> = (0..self.columns.count())
                 .map(|j| rows.iter().zip(axis).map(|(row, a)| a * row[j]).sum())
                 .collect();
-            freedoms.push(self.freedom.as_ref().and_then(|s| s.df(&weights)));
+            freedoms.push(self.estimates.estimate(&weights).2);
         }
         let freedoms: Option<Vec<f64>> = freedoms.into_iter().collect();
         let f = sum / q as f64;

@@ -55,7 +55,7 @@ pub fn versions() -> BTreeMap<String, String> {
         ("recommend", 4),
         ("rehearse", 7),
         ("rehearse-dial", 5),
-        ("report", 15),
+        ("report", 16),
     ]
     .map(|(command, version)| (command.to_owned(), version.to_string()))
     .into()
