@@ -534,6 +534,7 @@ fn the_page_answers_first_and_folds_what_is_behind() {
         "noticed",
         "style",
         "across",
+        "congruence",
         "preferred",
         "personality",
         "paper",

@@ -2,7 +2,7 @@
 
 use super::StudyPage;
 use crate::texts::value;
-use maveric_analysis::{HomophilyRow, MixedRow};
+use maveric_analysis::{CongruenceRow, HomophilyRow, MixedRow};
 use maveric_report::{
     ReportError,
     figures::{
@@ -12,7 +12,43 @@ use maveric_report::{
     html::Section,
     tables::Table,
 };
+use maveric_stats::{RatioTest, Region};
 use minijinja::{Value, context};
+
+/// A tested ratio as its columns show it: the ends are those of the region or of what it leaves out.
+fn ratio(test: &RatioTest) -> Value {
+    let (kind, ends) = match test.region {
+        Some(Region::Between { low, high }) => (Some("between"), Some((low, high))),
+        Some(Region::Outside { low, high }) => (Some("outside"), Some((low, high))),
+        Some(Region::Everywhere) => (Some("everywhere"), None),
+        None => (None, None),
+    };
+    let p = test.p_lower.zip(test.p_upper);
+    let p = p.map(|(lower, upper)| lower.max(upper));
+    context! { estimate => test.estimate, kind, ends => value(&ends), p }
+}
+
+/// Where a rating turns and how far that moves.
+fn congruence_row(row: &CongruenceRow) -> Value {
+    let model = row.model.as_ref();
+    let curvature = model.and_then(|m| m.coef.get("moved^2"));
+    let (turn, movement) = (
+        model.map(|m| ratio(&m.turn)),
+        model.map(|m| ratio(&m.movement)),
+    );
+    context! { curvature => value(&curvature), turn, movement, ..value(row) }
+}
+
+/// A row a number of the surface.
+fn surface_rows(row: &CongruenceRow) -> Vec<Value> {
+    let surface = row.model.iter().flat_map(|model| model.surface.iter());
+    surface
+        .map(|(name, effect)| {
+            let rating = row.rating.to_string();
+            context! { rating, title => row.title.as_str(), name, effect => value(effect) }
+        })
+        .collect()
+}
 
 impl StudyPage<'_> {
     /// `None` for a study that declared no family and in which nobody can prefer another style.
@@ -21,7 +57,11 @@ impl StudyPage<'_> {
     /// [`ReportError`] for a figure that cannot be drawn, or a text that asks for a value which is not given.
     pub fn homophily(&self) -> Result<Option<Section>, ReportError> {
         let a = self.analysis;
-        if a.homophily.is_empty() && a.preferences.is_empty() && a.similarity.is_empty() {
+        if a.congruence.is_empty()
+            && a.homophily.is_empty()
+            && a.preferences.is_empty()
+            && a.similarity.is_empty()
+        {
             return Ok(None);
         }
         let below = |p: fn(&HomophilyRow) -> Option<f64>| {
@@ -44,11 +84,11 @@ impl StudyPage<'_> {
         if let Some(input) = self.forest(&values)? {
             figures.push(family(&input, self.context)?);
         }
-        let tables = std::iter::once(self.correlations()?).chain(self.mixed()?);
+        let mut tables = self.congruence()?;
+        tables.push(self.correlations()?);
+        tables.extend(self.mixed()?);
         let texts = self.texts.with(&values);
-        texts
-            .section("homophily", figures, tables.collect())
-            .map(Some)
+        texts.section("homophily", figures, tables).map(Some)
     }
 
     /// The pairs of the family that the claims name or that are below .05 here, then similarity.
@@ -97,6 +137,22 @@ impl StudyPage<'_> {
                 })
                 .collect(),
         })
+    }
+
+    /// Where what is liked best lies, and the surface it is read from; nothing where no dial has three places.
+    fn congruence(&self) -> Result<Vec<Table>, ReportError> {
+        let rows = || self.analysis.congruence.iter().filter(|row| row.n > 0);
+        if rows().next().is_none() {
+            return Ok(Vec::new());
+        }
+        let mut table = self.texts.table("congruence", rows().map(congruence_row))?;
+        for row in rows().filter(|row| row.why_not.is_some()) {
+            let why = self.texts.with(row).text("mixed_without")?;
+            table.notes.push(why);
+        }
+        let surface = rows().flat_map(surface_rows);
+        let surface = self.texts.table("congruence-surface", surface)?;
+        Ok(vec![table, surface])
     }
 
     /// Ratings on the shift of the dial: what the four answers of a person say together; `None` where it was not fitted.
@@ -163,5 +219,67 @@ impl StudyPage<'_> {
             participants: self.analysis.participants,
             series,
         }))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::page_texts::{PageTexts, STUDY};
+    use maveric_stats::{CongruenceData, congruence};
+
+    /// Eight people in five cars, whose liking bends by so much.
+    fn row(bend: f64) -> CongruenceRow {
+        let rows = 0..40_usize;
+        let person = |row: usize| row / 5;
+        let moved = |row: usize| 7.5 * (row % 5) as f64 - 15.0;
+        let side = |row: usize| if person(row) % 2 == 0 { 1.0 } else { -1.0 };
+        let pattern = |row: usize| side(row) * [1.0, -1.0, 0.5, -0.5, 0.3][row % 5];
+        let wobble = |row: usize| 0.01 * ((row * 7) % 11) as f64;
+        let liking = |row: usize| Some(pattern(row) + wobble(row) - bend * moved(row).powi(2));
+        let subjects: Vec<String> = rows.clone().map(|row| person(row).to_string()).collect();
+        let model = congruence(
+            &CongruenceData {
+                subjects: &subjects,
+                liking: &rows.clone().map(liking).collect::<Vec<_>>(),
+                moved: &rows.clone().map(|row| Some(moved(row))).collect::<Vec<_>>(),
+                own: &rows.map(|row| Some(person(row) as f64)).collect::<Vec<_>>(),
+                beside: &[],
+            },
+            5.0,
+        );
+        CongruenceRow {
+            rating: "jian_trust.overall".parse().unwrap(),
+            title: "Trust".to_owned(),
+            n: 8,
+            places: 5,
+            near_points: 5.0,
+            middle: 30.0,
+            period: false,
+            model: Some(model.unwrap()),
+            why_not: None,
+        }
+    }
+
+    #[test]
+    fn a_region_is_shown_with_its_ends_or_says_that_it_has_none() {
+        let texts = PageTexts::new(STUDY, &context! { style => "ADB score" }).unwrap();
+        let unfitted = CongruenceRow {
+            model: None,
+            why_not: Some("too few".to_owned()),
+            ..row(0.05)
+        };
+        let rows = [row(0.05), row(0.0), unfitted];
+        let table = texts
+            .table("congruence", rows.iter().map(congruence_row))
+            .unwrap();
+        let shown = format!("{table:?}");
+        for text in ["top", " to ", "anywhere", "±5 points", "5 places"] {
+            assert!(shown.contains(text), "{text}: {shown}");
+        }
+        assert!(!shown.contains("the period"));
+        let surface = rows.iter().flat_map(surface_rows);
+        let surface = texts.table("congruence-surface", surface).unwrap();
+        assert_eq!(surface.rows.len(), 18);
     }
 }

@@ -6,13 +6,64 @@ use crate::{
     texts::{Texts, value},
     words,
 };
-use maveric_analysis::{Above, Finding, HomophilyRow, Preference, Verdict};
+use maveric_analysis::{Above, CongruenceRow, Finding, HomophilyRow, Part, Preference, Verdict};
 use maveric_report::{Card, ReportError, figures::intervals::IntervalRow};
 use maveric_stats::Proportion;
 use minijinja::{Value, context};
 
 /// Most rows of a picture.
 const ROWS: usize = 8;
+
+/// Do people like best a car near their own style? The parts of each rating are where its top lies and how far that moves.
+pub(super) fn congruence(
+    study: &Study<'_>,
+    texts: &Texts,
+    finding: &Finding,
+) -> Result<Card, ReportError> {
+    let say = |key: &str, values: &Value| texts.say("congruence", key, values);
+    let rows = study.analysis.congruence.iter().filter(|row| row.n > 0);
+    let judged: Vec<(&CongruenceRow, &[Part])> = rows.zip(finding.parts.chunks(2)).collect();
+    let shown = |at: usize| {
+        let parts = judged.iter().filter_map(|(_, parts)| parts.get(at));
+        parts.filter(|part| part.verdict == Verdict::Shown).count()
+    };
+    let mut drawn = Vec::new();
+    let mut tests = Vec::new();
+    for (row, parts) in &judged {
+        let [top, movement] = parts else { continue };
+        drawn.push(IntervalRow::new(&row.title, top.estimate, top.interval));
+        tests.push(say(
+            "test",
+            &context! { top => value(top), movement => value(movement), ..value(row) },
+        )?);
+    }
+    let tops = judged
+        .iter()
+        .filter_map(|(row, parts)| Some((row, parts.first()?)));
+    let furthest = tops
+        .filter_map(|(row, top)| Some((row, top.estimate?)))
+        .max_by(|a, b| a.1.abs().total_cmp(&b.1.abs()));
+    let first = judged.first().map(|(row, _)| *row);
+    let near = first.map_or(0.0, |row| row.near_points);
+    let values = context! {
+        style => study.style_label(),
+        ratings => judged.len(),
+        tops => shown(0),
+        stay => shown(1),
+        near,
+        places => first.map(|row| row.places),
+        furthest => furthest.map(|(row, top)| context! { title => row.title.as_str(), top }),
+    };
+    let drawn = Drawn {
+        rows: drawn,
+        nothing: Some(0.0),
+        bounds: Some((-near, near)),
+    };
+    Ok(Card {
+        tests,
+        ..card(texts, finding, &values, Some(drawn))?
+    })
+}
 
 /// Would people rather be driven as they drive?
 pub(super) fn preferred(

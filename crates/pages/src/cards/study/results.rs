@@ -38,6 +38,7 @@ pub fn cards(study: &Study<'_>) -> Result<Vec<Card>, ReportError> {
             Question::Differ => Some(conditions::differ(study, &texts, finding)?),
             Question::Style => style::line(study, &texts, finding)?,
             Question::Across => style::across(study, &texts, finding)?,
+            Question::Congruence => people::congruence(study, &texts, finding).map(Some)?,
             Question::Preferred => Some(people::preferred(study, &texts, finding)?),
             Question::Personality => people::personality(study, &texts, finding)?,
             Question::Pressed => presses::pressed(study, &texts, finding)?,
