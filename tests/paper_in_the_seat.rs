@@ -294,8 +294,13 @@ fn somebody_elses_style_is_ridden_at_ones_own_score_and_whose_it_was_is_kept_for
         let apart = dial.read(&own).unwrap() - dial.read(&other).unwrap();
         assert!(apart.abs() < 1e-4 && own != other, "{row:?}: {apart}");
         // The first ten ride in styles that the model learned from; then there are ten others.
-        let tested = row.donor.as_str().starts_with('P');
-        assert!(!row.donor.as_str().starts_with(row.participant.as_str()));
+        let tested = row.lent.donor.as_str().starts_with('P');
+        assert!(
+            !row.lent
+                .donor
+                .as_str()
+                .starts_with(row.participant.as_str())
+        );
         assert_eq!(tested, place >= 10, "{row:?}");
     }
     let notes = read(&study, "mine/seat/notes.csv");
@@ -312,7 +317,7 @@ fn somebody_elses_style_is_ridden_at_ones_own_score_and_whose_it_was_is_kept_for
     for (placed, lent) in placed.into_iter().zip(&lent) {
         assert_eq!(placed.participant, lent.participant);
         assert_eq!(placed.embedding, lent.embedding);
-        assert_eq!(placed.lent.as_ref().unwrap().donor, lent.donor);
+        assert_eq!(placed.lent.as_ref().unwrap().donor, lent.lent.donor);
     }
     Page::read(&study.path("mine/report/index.html")).says(&[
         "beside somebody else’s style of the same score",
@@ -328,7 +333,7 @@ fn somebody_elses_style_is_ridden_at_ones_own_score_and_whose_it_was_is_kept_for
     assert_eq!(given.lines().count(), 13);
     let ids = lent
         .iter()
-        .flat_map(|row| [row.donor.as_str(), row.participant.as_str()]);
+        .flat_map(|row| [row.lent.donor.as_str(), row.participant.as_str()]);
     for id in ids {
         assert!(!given.contains(id), "{id}: {given}");
     }

@@ -27,4 +27,4 @@ pub use replay::{Replayed, replay};
 pub use rider::Rider;
 pub use world::world;
 
-pub use maveric_steering::{RideStyle, Seed};
+pub use maveric_steering::{Lending, RideStyle, Seed};

@@ -3,6 +3,7 @@
 use crate::{
     books::{Books, whole},
     error::SeatError,
+    lent::rows_of,
     listed::{KeptSheet, Listed},
     person::Person,
     sheet::Sheet,
@@ -13,7 +14,7 @@ use maveric_domain::ParticipantId;
 use maveric_seat_page::Chunk;
 use maveric_study::{
     StudyError,
-    tables::collected::{ConsentRow, EventRow, NoteRow, Stopped},
+    tables::collected::{ConsentRow, EventRow, LentRow, NoteRow, Stopped},
 };
 use rusqlite::params;
 use std::collections::BTreeSet;
@@ -24,13 +25,14 @@ const PRACTICE: &str = "practice";
 const END: &str = "end";
 /// How the text of an experimenter's note begins among the seat's events.
 pub(crate) const NOTE: &str = "note: ";
-/// All three tables.
+/// All of them.
 #[derive(Debug, Default)]
 pub(crate) struct Collected {
     pub(crate) events: Vec<EventRow>,
     pub(crate) consents: Vec<ConsentRow>,
     pub(crate) notes: Vec<NoteRow>,
     pub(crate) stopped: Vec<Stopped>,
+    pub(crate) lent: Vec<LentRow>,
 }
 
 /// A moment as it is written, in UTC.
@@ -64,6 +66,7 @@ impl Books<'_> {
                 self.events_of((person, sheets), &who, &mut collected.events)?;
             }
             collected.consents.extend(consents_of(sheets, &who));
+            collected.lent.extend(rows_of(person)?);
         }
         collected.stopped = collected.events.iter().filter_map(stopped_in).collect();
         let known: BTreeSet<&str> = given

@@ -258,6 +258,7 @@ impl Files {
             if !collected.stopped.is_empty() || stopped.is_file() {
                 write_rows(TableName::Stopped, &stopped, &collected.stopped)?;
             }
+            self.lent(&collected.lent)?;
             write_rows(
                 TableName::Notes,
                 &place.records.join(NOTES),

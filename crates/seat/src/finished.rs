@@ -9,9 +9,9 @@ use crate::{
     sheet::Sheet,
     steps::{Step, TICKS_PER_S},
 };
-use maveric_domain::Embedding;
+use maveric_domain::{DriveId, Embedding, ParticipantId};
 use maveric_seat_page::{Record, Replayed, RideStyle, fit, replay};
-use maveric_study::beyond_in_words;
+use maveric_study::{StudyError, beyond_in_words};
 use std::fmt;
 
 /// Embeddings of the page and of a processor that fuses its sums agree to this.
@@ -95,13 +95,15 @@ impl Seat {
             return Ok(true);
         };
         let (who, files) = (&person.participant, &self.settings.files);
-        let name = format!("{who}-{condition}");
+        let participant = ParticipantId::new(who.as_str()).map_err(StudyError::from)?;
+        let name = DriveId::in_condition(&participant, condition).map_err(StudyError::from)?;
+        let name = name.as_str();
         let mut outcome = Outcome::default();
         for (place, cut) in begun.iter().enumerate().filter(|(at, _)| *at != whole) {
-            files.record(&name, Some(cut.attempt), &lines[place])?;
+            files.record(name, Some(cut.attempt), &lines[place])?;
         }
         let lines = &lines[whole];
-        files.record(&name, None, lines)?;
+        files.record(name, None, lines)?;
         let driven = Record::from_lines(lines).and_then(|record| Ok((replay(&record)?, record)));
         match driven {
             Err(error) => outcome.tell(format!("{name}: cannot be driven again: {error}")),
@@ -119,7 +121,7 @@ impl Seat {
                 let note: Vec<String> = note.collect();
                 let note = (!note.is_empty()).then(|| note.join("; "));
                 let kept = (&record, lines.as_str(), note.as_deref());
-                files.log(&name, (who, condition), kept, &again)?;
+                files.log(name, (who, condition), kept, &again)?;
                 outcome.tell(format!("{name}: {pictures}"));
                 if ended.is_some() && !again.same() {
                     let text = "the page came through other states than its record gives here";
@@ -136,7 +138,7 @@ impl Seat {
                         .filter_map(|e| Some((e.tick as f64 / 100.0, e.points?)))
                         .collect();
                     let seconds = record.ticks() as f64 / 100.0;
-                    files.turns((&name, who), &turned, step.abs(), seconds)?;
+                    files.turns((name, who), &turned, step.abs(), seconds)?;
                 }
                 if let Some(apart) = self.style_apart(person, found, &record) {
                     outcome.tell(format!(
@@ -144,7 +146,7 @@ impl Seat {
                     ));
                 }
                 if by_hand && left.is_none() {
-                    self.learn(person, &name, (&record, &again), &mut outcome);
+                    self.learn(person, name, (&record, &again), &mut outcome);
                 }
             }
         }

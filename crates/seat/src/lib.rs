@@ -23,6 +23,7 @@ mod intake;
 mod known;
 mod lab;
 mod left_out;
+mod lending;
 mod lent;
 mod let_in;
 mod listed;

@@ -258,16 +258,15 @@ impl Seat {
             return Ok(());
         }
         let answered = self.asked.load(Ordering::SeqCst);
-        let (given, not_admitted, lent) = self.store.look(|b| {
+        let (given, not_admitted) = self.store.look(|b| {
             let people = b.everybody()?.into_iter().filter(Person::is_admitted);
             let with_answers = |p: Person| Ok((b.answers(&p.participant)?, p));
             let given: Vec<_> = people.map(with_answers).collect::<Result<_, SeatError>>()?;
-            Ok::<_, SeatError>((given, b.not_admitted()?, b.lent()?))
+            Ok::<_, SeatError>((given, b.not_admitted()?))
         })?;
         let given = given.into_iter().map(|(answers, person)| (person, answers));
         let given: Vec<_> = given.collect();
         self.settings.files.not_admitted(&not_admitted)?;
-        self.settings.files.lent(&lent)?;
         if !given.is_empty() {
             let listed = self.settings.files.write(&given)?;
             self.store

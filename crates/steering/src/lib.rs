@@ -1,6 +1,7 @@
 #![doc = include_str!("../README.md")]
 
 mod habits;
+mod lending;
 mod model_planner;
 mod networks;
 mod paper;
@@ -8,6 +9,7 @@ mod ride_style;
 mod varying;
 
 pub use habits::HabitRule;
+pub use lending::Lending;
 pub use model_planner::ModelPlanner;
 pub use paper::PaperRule;
 pub use ride_style::{PlacedStyle, RideStyle, Seed};

@@ -1,9 +1,13 @@
 //! Whose style drives a ride, and where in style space that is.
 
-use maveric_domain::{Embedding, Lent};
+use crate::lending::Lending;
+use maveric_domain::{
+    Embedding, Lent,
+    design::{Donors, Matched},
+};
 use maveric_model::{
     Model, ModelError,
-    style_space::{Donor, LinearHead, Matching, PerpendicularEllipse},
+    style_space::{LinearHead, PerpendicularEllipse},
 };
 use rand::SeedableRng;
 use rand_pcg::Pcg64Mcg;
@@ -106,18 +110,15 @@ impl RideStyle {
                 Ok(placed(across.embedding, Some(0.0), Some(across.angle_rad)))
             }
             Self::Lent { apart_sd, seed } => {
-                let training = model.training();
-                let donors = training.iter().map(|drive| Donor {
-                    style: &drive.embedding,
-                    lent: 0,
-                });
-                let donors: Vec<Donor<'_>> = donors.collect();
-                let drawn = Matching::of(model, *apart_sd)?.draw(own, &donors, seed.0)?;
-                let (at, style) = drawn.ok_or(ModelError::NoDonor)?;
-                let lent = Some(style.lent_by(training[at].drive.clone()));
+                let learned = Matched {
+                    from: Donors::Learned,
+                    apart_sd: *apart_sd,
+                };
+                let drawn = Lending::of(model, learned, Vec::new())?.lend((None, own), seed.0)?;
+                let (style, lent) = drawn.ok_or(ModelError::NoDonor)?;
                 Ok(PlacedStyle {
-                    lent,
-                    ..elsewhere(&style.embedding)?
+                    lent: Some(lent),
+                    ..elsewhere(&style)?
                 })
             }
             Self::Given(style) => match (style.size(), model.embedding_size()) {

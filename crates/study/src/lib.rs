@@ -12,7 +12,6 @@ pub mod forget;
 pub mod forgotten;
 pub mod gate;
 mod judged;
-pub mod lending;
 mod mean;
 pub mod missing;
 mod named;

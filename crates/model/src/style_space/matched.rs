@@ -2,7 +2,7 @@
 
 use super::{LinearHead, PerpendicularEllipse};
 use crate::{error::ModelError, model::Model};
-use maveric_domain::{DriveId, Embedding, Lent};
+use maveric_domain::Embedding;
 use rand::{RngExt as _, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 use std::cmp::Ordering;
@@ -36,18 +36,6 @@ pub struct MatchedStyle {
     pub distance_sd: f64,
     /// Whether the shift is at most [`FURTHEST_SHIFT_POINTS`] and the distance within what was asked for.
     pub within_reach: bool,
-}
-
-impl MatchedStyle {
-    /// What is kept of it, with the drive that the style was learned of.
-    pub fn lent_by(&self, donor: DriveId) -> Lent {
-        Lent {
-            donor,
-            donor_shift_points: self.shift_points,
-            donor_distance_sd: self.distance_sd,
-            donor_within_reach: self.within_reach,
-        }
-    }
 }
 
 /// Draws donors of a model.

@@ -108,7 +108,9 @@ impl StudyPage<'_> {
         let panels = self.analysis.panels.iter();
         let held_back = flow.not_admitted.iter();
         Flow {
-            not_admitted: held_back.map(|n| (n.rule.clone(), n.people)).collect(),
+            not_admitted: held_back
+                .map(|n| (format!("not fulfilled: {}", n.rule), n.people))
+                .collect(),
             recruited: flow.recruited,
             drove: flow.drove,
             left_out: rows(&flow.left_out),

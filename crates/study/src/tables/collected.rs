@@ -9,7 +9,7 @@ use super::{
     write_rows,
 };
 use crate::error::StudyError;
-use maveric_domain::{ConditionId, DriveId, Embedding, ParticipantId};
+use maveric_domain::{ConditionId, Embedding, Lent, ParticipantId};
 use serde::{Deserialize, Serialize};
 use std::path::Path;
 
@@ -49,15 +49,13 @@ pub struct NoteRow {
 }
 
 /// A style that was lent to somebody in the seat.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 #[expect(missing_docs, reason = "`columns.toml` says what they are")]
 pub struct LentRow {
     pub participant: ParticipantId,
     pub condition: ConditionId,
-    pub donor: DriveId,
-    pub donor_shift_points: f64,
-    pub donor_distance_sd: f64,
-    pub donor_within_reach: bool,
+    /// In a table its fields are columns of their own.
+    pub lent: Lent,
     /// In a table its numbers are columns of their own.
     pub embedding: Embedding,
 }
@@ -67,7 +65,9 @@ pub struct LentRow {
 /// # Errors
 /// As [`write_rows`].
 pub fn write_lent(path: &Path, rows: &[LentRow]) -> Result<(), StudyError> {
-    let written = rows.iter().map(|row| (row, coordinates(&row.embedding)));
+    let written = rows
+        .iter()
+        .map(|row| (row, &row.lent, coordinates(&row.embedding)));
     write_rows(TableName::Lent, path, written)
 }
 
@@ -76,9 +76,22 @@ pub fn write_lent(path: &Path, rows: &[LentRow]) -> Result<(), StudyError> {
 /// # Errors
 /// As [`Table`] does, naming row and column.
 pub fn read_lent(path: &Path) -> Result<Vec<LentRow>, StudyError> {
+    #[derive(Deserialize)]
+    struct Ridden {
+        participant: ParticipantId,
+        condition: ConditionId,
+        embedding: Embedding,
+    }
     let table = Table::read(path)?;
     table.each_once(&["participant", "condition"])?;
-    table.records_beside(&[("embedding", read_coordinates(&table)?)])
+    let ridden: Vec<Ridden> = table.records_beside(&[("embedding", read_coordinates(&table)?)])?;
+    let row = |(ridden, lent): (Ridden, Lent)| LentRow {
+        participant: ridden.participant,
+        condition: ridden.condition,
+        lent,
+        embedding: ridden.embedding,
+    };
+    Ok(ridden.into_iter().zip(table.records()?).map(row).collect())
 }
 
 /// Their files in the seat's folder.

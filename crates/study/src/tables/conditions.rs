@@ -6,8 +6,6 @@ use super::{
     write_rows,
 };
 use crate::error::StudyError;
-use maveric_domain::{DriveId, Lent};
-use serde::Deserialize;
 use std::path::Path;
 
 pub use maveric_domain::{ConditionRow, SweepPoint};
@@ -36,11 +34,8 @@ pub fn read_conditions(path: &Path) -> Result<Vec<ConditionRow>, StudyError> {
     }
     let mut rows: Vec<ConditionRow> = table.records_beside(&beside)?;
     if table.has("donor") {
-        for (number, cells) in table.records::<LentCells>()?.into_iter().enumerate() {
-            rows[number].lent = cells.lent().map_err(|donor| {
-                let expected = "shift, distance and reach of the donor beside it";
-                table.bad_cell(number, "donor", donor.as_str(), expected)
-            })?;
+        for (row, lent) in rows.iter_mut().zip(table.records_with("donor")?) {
+            row.lent = lent;
         }
     }
     if !table.has("drive") {
@@ -54,43 +49,10 @@ pub fn read_conditions(path: &Path) -> Result<Vec<ConditionRow>, StudyError> {
     Ok(rows)
 }
 
-/// The columns of a style that is lent; empty in the rows of every other car.
-#[derive(Deserialize)]
-struct LentCells {
-    donor: Option<DriveId>,
-    donor_shift_points: Option<f64>,
-    donor_distance_sd: Option<f64>,
-    donor_within_reach: Option<bool>,
-}
-
-impl LentCells {
-    /// None without a donor; the donor, where something is missing beside it.
-    fn lent(self) -> Result<Option<Lent>, DriveId> {
-        let Some(donor) = self.donor else {
-            return Ok(None);
-        };
-        match (
-            self.donor_shift_points,
-            self.donor_distance_sd,
-            self.donor_within_reach,
-        ) {
-            (Some(donor_shift_points), Some(donor_distance_sd), Some(donor_within_reach)) => {
-                Ok(Some(Lent {
-                    donor,
-                    donor_shift_points,
-                    donor_distance_sd,
-                    donor_within_reach,
-                }))
-            }
-            _ => Err(donor),
-        }
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-    use maveric_domain::{BeyondWhy, Embedding, ParticipantId};
+    use maveric_domain::{BeyondWhy, DriveId, Embedding, Lent, ParticipantId};
 
     #[test]
     fn a_sweep_comes_back_with_its_drives_a_study_without_and_a_lent_style_with_its_donor() {
@@ -139,10 +101,7 @@ mod tests {
         let half = std::fs::read_to_string(&path).unwrap().replace("1.25", "");
         std::fs::write(&path, half).unwrap();
         let refused = read_conditions(&path).unwrap_err().to_string();
-        assert!(
-            refused.contains("P02-own") && refused.contains("`donor`"),
-            "{refused}"
-        );
+        assert!(refused.contains("donor_distance_sd"), "{refused}");
         // A table of before has no column for it.
         let before = "participant,condition,adb_hat,moved_points,moved_points_sd,clamped,angle_rad,beyond_training,w1\nP01,own,30,0,,false,,false,0.5\n";
         std::fs::write(&path, before).unwrap();

@@ -40,6 +40,27 @@ impl Table {
         &self,
         lists: &[(&str, Vec<Option<Vec<f64>>>)],
     ) -> Result<Vec<T>, StudyError> {
+        let rows = self.some_records(lists, |_| true)?;
+        Ok(rows.into_iter().flatten().collect())
+    }
+
+    /// As [`Table::records`], of those rows alone in which this column is not empty.
+    ///
+    /// # Errors
+    /// As [`Table::records`].
+    pub(super) fn records_with<T: DeserializeOwned>(
+        &self,
+        column: &str,
+    ) -> Result<Vec<Option<T>>, StudyError> {
+        let cells = self.text(column)?;
+        self.some_records(&[], |row| cells.get(row).is_some_and(Option::is_some))
+    }
+
+    fn some_records<T: DeserializeOwned>(
+        &self,
+        lists: &[(&str, Vec<Option<Vec<f64>>>)],
+        wanted: impl Fn(usize) -> bool,
+    ) -> Result<Vec<Option<T>>, StudyError> {
         let names = columns::<T>();
         let list = |name: &str| lists.iter().find(|list| list.0 == name);
         let texts = names.iter().map(|name| match list(name) {
@@ -66,6 +87,7 @@ impl Table {
                 self.bad_cell(row, names[at], found.unwrap_or_default(), expected)
             })
         };
+        let record = |row| wanted(row).then(|| record(row)).transpose();
         (0..self.rows()).map(record).collect()
     }
 }

@@ -132,7 +132,7 @@ impl Collected {
         }
         for row in &mut self.lent {
             row.participant = names.of(&row.participant);
-            row.donor = donor_given_away(&row.donor, names)?;
+            row.lent.donor = donor_given_away(&row.lent.donor, names)?;
         }
         if !self.lent.is_empty() {
             self.lent.sort_by(|a, b| a.participant.cmp(&b.participant));

@@ -4,7 +4,6 @@ use super::{Steer, Steered, is_beyond, strangers::Strangers};
 use crate::{
     design::DesignFile,
     error::StudyError,
-    lending::Lending,
     once::told_once,
     outcome::{Outcome, Watch},
     style_scale::StyleScale,
@@ -21,9 +20,9 @@ use maveric_domain::{
 };
 use maveric_model::{
     Model, ModelError,
-    style_space::{LinearHead, PerpendicularEllipse},
+    style_space::{FEWEST_DONORS, LinearHead, PerpendicularEllipse},
 };
-use maveric_steering::{PlacedStyle, RideStyle, Seed};
+use maveric_steering::{Lending, PlacedStyle, RideStyle, Seed};
 use path_slash::PathExt as _;
 use std::collections::BTreeMap;
 
@@ -150,10 +149,7 @@ pub(super) fn conditions(
                     .map(|sd| sd / scale.stretch()),
                 clamped: placed.clamped,
                 angle_rad: placed.angle_rad,
-                lent: lent.map(|lent| Lent {
-                    donor_shift_points: lent.donor_shift_points / steering.points,
-                    ..lent
-                }),
+                lent,
                 beyond_training: is_beyond(model, &embedding)?,
                 beyond_why: match condition.car {
                     Some(Car::Dial(_) | Car::Across) => why.clone(),
@@ -165,8 +161,7 @@ pub(super) fn conditions(
         }
     }
     warnings.extend(strangers.warnings());
-    let lending = steering.lending.iter();
-    warnings.extend(lending.flat_map(|(id, lending)| lending.warnings(*id)));
+    warnings.extend(steering.of_donors(&rows));
     let nobody = told_once("participant", steering.nobodys(&driven, own));
     warnings.extend(nobody);
     if clamped > 0 {
@@ -219,22 +214,20 @@ impl Steering<'_> {
                 let Some(row) = theirs.find(|row| row.participant == *who) else {
                     return Ok(None);
                 };
-                lent = Some(Lent {
-                    donor: row.donor.clone(),
-                    donor_shift_points: row.donor_shift_points * self.points,
-                    donor_distance_sd: row.donor_distance_sd,
-                    donor_within_reach: row.donor_within_reach,
-                });
+                lent = Some(row.lent.clone());
                 RideStyle::Given(row.embedding.clone())
             }
             Some(Car::Matched(_)) => {
                 let lending = self.lending.get_mut(&condition.id);
-                let rider = (&person.drive, &person.embedding);
+                let rider = (Some(&person.drive), &person.embedding);
                 let found = lending.map(|lending| lending.lend(rider, drawn));
                 let Some((style, from)) = found.transpose()?.flatten() else {
                     return Ok(None);
                 };
-                lent = Some(from);
+                lent = Some(Lent {
+                    donor_shift_points: from.donor_shift_points / self.points,
+                    ..from
+                });
                 RideStyle::Given(style)
             }
             Some(Car::Mean) => RideStyle::Mean,
@@ -248,6 +241,29 @@ impl Steering<'_> {
         let points = condition.dial().unwrap_or(0.0) * self.stretch;
         let placed = style.place(self.model, &person.embedding, points)?;
         Ok(Some((placed, lent)))
+    }
+
+    /// What a reader has to know of how donors were drawn.
+    fn of_donors(&self, rows: &[ConditionRow]) -> Vec<String> {
+        let mut told = Vec::new();
+        for (id, lending) in &self.lending {
+            let lenders = lending.lenders();
+            if lenders < FEWEST_DONORS {
+                told.push(format!(
+                    "condition {id}: {lenders} drives whose style may be lent, fewer than {FEWEST_DONORS}: it is the same one again and again"
+                ));
+            }
+            let theirs = rows.iter().filter(|row| row.condition == *id);
+            let lent: Vec<&Lent> = theirs.filter_map(|row| row.lent.as_ref()).collect();
+            let beyond = lent.iter().filter(|lent| !lent.donor_within_reach).count();
+            if beyond > 0 {
+                told.push(format!(
+                    "condition {id}: nobody within reach of {beyond} of {} people, who were lent the nearest style (`donor_within_reach`)",
+                    lent.len()
+                ));
+            }
+        }
+        told
     }
 
     /// Who was lent nobody's style in a condition that was ridden, and what is said of it.

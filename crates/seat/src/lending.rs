@@ -1,0 +1,91 @@
+//! Whose style is lent to somebody, once their own is known.
+
+use crate::{
+    books::Books,
+    error::SeatError,
+    lent::{by_hand, lent_to},
+    person::{Person, style_kept},
+    seat::Seat,
+    steps::Step,
+};
+use maveric_domain::{DriveId, Embedding, Lent, design::Car};
+use maveric_seat_page::{Fit, Lending, RideStyle};
+use maveric_study::StudyError;
+
+/// What somebody may lend: nothing whose drive shows no habit, or is beyond what the model has met.
+fn lends(person: &Person, style: &Fit) -> Option<(DriveId, Embedding)> {
+    let known = style.readings > 0 && style.beyond.is_none();
+    let embedding = Embedding::new(style.embedding.clone()).ok()?;
+    known.then_some((by_hand(person)?, embedding))
+}
+
+impl Seat {
+    /// Draws whose style is lent in those rides of a person's steps that have somebody else's; `style` is what was learned of their drive.
+    ///
+    /// Whoever rode where no server was has ridden in the style that the page drew: it stays.
+    pub(crate) fn lend(
+        &self,
+        b: &Books<'_>,
+        person: &Person,
+        style: &str,
+    ) -> Result<(), SeatError> {
+        let waits = |step: &Step| match step {
+            Step::Ride { style, .. } => matches!(style, RideStyle::Lent { .. }),
+            _ => false,
+        };
+        if !person.steps.iter().any(waits) {
+            return Ok(());
+        }
+        let (Some(model), Some(own)) = (&self.model, style_kept(Some(style))) else {
+            return Ok(());
+        };
+        let mut others = self.seen(b.everybody()?);
+        others.retain(|other| other.token != person.token);
+        let fits = others
+            .iter()
+            .filter_map(|other| lends(other, &other.style()?));
+        let tested: Vec<_> = fits.chain(lends(person, &own)).collect();
+        let drive = by_hand(person);
+        let own = Embedding::new(own.embedding).map_err(StudyError::from)?;
+        let mut steps = person.steps.clone();
+        for step in &mut steps {
+            let Step::Ride {
+                condition,
+                style,
+                stretch,
+                lent,
+                ..
+            } = step
+            else {
+                continue;
+            };
+            let RideStyle::Lent { seed, .. } = style else {
+                continue;
+            };
+            let condition = self.settings.design.condition(*condition);
+            let matched = condition.filter(|_| person.ended.is_none());
+            let drawn = match matched.map(|c| (c.id, &c.car)) {
+                Some((id, Some(Car::Matched(matched)))) => {
+                    let mut lending =
+                        Lending::of(model, *matched, tested.clone()).map_err(StudyError::from)?;
+                    let before = others.iter().flat_map(lent_to);
+                    before
+                        .filter(|(ridden, ..)| *ridden == id)
+                        .for_each(|(_, lent, _)| lending.count(&lent.donor));
+                    lending.lend((drive.as_ref(), &own), seed.0)
+                }
+                _ => style
+                    .place(model, &own, 0.0)
+                    .map(|placed| Some(placed.embedding).zip(placed.lent)),
+            };
+            if let Some((embedding, from)) = drawn.map_err(StudyError::from)? {
+                *style = RideStyle::Given(embedding);
+                *lent = Some(Lent {
+                    donor_shift_points: from.donor_shift_points / *stretch,
+                    ..from
+                });
+            }
+        }
+        b.set_steps(&person.participant, &steps)
+    }
+}
