@@ -74,6 +74,7 @@ files! {
     FURTHER_SCALES_PURPOSE = "study_data/further_scales/purpose.toml";
     FURTHER_SCALES_SSQ = "study_data/further_scales/ssq.toml";
     FURTHER_SCALES_STS_AD = "study_data/further_scales/sts_ad.toml";
+    FURTHER_SCALES_WHICH = "study_data/further_scales/which.toml";
     SCALES_ADB = "study_data/scales/adb.toml";
     SCALES_AGGRESSIVENESS = "study_data/scales/aggressiveness.toml";
     SCALES_GODSPEED_INTELLIGENCE = "study_data/scales/godspeed_intelligence.toml";

@@ -3,7 +3,7 @@
 use crate::{
     Analysis, AnalysisError, Exclusion, Panel, Reproduction, StudyData, by_factor, compare,
     congruence, crossed::crossed, describe, design_test::Purpose, findings, homophily, hypotheses,
-    lent, line, mixed, presses, primary, reproduction,
+    lent, line, mixed, presses, primary, reproduction, sensitivity, which,
 };
 use maveric_domain::design::{Condition, DeclaredTest, Outcome, Quantity};
 use maveric_measures::objective;
@@ -35,6 +35,7 @@ pub fn analyse(data: &StudyData, purpose: Purpose) -> Result<Analysis, AnalysisE
         flow: data.flow.clone(),
         orders: data.order_balance(),
         hypotheses: hypotheses::verdicts(data, &panels, &primary)?,
+        sensitivity: sensitivity::sensitivity(data, purpose, &panels, &primary)?,
         primary,
         line: line::line(data, true)?,
         line_without_adb: line::line(data, false)?,
@@ -50,6 +51,7 @@ pub fn analyse(data: &StudyData, purpose: Purpose) -> Result<Analysis, AnalysisE
         preferences: homophily::preferences(data),
         presses: presses::presses(data)?,
         lent: lent::beside_lent(data)?,
+        which: which::which_ride(data)?,
         beyond_training: beyond_training(data),
         notes: notes(data),
         exclusions,

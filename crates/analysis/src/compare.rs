@@ -29,9 +29,7 @@ pub(crate) fn panels(data: &StudyData, purpose: Purpose) -> Result<Vec<Panel>, A
     }
     let mut found = Vec::new();
     for asked in &asked {
-        let mut whole = vec![panel(data, purpose, asked, None, &data.participants)?];
-        correct(&mut whole)?;
-        found.extend(whole);
+        found.push(whole(data, purpose, asked)?);
         let mut family = Vec::new();
         for (group, people) in groups(data) {
             family.push(panel(data, purpose, asked, Some(group), &people)?);
@@ -40,6 +38,17 @@ pub(crate) fn panels(data: &StudyData, purpose: Purpose) -> Result<Vec<Panel>, A
         found.extend(family);
     }
     Ok(found)
+}
+
+/// The panel of an outcome over everybody.
+pub(crate) fn whole(
+    data: &StudyData,
+    purpose: Purpose,
+    asked: &Asked,
+) -> Result<Panel, AnalysisError> {
+    let mut whole = panel(data, purpose, asked, None, &data.participants)?;
+    correct(std::slice::from_mut(&mut whole))?;
+    Ok(whole)
 }
 
 /// The people of each combination of the factors' levels, in order; nobody where no factor divides them.

@@ -237,7 +237,7 @@ impl StudyData {
                 .into_iter()
                 .map(|p| (p.id.clone(), p))
                 .collect(),
-            scales: tables.scales,
+            scales: design.with_dropped_items(tables.scales),
         };
         for condition in data.design.conditions() {
             let id = condition.id;

@@ -6,6 +6,7 @@ use crate::{
     result::Described,
 };
 use maveric_domain::ConditionId;
+use maveric_measures::objective;
 use maveric_stats::normality;
 
 /// An outcome or a rating as it was observed.
@@ -24,12 +25,17 @@ pub struct Observed {
     pub conditions: Vec<(ConditionId, Vec<Option<f64>>)>,
 }
 
-/// The outcomes in their order, then every other rating that somebody gave.
+/// The outcomes in their order, then every other rating that somebody gave, then what the drives met on their road.
 pub fn observed(data: &StudyData) -> Vec<Observed> {
     let mut asked = outcomes(data);
     for name in data.rated_names() {
         if !asked.iter().any(|a| a.id == name.to_string()) {
             asked.push(Asked::score(data, name));
+        }
+    }
+    for met in objective::met().iter().filter(|m| data.is_measured(m.name)) {
+        if !asked.iter().any(|a| a.id == met.name) {
+            asked.push(Asked::measure(&data.design, met.name));
         }
     }
     let baseline = data.design.baseline_id();

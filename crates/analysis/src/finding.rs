@@ -27,12 +27,16 @@ pub enum Question {
     Noticed,
     /// Do the conditions differ at all?
     Differ,
+    /// Do the differences of an outcome stay by another choice, such as a score without some items?
+    Stays,
     /// Does driving alone tell the score of the style?
     Style,
     /// Does moving across the dial change a habit that the dial leaves alone?
     Across,
     /// Do people like best a car near their own style?
     Congruence,
+    /// Do people tell which of two rides was in their own style?
+    Which,
     /// Do people prefer their own style?
     Preferred,
     /// Does personality tell which style one wants?
@@ -74,16 +78,18 @@ pub enum Question {
 }
 
 /// Ids of the questions that are asked once, in JSON and on pages; a hypothesis is `hypothesis-1`, and so on.
-const IDS: [(Question, &str); 28] = [
+const IDS: [(Question, &str); 30] = [
     (Question::OwnStyle, "own-style"),
     (Question::Nearer, "nearer"),
     (Question::Dial, "dial"),
     (Question::Expected, "expected"),
     (Question::Noticed, "noticed"),
     (Question::Differ, "differ"),
+    (Question::Stays, "stays"),
     (Question::Style, "style"),
     (Question::Across, "across"),
     (Question::Congruence, "congruence"),
+    (Question::Which, "which"),
     (Question::Preferred, "preferred"),
     (Question::Personality, "personality"),
     (Question::Pressed, "pressed"),

@@ -32,12 +32,14 @@ mod primary;
 mod recommendation;
 mod reproduction;
 mod result;
+mod sensitivity;
 #[cfg(test)]
 mod testing;
 #[cfg(test)]
 mod tests;
 mod turned;
 pub mod verdict;
+mod which;
 
 pub use analyse::analyse;
 pub use balance::{Balance, OrderBalance, PlacesOf};
@@ -62,5 +64,7 @@ pub use result::{
     LevelMean, LineRow, MixedRow, Nearer, Panel, Preference, PrimaryOutcome, Reproduction,
     SimilarityRow, TestedFactor,
 };
+pub use sensitivity::{OtherChoice, Sensitivity, SensitivityRow};
 pub use turned::{Settled, Turns};
 pub use verdict::Verdict;
+pub use which::WhichRide;

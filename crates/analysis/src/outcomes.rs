@@ -91,6 +91,17 @@ impl Asked {
         }
     }
 
+    /// The same outcome by its score without the items that it drops; the contrasts and what is expected of it stay those of the outcome.
+    pub(crate) fn without_items(data: &StudyData, outcome: &Outcome) -> Option<Self> {
+        let reduced = Self::score(data, &outcome.score_without_items()?);
+        Some(Self {
+            id: outcome.id(),
+            test: outcome.test,
+            primary: outcome.primary,
+            ..reduced
+        })
+    }
+
     /// The measure's column; none of a score.
     pub(crate) fn column(&self) -> Option<&str> {
         match &self.quantity {

@@ -6,7 +6,9 @@ use crate::{
     flow::Flow,
     lent::BesideLent,
     presses::Presses,
+    sensitivity::Sensitivity,
     verdict::Verdict,
+    which::WhichRide,
 };
 use maveric_domain::{
     ConditionId,
@@ -36,6 +38,9 @@ pub struct Analysis {
     /// The primary outcomes in the order written, each tested if all before it were below .05.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub primary: Vec<PrimaryOutcome>,
+    /// Outcomes by another choice than the one that decides.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub sensitivity: Vec<Sensitivity>,
     /// The hypotheses of the design, judged by their rules.
     pub hypotheses: Vec<Judged>,
     /// What became of each question that the study asks, in the order in which a reader asks; a page words them.
@@ -46,7 +51,7 @@ pub struct Analysis {
     pub line_without_adb: Option<AggressionLine>,
     /// 9.2, a row a measure; empty without a condition at 0 on the dial, or without a baseline.
     pub reproduction: Vec<Reproduction>,
-    /// Every outcome and every rating as it was measured, by condition, the baseline first.
+    /// Every outcome, every rating and what the drives met on their road, by condition, the baseline first.
     pub descriptives: Vec<Described>,
     /// 9.3, a panel an outcome, then one a group of people where the design divides them.
     pub panels: Vec<Panel>,
@@ -71,6 +76,9 @@ pub struct Analysis {
     /// The own style beside somebody else's of the same score, a condition with such a style a row.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub lent: Vec<BesideLent>,
+    /// Whether people tell which of two rides was in their own style; none where they are not asked.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub which: Option<WhichRide>,
     /// Share of embeddings away from 0 on the dial that lie further out than any training driver's.
     pub beyond_training: Option<f64>,
     /// What the design asks for and this analysis does in another way, or not at all, in sentences.

@@ -56,6 +56,7 @@ pub fn preregistration(design: &Design, sample_size: &[String]) -> Result<String
         pairs => design.contrasts().into_iter().map(pair).collect::<Vec<_>>(),
         of_levels => design.level_contrasts().iter().map(|c| levels(design, c)).collect::<Vec<_>>(),
         tests => tests(design),
+        reduced => design.outcomes().iter().filter(|o| !o.drop_items.is_empty()).map(|o| context! { id => o.id(), items => &o.drop_items }).collect::<Vec<_>>(),
         primary => design.outcomes().iter().filter_map(|o| primary(design, o)).collect::<Vec<_>>(),
         by_looks => by_looks(design),
         homophily,

@@ -1,6 +1,6 @@
 //! Phrases that pages share: lists, shares, intervals, and tests as APA writes them.
 
-use maveric_analysis::{Contrast, ContrastTest, Correlation, Panel};
+use maveric_analysis::{Contrast, ContrastTest, Correlation, OtherChoice, Panel};
 use maveric_domain::{ConditionId, Design, design::DeclaredTest};
 use maveric_report::{
     apa,
@@ -160,6 +160,17 @@ pub fn paired(panel: &Panel, pair: &Contrast) -> Option<String> {
         .markup()
         .to_owned(),
     })
+}
+
+/// What was chosen otherwise, in words that follow a difference.
+pub(crate) fn other_choice(choice: &OtherChoice) -> String {
+    match choice {
+        OtherChoice::WithoutItems { items } => {
+            let numbers: Vec<String> = items.iter().map(ToString::to_string).collect();
+            let noun = if items.len() == 1 { "item" } else { "items" };
+            format!("without {noun} {}", listed(&numbers))
+        }
+    }
 }
 
 /// A declared test in words that end a sentence.

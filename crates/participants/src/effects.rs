@@ -98,7 +98,7 @@ pub struct Homophily {
 /// A subscale answered after each condition; every number is in points of its scale.
 ///
 /// The latent rating of a person in a condition is `mean + preference · fit + homophily · likeness + shift · A + distance · D + order · place + liking · H
-/// + halo_condition · H + halo_person · P + noise`, with A and D as perceived (see [`Perception`]), `fit = −(A − preferred shift)²`, `likeness = −h · D`, h as in
+/// + halo_condition · H + halo_person · P + carry_over · (preference · fit + … + distance · D of the drive before) + noise`, with A and D as perceived (see [`Perception`]), `fit = −(A − preferred shift)²`, `likeness = −h · D`, h as in
 /// [`Homophily`], place −1.5 to 1.5 in the order of the trials, and H, P drawn once a person and condition, and once a person.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -120,6 +120,9 @@ pub struct RatingModel {
     /// Effect of the place in the order of the trials.
     #[serde(default)]
     pub order: f64,
+    /// Effect: the share of what the drive before did to its rating that is left in this one.
+    #[serde(default)]
+    pub carry_over: f64,
     /// Effect of the condition's halo on a scale that is not about regard: what people like they call similar.
     #[serde(default)]
     pub liking: f64,
@@ -160,6 +163,7 @@ impl Effects {
             (model.preference, model.homophily) = (0.0, 0.0);
             (model.shift, model.distance) = (0.0, 0.0);
             (model.order, model.liking) = (0.0, 0.0);
+            model.carry_over = 0.0;
             (model.halo_person, model.halo_condition) = (0.0, 0.0);
         }
         null
@@ -241,6 +245,7 @@ impl RatingModel {
             ("shift", self.shift),
             ("distance", self.distance),
             ("order", self.order),
+            ("carry_over", self.carry_over),
             ("liking", self.liking),
             ("halo_person", self.halo_person),
             ("halo_condition", self.halo_condition),

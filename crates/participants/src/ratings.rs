@@ -79,8 +79,8 @@ pub fn rate(
     effects.check()?;
     check_scales(scales, effects)?;
     check_measures(participant, own)?;
-    let mut rated = Rated::default();
     let mut seen = BTreeSet::new();
+    let mut sat_through = Vec::new();
     for (condition, values) in trials {
         check_measures(participant, values)?;
         let bad = |problem| {
@@ -105,7 +105,20 @@ pub fn rate(
             values,
             spread,
         };
-        trial.rate(scales, effects, seed, &mut rated);
+        let made = trial.impression(effects, seed);
+        sat_through.push((place, trial, made));
+    }
+    let mut rated = Rated::default();
+    for (place, trial, (impression, missing)) in &sat_through {
+        let before = sat_through.iter().find(|(p, ..)| p + 1 == *place);
+        let left = before.map(|(_, _, (impression, _))| impression);
+        trial.rate(
+            scales,
+            effects,
+            seed,
+            (impression, left, missing),
+            &mut rated,
+        );
     }
     Ok(rated)
 }
@@ -140,7 +153,14 @@ pub fn rate_trial(
         spread,
     };
     let mut rated = Rated::default();
-    trial.rate(scales, effects, seed, &mut rated);
+    let (impression, missing) = trial.impression(effects, seed);
+    trial.rate(
+        scales,
+        effects,
+        seed,
+        (&impression, None, &missing),
+        &mut rated,
+    );
     Ok(rated)
 }
 
@@ -176,19 +196,25 @@ fn check_measures(
 }
 
 impl Trial<'_> {
-    /// Adds the answers to every scale that is rated.
-    fn rate(&self, scales: &[Scale], effects: &Effects, seed: u64, rated: &mut Rated) {
-        let (impression, missing) = self.impression(effects, seed);
+    /// Adds the answers to every scale that is rated, by what the person made of this trial and of the one before it.
+    fn rate(
+        &self,
+        scales: &[Scale],
+        effects: &Effects,
+        seed: u64,
+        (impression, before, missing): (&Impression, Option<&Impression>, &[String]),
+        rated: &mut Rated,
+    ) {
         if !missing.is_empty() {
             rated.warnings.push(RatingWarning::NotCompared {
                 participant: self.participant.id.clone(),
                 condition: self.condition,
-                measures: missing,
+                measures: missing.to_vec(),
             });
         }
         for scale in scales {
             if let Some(models) = effects.ratings.get(&scale.id) {
-                let answers = self.answers(scale, models, &impression, effects, seed);
+                let answers = self.answers(scale, models, (impression, before), effects, seed);
                 rated.answers.extend(answers);
             }
         }
@@ -198,7 +224,7 @@ impl Trial<'_> {
         &self,
         scale: &Scale,
         models: &BTreeMap<String, RatingModel>,
-        impression: &Impression,
+        (impression, before): (&Impression, Option<&Impression>),
         effects: &Effects,
         seed: u64,
     ) -> Vec<Answer> {
@@ -211,7 +237,9 @@ impl Trial<'_> {
             let labels = [id, "rating", scale.id.as_str(), name.as_str()];
             let habit = normal(&mut stream(seed, &labels));
             let mut rng = stream(seed, &[id, "rating", &scale.id, name, self.label]);
+            let left = before.map_or(0.0, |before| model.with_drive(0.0, before));
             let latent = model.latent(impression)
+                + model.carry_over * left
                 + model.person_sd * habit
                 + model.noise_sd * normal(&mut rng);
             for &item in &subscale.items {
@@ -235,12 +263,17 @@ impl Trial<'_> {
 }
 
 impl RatingModel {
-    fn latent(&self, i: &Impression) -> f64 {
-        self.mean
+    /// A rating, and what the car did to it.
+    fn with_drive(&self, rating: f64, i: &Impression) -> f64 {
+        rating
             + self.preference * i.fit
             + self.homophily * i.likeness
             + self.shift * i.shift
             + self.distance * i.distance
+    }
+
+    fn latent(&self, i: &Impression) -> f64 {
+        self.with_drive(self.mean, i)
             + self.order * i.place
             + (self.liking + self.halo_condition) * i.halo_condition
             + self.halo_person * i.halo_person
@@ -262,6 +295,7 @@ mod tests {
             shift: 5.0,
             distance: -7.0,
             order: 11.0,
+            carry_over: 17.0,
             liking: 0.25,
             halo_condition: 0.5,
             halo_person: 13.0,
@@ -280,6 +314,45 @@ mod tests {
         });
         let expected = 4.0 - 2.0 - 0.3 + 0.05 - 0.007 + 0.0011 + 1.5 + 0.000_13;
         assert!((found - expected).abs() < 1e-12, "{found}");
+    }
+
+    #[test]
+    fn a_share_of_the_drive_before_is_left_in_the_next_rating_and_none_in_the_first() {
+        let carried = |share: f64| {
+            let mut effects = effects();
+            let scale = effects.ratings.get_mut("aggressiveness").unwrap();
+            scale.get_mut("aggressiveness").unwrap().carry_over = share;
+            TestStudy::run(40, 3, &effects)
+        };
+        let (with, without) = (carried(0.8), carried(0.0));
+        let conditions = [id("mimic"), id("aggressive"), id("cautious")];
+        let changes = |of: ConditionId| {
+            let rated = |study: &TestStudy| {
+                study.scores(Moment::After(of), "aggressiveness", "aggressiveness")
+            };
+            let pairs = rated(&with).into_iter().zip(rated(&without));
+            pairs
+                .map(|(with, without)| with - without)
+                .collect::<Vec<f64>>()
+        };
+        let (mut first, mut after) = (Vec::new(), BTreeMap::new());
+        for condition in conditions {
+            let people = &with.cohort.participants;
+            for (person, change) in people.iter().zip(changes(condition)) {
+                let place = person.order.iter().position(|c| *c == condition).unwrap();
+                match place.checked_sub(1) {
+                    None => first.push(change),
+                    Some(before) => {
+                        let before = person.order[before];
+                        after.entry(before).or_insert_with(Vec::new).push(change);
+                    }
+                }
+            }
+        }
+        assert!(!first.is_empty() && first.iter().all(|change| *change == 0.0));
+        let left = |of: &str| mean(&after[&id(of)]);
+        assert!(left("aggressive") > 0.1, "{}", left("aggressive"));
+        assert!(left("cautious") < -0.1, "{}", left("cautious"));
     }
 
     /// Mean correlation over studies of 24 of a trait's score with a difference of ratings.

@@ -249,6 +249,7 @@ mod tests {
             tests: Vec::new(),
             families: Vec::new(),
             hypotheses: Vec::new(),
+            findings: Vec::new(),
         }
     }
 

@@ -1,6 +1,6 @@
 //! Every test that a report prints, by name.
 
-use maveric_analysis::{Analysis, Correlation, Judged, Panel};
+use maveric_analysis::{Analysis, Correlation, Judged, Panel, Question, Verdict};
 use serde::{Deserialize, Serialize};
 
 /// Which part of the report a test belongs to.
@@ -25,11 +25,13 @@ pub enum Part {
     SimilarityWithin,
     /// 9.5, the mixed model.
     Mixed,
+    /// The curvature of a rating over the distance from the own style.
+    Congruence,
 }
 
 impl Part {
     /// All, in the order of the report.
-    pub const ALL: [Self; 9] = [
+    pub const ALL: [Self; 10] = [
         Self::Line,
         Self::Omnibus,
         Self::Pairs,
@@ -39,6 +41,7 @@ impl Part {
         Self::SimilarityPooled,
         Self::SimilarityWithin,
         Self::Mixed,
+        Self::Congruence,
     ];
 
     /// Name for people.
@@ -53,6 +56,7 @@ impl Part {
             Self::SimilarityPooled => "Similarity × rating, all rows (Spearman)",
             Self::SimilarityWithin => "Similarity × rating, within people",
             Self::Mixed => "Rating on shift (mixed model)",
+            Self::Congruence => "Curvature of a rating over the distance (mixed model)",
         }
     }
 }
@@ -81,6 +85,8 @@ pub struct Studied {
     pub tests: Vec<Found>,
     /// The declared hypotheses, in the design's order.
     pub judged: Vec<Judged>,
+    /// What became of each question of the study's page.
+    pub findings: Vec<(Question, Verdict)>,
 }
 
 /// Every test of a study and every declared hypothesis, always in the same order.
@@ -88,6 +94,7 @@ pub fn found_in(a: &Analysis) -> Studied {
     Studied {
         tests: tests_in(a),
         judged: a.hypotheses.clone(),
+        findings: a.findings.iter().map(|f| (f.question, f.verdict)).collect(),
     }
 }
 
@@ -159,6 +166,12 @@ fn tests_in(a: &Analysis) -> Vec<Found> {
                 p,
             );
         }
+    }
+    for row in &a.congruence {
+        let curvature = row.model.as_ref().and_then(|m| m.coef.get("moved^2"));
+        let (estimate, p) = (curvature.map(|c| c.estimate), curvature.and_then(|c| c.p));
+        let key = format!("congruence.{}.curvature", row.rating);
+        add(Part::Congruence, key, estimate, p);
     }
     let mut corrected = |part, key: String, family: String, estimate, p, p_holm| {
         found.push(Found {

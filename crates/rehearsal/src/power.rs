@@ -83,6 +83,7 @@ mod tests {
                     p: Some(0.001),
                     p_holm: None,
                 }],
+                findings: Vec::new(),
                 judged: shown
                     .iter()
                     // A difference the wrong way has a small p as well.

@@ -1,7 +1,7 @@
 //! How often each test says yes, over many studies.
 
 use crate::outcomes::{Found, Part, Studied};
-use maveric_analysis::{Judged, Verdict};
+use maveric_analysis::{Judged, Question, Verdict};
 use maveric_domain::ConditionId;
 use maveric_stats::{Proportion, proportion};
 use serde::{Deserialize, Serialize};
@@ -63,24 +63,44 @@ pub struct HypothesisRate {
     pub fails: Option<Proportion>,
 }
 
+/// One question of a study's page over the studies of a cell.
+#[derive(Debug, Clone, Serialize, Deserialize)]
+pub struct FindingRate {
+    /// The question.
+    pub question: Question,
+    /// Studies that could judge it.
+    pub studies: usize,
+    /// Share of them in which it is shown by its own rule, with Wilson's 95 % interval: its power where it is true.
+    pub shown: Option<Proportion>,
+    /// Share in which it fails.
+    pub fails: Option<Proportion>,
+}
+
 impl HypothesisRate {
     fn of(judged: &[&Judged]) -> Option<Self> {
         let first = judged.first()?;
-        let asked = judged.iter().filter(|j| j.verdict != Verdict::NotAsked);
-        let studies = asked.count();
-        let became = |verdict| {
-            let came = judged.iter().filter(|j| j.verdict == verdict);
-            share(came.count(), studies)
-        };
+        let (studies, shown, fails) = shares(judged.iter().map(|j| j.verdict));
         Some(Self {
             says: first.says.clone(),
             outcome: first.outcome.clone(),
             contrast: [first.first, first.second],
             studies,
-            shown: became(Verdict::Shown),
-            fails: became(Verdict::Fails),
+            shown,
+            fails,
         })
     }
+}
+
+/// Of those that could be judged, how many there are, and the shares shown and failed.
+fn shares(
+    verdicts: impl Iterator<Item = Verdict>,
+) -> (usize, Option<Proportion>, Option<Proportion>) {
+    let judged: Vec<Verdict> = verdicts.filter(|v| *v != Verdict::NotAsked).collect();
+    let became = |verdict| {
+        let came = judged.iter().filter(|v| **v == verdict);
+        share(came.count(), judged.len())
+    };
+    (judged.len(), became(Verdict::Shown), became(Verdict::Fails))
 }
 
 /// Studies of one size and one scale of the effects.
@@ -99,6 +119,9 @@ pub struct Cell {
     /// Every declared hypothesis, in the design's order.
     #[serde(default)]
     pub hypotheses: Vec<HypothesisRate>,
+    /// Every question of the study's page, in its order; the declared hypotheses stand above.
+    #[serde(default)]
+    pub findings: Vec<FindingRate>,
 }
 
 fn share(part: usize, whole: usize) -> Option<Proportion> {
@@ -147,8 +170,32 @@ impl Cell {
             tests: tests.collect(),
             families: families(studies),
             hypotheses: hypotheses(studies),
+            findings: findings(studies),
         }
     }
+}
+
+/// A question may come up in some studies alone: those that ask it are counted.
+fn findings(studies: &[Studied]) -> Vec<FindingRate> {
+    let mut questions: Vec<Question> = Vec::new();
+    for (question, _) in studies.iter().flat_map(|s| &s.findings) {
+        let declared = matches!(question, Question::Hypothesis(_));
+        if !declared && !questions.contains(question) {
+            questions.push(*question);
+        }
+    }
+    let rate = |question: Question| {
+        let asked = studies.iter().flat_map(|s| &s.findings);
+        let asked = asked.filter(|(asked, _)| *asked == question);
+        let (studies, shown, fails) = shares(asked.map(|(_, verdict)| *verdict));
+        FindingRate {
+            question,
+            studies,
+            shown,
+            fails,
+        }
+    };
+    questions.into_iter().map(rate).collect()
 }
 
 fn hypotheses(studies: &[Studied]) -> Vec<HypothesisRate> {
@@ -239,6 +286,7 @@ mod tests {
         .map(|tests| Studied {
             tests,
             judged: Vec::new(),
+            findings: Vec::new(),
         });
         let cell = Cell::of(24, 1.0, &studies);
         let first = &cell.tests[0];
@@ -250,6 +298,40 @@ mod tests {
         assert_eq!(family.tests, 2);
         assert!((family.any_uncorrected.unwrap().estimate - 0.5).abs() < 1e-12);
         assert!((family.any_holm.unwrap().estimate - 0.25).abs() < 1e-12);
+    }
+
+    #[test]
+    fn a_question_counts_the_studies_that_could_judge_it() {
+        let study = |findings: &[(Question, Verdict)]| Studied {
+            tests: Vec::new(),
+            judged: Vec::new(),
+            findings: findings.to_vec(),
+        };
+        let cell = Cell::of(
+            24,
+            1.0,
+            &[
+                study(&[(Question::Dial, Verdict::Shown)]),
+                study(&[
+                    (Question::Dial, Verdict::Fails),
+                    (Question::Stays, Verdict::Shown),
+                ]),
+                study(&[
+                    (Question::Dial, Verdict::NotAsked),
+                    (Question::Hypothesis(1), Verdict::Shown),
+                ]),
+                study(&[(Question::Dial, Verdict::NotShown)]),
+            ],
+        );
+        let of = |rate: &Option<Proportion>| rate.unwrap().estimate;
+        let [dial, stays] = cell.findings.as_slice() else {
+            panic!("{:?}", cell.findings);
+        };
+        assert_eq!((dial.question, dial.studies), (Question::Dial, 3));
+        assert!((of(&dial.shown) - 1.0 / 3.0).abs() < 1e-12);
+        assert!((of(&dial.fails) - 1.0 / 3.0).abs() < 1e-12);
+        assert_eq!((stays.question, stays.studies), (Question::Stays, 1));
+        assert!((of(&stays.shown) - 1.0).abs() < 1e-12);
     }
 
     #[test]
@@ -291,6 +373,13 @@ mod tests {
             .mean_estimate
             .unwrap();
         assert!(r < -0.2, "{r}");
+        // What lies far from the preferred style is liked less.
+        let bend = of("congruence.rosas.competence.curvature");
+        assert!(bend.mean_estimate.unwrap() < 0.0, "{bend:?}");
+        for question in [Question::Dial, Question::Congruence] {
+            let asked = cell.findings.iter().find(|f| f.question == question);
+            assert_eq!(asked.unwrap().studies, 6, "{question}");
+        }
     }
 
     #[test]

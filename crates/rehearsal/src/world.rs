@@ -156,10 +156,10 @@ impl World {
                     .embeddings
                     .push(embedding((person, baseline), adb_used, score, position)?);
             }
+            let own = style.points(with);
             for condition in conditions {
-                tables
-                    .conditions
-                    .push(condition_row(person, condition, angles[i])?);
+                let row = condition_row(person, condition, angles[i], own)?;
+                tables.conditions.push(row);
             }
         }
         Ok(Rehearsed {
@@ -179,6 +179,11 @@ struct StyleScore {
 }
 
 impl StyleScore {
+    /// The score of a place on the line, which lies in standard deviations over people.
+    fn points(&self, position: f64) -> f64 {
+        self.mean + self.aggression * self.sd * position
+    }
+
     fn score(&self, pre: &[Score], person: &Participant) -> Option<f64> {
         let is_theirs = |s: &&Score| s.participant == person.id && self.is(s);
         pre.iter().find(is_theirs)?.value
@@ -270,16 +275,19 @@ fn embedding(
     })
 }
 
+/// The drives are made up as the dial says, beyond the ends of the scale too; so are their places.
 fn condition_row(
     person: &Participant,
     condition: &Condition,
     angle: f64,
+    own: f64,
 ) -> Result<ConditionRow, RehearsalError> {
+    let moved = condition.dial().unwrap_or(0.0);
     Ok(ConditionRow {
         participant: person.id.clone(),
         condition: condition.id,
-        adb_hat: None,
-        moved_points: condition.dial().or(Some(0.0)),
+        adb_hat: Some(own + moved),
+        moved_points: Some(moved),
         moved_points_sd: None,
         clamped: false,
         angle_rad: (condition.car == Some(Car::Across)).then_some(angle),

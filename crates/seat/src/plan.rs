@@ -9,7 +9,7 @@ use crate::{
 };
 use maveric_domain::{
     ConditionId, Design, EmbeddingRow, Moment, ParticipantId, Scale,
-    design::{Car, Condition, Protocol, ProtocolStep, World},
+    design::{Car, Condition, Protocol, ProtocolStep, WHICH, World},
     stream_seed,
 };
 use maveric_seat_page::{RideStyle, Seed};
@@ -125,6 +125,11 @@ pub fn of_design(
                     rides(design, (scales, probe.as_ref()), whose, riding, &mut steps)?;
                 }
             }
+            ProtocolStep::Which => {
+                let asked = protocol.which.zip(riding);
+                let asked = asked.map(|(pair, riding)| which(design, scales, pair, riding.order));
+                steps.extend(asked.transpose()?);
+            }
             ProtocolStep::Post => {
                 for id in &protocol.post {
                     steps.push(sheet(scales, id, Moment::Post, &protocol.language)?);
@@ -150,6 +155,30 @@ pub fn of_design(
         code: protocol.code.clone(),
     });
     Ok(steps)
+}
+
+/// Which of two rides was in the own style: the numbers that these rides had for the person stand in what is asked.
+fn which(
+    design: &Design,
+    scales: &[Scale],
+    pair: [ConditionId; 2],
+    order: &[usize],
+) -> Result<Step, Hindrance> {
+    let mut asked = sheet(scales, WHICH, Moment::Post, &design.protocol().language)?;
+    let is_one = |place: &usize| pair.contains(&design.conditions()[*place].id);
+    let numbers = (1..).zip(order).filter(|(_, place)| is_one(place));
+    let numbers: Vec<String> = numbers.map(|(number, _)| number.to_string()).collect();
+    if let (
+        Step::Scale {
+            instruction: Some(text),
+            ..
+        },
+        [earlier, later],
+    ) = (&mut asked, numbers.as_slice())
+    {
+        *text = text.replace("{earlier}", earlier).replace("{later}", later);
+    }
+    Ok(asked)
 }
 
 /// Root of the world of a ride by its number, or of the drive by hand, which is 0.
@@ -303,6 +332,56 @@ mod tests {
 
     fn seeds(rides: &[(String, String)]) -> Vec<&String> {
         rides.iter().map(|(_, seed)| seed).collect()
+    }
+
+    #[test]
+    fn which_ride_was_in_the_own_style_is_asked_by_the_numbers_that_the_rides_had() {
+        let text = r#"
+            [study]
+            title = "Three cars"
+            [model]
+            file = "model.maveric"
+            [style]
+            score = "adb.total"
+            [baseline]
+            id = "own"
+            [[condition]]
+            id = "mine"
+            car = { dial = 0, recorded = true }
+            [[condition]]
+            id = "calm"
+            car = { dial = -5, recorded = true }
+            [[condition]]
+            id = "mean"
+            car = { mean = true, recorded = true }
+            [protocol]
+            which = ["mean", "mine"]
+            debrief = "debrief.md"
+        "#;
+        let design = Design::from_toml(text).unwrap();
+        let scale = include_str!("../../../study_data/further_scales/which.toml");
+        let scale = Scale::from_toml(scale).unwrap();
+        let asked = |order: &[usize]| {
+            let riding = Riding {
+                order,
+                stretch: 1.0,
+                styles: &Styles::new(),
+            };
+            let (texts, whose) = (Texts::default(), Whose::Person("P001"));
+            let scales = std::slice::from_ref(&scale);
+            let steps = of_design(&design, scales, &texts, whose, Some(riding)).unwrap();
+            let asked = steps.iter().find_map(|step| match step {
+                Step::Scale {
+                    instruction,
+                    moment: Moment::Post,
+                    ..
+                } => instruction.clone(),
+                _ => None,
+            });
+            asked.unwrap()
+        };
+        assert!(asked(&[0, 1, 2]).starts_with("Think of ride 1 and of ride 3."));
+        assert!(asked(&[1, 2, 0]).starts_with("Think of ride 2 and of ride 3."));
     }
 
     #[test]

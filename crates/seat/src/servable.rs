@@ -9,7 +9,7 @@ use crate::{
 };
 use maveric_domain::{
     Design, Moment, Scale,
-    design::{Car, Condition, ProtocolStep, Software},
+    design::{Car, Condition, ProtocolStep, Software, WHICH},
 };
 use maveric_model::{
     Model, ModelError,
@@ -43,7 +43,9 @@ pub(crate) fn hindrances(
         .filter(|_| asks(ProtocolStep::Before));
     let after = protocol.after.iter().filter(|_| asks(ProtocolStep::Rides));
     let (screen, post) = (&protocol.screen, &protocol.post);
-    for id in screen.iter().chain(before).chain(after).chain(post) {
+    let scales_asked = screen.iter().chain(before).chain(after).chain(post);
+    let which = protocol.which.map(|_| WHICH);
+    for id in scales_asked.map(String::as_str).chain(which) {
         let missing = sheet(scales, id, Moment::Pre, &protocol.language).err();
         found.extend(missing.filter(|hindrance| !found.contains(hindrance)));
     }
@@ -160,6 +162,16 @@ after = ["mood"]
         let hand = "[study]\ntitle = \"By hand\"\n[baseline]\nid = \"own\"\n[[condition]]\nid = \"x\"\ncar = { recorded = true }\n\
                     [protocol]\nsteps = [\"drive\"]\n";
         assert_eq!(of(hand, "", None), []);
+    }
+
+    #[test]
+    fn which_ride_it_was_is_asked_by_a_scale_that_has_to_be_there() {
+        let asked = format!("{SOUND}which = [\"mine\", \"sporty\"]\ndebrief = \"debrief.md\"\n");
+        let hindrances = of(&asked, WORDED, Some("You may leave."));
+        assert!(
+            matches!(&hindrances[..], [Hindrance::UnknownScale { scale, .. }] if scale == "which"),
+            "{hindrances:?}"
+        );
     }
 
     #[test]

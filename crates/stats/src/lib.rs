@@ -20,6 +20,7 @@ mod equivalence;
 mod error;
 mod event_rates;
 mod factorial;
+mod forced_choice;
 mod friedman;
 mod groups;
 mod hierarchical;
@@ -82,6 +83,7 @@ pub use factorial::{
     FactorialDesign, FactorialEffect, MarginalMean, SimpleEffect, WithinColumn, aligned_ranks,
     factorial,
 };
+pub use forced_choice::{ForcedChoice, forced_choice};
 pub use friedman::Friedman;
 pub use groups::{
     Dunn, GamesHowell, GroupSummary, GroupsAnalysis, Hedges, Kruskal, MannWhitney, MeanDifference,

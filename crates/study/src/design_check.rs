@@ -106,6 +106,7 @@ impl<'a> Known<'a> {
             measures: objective::all()
                 .iter()
                 .chain(objective::further())
+                .chain(objective::met())
                 .map(|m| m.name)
                 .chain(design.measures().iter().map(|m| m.id.as_str()))
                 .collect(),
@@ -151,10 +152,18 @@ fn of_scales(study: &DesignFile, scales: &[Scale]) -> Result<(), DesignError> {
         known.score("style.score", &style.score)?;
         style_range(study, scales)?;
     }
-    for outcome in design.outcomes() {
+    for (at, outcome) in design.outcomes().iter().enumerate() {
         match &outcome.quantity {
             Quantity::Measure(name) => known.measure("outcome.measure", name)?,
-            Quantity::Score(name) => known.score("outcome.scale", name)?,
+            Quantity::Score(name) => {
+                known.score("outcome.scale", name)?;
+                dropped_items(
+                    &format!("outcome[{}].drop_items", at + 1),
+                    name,
+                    &outcome.drop_items,
+                    scales,
+                )?;
+            }
         }
     }
     for condition in design.conditions() {
@@ -177,6 +186,39 @@ fn of_scales(study: &DesignFile, scales: &[Scale]) -> Result<(), DesignError> {
             let all = whole.chain(known.scores.iter().map(String::as_str));
             return Err(DesignError::word("homophily.factors", factor, all));
         }
+    }
+    Ok(())
+}
+
+/// Items that an outcome drops are items of its score, and others are left.
+fn dropped_items(
+    key: &str,
+    name: &ScoreName,
+    items: &[u32],
+    scales: &[Scale],
+) -> Result<(), DesignError> {
+    let scale = scales.iter().find(|s| s.id == name.scale);
+    let mut subscales = scale.iter().flat_map(|s| &s.subscales);
+    let Some(subscale) = subscales.find(|s| s.id == name.subscale) else {
+        return Ok(());
+    };
+    if !items.is_empty() && !subscale.sum_of.is_empty() {
+        let found = format!("items of `{name}`, a sum of other scores");
+        let expected = format!("items of one of {}", subscale.sum_of.join(", "));
+        return Err(DesignError::key(key, found, expected));
+    }
+    let numbers: Vec<String> = subscale.items.iter().map(u32::to_string).collect();
+    if let Some(stranger) = items.iter().find(|i| !subscale.items.contains(i)) {
+        let expected = format!("an item of `{name}`: {}", numbers.join(", "));
+        return Err(DesignError::key(key, stranger, expected));
+    }
+    if !items.is_empty() && items.len() == subscale.items.len() {
+        let expected = format!("at most {} of them, so that one is left", items.len() - 1);
+        return Err(DesignError::key(
+            key,
+            format!("every item of `{name}`"),
+            expected,
+        ));
     }
     Ok(())
 }

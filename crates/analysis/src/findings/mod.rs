@@ -6,6 +6,7 @@ mod congruence;
 mod declared;
 mod people;
 mod presses;
+mod sensitivity;
 mod study;
 mod style;
 

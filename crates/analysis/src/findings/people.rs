@@ -3,6 +3,7 @@
 use crate::{
     finding::{Finding, Part, Question},
     result::{HomophilyRow, Preference},
+    which::WhichRide,
 };
 
 /// By every rating fewer than half have to put another style above their own.
@@ -16,6 +17,15 @@ pub(super) fn preferred(rated: &[Preference]) -> Option<Finding> {
     });
     let parts: Vec<Part> = parts.collect();
     (!parts.is_empty()).then(|| Finding::every(Question::Preferred, parts))
+}
+
+/// More than half have to name the ride in their own style; a choice of two is right by chance in one of two.
+pub(super) fn which(ride: Option<&WhichRide>) -> Option<Finding> {
+    let ride = ride?;
+    let all = ride.all.as_ref()?;
+    let of = format!("which.{}-{}", ride.own, ride.other);
+    let part = Part::share(of, all.n, Some(&all.share), (0.5, 1.0));
+    Some(Finding::every(Question::Which, vec![part]))
 }
 
 /// One correlation of the declared family is enough.

@@ -1,6 +1,6 @@
 //! All findings of a study, in the order in which a reader asks.
 
-use super::{car, conditions, congruence, declared, people, presses, style};
+use super::{car, conditions, congruence, declared, people, presses, sensitivity, style};
 use crate::{
     finding::{Finding, Part, Question},
     result::Analysis,
@@ -26,9 +26,11 @@ pub fn of_study(design: &Design, analysis: &Analysis) -> Vec<Finding> {
     if findings.is_empty() {
         findings.extend(conditions::differ(&analysis.panels));
     }
+    findings.extend(sensitivity::stays(&analysis.sensitivity));
     findings.extend(style::line(analysis));
     findings.extend(style::across(&analysis.kept));
     findings.extend(congruence::congruence(&analysis.congruence));
+    findings.extend(people::which(analysis.which.as_ref()));
     findings.extend(people::preferred(&analysis.preferences));
     findings.extend(people::personality(&analysis.homophily));
     findings.extend(presses::findings(analysis.presses.as_ref()));

@@ -14,6 +14,7 @@ use super::{
         CarToml, CellToml, ConditionToml, DesignToml, DialToml, ModelToml, PeopleToml, RoleToml,
         StyleToml, Units,
     },
+    which::which,
 };
 use crate::{design::Design, units::SpeedUnit};
 use std::collections::BTreeMap;
@@ -90,6 +91,7 @@ fn design(raw: DesignToml) -> Checked<Design> {
     factors::products(&raw.covariate, &conditions)?;
     exclude(&raw.exclude)?;
     raw.protocol.check()?;
+    which(&raw.protocol, &conditions)?;
     let speed_unit = match raw.study.units {
         Some(Units::Metric) => SpeedUnit::Kmh,
         Some(Units::Us) => SpeedUnit::Mph,

@@ -18,6 +18,7 @@ mod people;
 mod protocol;
 mod tested;
 mod toml_file;
+mod which;
 mod williams;
 
 pub use answer_rule::{AnswerRule, Than};
@@ -31,9 +32,10 @@ pub use outcome::{DeclaredTest, Homophily, Outcome, Quantity, ScoreName, Style};
 pub use own_measure::{ABOUT_A_ROW, OwnMeasure};
 pub use people::{CONDITION, Covariate, Factor, People};
 pub use protocol::{Practice, Probe, Protocol, ProtocolStep, SeatView, World};
+pub use which::WHICH;
 pub use williams::{Square, williams, williams_rows};
 
-use crate::{condition::ConditionId, units::SpeedUnit};
+use crate::{condition::ConditionId, survey::Scale, units::SpeedUnit};
 use std::collections::BTreeMap;
 
 /// A study: who takes part, in which conditions, what is measured and what is compared.
@@ -187,6 +189,21 @@ impl Design {
     /// the study's own, and every scale asked after a condition.
     pub fn outcomes(&self) -> &[Outcome] {
         &self.outcomes
+    }
+
+    /// The questionnaires of the study, each with its scores without the items that an outcome drops.
+    pub fn with_dropped_items(&self, mut scales: Vec<Scale>) -> Vec<Scale> {
+        for outcome in self.outcomes.iter().filter(|o| !o.drop_items.is_empty()) {
+            let Quantity::Score(name) = &outcome.quantity else {
+                continue;
+            };
+            for scale in scales.iter_mut().filter(|s| s.id == name.scale) {
+                let whole = scale.subscales.iter().find(|s| s.id == name.subscale);
+                let reduced = whole.map(|whole| whole.without_items(&outcome.drop_items));
+                scale.subscales.extend(reduced);
+            }
+        }
+        scales
     }
 
     /// What was predicted.

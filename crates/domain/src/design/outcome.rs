@@ -1,7 +1,7 @@
 //! What is measured, and what the dial turns.
 
 use super::condition::Sign;
-use crate::condition::ConditionId;
+use crate::{condition::ConditionId, survey::subscale::without_items};
 use serde::{Deserialize, Serialize};
 use std::{fmt, str::FromStr};
 
@@ -91,9 +91,22 @@ pub struct Outcome {
     pub test: Option<DeclaredTest>,
     /// The contrast that decides, first less second: the outcome is then primary, and its test is declared.
     pub primary: Option<[ConditionId; 2]>,
+    /// Items of the score that name what the conditions turn: everything is tested once more without them. Empty: no such item.
+    pub drop_items: Vec<u32>,
 }
 
 impl Outcome {
+    /// The score without the items that name what the conditions turn; none where there are no such items.
+    pub fn score_without_items(&self) -> Option<ScoreName> {
+        match &self.quantity {
+            Quantity::Score(name) if !self.drop_items.is_empty() => Some(ScoreName {
+                scale: name.scale.clone(),
+                subscale: without_items(&name.subscale, &self.drop_items),
+            }),
+            _ => None,
+        }
+    }
+
     /// The measure's column, or `SCALE.SUBSCALE`.
     pub fn id(&self) -> String {
         match &self.quantity {

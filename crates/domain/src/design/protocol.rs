@@ -1,7 +1,7 @@
 //! What a person meets in the seat: the order of steps, their texts and lengths.
 
 use super::{AnswerRule, DesignError};
-use crate::units::SpeedUnit;
+use crate::{condition::ConditionId, units::SpeedUnit};
 use serde::{Deserialize, Serialize};
 use std::path::PathBuf;
 
@@ -23,6 +23,8 @@ pub enum ProtocolStep {
     Drive,
     /// The rides in the person's order, each with the scales asked after it.
     Rides,
+    /// Which of two rides was in the own style.
+    Which,
     /// The scales asked at the end.
     Post,
 }
@@ -147,6 +149,9 @@ pub struct Protocol {
     pub probe: Option<Probe>,
     /// Scales asked after each ride, in this order.
     pub after: Vec<String>,
+    /// Two conditions, one of them the own style: people are asked which of the two rides it was.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub which: Option<[ConditionId; 2]>,
     /// Scales asked at the end, in this order.
     pub post: Vec<String>,
     /// When a person has practised enough.
@@ -185,11 +190,11 @@ pub struct Protocol {
 impl Default for Protocol {
     fn default() -> Self {
         use ProtocolStep::{
-            Before, Consent, Controls, Drive, Post, Practice as Practises, Rides, Screen,
+            Before, Consent, Controls, Drive, Post, Practice as Practises, Rides, Screen, Which,
         };
         Self {
             steps: vec![
-                Screen, Consent, Before, Controls, Practises, Drive, Rides, Post,
+                Screen, Consent, Before, Controls, Practises, Drive, Rides, Which, Post,
             ],
             language: "en".to_owned(),
             words: None,
@@ -199,6 +204,7 @@ impl Default for Protocol {
             before: Vec::new(),
             probe: None,
             after: Vec::new(),
+            which: None,
             post: Vec::new(),
             practice: Practice::default(),
             drive_s: 600.0,

@@ -48,8 +48,18 @@ pub(super) fn outcomes(
             return Err(DesignError::key("outcome.same_within", within, expected));
         }
         let key = |field: &str| format!("outcome[{}].{field}", at + 1);
+        once(
+            &key("drop_items"),
+            raw.drop_items.iter().map(u32::to_string),
+        )?;
+        if let (Some(measure), [_, ..]) = (&raw.measure, raw.drop_items.as_slice()) {
+            let expected = "none: only a score has items";
+            let found = format!("items of the measure `{measure}`");
+            return Err(DesignError::key(key("drop_items"), found, expected));
+        }
         Ok(Outcome {
             primary: primary(&raw, key, conditions, pairs)?,
+            drop_items: raw.drop_items,
             test: raw.test,
             label: raw.label,
             same_within: raw.same_within,

@@ -221,6 +221,8 @@ pub(super) struct OutcomeToml {
     pub(super) primary: bool,
     pub(super) test: Option<DeclaredTest>,
     pub(super) contrast: Option<[ConditionId; 2]>,
+    #[serde(default)]
+    pub(super) drop_items: Vec<u32>,
 }
 
 #[derive(Debug, Deserialize)]

@@ -6,7 +6,7 @@ mod item;
 mod moment;
 mod scale;
 mod scale_file;
-mod subscale;
+pub(crate) mod subscale;
 mod wording;
 mod words_file;
 

@@ -33,6 +33,33 @@ pub struct Subscale {
     pub norms: Option<Norms>,
 }
 
+impl Subscale {
+    /// The same without some of its items, as a subscale of its own: `discomfort_without_4`, "Discomfort without item 4".
+    #[must_use]
+    pub fn without_items(&self, items: &[u32]) -> Self {
+        let numbers: Vec<String> = items.iter().map(ToString::to_string).collect();
+        let noun = if items.len() == 1 { "item" } else { "items" };
+        Self {
+            id: without_items(&self.id, items),
+            title: format!("{} without {noun} {}", self.title, numbers.join(", ")),
+            items: self
+                .items
+                .iter()
+                .copied()
+                .filter(|item| !items.contains(item))
+                .collect(),
+            norms: None,
+            ..self.clone()
+        }
+    }
+}
+
+/// The id of a subscale without some of its items.
+pub(crate) fn without_items(subscale: &str, items: &[u32]) -> String {
+    let numbers: Vec<String> = items.iter().map(ToString::to_string).collect();
+    format!("{subscale}_without_{}", numbers.join("_"))
+}
+
 fn one() -> f64 {
     1.0
 }

@@ -10,6 +10,7 @@ mod lane_position_sd;
 mod left_lane_fraction;
 mod low_pass;
 mod mean_velocity;
+mod met;
 mod min_headway_distance;
 mod strongest_braking;
 #[cfg(test)]
@@ -152,6 +153,9 @@ static FURTHER: [Measure; 9] = [
     min_headway_distance::TO_CHANGE,
 ];
 
+/// What a drive met: always measured, since rides are comparable as far as they met the same.
+static MET: [Measure; 3] = [met::LEADS, met::LEAD_SPEED, met::FOLLOWING];
+
 /// The seven measures of the method (section 8), in its order.
 pub fn all() -> &'static [Measure] {
     &ALL
@@ -162,9 +166,15 @@ pub fn further() -> &'static [Measure] {
     &FURTHER
 }
 
-/// The measure of this code name, among [`all`] and [`further`].
+/// What a drive met on its road, beside what its driver did; not part of [`all`].
+pub fn met() -> &'static [Measure] {
+    &MET
+}
+
+/// The measure of this code name, among [`all`], [`further`] and [`met`].
 pub fn find(name: &str) -> Option<&'static Measure> {
-    ALL.iter().chain(&FURTHER).find(|m| m.name == name)
+    let mut known = ALL.iter().chain(&FURTHER).chain(&MET);
+    known.find(|m| m.name == name)
 }
 
 /// The seven measures of one drive, in the order of [`all`].
@@ -199,8 +209,13 @@ mod tests {
 
     #[test]
     fn every_measure_has_a_name_of_its_own_and_is_found_by_it() {
-        let names: BTreeSet<&str> = all().iter().chain(further()).map(|m| m.name).collect();
-        assert_eq!(names.len(), 7 + 9);
+        let names: BTreeSet<&str> = all()
+            .iter()
+            .chain(further())
+            .chain(met())
+            .map(|m| m.name)
+            .collect();
+        assert_eq!(names.len(), 7 + 9 + 3);
         assert!(names.iter().all(|n| find(n).is_some()));
         assert!(find("mean_speed").is_none());
     }

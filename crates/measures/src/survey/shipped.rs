@@ -28,7 +28,7 @@ fn every_shipped_scale_is_valid_and_scores_every_item_that_can_be() {
         assert!(rated.map(|(n, _)| n).all(|n| used.contains(&n)), "{path}");
         count += 1;
     }
-    assert_eq!(count, 16);
+    assert_eq!(count, 17);
 }
 
 #[test]
@@ -176,6 +176,7 @@ fn what_could_not_be_confirmed_has_no_wording_and_the_rest_has_all_of_it() {
         "demographics",
         "attention",
         "purpose",
+        "which",
     ] {
         let scale = shipped(id);
         assert_eq!(scale.wording.worded(), scale.items.len(), "{id}");
@@ -185,7 +186,7 @@ fn what_could_not_be_confirmed_has_no_wording_and_the_rest_has_all_of_it() {
         );
     }
     assert_eq!(shipped("misc").wording.worded(), 0);
-    for id in ["demographics", "attention", "purpose"] {
+    for id in ["demographics", "attention", "purpose", "which"] {
         assert!(shipped(id).wording_in("de").is_some(), "{id}");
     }
 }

@@ -71,6 +71,7 @@ impl StudyPage<'_> {
         tables.extend(self.factor_tables()?);
         tables.push(self.contrasts()?);
         tables.extend(self.carry_over()?);
+        tables.extend(self.sensitivity()?);
         for lent in &self.analysis.lent {
             tables.push(self.beside_lent(lent)?);
         }

@@ -3,9 +3,9 @@
 use super::{StudyPage, titled};
 use crate::{
     texts::value,
-    words::{declared_test, interval},
+    words::{declared_test, interval, other_choice},
 };
-use maveric_analysis::{Balance, Panel, PrimaryOutcome};
+use maveric_analysis::{Balance, Panel, PrimaryOutcome, SensitivityRow};
 use maveric_domain::design::World;
 use maveric_report::{ReportError, apa, tables::Table};
 use maveric_stats::CarryOver;
@@ -41,6 +41,35 @@ impl StudyPage<'_> {
         let table = |rows| self.texts.table("carry-over", rows);
         Some(rows)
             .filter(|rows| !rows.is_empty())
+            .map(table)
+            .transpose()
+    }
+
+    /// Declared contrasts by another choice; none where the design asks for none.
+    pub(super) fn sensitivity(&self) -> Result<Option<Table>, ReportError> {
+        let mut rows = Vec::new();
+        for by_choice in &self.analysis.sensitivity {
+            let choice = other_choice(&by_choice.choice);
+            let row = |row: &SensitivityRow| {
+                context! {
+                    outcome => by_choice.outcome.as_str(),
+                    title => by_choice.title.as_str(),
+                    choice => choice.as_str(),
+                    choice_id => value(&by_choice.choice).get_attr("choice").ok(),
+                    first_id => row.first.as_str(),
+                    second_id => row.second.as_str(),
+                    first => self.label(row.first),
+                    second => self.label(row.second),
+                    n => by_choice.n[0],
+                    other_n => by_choice.n[1],
+                    ..value(row)
+                }
+            };
+            rows.extend(by_choice.rows.iter().map(row));
+        }
+        let table = |rows| self.texts.table("sensitivity", rows);
+        Some(rows)
+            .filter(|rows: &Vec<Value>| !rows.is_empty())
             .map(table)
             .transpose()
     }

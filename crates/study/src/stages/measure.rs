@@ -253,11 +253,12 @@ impl Measure {
     }
 }
 
-/// The measures of the method, and those beyond it that the design names.
+/// The measures of the method, those beyond it that the design names, and what was met.
 fn measures_of(study: Option<&DesignFile>) -> Vec<&'static objective::Measure> {
     let named = |m: &&objective::Measure| study.is_some_and(|s| s.design.names(m.name));
     let further = objective::further().iter().filter(named);
-    objective::all().iter().chain(further).collect()
+    let measures = objective::all().iter().chain(further);
+    measures.chain(objective::met()).collect()
 }
 
 /// A drive that is not compared whole: its row, its folder, and the part of it that is.

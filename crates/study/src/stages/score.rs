@@ -262,6 +262,10 @@ impl Stage for ScoreAnswers {
             .as_deref()
             .map(|path| Table::read(path)?.ids("participant"))
             .transpose()?;
+        let scales = match &study {
+            Some(study) => study.design.with_dropped_items(scales),
+            None => scales,
+        };
         let mut scored = maveric_measures::score(&scales, &answers, participants.as_deref())?;
         probes.retain(|p| {
             participants

@@ -173,6 +173,7 @@ fn read(text: &str) -> Result<Vec<FileEntry>, String> {
                 ..measure(further)
             });
             let measures = objective::all().iter().map(measure).chain(further);
+            let measures = measures.chain(objective::met().iter().map(measure));
             file.columns.extend(measures);
         }
     }

@@ -4,9 +4,9 @@ use super::data::Study;
 use crate::{
     card::{Drawn, card},
     texts::{Texts, value},
-    words::{omnibus, paired, small},
+    words::{omnibus, other_choice, paired, small},
 };
-use maveric_analysis::{Contrast, Finding, Panel, Question, Verdict, verdict::FEWEST};
+use maveric_analysis::{Contrast, Finding, Panel, Question, Sensitivity, Verdict, verdict::FEWEST};
 use maveric_domain::{
     ConditionId,
     design::{Condition, Sign},
@@ -14,6 +14,7 @@ use maveric_domain::{
 use maveric_report::{Card, ReportError, figures::intervals::IntervalRow};
 use maveric_stats::proportion;
 use minijinja::context;
+use std::collections::BTreeSet;
 
 /// The panels of everybody.
 fn whole<'a>(study: &Study<'a>) -> impl Iterator<Item = &'a Panel> {
@@ -51,6 +52,42 @@ fn over(
     let test = omnibus(study.design, panel, false);
     let values = context! { title => panel.title.as_str(), omnibus => test };
     texts.say(card, "over", &values)
+}
+
+/// Do the differences stay by another choice? A test a difference that was found.
+pub(super) fn stays(
+    study: &Study<'_>,
+    texts: &Texts,
+    finding: &Finding,
+) -> Result<Card, ReportError> {
+    let all = &study.analysis.sensitivity;
+    let mut tests = Vec::new();
+    for by_choice in all {
+        let rows = by_choice.rows.iter();
+        for row in rows.filter(|row| row.differs == Verdict::Shown) {
+            let values = context! {
+                title => by_choice.title.as_str(),
+                choice => other_choice(&by_choice.choice),
+                first => study.label(row.first),
+                second => study.label(row.second),
+                ..value(row)
+            };
+            tests.push(texts.say("stays", "test", &values)?);
+        }
+    }
+    let outcomes: BTreeSet<&str> = all.iter().map(|one| one.title.as_str()).collect();
+    let choices: BTreeSet<String> = all.iter().map(|one| other_choice(&one.choice)).collect();
+    let values = context! {
+        outcomes => value(&outcomes),
+        choices => value(&choices),
+        all => finding.parts.len(),
+        stay => finding.count(Verdict::Shown),
+        only => all.iter().map(Sensitivity::only_there).sum::<usize>(),
+    };
+    Ok(Card {
+        tests,
+        ..card(texts, finding, &values, None)?
+    })
 }
 
 /// Do the conditions differ the way that was expected: in what was measured, or in what people said?

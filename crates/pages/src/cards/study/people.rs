@@ -65,6 +65,52 @@ pub(super) fn congruence(
     })
 }
 
+/// Do people tell which ride was in their own style? All of them, then by which came first.
+pub(super) fn which(
+    study: &Study<'_>,
+    texts: &Texts,
+    finding: &Finding,
+) -> Result<Option<Card>, ReportError> {
+    let Some((ride, all)) = study
+        .analysis
+        .which
+        .as_ref()
+        .and_then(|r| Some((r, r.all?)))
+    else {
+        return Ok(None);
+    };
+    let values = context! {
+        own => study.label(ride.own),
+        other => study.label(ride.other),
+        not_counted => ride.not_counted,
+        interval => value(&all.share.percent().ends()),
+        ..value(&all)
+    };
+    let [first, second] = ride.by_place;
+    let rows = [
+        ("row_all", Some(all)),
+        ("row_first", first),
+        ("row_second", second),
+    ];
+    let (mut drawn, mut tests) = (Vec::new(), Vec::new());
+    for (key, choice) in rows {
+        let Some(choice) = choice else { continue };
+        let row = texts.say("which", key, &values)?;
+        let values = context! { row => row.as_str(), ..value(&choice) };
+        tests.push(texts.say("which", "test", &values)?);
+        drawn.push(IntervalRow::share(&row, Some(&choice.share)));
+    }
+    let drawn = Drawn {
+        rows: drawn,
+        nothing: Some(50.0),
+        bounds: None,
+    };
+    Ok(Some(Card {
+        tests,
+        ..card(texts, finding, &values, Some(drawn))?
+    }))
+}
+
 /// Would people rather be driven as they drive?
 pub(super) fn preferred(
     study: &Study<'_>,

@@ -36,9 +36,11 @@ pub fn cards(study: &Study<'_>) -> Result<Vec<Card>, ReportError> {
                 conditions::expected(study, &texts, finding)?
             }
             Question::Differ => Some(conditions::differ(study, &texts, finding)?),
+            Question::Stays => Some(conditions::stays(study, &texts, finding)?),
             Question::Style => style::line(study, &texts, finding)?,
             Question::Across => style::across(study, &texts, finding)?,
             Question::Congruence => people::congruence(study, &texts, finding).map(Some)?,
+            Question::Which => people::which(study, &texts, finding)?,
             Question::Preferred => Some(people::preferred(study, &texts, finding)?),
             Question::Personality => people::personality(study, &texts, finding)?,
             Question::Pressed => presses::pressed(study, &texts, finding)?,

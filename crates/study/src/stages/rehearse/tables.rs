@@ -88,8 +88,8 @@ pub(super) fn curve(
 
 /// How many people a test needs, at each scale of the effects.
 #[derive(Serialize)]
-struct NeededRow<'a> {
-    test: &'a str,
+struct NeededRow {
+    test: String,
     needed: Vec<Option<Needed>>,
 }
 
@@ -129,7 +129,7 @@ pub(super) fn power_tables(found: &Rehearsal, texts: &PageTexts) -> Result<Vec<T
     if !first.hypotheses.is_empty() {
         let rows = first.hypotheses.iter().enumerate();
         let rows = rows.map(|(at, h)| NeededRow {
-            test: &h.says,
+            test: h.says.clone(),
             needed: scales
                 .iter()
                 .map(|scale| needed(*scale, &|c| c.hypotheses.get(at)?.shown))
@@ -137,8 +137,21 @@ pub(super) fn power_tables(found: &Rehearsal, texts: &PageTexts) -> Result<Vec<T
         });
         tables.push(texts.table("power-hypotheses", rows)?);
     }
+    let rows = first.findings.iter().map(|finding| {
+        let shown = |c: &Cell| {
+            c.findings
+                .iter()
+                .find(|f| f.question == finding.question)?
+                .shown
+        };
+        NeededRow {
+            test: finding.question.to_string(),
+            needed: scales.iter().map(|scale| needed(*scale, &shown)).collect(),
+        }
+    });
+    tables.push(texts.table("power-findings", rows)?);
     let rows = first.tests.iter().map(|test| NeededRow {
-        test: &test.key,
+        test: test.key.clone(),
         needed: scales
             .iter()
             .map(|scale| needed(*scale, &|c| rate_of(c, &test.key)))

@@ -1,0 +1,127 @@
+//! Does what was found stay by another choice?
+
+use crate::{
+    finding::{Finding, Part, Question},
+    sensitivity::{OtherChoice, Sensitivity, SensitivityRow},
+    verdict::Verdict,
+};
+use maveric_domain::design::Sign;
+
+/// Every difference that was found has to be there by the other choice too; none where no difference was found.
+pub(super) fn stays(sensitivity: &[Sensitivity]) -> Option<Finding> {
+    let parts: Vec<Part> = sensitivity.iter().flat_map(parts).collect();
+    (!parts.is_empty()).then(|| Finding::every(Question::Stays, parts))
+}
+
+fn parts(by_choice: &Sensitivity) -> impl Iterator<Item = Part> + '_ {
+    let choice = match by_choice.choice {
+        OtherChoice::WithoutItems { .. } => "without-items",
+    };
+    let [_, n] = by_choice.n;
+    let of = move |row: &SensitivityRow| {
+        format!(
+            "{}.{}-{}.{choice}",
+            by_choice.outcome, row.first, row.second
+        )
+    };
+    let differing = by_choice
+        .rows
+        .iter()
+        .filter(|row| row.differs == Verdict::Shown);
+    differing.filter_map(move |row| {
+        let way = Sign::of(row.mean_difference?)?;
+        let other = (row.other_mean_difference, row.other_p);
+        Some(Part::directed(of(row), n, other, way))
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{
+        Analysis, Tables,
+        finding::of,
+        testing::{analysed_by, id, near, plain, score, tables},
+        verdict::significant,
+    };
+    use Verdict::{Fails, NotShown, Shown, TooFew};
+    use maveric_domain::Moment;
+
+    const WITH: [f64; 6] = [2.0, 2.5, 1.5, 2.2, 1.8, 2.0];
+    const OUTCOME: &str = "[[outcome]]\nscale = \"jian_trust.overall\"\ndrop_items = [3]\n";
+
+    /// Everybody rates slow 4, and fast by so much more, with all items and without the third.
+    fn rated(with: [f64; 6], without: [f64; 6]) -> Tables {
+        let mut tables = tables();
+        tables.post.clear();
+        for (i, more) in [("overall", with), ("overall_without_3", without)]
+            .into_iter()
+            .flat_map(|(subscale, more)| more.map(|more| (subscale, more)).into_iter().enumerate())
+        {
+            let (subscale, more) = more;
+            for (condition, value) in [("slow", 4.0), ("fast", 4.0 + more)] {
+                let after = Moment::After(id(condition));
+                tables
+                    .post
+                    .push(score(i, after, "jian_trust", subscale, value));
+            }
+        }
+        tables
+    }
+
+    fn judged(with: [f64; 6], without: [f64; 6]) -> Analysis {
+        analysed_by(&plain(&["fast", "slow"], OUTCOME), rated(with, without))
+    }
+
+    #[test]
+    fn a_difference_stays_goes_or_turns_without_the_items_and_one_may_be_there_by_that_alone() {
+        let verdict = |without| {
+            let analysis = judged(WITH, without);
+            of(&analysis.findings, Question::Stays).map(|finding| finding.verdict)
+        };
+        assert_eq!(verdict(WITH), Some(Shown));
+        assert_eq!(verdict([0.5, -0.6, 0.1, -0.2, 0.3, 0.0]), Some(NotShown));
+        assert_eq!(verdict(WITH.map(|more| -more)), Some(Fails));
+        let none = [0.5, -0.6, 0.1, -0.2, 0.3, 0.0];
+        let analysis = judged(none, WITH);
+        assert!(of(&analysis.findings, Question::Stays).is_none());
+        let [by_choice] = analysis.sensitivity.as_slice() else {
+            panic!("{:?}", analysis.sensitivity);
+        };
+        assert_eq!(by_choice.only_there(), 1);
+        assert_eq!(judged(WITH, WITH).sensitivity[0].only_there(), 0);
+    }
+
+    #[test]
+    fn both_differences_stand_side_by_side_with_the_sign_of_the_contrast() {
+        let analysis = judged(WITH, WITH.map(|more| more / 2.0));
+        let [by_choice] = analysis.sensitivity.as_slice() else {
+            panic!("{:?}", analysis.sensitivity);
+        };
+        assert_eq!(
+            (by_choice.outcome.as_str(), by_choice.n),
+            ("jian_trust.overall", [6, 6])
+        );
+        let row = &by_choice.rows[0];
+        assert_eq!((row.first.as_str(), row.second.as_str()), ("fast", "slow"));
+        near(row.mean_difference, 2.0);
+        near(row.other_mean_difference, 1.0);
+        let part = &of(&analysis.findings, Question::Stays).unwrap().parts[0];
+        assert_eq!(part.of, "jian_trust.overall.fast-slow.without-items");
+        near(part.estimate, 1.0);
+    }
+
+    #[test]
+    fn without_the_items_too_few_may_have_a_score() {
+        let mut few = rated(WITH, WITH);
+        few.post
+            .retain(|s| s.subscale == "overall" || s.participant != crate::testing::person(0));
+        let analysis = analysed_by(&plain(&["fast", "slow"], OUTCOME), few);
+        let finding = of(&analysis.findings, Question::Stays).unwrap();
+        assert_eq!(
+            (finding.verdict, analysis.sensitivity[0].n),
+            (TooFew, [6, 5])
+        );
+        assert_eq!(significant(5, Some(0.01)), TooFew);
+    }
+}
