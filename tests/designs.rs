@@ -397,6 +397,17 @@ fn status_says_who_is_out_and_what_nobody_drove_and_a_design_names_only_what_the
             ["`outcome.scale`", "did you mean `comfort.total`?"],
         ),
         (
+            "[[outcome]]\nscale = \"comfort.total\"\ndrop_items = [4]\n",
+            [
+                "`outcome[1].drop_items`: found 4",
+                "an item of `comfort.total`: 1, 2, 3",
+            ],
+        ),
+        (
+            "[[outcome]]\nscale = \"comfort.total\"\ndrop_items = [1, 2, 3]\n",
+            ["every item of `comfort.total`", "so that one is left"],
+        ),
+        (
             "[homophily]\nfactors = [\"comfrt\"]\nratings = [\"hurry.total\"]\n",
             ["`homophily.factors`", "did you mean `comfort`?"],
         ),

@@ -242,11 +242,14 @@ car = { other = "matched", recorded = true }
 [[outcome]]
 scale = "calm.total"
 label = "Calm"
+drop_items = [2]
 
 [protocol]
 consent = "consent.md"
 before = ["adb"]
 after = ["calm"]
+which = ["other", "mine"]
+debrief = "debrief.md"
 practice = { lane_kept_s = 1, passes = 0, at_most_s = 10 }
 drive_s = 240
 ride_s = 10
@@ -257,6 +260,12 @@ seed = 5
 fn somebody_elses_style_is_ridden_at_ones_own_score_and_whose_it_was_is_kept_for_the_study_alone() {
     let study = learned(MINE_OR_ANOTHERS);
     let folder = study.path("mine");
+    study.write(
+        "mine/debrief.md",
+        "One of the two cars drove in somebody else's style.",
+    );
+    let which = include_str!("../study_data/further_scales/which.toml");
+    study.write("mine/scales/which.toml", which);
     let model = folder.join("results/model.maveric");
     std::fs::copy(&model, folder.join("lab.maveric")).unwrap();
     let model = model_file::from_bytes(&std::fs::read(model).unwrap()).unwrap();
@@ -322,7 +331,27 @@ fn somebody_elses_style_is_ridden_at_ones_own_score_and_whose_it_was_is_kept_for
     Page::read(&study.path("mine/report/index.html")).says(&[
         "beside somebody else’s style of the same score",
         "12 people were lent the style of",
+        "Do people tell which ride was in their own style?",
+        "Differences by another choice",
     ]);
+    // All say the same of the two rides, and half of them rode in their own style first: half are right.
+    let analysis: serde_json::Value =
+        serde_json::from_str(&read(&study, "mine/results/analysis.json")).unwrap();
+    let which = &analysis["which"];
+    assert_eq!(
+        (&which["all"]["n"], &which["all"]["correct"]),
+        (&12.into(), &6.into())
+    );
+    let mut right = [0, 1].map(|place| which["by_place"][place]["correct"].as_u64().unwrap());
+    right.sort_unstable();
+    assert_eq!(right, [0, 6]);
+    let without = &analysis["sensitivity"][0];
+    assert_eq!(
+        (&without["items"][0], &without["n"][1]),
+        (&2.into(), &12.into())
+    );
+    let scores = read(&study, "mine/results/rating_scores.csv");
+    assert!(scores.contains(",calm,total_without_2,"), "{scores}");
     // What is given away names no donor by an id.
     study.write("mine/key.txt", "no key of anybody's, for a test alone");
     let export = "export --key key.txt --out given";

@@ -23,6 +23,7 @@ mod hypotheses;
 mod lent;
 mod line;
 mod mixed;
+mod other_choice;
 mod outcomes;
 mod pairs;
 mod person;
@@ -51,6 +52,7 @@ pub use exclusions::{Driven, LeftOut, Rule, Stopped, Why};
 pub use finding::{Finding, Needed, Part, Question};
 pub use flow::{Flow, LeftOutFor, NotAdmitted};
 pub use lent::{BesideLent, LentContrast};
+pub use other_choice::{OtherChoice, Sensitivity, SensitivityRow};
 pub use person::Person;
 pub use planned::{PlannedTest, planned};
 pub use presses::{BeforePress, CoursePoint, FEWEST_PEOPLE, FEWEST_PRESSES, PressCourse, Presses};
@@ -64,7 +66,6 @@ pub use result::{
     LevelMean, LineRow, MixedRow, Nearer, Panel, Preference, PrimaryOutcome, Reproduction,
     SimilarityRow, TestedFactor,
 };
-pub use sensitivity::{OtherChoice, Sensitivity, SensitivityRow};
 pub use turned::{Settled, Turns};
 pub use verdict::Verdict;
 pub use which::WhichRide;

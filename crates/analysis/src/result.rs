@@ -5,8 +5,8 @@ use crate::{
     finding::Finding,
     flow::Flow,
     lent::BesideLent,
+    other_choice::Sensitivity,
     presses::Presses,
-    sensitivity::Sensitivity,
     verdict::Verdict,
     which::WhichRide,
 };

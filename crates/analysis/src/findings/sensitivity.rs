@@ -2,7 +2,7 @@
 
 use crate::{
     finding::{Finding, Part, Question},
-    sensitivity::{OtherChoice, Sensitivity, SensitivityRow},
+    other_choice::{OtherChoice, Sensitivity, SensitivityRow},
     verdict::Verdict,
 };
 use maveric_domain::design::Sign;
