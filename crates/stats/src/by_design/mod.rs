@@ -247,8 +247,4 @@ fn said_of_ordinal(choice: &DesignChoice, what: &str) -> Option<String> {
 }
 
 #[cfg(test)]
-mod part_tests;
-#[cfg(test)]
-mod period_tests;
-#[cfg(test)]
 mod tests;
