@@ -89,13 +89,7 @@ mod tests {
 
     fn model() -> Model {
         let drives = drivers(2, 40.0);
-        let given: Vec<_> = drives
-            .iter()
-            .map(|(drive, adb)| TrainingDrive {
-                drive,
-                adb: Some(*adb),
-            })
-            .collect();
+        let given: Vec<_> = drives.iter().map(TrainingDrive::from).collect();
         let settings = TrainSettings {
             epochs: 1,
             heads: HeadsKind::Paper,

@@ -119,13 +119,7 @@ mod tests {
     #[test]
     fn a_free_speed_is_read_absolutely_or_beside_what_is_posted() {
         let drives = drivers_apart(10, 300.0);
-        let given: Vec<TrainingDrive<'_>> = drives
-            .iter()
-            .map(|(drive, adb)| TrainingDrive {
-                drive,
-                adb: Some(*adb),
-            })
-            .collect();
+        let given: Vec<TrainingDrive<'_>> = drives.iter().map(TrainingDrive::from).collect();
         let learn = |free_speed| {
             let settings = TrainSettings {
                 heads: HeadsKind::Linear,
