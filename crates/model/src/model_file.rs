@@ -23,9 +23,7 @@ fn checksum(bytes: &[u8]) -> u64 {
 /// # Errors
 /// [`ModelError::BadModelFile`] if the model cannot be written, which no model that exists should cause.
 pub fn to_bytes(model: &Model) -> Result<Vec<u8>, ModelError> {
-    let body = serde_json::to_vec(model).map_err(|e| ModelError::BadModelFile {
-        problem: e.to_string(),
-    })?;
+    let body = serde_json::to_vec(model).map_err(|e| ModelError::bad_file(e.to_string()))?;
     let header = format!(
         "{MAGIC} {VERSION} {} {:016x}\n",
         body.len(),
@@ -73,9 +71,7 @@ pub fn from_bytes(bytes: &[u8]) -> Result<Model, ModelError> {
     if found != expected {
         return Err(ModelError::Damaged { found, expected });
     }
-    serde_json::from_slice(body).map_err(|e| ModelError::BadModelFile {
-        problem: e.to_string(),
-    })
+    serde_json::from_slice(body).map_err(|e| ModelError::bad_file(e.to_string()))
 }
 
 #[cfg(test)]

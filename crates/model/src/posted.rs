@@ -94,9 +94,9 @@ impl Posted {
         {
             return Ok(());
         }
-        Err(ModelError::BadModelFile {
-            problem: "the limits learned from are no speeds".to_owned(),
-        })
+        Err(ModelError::bad_file(
+            "the limits learned from are no speeds",
+        ))
     }
 }
 
