@@ -12,13 +12,7 @@ fn main() {
 }
 
 fn trained(drives: &[drives::Scored], epochs: usize, batch_size: usize) -> (Model, usize) {
-    let given: Vec<_> = drives
-        .iter()
-        .map(|(drive, adb)| TrainingDrive {
-            drive,
-            adb: Some(*adb),
-        })
-        .collect();
+    let given: Vec<_> = drives.iter().map(TrainingDrive::from).collect();
     let settings = TrainSettings {
         heads: maveric_model::HeadsKind::Paper,
         epochs,

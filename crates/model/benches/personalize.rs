@@ -17,13 +17,7 @@ fn main() {
 
 fn model(heads: HeadsKind) -> Model {
     let drives = drives::drivers_apart(20, 600.0);
-    let given: Vec<_> = drives
-        .iter()
-        .map(|(drive, adb)| TrainingDrive {
-            drive,
-            adb: Some(*adb),
-        })
-        .collect();
+    let given: Vec<_> = drives.iter().map(TrainingDrive::from).collect();
     let settings = TrainSettings {
         heads,
         epochs: 10,

@@ -12,13 +12,7 @@ use std::ops::ControlFlow;
 
 fn main() -> Result<(), ModelError> {
     let recorded = drives::drivers_apart(12, 300.0);
-    let given: Vec<_> = recorded
-        .iter()
-        .map(|(drive, adb)| TrainingDrive {
-            drive,
-            adb: Some(*adb),
-        })
-        .collect();
+    let given: Vec<_> = recorded.iter().map(TrainingDrive::from).collect();
     let params = TrainSettings {
         heads: HeadsKind::Linear,
         ..TrainSettings::default()

@@ -18,13 +18,7 @@ fn main() -> Result<(), ModelError> {
     let drivers = arguments.next().unwrap_or(1000);
     let seconds = arguments.next().unwrap_or(60);
     let recorded = drives::drivers_apart(6, 300.0);
-    let given: Vec<_> = recorded
-        .iter()
-        .map(|(drive, adb)| TrainingDrive {
-            drive,
-            adb: Some(*adb),
-        })
-        .collect();
+    let given: Vec<_> = recorded.iter().map(TrainingDrive::from).collect();
     let params = TrainSettings {
         heads: HeadsKind::Linear,
         ..TrainSettings::default()

@@ -93,13 +93,7 @@ fn rate(wall: bool, given: &[TrainingDrive<'_>], batch_size: usize) -> f64 {
 
 fn main() {
     let drives = drives::drivers(38, 600.0);
-    let given: Vec<_> = drives
-        .iter()
-        .map(|(drive, adb)| TrainingDrive {
-            drive,
-            adb: Some(*adb),
-        })
-        .collect();
+    let given: Vec<_> = drives.iter().map(TrainingDrive::from).collect();
     let per_row = TrainSettings::default().architecture().operations_per_row();
     let wall = std::env::args().all(|argument| argument != "--processor-time");
     let before = peak(wall);

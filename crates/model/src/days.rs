@@ -134,9 +134,9 @@ impl Days {
         if is_covariance {
             return Ok(());
         }
-        Err(ModelError::BadModelFile {
-            problem: "its covariance of a person's drives is of another size or none".to_owned(),
-        })
+        Err(ModelError::bad_file(
+            "its covariance of a person's drives is of another size or none",
+        ))
     }
 }
 

@@ -14,6 +14,15 @@ pub struct TrainingDrive<'a> {
     pub adb: Option<AdbScore>,
 }
 
+impl<'a> From<&'a (Drive, AdbScore)> for TrainingDrive<'a> {
+    fn from((drive, adb): &'a (Drive, AdbScore)) -> Self {
+        Self {
+            drive,
+            adb: Some(*adb),
+        }
+    }
+}
+
 /// One pass over the rows.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct EpochReport {

@@ -219,6 +219,12 @@ pub enum ModelError {
 }
 
 impl ModelError {
+    pub(crate) fn bad_file(problem: impl Into<String>) -> Self {
+        Self::BadModelFile {
+            problem: problem.into(),
+        }
+    }
+
     /// The next step, where one is known.
     pub fn suggestion(&self) -> Option<&'static str> {
         match self {

@@ -100,9 +100,9 @@ impl TryFrom<ModelParts> for Model {
     fn try_from(parts: ModelParts) -> Result<Self, ModelError> {
         let d = parts.embedding_size;
         if d == 0 || parts.training.iter().any(|t| t.embedding.size() != d) {
-            return Err(ModelError::BadModelFile {
-                problem: "a training embedding is of another size".to_owned(),
-            });
+            return Err(ModelError::bad_file(
+                "a training embedding is of another size",
+            ));
         }
         match &parts.heads {
             Heads::Linear(linear) => {

@@ -23,9 +23,7 @@ fn checksum(bytes: &[u8]) -> u64 {
 /// # Errors
 /// [`ModelError::BadModelFile`] if the model cannot be written, which no model that exists should cause.
 pub fn to_bytes(model: &Model) -> Result<Vec<u8>, ModelError> {
-    let body = serde_json::to_vec(model).map_err(|e| ModelError::BadModelFile {
-        problem: e.to_string(),
-    })?;
+    let body = serde_json::to_vec(model).map_err(|e| ModelError::bad_file(e.to_string()))?;
     let header = format!(
         "{MAGIC} {VERSION} {} {:016x}\n",
         body.len(),
@@ -73,9 +71,7 @@ pub fn from_bytes(bytes: &[u8]) -> Result<Model, ModelError> {
     if found != expected {
         return Err(ModelError::Damaged { found, expected });
     }
-    serde_json::from_slice(body).map_err(|e| ModelError::BadModelFile {
-        problem: e.to_string(),
-    })
+    serde_json::from_slice(body).map_err(|e| ModelError::bad_file(e.to_string()))
 }
 
 #[cfg(test)]
@@ -89,13 +85,7 @@ mod tests {
 
     fn model() -> Model {
         let drives = drivers(2, 40.0);
-        let given: Vec<_> = drives
-            .iter()
-            .map(|(drive, adb)| TrainingDrive {
-                drive,
-                adb: Some(*adb),
-            })
-            .collect();
+        let given: Vec<_> = drives.iter().map(TrainingDrive::from).collect();
         let settings = TrainSettings {
             epochs: 1,
             heads: HeadsKind::Paper,

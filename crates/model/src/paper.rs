@@ -77,9 +77,7 @@ impl PaperNetworks {
         } else {
             return self.habits.as_ref().map_or(Ok(()), |h| check(h, d));
         };
-        Err(ModelError::BadModelFile {
-            problem: problem.to_owned(),
-        })
+        Err(ModelError::bad_file(problem))
     }
 
     pub(crate) fn networks(&self) -> Networks {

@@ -94,9 +94,9 @@ impl Posted {
         {
             return Ok(());
         }
-        Err(ModelError::BadModelFile {
-            problem: "the limits learned from are no speeds".to_owned(),
-        })
+        Err(ModelError::bad_file(
+            "the limits learned from are no speeds",
+        ))
     }
 }
 
@@ -119,13 +119,7 @@ mod tests {
     #[test]
     fn a_free_speed_is_read_absolutely_or_beside_what_is_posted() {
         let drives = drivers_apart(10, 300.0);
-        let given: Vec<TrainingDrive<'_>> = drives
-            .iter()
-            .map(|(drive, adb)| TrainingDrive {
-                drive,
-                adb: Some(*adb),
-            })
-            .collect();
+        let given: Vec<TrainingDrive<'_>> = drives.iter().map(TrainingDrive::from).collect();
         let learn = |free_speed| {
             let settings = TrainSettings {
                 heads: HeadsKind::Linear,

@@ -163,13 +163,7 @@ mod tests {
     use std::ops::ControlFlow;
 
     fn trained(drives: &[(Drive, AdbScore)], epochs: usize) -> Model {
-        let given: Vec<_> = drives
-            .iter()
-            .map(|(drive, adb)| TrainingDrive {
-                drive,
-                adb: Some(*adb),
-            })
-            .collect();
+        let given: Vec<_> = drives.iter().map(TrainingDrive::from).collect();
         let settings = TrainSettings {
             heads: crate::HeadsKind::Paper,
             epochs,

@@ -6,11 +6,10 @@ use path_slash::PathExt as _;
 use std::collections::BTreeSet;
 use std::fs::File;
 use std::io::Write;
-use std::path::PathBuf;
 use std::process::ExitStatus;
 use std::sync::atomic::AtomicBool;
-use std::sync::{Mutex, MutexGuard, OnceLock, PoisonError};
-use std::time::{Duration, Instant, SystemTime};
+use std::sync::{Mutex, MutexGuard, PoisonError};
+use std::time::{Duration, Instant};
 
 use crate::cache::Cache;
 use crate::check::{Past, Present};
@@ -19,7 +18,6 @@ use crate::executor::{Ended, Job, local};
 use crate::ledger::OpenLedger;
 use crate::lock::RunLock;
 use crate::shell::typed;
-use crate::surroundings::{Surroundings, is_between};
 use crate::{
     Failure, FailureCause, Graph, Manifest, Pipeline, PipelineError, Place, Reason, Setting, Stage,
     Warning,
@@ -32,10 +30,6 @@ pub(crate) struct Workshop<'a> {
     pub(crate) hasher: Hasher<'a>,
     pub(crate) ledger: Mutex<OpenLedger>,
     pub(crate) cache: Option<Cache>,
-    /// As they were before the first stage ran.
-    pub(crate) surroundings: OnceLock<Surroundings>,
-    /// When each stage ran.
-    pub(crate) times: Mutex<Vec<(String, SystemTime, SystemTime)>>,
     /// Whether files that no run made are moved out of the way.
     pub(crate) move_aside: bool,
     /// Parameters of former results that are no more.
@@ -130,8 +124,6 @@ impl Workshop<'_> {
         if !forced && self.restore(stage, &now, tell)? {
             return Ok(Attempt::Restored);
         }
-        self.surroundings
-            .get_or_init(|| Surroundings::of(graph, self.place));
         tell(News::Started { reasons });
         let mut retry = 0;
         loop {
@@ -161,10 +153,9 @@ impl Workshop<'_> {
         now: &Present,
         tell: &mut dyn FnMut(News),
     ) -> Result<Tried, PipelineError> {
-        let (started, began) = (Instant::now(), SystemTime::now());
+        let started = Instant::now();
         let ended = self.execute(stage, &now.files, tell)?;
         let seconds = started.elapsed().as_secs_f64();
-        self.note_time(stage, began);
         let failed = |cause, last_lines| Tried::Failed {
             cause,
             last_lines,
@@ -252,37 +243,11 @@ impl Workshop<'_> {
         })
     }
 
-    fn note_time(&self, stage: &Stage, began: SystemTime) {
-        let mut times = self.times.lock().unwrap_or_else(PoisonError::into_inner);
-        times.push((stage.name.clone(), began, SystemTime::now()));
-    }
-
-    /// What the run has to say at its end.
-    pub(crate) fn warnings(&self) -> Vec<Warning> {
-        let mut warnings = self.written_outside();
+    /// What the run has to say at its end: the settings of former results that it replaced.
+    pub(crate) fn warning(&self) -> Option<Warning> {
         let replaced = self.replaced.lock().unwrap_or_else(PoisonError::into_inner);
-        if !replaced.is_empty() {
-            let changes = replaced.iter().cloned().collect();
-            warnings.push(Warning::Replaced { changes });
-        }
-        warnings
-    }
-
-    /// What was written beside the outputs while stages ran.
-    fn written_outside(&self) -> Vec<Warning> {
-        let Some(surroundings) = self.surroundings.get() else {
-            return Vec::new();
-        };
-        let times = self.times.lock().unwrap_or_else(PoisonError::into_inner);
-        let warning = |(path, time): (PathBuf, Option<SystemTime>)| {
-            let ran = |(_, start, end): &&(String, SystemTime, SystemTime)| {
-                time.is_none_or(|time| is_between(time, *start, *end))
-            };
-            let stages: Vec<String> = times.iter().filter(ran).map(|t| t.0.clone()).collect();
-            (!stages.is_empty()).then_some(Warning::WroteOutside { path, stages })
-        };
-        let changes = surroundings.changes(self.place).into_iter();
-        changes.filter_map(warning).collect()
+        let changes: Vec<Setting> = replaced.iter().cloned().collect();
+        (!changes.is_empty()).then_some(Warning::Replaced { changes })
     }
 
     /// Remembers which settings of the last run are no longer those of this one.

@@ -38,7 +38,6 @@ mod shell;
 mod stage;
 mod status;
 mod store;
-mod surroundings;
 mod table;
 #[cfg(test)]
 mod testing;

@@ -10,7 +10,7 @@ use crate::paths::with_ancestors;
 use crate::{Graph, PipelineError, Stage};
 
 /// How folders begin that hold what was moved out of a stage's way.
-pub(crate) const ASIDE: &str = "moved-aside-";
+const ASIDE: &str = "moved-aside-";
 
 /// A file below an output; the output itself for the empty name.
 fn join(output: &str, within: &str) -> String {

@@ -3,7 +3,6 @@
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
-use crate::atomic_write::is_unfinished;
 use crate::paths::normalise;
 use crate::{Pipeline, PipelineError, Stage};
 
@@ -89,24 +88,6 @@ impl Place {
         }
     }
 
-    /// Whether `path` is one of the run's own files.
-    pub(crate) fn is_ours(&self, path: &Path) -> bool {
-        let name = |path: &Path| {
-            path.file_name()
-                .unwrap_or_default()
-                .to_string_lossy()
-                .into_owned()
-        };
-        // A path of the root `.` is written otherwise than that of a ledger named from there.
-        let (path, log_dir) = (&one_spelling(path), &one_spelling(&self.log_dir));
-        let ledger = &one_spelling(&self.ledger);
-        let same_folder = path.parent() == ledger.parent();
-        let (ledger, named) = (name(ledger), name(path));
-        path.starts_with(log_dir)
-            || log_dir.starts_with(path)
-            || (same_folder && (named.starts_with(&ledger) || is_unfinished(&named)))
-    }
-
     pub(crate) fn log_of(&self, stage: &str) -> PathBuf {
         self.log_dir.join(format!("{stage}.log"))
     }
@@ -169,42 +150,13 @@ fn one_spelling(path: &Path) -> PathBuf {
 mod tests {
     use super::*;
     #[test]
-    fn a_run_s_own_files_are_its_ledger_what_stands_beside_it_and_its_logs() {
+    fn a_run_s_own_files_stand_beside_its_ledger_and_below_its_logs() {
         let place = Place {
             root: PathBuf::from("/study"),
             ledger: PathBuf::from("/study/own/lock"),
             log_dir: PathBuf::from("/study/own/logs"),
             program: None,
         };
-        for ours in [
-            "/study/own/lock",
-            "/study/own/lock.journal",
-            "/study/own/.maveric-x.tmp",
-            "/study/own/logs",
-            "/study/own/logs/a.log",
-            "/study/own",
-        ] {
-            assert!(place.is_ours(Path::new(ours)), "{ours}");
-        }
-        for other in [
-            "/study/lock",
-            "/study/own/block",
-            "/study/own/x/lock",
-            "/study/own/logs2",
-            "/study/own/.block",
-        ] {
-            assert!(!place.is_ours(Path::new(other)), "{other}");
-        }
-        let from_here = Place {
-            root: PathBuf::from("."),
-            ledger: PathBuf::from("study.lock"),
-            log_dir: PathBuf::from(".logs/study"),
-            program: None,
-        };
-        for ours in ["./study.lock.journal", "./.maveric-x.tmp", "./.logs"] {
-            assert!(from_here.is_ours(Path::new(ours)), "{ours}");
-        }
-        assert!(!from_here.is_ours(Path::new("./table.csv")));
         assert_eq!(place.hash_cache(), Path::new("/study/own/lock.hashes"));
         assert_eq!(place.lock(), Path::new("/study/own/lock.running"));
         assert_eq!(place.jobs(), Path::new("/study/own/lock.jobs"));

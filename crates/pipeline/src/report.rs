@@ -176,14 +176,6 @@ pub struct StageResult {
 #[serde(tag = "kind", rename_all = "snake_case")]
 #[non_exhaustive]
 pub enum Warning {
-    /// A file that no stage lists among its outputs was written while stages ran.
-    #[error("`{}` was written while {} ran, and no stage lists it among its outputs", path.to_slash_lossy(), names(stages))]
-    WroteOutside {
-        /// The file.
-        path: PathBuf,
-        /// The stages that ran at its time.
-        stages: Vec<String>,
-    },
     /// Results were replaced by those of other settings in the same place.
     #[error(
         "the former results ({}) were replaced; `--variant NAME` keeps both",

@@ -3,7 +3,7 @@
 use std::collections::BTreeSet;
 use std::num::NonZeroUsize;
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::{Mutex, OnceLock, PoisonError, mpsc};
+use std::sync::{Mutex, PoisonError, mpsc};
 use std::time::Duration;
 
 use crate::attempt::{Attempt, News, Workshop};
@@ -53,8 +53,6 @@ pub fn run(
         hasher: Hasher::new(&place.root, place.hash_cache(), &stop),
         ledger: Mutex::new(ledger),
         cache: options.cache.as_deref().map(Cache::open).transpose()?,
-        surroundings: OnceLock::new(),
-        times: Mutex::default(),
         move_aside: options.move_aside,
         replaced: Mutex::default(),
         lock,
@@ -77,7 +75,7 @@ pub fn run(
             engine => cluster::run(engine, &workshop, &mut schedule, &forced, options, observe),
         }
     });
-    for warning in workshop.warnings() {
+    if let Some(warning) = workshop.warning() {
         schedule.warn(warning, observe);
     }
     // Also after an error: what is done is done.

@@ -25,7 +25,7 @@ mod world;
 pub use collision::{Collision, CollisionCause};
 pub use control::{
     Hands, Intervention, InterventionKind, Lead, Manoeuvre, PathShape, Steering,
-    VelocityController, bounded_jerk, following_acceleration, lateral_safe_distance, safe_distance,
+    VelocityController, bounded_jerk, following_acceleration, safe_distance,
 };
 pub use drivers::{
     BentLaw, Distribution, DriverParams, EncounterNoise, EvidenceParams, EvidencePopulation, Law,

@@ -6,6 +6,8 @@
     reason = "an example shows its table on the terminal"
 )]
 
+mod support;
+
 use maveric_stats::{
     AskedTest, ByDesign, CarryOver, DesignChoice, DesignColumns, PERIOD, carry_over,
     compare_by_design,
@@ -13,18 +15,12 @@ use maveric_stats::{
 use rand::Rng;
 use rand_pcg::Pcg64;
 use rayon::prelude::*;
+use support::{normal, tables_or};
 
 const ALPHA: f64 = 0.05;
 const NAMES: [&str; 5] = ["a", "b", "c", "d", "e"];
 /// What each condition leaves behind where carry-over is planted; the mean of those that there are is taken off.
 const LEFT: [f64; 5] = [0.6, -0.2, 0.0, -0.4, 0.3];
-
-/// A standard normal deviate, by Box and Muller.
-fn normal(generator: &mut Pcg64) -> f64 {
-    let mut uniform = || (f64::from(generator.next_u32()) + 0.5) / 4_294_967_296.0;
-    let (a, b) = (uniform(), uniform());
-    (-2.0 * a.ln()).sqrt() * (std::f64::consts::TAU * b).cos()
-}
 
 /// How the values of a study come about.
 #[derive(Clone, Copy)]
@@ -188,10 +184,7 @@ fn below(p: impl Iterator<Item = Option<f64>>) -> String {
 }
 
 fn main() {
-    let tables: u64 = std::env::args()
-        .nth(1)
-        .and_then(|n| n.parse().ok())
-        .unwrap_or(5_000);
+    let tables = tables_or(5_000);
     let of = |name, change: fn(&mut Study)| {
         let mut study = Study { name, ..PLAIN };
         change(&mut study);

@@ -12,6 +12,8 @@
     reason = "an example shows its table on the terminal"
 )]
 
+mod support;
+
 use std::{
     collections::HashMap,
     sync::{Mutex, PoisonError},
@@ -21,20 +23,13 @@ use maveric_stats::{
     OmnibusTest, StatsError, WithinSubjects, compare, compare_without_exact, friedman, proportion,
     within_without_exact,
 };
-use rand::Rng;
 use rand_pcg::Pcg64;
 use rayon::prelude::*;
+use support::{normal, tables_or};
 
 const N: usize = 24;
 const K: usize = 4;
 const ALPHA: f64 = 0.05;
-
-/// A standard normal deviate, by Box and Muller.
-fn normal(generator: &mut Pcg64) -> f64 {
-    let mut uniform = || (f64::from(generator.next_u32()) + 0.5) / 4_294_967_296.0;
-    let (a, b) = (uniform(), uniform());
-    (-2.0 * a.ln()).sqrt() * (std::f64::consts::TAU * b).cos()
-}
 
 /// How the errors of one kind of data are made.
 struct Kind {
@@ -160,8 +155,7 @@ fn look(
 }
 
 fn main() -> Result<(), StatsError> {
-    let sets = std::env::args().nth(1).and_then(|text| text.parse().ok());
-    let sets: usize = sets.unwrap_or(20_000);
+    let sets = tables_or(20_000) as usize;
     println!("null data sets of {N} subjects x {K} conditions, findings at .05\n");
     println!(
         "{:<24}{:>8}{:>8}  95 % interval   {:>8}{:>8}{:>8}   ANOVA chosen",

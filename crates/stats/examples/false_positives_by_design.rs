@@ -7,15 +7,17 @@
     reason = "an example shows its table on the terminal"
 )]
 
+mod support;
+
 use std::collections::BTreeMap;
 
 use maveric_stats::{
     AskedTest, ByDesign, DesignChoice, DesignColumns, MissingCells, OutcomeScale, StatsError,
     compare_by_design, proportion,
 };
-use rand::Rng;
 use rand_pcg::Pcg64;
 use rayon::prelude::*;
+use support::{normal, tables_or};
 
 const ALPHA: f64 = 0.05;
 
@@ -24,13 +26,6 @@ const TOO_MANY: f64 = 0.06;
 
 /// A rate below this is called conservative.
 const FEW: f64 = 0.035;
-
-/// A standard normal deviate, by Box and Muller.
-fn normal(generator: &mut Pcg64) -> f64 {
-    let mut uniform = || (f64::from(generator.next_u32()) + 0.5) / 4_294_967_296.0;
-    let (a, b) = (uniform(), uniform());
-    (-2.0 * a.ln()).sqrt() * (std::f64::consts::TAU * b).cos()
-}
 
 /// What goes along with the outcome.
 #[derive(Clone, Copy, PartialEq)]
@@ -436,12 +431,8 @@ fn add(mut all: Counts, more: Counts) -> Counts {
 }
 
 fn main() -> Result<(), StatsError> {
-    let mut arguments = std::env::args().skip(1);
-    let sets = arguments
-        .next()
-        .and_then(|text| text.parse().ok())
-        .unwrap_or(10_000);
-    let wanted = arguments.next().unwrap_or_default();
+    let sets = tables_or(10_000) as usize;
+    let wanted = std::env::args().nth(2).unwrap_or_default();
     println!("| design | data | found at .05 | ranks | verdict |\n| --- | --- | --- | --- | --- |");
     for (i, cell) in cells().iter().enumerate() {
         // One factor of one group has no other effect.

@@ -9,22 +9,18 @@
     reason = "an example shows its table on the terminal"
 )]
 
+mod support;
+
 use maveric_stats::{
     CongruenceData, Predictor, RatioTest, StatsError, congruence, mean, proportion,
     standard_deviation,
 };
-use rand::Rng as _;
 use rand_pcg::Pcg64;
 use rayon::prelude::*;
+use support::{normal, tables_or};
 
 const ALPHA: f64 = 0.05;
 const BOUND: f64 = 5.0;
-
-fn normal(generator: &mut Pcg64) -> f64 {
-    let mut uniform = || (f64::from(generator.next_u32()) + 0.5) / 4_294_967_296.0;
-    let (a, b) = (uniform(), uniform());
-    (-2.0 * a.ln()).sqrt() * (std::f64::consts::TAU * b).cos()
-}
 
 /// What is true of a table.
 #[derive(Clone, Copy)]
@@ -86,10 +82,7 @@ fn one(
 }
 
 fn main() -> Result<(), StatsError> {
-    let tables: u64 = std::env::args()
-        .nth(1)
-        .and_then(|n| n.parse().ok())
-        .unwrap_or(5_000);
+    let tables = tables_or(5_000);
     let bent = Truth {
         top: 0.0,
         movement: 0.0,

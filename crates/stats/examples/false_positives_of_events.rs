@@ -9,21 +9,15 @@
     reason = "an example shows its table on the terminal"
 )]
 
+mod support;
+
 use maveric_stats::{CaseStratum, Exposed, StatsError, case_crossover, event_rates, proportion};
 use rand::Rng as _;
 use rand_pcg::Pcg64;
 use rayon::prelude::*;
+use support::{normal, tables_or, uniform};
 
 const ALPHA: f64 = 0.05;
-
-fn uniform(generator: &mut Pcg64) -> f64 {
-    (f64::from(generator.next_u32()) + 0.5) / 4_294_967_296.0
-}
-
-fn normal(generator: &mut Pcg64) -> f64 {
-    let (a, b) = (uniform(generator), uniform(generator));
-    (-2.0 * a.ln()).sqrt() * (std::f64::consts::TAU * b).cos()
-}
 
 fn poisson(generator: &mut Pcg64, mean: f64) -> usize {
     let (mut product, mut count) = (uniform(generator), 0);
@@ -124,10 +118,7 @@ fn told(name: &str, p: &[Option<f64>]) -> Result<(), StatsError> {
 }
 
 fn main() -> Result<(), StatsError> {
-    let tables: u64 = std::env::args()
-        .nth(1)
-        .and_then(|n| n.parse().ok())
-        .unwrap_or(5_000);
+    let tables = tables_or(5_000);
     println!("share of tables with p < .05, its 95 % interval");
     for (people, mean, burst) in [(12, 1.0, 1), (24, 3.0, 1), (24, 3.0, 4), (40, 0.5, 1)] {
         let p: Result<Vec<Option<f64>>, StatsError> = (0..tables)

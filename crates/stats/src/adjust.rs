@@ -102,6 +102,20 @@ impl Adjustment {
         adjusted
     }
 
+    /// Corrects the p values of one family of tests in their places.
+    pub(crate) fn correct<'t, T: 't>(
+        self,
+        tests: impl IntoIterator<Item = &'t mut T>,
+        p: impl Fn(&T) -> Option<f64>,
+        write: impl Fn(&mut T, Option<f64>),
+    ) {
+        let tests: Vec<&mut T> = tests.into_iter().collect();
+        let raw: Vec<Option<f64>> = tests.iter().map(|test| p(test)).collect();
+        for (test, p) in tests.into_iter().zip(self.apply_defined(&raw)) {
+            write(test, p);
+        }
+    }
+
     /// Corrects those p values that exist; the others are no part of the family.
     pub fn apply_defined(self, p: &[Option<f64>]) -> Vec<Option<f64>> {
         let defined: Vec<f64> = p.iter().copied().flatten().collect();

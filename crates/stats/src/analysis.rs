@@ -332,7 +332,7 @@ pub(crate) fn paired_t(
     let mut results = by_pair(data, "paired", undefined, |a, b| {
         paired::t::test(&columns[a], &columns[b], t95)
     });
-    holm(&mut results, |r| r.p, |r, p| r.p_holm = p);
+    Adjustment::Holm.correct(results.values_mut(), |r| r.p, |r, p| r.p_holm = p);
     results
 }
 
@@ -346,7 +346,7 @@ pub(crate) fn pooled_t(
     let mut results = by_pair(data, "pooled", undefined, |a, b| {
         paired::pooled::test(means[a] - means[b], data.n(), anova)
     });
-    holm(&mut results, |r| r.p, |r, p| r.p_holm = p);
+    Adjustment::Holm.correct(results.values_mut(), |r| r.p, |r, p| r.p_holm = p);
     results
 }
 
@@ -360,15 +360,19 @@ pub(crate) fn wilcoxon(
         let keys = written.differences((0..n).map(|i| (i * k + a, i * k + b)));
         paired::wilcoxon::test(&columns[a], &columns[b], &keys, written.is_rounded())
     });
-    holm(&mut results, |r| r.p, |r, p| r.p_holm = p);
-    holm(&mut results, |r| r.p_exact, |r, p| r.p_exact_holm = p);
-    holm(
-        &mut results,
+    Adjustment::Holm.correct(results.values_mut(), |r| r.p, |r, p| r.p_holm = p);
+    Adjustment::Holm.correct(
+        results.values_mut(),
+        |r| r.p_exact,
+        |r, p| r.p_exact_holm = p,
+    );
+    Adjustment::Holm.correct(
+        results.values_mut(),
         |r| r.p_normal_cc,
         |r, p| r.p_normal_cc_holm = p,
     );
-    holm(
-        &mut results,
+    Adjustment::Holm.correct(
+        results.values_mut(),
         |r| r.compat.p_r_default,
         |r, p| r.compat.p_r_default_holm = p,
     );
@@ -383,7 +387,7 @@ pub(crate) fn conover(
     let mut results = by_pair(data, "conover", undefined, |a, b| {
         paired::conover::test(table, a, b)
     });
-    holm(&mut results, |r| r.p, |r, p| r.p_holm = p);
+    Adjustment::Holm.correct(results.values_mut(), |r| r.p, |r, p| r.p_holm = p);
     results
 }
 
@@ -411,15 +415,13 @@ fn shapiro(
         .chain([residuals])
         .map(|(name, sample)| {
             let (result, inner) = shapiro_wilk_with(sample, &mut weights);
-            if !inner.is_empty() {
-                undefined.absorb(&format!("shapiro.{name}"), inner);
-            }
+            undefined.absorb(&format!("shapiro.{name}"), inner);
             (name, result)
         })
         .collect()
 }
 
-fn by_pair<T>(
+pub(crate) fn by_pair<T>(
     data: &WithinSubjects,
     test_name: &str,
     undefined: &mut Reasons,
@@ -429,22 +431,8 @@ fn by_pair<T>(
         .into_iter()
         .map(|(a, b, name)| {
             let (result, inner) = test(a, b);
-            if !inner.is_empty() {
-                undefined.absorb(&format!("{test_name}.{name}"), inner);
-            }
+            undefined.absorb(&format!("{test_name}.{name}"), inner);
             (name, result)
         })
         .collect()
-}
-
-fn holm<T>(
-    results: &mut Named<T>,
-    read: impl Fn(&T) -> Option<f64>,
-    write: impl Fn(&mut T, Option<f64>),
-) {
-    let p: Vec<Option<f64>> = results.values().map(read).collect();
-    let adjusted = Adjustment::Holm.apply_defined(&p);
-    for (result, p) in results.values_mut().zip(adjusted) {
-        write(result, p);
-    }
 }

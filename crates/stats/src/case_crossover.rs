@@ -24,7 +24,7 @@ pub struct CaseStratum {
 }
 
 /// A conditional logistic regression of events on one exposure.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct CaseCrossover {
     /// People with a stretch that tells: with an event, with another moment, and of more than one exposure.
     pub people: usize,
@@ -105,16 +105,7 @@ pub fn case_crossover(strata: &[CaseStratum]) -> CaseCrossover {
         strata: strata.len(),
         events: strata.iter().map(|s| s.events.len()).sum(),
         moments,
-        sd: None,
-        estimate: None,
-        odds_ratio: None,
-        odds_ratio_ci_low: None,
-        odds_ratio_ci_high: None,
-        se_model: None,
-        t: None,
-        df: None,
-        p: None,
-        undefined: Reasons::default(),
+        ..CaseCrossover::default()
     };
     if strata.is_empty() {
         let reason = "no event has another moment beside it at which the exposure was another";

@@ -4,6 +4,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::{
     Adjustment, Named, Reasons, StatsError, WithinSubjects,
+    analysis::by_pair,
     apa::{self, Interval, Statement, Statements},
     mcnemar::{self, McNemarTest},
     numerics::distributions::chi2_upper,
@@ -75,25 +76,19 @@ pub struct McNemarPair {
 pub fn cochran_q(data: &WithinSubjects) -> Result<CochranQ, StatsError> {
     mcnemar::check_yes_no(data)?;
     let mut undefined = Reasons::default();
-    let mut tests = Vec::new();
-    for (i, j, name) in data.pairs() {
+    let mut pairs = by_pair(data, "pairs", &mut undefined, |i, j| {
         let (test, inner) = mcnemar::test(&data.column(i), &data.column(j));
-        undefined.absorb(&format!("pairs.{name}"), inner);
-        tests.push((name, test));
-    }
-    let p: Vec<Option<f64>> = tests.iter().map(|(_, test)| test.p_mid).collect();
-    let p_holm = Adjustment::Holm.apply_defined(&p);
-    let pairs = tests.into_iter().zip(p_holm);
+        (McNemarPair { test, p_holm: None }, inner)
+    });
+    Adjustment::Holm.correct(
+        pairs.values_mut(),
+        |pair| pair.test.p_mid,
+        |pair, p| pair.p_holm = p,
+    );
     let cochran_q = omnibus(data);
     if cochran_q.q.is_none() {
-        let names = ["Q", "p", "w"];
-        undefined.note_all(
-            &names
-                .map(|name| format!("cochran_q.{name}"))
-                .each_ref()
-                .map(String::as_str),
-            "everybody answered all conditions alike",
-        );
+        let names = ["cochran_q.Q", "cochran_q.p", "cochran_q.w"];
+        undefined.note_all(&names, "everybody answered all conditions alike");
     }
     Ok(CochranQ {
         n: data.n(),
@@ -101,9 +96,7 @@ pub fn cochran_q(data: &WithinSubjects) -> Result<CochranQ, StatsError> {
         dropped: data.dropped().to_vec(),
         yes: mcnemar::shares(data),
         cochran_q,
-        pairs: pairs
-            .map(|((name, test), p_holm)| (name, McNemarPair { test, p_holm }))
-            .collect(),
+        pairs,
         undefined,
     })
 }

@@ -3,12 +3,13 @@
 use serde::{Deserialize, Serialize};
 
 use crate::{
-    Adjustment, Named, Reasons, StatsError, WithinSubjects, complete,
+    Adjustment, Named, Reasons, StatsError, WithinSubjects,
+    analysis::by_pair,
+    complete,
     numerics::{
         distributions::{self, t_quantile_two_sided, t_two_sided},
         moments::{is_constant, mean_and_square_sum},
     },
-    paired::t::is_constant_difference,
 };
 
 /// The level of each one-sided test.
@@ -118,25 +119,17 @@ pub struct Equivalence {
 pub fn equivalence(data: &WithinSubjects, bounds: Bounds) -> Result<Equivalence, StatsError> {
     check(bounds)?;
     let mut undefined = Reasons::default();
-    let mut tests = Vec::new();
-    for (i, j, name) in data.pairs() {
-        let (a, b) = (data.column(i), data.column(j));
-        let differences: Vec<f64> = a.iter().zip(&b).map(|(a, b)| a - b).collect();
-        let constant = is_constant_difference(&a, &b, &differences);
-        let (test, reasons) = tost(&differences, constant, bounds);
-        undefined.absorb(&format!("tost.{name}"), reasons);
-        tests.push((name, test));
-    }
-    let p: Vec<_> = tests.iter().map(|(_, t)| t.p).collect();
-    for ((_, test), p) in tests.iter_mut().zip(Adjustment::Holm.apply_defined(&p)) {
-        test.p_holm = p;
-    }
+    let mut tests = by_pair(data, "tost", &mut undefined, |i, j| {
+        let (differences, constant) = data.differences(i, j);
+        tost(&differences, constant, bounds)
+    });
+    Adjustment::Holm.correct(tests.values_mut(), |t| t.p, |t, p| t.p_holm = p);
     Ok(Equivalence {
         n: data.n(),
         dropped: data.dropped().to_vec(),
         missing: 0,
         bounds,
-        tost: tests.into_iter().collect(),
+        tost: tests,
         undefined,
     })
 }

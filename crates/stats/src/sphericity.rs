@@ -12,7 +12,7 @@ use crate::{
 };
 
 /// Mauchly's test of sphericity.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct Mauchly {
     /// Determinant of the contrast covariance over the (k-1)th power of its mean eigenvalue.
     #[serde(rename = "W")]
@@ -161,14 +161,7 @@ impl Spectrum {
         let values = &self.values;
         let none = |mut reasons: Reasons, reason: &str| {
             reasons.note("", reason);
-            let none = Mauchly {
-                w: None,
-                chi2: None,
-                df: None,
-                p: None,
-                compat: MauchlyCompat::default(),
-            };
-            (none, reasons)
+            (Mauchly::default(), reasons)
         };
         let (q, freedom) = (values.len() as f64, self.freedom as f64);
         if values.len() == 1 {

@@ -1,6 +1,6 @@
 //! n subjects under each of k conditions, complete cases only.
 
-use crate::{StatsError, complete};
+use crate::{StatsError, complete, paired::t::is_constant_difference};
 
 /// A complete table of one value per subject and condition.
 ///
@@ -259,6 +259,14 @@ impl WithinSubjects {
     /// All values, row by row, shape `(n * k,)`.
     pub(crate) fn values(&self) -> &[f64] {
         &self.values
+    }
+
+    /// Condition `i` minus condition `j` of each subject, and whether that is one number but for rounding.
+    pub(crate) fn differences(&self, i: usize, j: usize) -> (Vec<f64>, bool) {
+        let (a, b) = (self.column(i), self.column(j));
+        let differences: Vec<f64> = a.iter().zip(&b).map(|(a, b)| a - b).collect();
+        let constant = is_constant_difference(&a, &b, &differences);
+        (differences, constant)
     }
 
     /// Positions and the name `A|B` of each pair of conditions, in order.

@@ -333,13 +333,7 @@ mod tests {
     #[test]
     fn every_drive_is_unseen_once_and_own_means_know_the_driver() {
         let drives = drivers(6, 150.0);
-        let given: Vec<_> = drives
-            .iter()
-            .map(|(drive, adb)| TrainingDrive {
-                drive,
-                adb: Some(*adb),
-            })
-            .collect();
+        let given: Vec<_> = drives.iter().map(TrainingDrive::from).collect();
         let base = TrainSettings {
             epochs: 6,
             batch_size: 128,

@@ -55,12 +55,22 @@ pub(crate) fn narrow_room(layout: &Layout) -> usize {
 /// The rows of a tile on their way through a stack of layers.
 #[derive(Clone, Copy)]
 pub(super) struct Through<'a> {
-    pub(super) shared: &'a Shared<'a>,
-    pub(super) rows: usize,
-    pub(super) place: &'a [u32],
+    shared: &'a Shared<'a>,
+    rows: usize,
+    /// The roster's line of each row.
+    place: &'a [u32],
 }
 
-impl Through<'_> {
+impl<'a> Through<'a> {
+    pub(super) fn new(shared: &'a Shared<'a>, place: &'a [u32]) -> Self {
+        let rows = place.len();
+        Self {
+            shared,
+            rows,
+            place,
+        }
+    }
+
     /// From `x` to `output`; with a `table` the first layer starts from the roster's lines, from that column on.
     pub(super) fn forward(
         &self,

@@ -127,11 +127,7 @@ impl Tile {
         for (row, known) in self.known[..self.rows].iter().enumerate() {
             self.reads.row_mut(row)[reads.lead_speed] = known.values[0];
         }
-        let through = Through {
-            shared,
-            rows: self.rows,
-            place: &self.place[..self.rows],
-        };
+        let through = Through::new(shared, &self.place[..self.rows]);
         let encoders = [
             (&layout.lane_encoder, 0, &mut self.lane_encoder, 0),
             (
@@ -175,11 +171,7 @@ impl Tile {
         if shared.weights.mutual_information > 0.0 {
             let head = &mut self.mutual_information;
             let out = head.output.columns_mut(0);
-            let through = Through {
-                shared,
-                rows: self.rows,
-                place: &self.place[..self.rows],
-            };
+            let through = Through::new(shared, &self.place[..self.rows]);
             let x = self.reads.columns(0);
             through.forward(&layout.mutual_information, x, None, &mut head.hidden, out);
             self.mutual_information_loss(shared, &mut sums);
@@ -203,11 +195,7 @@ impl Tile {
     /// Goes back through M to what it reads: the outputs of the predictors, the aggression and the embedding.
     fn mutual_information_backward(&mut self, shared: &Shared<'_>, to: &mut Gradients<'_>) {
         let (layout, columns) = (shared.layout, shared.roster.columns);
-        let through = Through {
-            shared,
-            rows: self.rows,
-            place: &self.place[..self.rows],
-        };
+        let through = Through::new(shared, &self.place[..self.rows]);
         let head = &self.mutual_information;
         through.backward(
             &layout.mutual_information,
@@ -248,11 +236,7 @@ impl Tile {
             self.mutual_information_backward(shared, to);
         }
         let (layout, columns) = (shared.layout, shared.roster.columns);
-        let through = Through {
-            shared,
-            rows: self.rows,
-            place: &self.place[..self.rows],
-        };
+        let through = Through::new(shared, &self.place[..self.rows]);
         let scratch = &mut self.scratch;
         let start = if has_m { Start::Add } else { ZERO };
         let head = &self.following_distance;

@@ -43,7 +43,7 @@ impl FittedHead {
 
 /// Checks heads that were read from a file: all of [`HEADS`], in their order, of one size.
 pub(crate) fn check(heads: &[FittedHead], d: usize) -> Result<(), ModelError> {
-    let bad = |problem: String| Err(ModelError::BadModelFile { problem });
+    let bad = |problem: String| Err(ModelError::bad_file(problem));
     if heads.len() != HEADS.len() {
         return bad(format!("{} heads, expected {}", heads.len(), HEADS.len()));
     }

@@ -135,9 +135,9 @@ impl StyleHead {
         if finite && sizes && self.reading_sd > 0.0 {
             return Ok(());
         }
-        Err(ModelError::BadModelFile {
-            problem: "its style head is of another size or no number".to_owned(),
-        })
+        Err(ModelError::bad_file(
+            "its style head is of another size or no number",
+        ))
     }
 }
 

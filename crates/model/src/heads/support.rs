@@ -184,9 +184,9 @@ impl Population {
         if sizes && numbers().all(|x| x.is_finite()) {
             return Ok(());
         }
-        Err(ModelError::BadModelFile {
-            problem: "its population is of another size or no number".to_owned(),
-        })
+        Err(ModelError::bad_file(
+            "its population is of another size or no number",
+        ))
     }
 
     /// How well the people learned from explain what a drive shows; `None` where it shows nothing.

@@ -203,13 +203,7 @@ mod tests {
     #[test]
     fn the_slope_is_that_of_the_value_and_the_minimum_is_one() {
         let drives = drivers(3, 180.0);
-        let given: Vec<_> = drives
-            .iter()
-            .map(|(drive, adb)| TrainingDrive {
-                drive,
-                adb: Some(*adb),
-            })
-            .collect();
+        let given: Vec<_> = drives.iter().map(TrainingDrive::from).collect();
         let settings = TrainSettings {
             heads: HeadsKind::Paper,
             epochs: 6,

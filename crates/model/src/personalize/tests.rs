@@ -11,13 +11,7 @@ use std::ops::ControlFlow;
 /// Linear heads of twelve drivers.
 pub(crate) fn linear_model() -> Model {
     let drives = drivers_apart(12, 300.0);
-    let given: Vec<_> = drives
-        .iter()
-        .map(|(drive, adb)| TrainingDrive {
-            drive,
-            adb: Some(*adb),
-        })
-        .collect();
+    let given: Vec<_> = drives.iter().map(TrainingDrive::from).collect();
     let settings = TrainSettings {
         heads: HeadsKind::Linear,
         ..TrainSettings::default()

@@ -87,10 +87,7 @@ mod tests {
     #[test]
     fn a_person_whose_days_differ_is_known_less_well_and_the_model_file_keeps_it() {
         let drives = drivers_apart(12, 300.0);
-        let given = drives.iter().map(|(drive, adb)| TrainingDrive {
-            drive,
-            adb: Some(*adb),
-        });
+        let given = drives.iter().map(TrainingDrive::from);
         let given: Vec<TrainingDrive<'_>> = given.collect();
         let settings = TrainSettings {
             heads: HeadsKind::Linear,

@@ -11,11 +11,7 @@ use maveric_domain::{AdbScore, Drive, Embedding};
 use std::ops::ControlFlow;
 
 fn training(drives: &[(Drive, AdbScore)]) -> Vec<TrainingDrive<'_>> {
-    let with_score = |(drive, adb)| TrainingDrive {
-        drive,
-        adb: Some(adb),
-    };
-    drives.iter().map(|(d, a)| with_score((d, *a))).collect()
+    drives.iter().map(TrainingDrive::from).collect()
 }
 
 fn quick(change: impl Fn(&mut TrainSettings)) -> TrainSettings {

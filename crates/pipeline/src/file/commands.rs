@@ -43,10 +43,8 @@ impl Commands {
         if program != self.program {
             return Ok(None);
         }
-        let files = (self.files)(root, words).map_err(|message| Located {
-            at,
-            problem: FileProblem::NoCommand { message },
-        })?;
+        let files = (self.files)(root, words)
+            .map_err(|message| FileProblem::NoCommand { message }.located(at))?;
         let Some(files) = files else { return Ok(None) };
         let above = std::path::absolute(root).unwrap_or_else(|_| root.to_owned());
         let spelled = |paths: Vec<String>| {
@@ -55,8 +53,7 @@ impl Commands {
                 let below = Path::new(&path).strip_prefix(&above);
                 let below = below.map_or(path.clone(), |p| p.to_slash_lossy().into_owned());
                 let Some(path) = normalise(&below) else {
-                    let problem = FileProblem::BadPath { path };
-                    return Err(Located { at, problem });
+                    return Err(FileProblem::BadPath { path }.located(at));
                 };
                 if !spelled.contains(&path) {
                     spelled.push(path);
@@ -93,14 +90,12 @@ impl CommandFiles {
         if lacks.is_empty() && strange.is_empty() {
             return Ok(());
         }
-        Err(Located {
-            at: value.span().start,
-            problem: FileProblem::OtherFiles {
-                key,
-                lacks,
-                strange,
-            },
-        })
+        Err(FileProblem::OtherFiles {
+            key,
+            lacks,
+            strange,
+        }
+        .located(value.span().start))
     }
 
     /// Whether a path is in any of its own.

@@ -31,25 +31,18 @@ pub(super) fn branches(
     let branches = match (table.get("foreach"), table.get("matrix")) {
         (Some(value), Some(_)) => {
             let at = value.span().start;
-            let problem = FileProblem::TwoFanOuts;
-            return Err(Located { at, problem });
+            return Err(FileProblem::TwoFanOuts.located(at));
         }
         (Some(value), None) => {
             let at = value.span().start;
             let path = substitute(&string("foreach", value)?, at)?;
-            rows(&path, root).map_err(|message| Located {
-                at,
-                problem: FileProblem::Table { path, message },
-            })?
+            rows(&path, root).map_err(|message| FileProblem::Table { path, message }.located(at))?
         }
         (None, Some(value)) => combinations(value)?,
         (None, None) => vec![Branch::default()],
     };
     let at_most = |shards: u64, at| match shards.saturating_mul(branches.len() as u64) {
-        stages if stages > MOST_STAGES => Err(Located {
-            at,
-            problem: FileProblem::TooManyStages { stages },
-        }),
+        stages if stages > MOST_STAGES => Err(FileProblem::TooManyStages { stages }.located(at)),
         _ => Ok(()),
     };
     let shards = match table.get("shards") {
@@ -104,11 +97,11 @@ pub(super) fn count(key: &str, value: &super::value::Value<'_>) -> Result<u32, L
 }
 
 fn over(path: &str, at: usize) -> Result<(String, String), Located> {
-    let bad = || Located {
-        at,
-        problem: FileProblem::BadOver {
+    let bad = || {
+        FileProblem::BadOver {
             path: path.to_owned(),
-        },
+        }
+        .located(at)
     };
     let (folder, pattern) = match path.rsplit_once('/') {
         Some((folder, last)) if last.contains('*') => (folder, last),
@@ -163,8 +156,7 @@ fn combinations(value: &super::value::Value<'_>) -> Result<Vec<Branch>, Located>
     let stages = stages.fold(1, u64::saturating_mul);
     if stages > MOST_STAGES {
         let at = value.span().start;
-        let problem = FileProblem::TooManyStages { stages };
-        return Err(Located { at, problem });
+        return Err(FileProblem::TooManyStages { stages }.located(at));
     }
     let mut branches = vec![Branch::default()];
     for (name, list) in lists {

@@ -44,12 +44,12 @@ pub(super) fn with_layers<T>(
 ) -> Result<T, PipelineError> {
     let located = |at: Located| at.into_error(text, path);
     let document = DeTable::parse(text).map_err(|error| {
-        located(Located {
-            at: error.span().map_or(0, |span| span.start),
-            problem: FileProblem::Syntax {
+        located(
+            FileProblem::Syntax {
                 message: error.message().to_owned(),
-            },
-        })
+            }
+            .located(error.span().map_or(0, |span| span.start)),
+        )
     })?;
     let table = document.get_ref();
     check_keys(table, TOP, TOP_KEYS).map_err(located)?;
@@ -150,13 +150,14 @@ pub(super) fn merged_stages<'t>(layers: &[Layer<'t>]) -> Result<Vec<Entry<'t>>, 
         }
     }
     match (entries.is_empty(), layers.first()) {
-        (true, Some(layer)) => Err(layer.error(Located {
-            at: layer
-                .table
-                .get("stage")
-                .map_or(0, |value| value.span().start),
-            problem: FileProblem::NoStages,
-        })),
+        (true, Some(layer)) => Err(layer.error(
+            FileProblem::NoStages.located(
+                layer
+                    .table
+                    .get("stage")
+                    .map_or(0, |value| value.span().start),
+            ),
+        )),
         _ => Ok(entries),
     }
 }

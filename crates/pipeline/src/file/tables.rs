@@ -65,7 +65,7 @@ impl Read {
         check_keys(table, STAGE, STAGE_KEYS)?;
         let mut substitute = |text: &str, at| {
             let value = params.substitute(text, &mut BTreeSet::new());
-            value.map_err(|problem| Located { at, problem })
+            value.map_err(|problem| problem.located(at))
         };
         for branch in fan::branches(table, surroundings.root, at, &mut substitute)? {
             let clash = |(name, _): &&(String, Param)| params.0.contains_key(name);
@@ -76,8 +76,7 @@ impl Read {
                 .map(|(name, _)| name.clone());
             let (stage, if_there, at) = read_stage(table, params, branch, (at, surroundings))?;
             if let Some(name) = clash.filter(|name| stage.params.contains_key(name)) {
-                let problem = FileProblem::AlsoParameter { name };
-                return Err(Located { at, problem });
+                return Err(FileProblem::AlsoParameter { name }.located(at));
             }
             let next = (self.stages.len(), at);
             let (first, first_at) = *self.firsts.entry(stage.name.clone()).or_insert(next);
@@ -90,8 +89,7 @@ impl Read {
                 Some(_) => {
                     let first_line = position(entry.layer.text, first_at).0;
                     let name = stage.name;
-                    let problem = FileProblem::DuplicateStage { name, first_line };
-                    return Err(Located { at, problem });
+                    return Err(FileProblem::DuplicateStage { name, first_line }.located(at));
                 }
             }
         }
@@ -133,14 +131,12 @@ fn read_stage(
         .iter()
         .find(|(word, _)| branch.share.is_some() && word.contains(FILES) && word != FILES)
     {
-        let problem = FileProblem::FilesInsideWord;
-        return Err(Located { at: *at, problem });
+        return Err(FileProblem::FilesInsideWord.located(*at));
     }
     used.remove("files");
     let command: Vec<String> = words.into_iter().map(|(word, _)| word).collect();
     if command.first().is_none_or(String::is_empty) {
-        let problem = FileProblem::EmptyCommand { stage: family };
-        return Err(Located { at, problem });
+        return Err(FileProblem::EmptyCommand { stage: family }.located(at));
     }
     let mut in_paths = BTreeSet::new();
     let mut paths = |key| match table.get(key) {
@@ -179,13 +175,13 @@ fn read_stage(
     let help = text("inputs_help")?
         .map(|help| params.substitute(&help, &mut BTreeSet::new()))
         .transpose()
-        .map_err(|problem| Located { at, problem })?;
+        .map_err(|problem| problem.located(at))?;
     let value_of = |name: &String| {
         let value = params.substitute(&format!("{{{name}}}"), &mut BTreeSet::new());
         value.map(|value| (name.clone(), value))
     };
     let values = used.iter().map(value_of).collect::<Result<_, _>>();
-    let values: BTreeMap<String, String> = values.map_err(|problem| Located { at, problem })?;
+    let values: BTreeMap<String, String> = values.map_err(|problem| problem.located(at))?;
     let stage = Stage {
         name: name_of(&family, &branch, &used, &values, at)?,
         family,
@@ -219,15 +215,13 @@ fn check_ids(branch: &Branch, in_paths: &BTreeSet<String>, at: usize) -> Result<
     let bad = |(name, cell): &&(String, Param)| in_paths.contains(name) && !is_id(&cell.text);
     match branch.values.iter().find(bad) {
         None => Ok(()),
-        Some((column, cell)) => Err(Located {
-            at,
-            problem: FileProblem::NotAnId {
-                column: column.clone(),
-                value: cell.text.clone(),
-                table: row.table.clone(),
-                line: row.line,
-            },
-        }),
+        Some((column, cell)) => Err(FileProblem::NotAnId {
+            column: column.clone(),
+            value: cell.text.clone(),
+            table: row.table.clone(),
+            line: row.line,
+        }
+        .located(at)),
     }
 }
 
@@ -254,10 +248,10 @@ fn name_of(
     at: usize,
 ) -> Result<String, Located> {
     if branch.distinct && !branch.values.iter().any(|(name, _)| used.contains(name)) {
-        let problem = FileProblem::NoColumnUsed {
+        return Err(FileProblem::NoColumnUsed {
             columns: branch.values.iter().map(|(name, _)| name.clone()).collect(),
-        };
-        return Err(Located { at, problem });
+        }
+        .located(at));
     }
     let plain = |c: char| c.is_ascii_alphanumeric() || "_-.".contains(c);
     let mut name = family.to_owned();
@@ -303,8 +297,7 @@ fn read_paths(
     let mut paths = Vec::new();
     for (written, at) in strings(key, value, params, used)? {
         let Some(path) = normalise(&written) else {
-            let problem = FileProblem::BadPath { path: written };
-            return Err(Located { at, problem });
+            return Err(FileProblem::BadPath { path: written }.located(at));
         };
         if !paths.contains(&path) {
             paths.push(path);

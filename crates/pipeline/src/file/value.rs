@@ -20,6 +20,13 @@ pub(super) struct Located {
     pub(super) problem: FileProblem,
 }
 
+impl FileProblem {
+    /// At a byte of the file.
+    pub(super) fn located(self, at: usize) -> Located {
+        Located { at, problem: self }
+    }
+}
+
 impl Located {
     pub(super) fn into_error(self, text: &str, path: &Path) -> PipelineError {
         let (line, column) = position(text, self.at);
@@ -51,15 +58,13 @@ pub(super) fn check_keys(
         .filter(|key| !known.contains(&key.get_ref().as_ref()))
         .min_by_key(|key| key.span().start);
     unknown.map_or(Ok(()), |key| {
-        Err(Located {
-            at: key.span().start,
-            problem: FileProblem::UnknownKey {
-                key: key.get_ref().to_string(),
-                table: described,
-                nearest: nearest(key.get_ref(), known.iter().copied()),
-                known,
-            },
-        })
+        Err(FileProblem::UnknownKey {
+            key: key.get_ref().to_string(),
+            table: described,
+            nearest: nearest(key.get_ref(), known.iter().copied()),
+            known,
+        }
+        .located(key.span().start))
     })
 }
 
@@ -69,13 +74,13 @@ pub(super) fn required<'t, 'i>(
     described: &'static str,
     at: usize,
 ) -> Result<&'t Value<'i>, Located> {
-    table.get(key).ok_or(Located {
-        at,
-        problem: FileProblem::MissingKey {
+    table.get(key).ok_or(
+        FileProblem::MissingKey {
             key,
             table: described,
-        },
-    })
+        }
+        .located(at),
+    )
 }
 
 pub(super) fn check_name(name: &str, at: usize) -> Result<(), Located> {
@@ -102,7 +107,7 @@ pub(super) fn strings(
         let at = entry.span().start;
         let text = params
             .substitute(&string(key, entry)?, used)
-            .map_err(|problem| Located { at, problem })?;
+            .map_err(|problem| problem.located(at))?;
         texts.push((text, at));
     }
     Ok(texts)
@@ -127,7 +132,7 @@ pub(super) fn command(
         } else {
             params.substitute(&text, used)
         };
-        words.push((word.map_err(|problem| Located { at, problem })?, at));
+        words.push((word.map_err(|problem| problem.located(at))?, at));
     }
     Ok(words)
 }
@@ -146,14 +151,12 @@ pub(super) fn wrong_type(key: &str, value: &Value<'_>, expected: &'static str) -
         DeValue::Array(_) => "an array".to_owned(),
         other => format!("a {}", other.type_str()),
     };
-    Located {
-        at: value.span().start,
-        problem: FileProblem::WrongType {
-            key: key.to_owned(),
-            found,
-            expected,
-        },
+    FileProblem::WrongType {
+        key: key.to_owned(),
+        found,
+        expected,
     }
+    .located(value.span().start)
 }
 
 /// The parameters of a file.

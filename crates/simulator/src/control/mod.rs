@@ -22,6 +22,6 @@ pub use following::following_acceleration;
 pub use intervention::{Intervention, InterventionKind};
 pub use lead::Lead;
 pub use path::{PathShape, Steering};
+pub use safety::safe_distance;
 pub(crate) use safety::safe_distance_m;
-pub use safety::{lateral_safe_distance, safe_distance};
 pub use velocity::{VelocityController, bounded_jerk};

@@ -31,22 +31,13 @@ pub(crate) fn safe_distance_m(s: &ControllerSettings, rear_mps: f64, front_mps: 
     rule.distance_m(rear_mps, front_mps)
 }
 
-/// Distance between the sides of two vehicles that move towards each other with these lateral speeds, at which both can still
-/// stop moving sideways without touching.
+/// Distance in m between the sides of two vehicles that move towards each other with these lateral speeds in m/s, at which
+/// both can still stop moving sideways without touching.
 ///
 /// [`LateralRss::distance_m`].
 ///
 /// # Source
 /// Shalev-Shwartz, Shammah and Shashua 2017, Definition 6 (lateral safe distance); the numbers are chosen.
-pub fn lateral_safe_distance(
-    settings: &ControllerSettings,
-    one: MetresPerSecond,
-    other: MetresPerSecond,
-) -> Metres {
-    Metres(lateral_safe_distance_m(settings, one.0, other.0))
-}
-
-/// The same in m and m/s.
 pub(super) fn lateral_safe_distance_m(s: &ControllerSettings, one_mps: f64, other_mps: f64) -> f64 {
     let rule = LateralRss {
         margin_m: s.lateral_margin_m,
@@ -81,8 +72,7 @@ mod tests {
     #[test]
     fn sideways_both_react_and_both_brake() {
         let settings = ControllerSettings::default();
-        let (one, other) = (MetresPerSecond(1.0), MetresPerSecond(0.5));
-        let found = lateral_safe_distance(&settings, one, other).0;
+        let found = lateral_safe_distance_m(&settings, 1.0, 0.5);
         // Within 0.3 s they are 0.06 m/s faster; then each brakes by 0.8 m/s².
         let reacting = 0.3 * (1.03 + 0.53);
         let stopping = (1.06 * 1.06 + 0.56 * 0.56) / 1.6;

@@ -5,10 +5,10 @@ use serde::{Deserialize, Serialize};
 use super::{Prior, TOO_LARGE, power};
 use crate::{
     Named, Reasons, StatsError, WithinSubjects,
+    analysis::by_pair,
     equivalence::less,
     groups::{Samples, student},
     numerics::moments::mean_and_square_sum,
-    paired::t::is_constant_difference,
 };
 
 /// A JZS Bayes factor: Cauchy prior of scale √2/2 on the standardised effect, Jeffreys' on the variance.
@@ -65,20 +65,15 @@ pub struct BayesTAnalysis {
 /// ```
 pub fn bayes_paired(data: &WithinSubjects) -> BayesTAnalysis {
     let mut undefined = Reasons::default();
-    let mut pairs = Vec::new();
-    for (i, j, name) in data.pairs() {
-        let (a, b) = (data.column(i), data.column(j));
-        let differences: Vec<f64> = a.iter().zip(&b).map(|(a, b)| a - b).collect();
-        let constant = is_constant_difference(&a, &b, &differences);
-        let (found, reasons) = of_sample(&differences, constant);
-        undefined.absorb(&format!("bayes_t.{name}"), reasons);
-        pairs.push((name, found));
-    }
+    let bayes_t = by_pair(data, "bayes_t", &mut undefined, |i, j| {
+        let (differences, constant) = data.differences(i, j);
+        of_sample(&differences, constant)
+    });
     BayesTAnalysis {
         n: data.n(),
         dropped: data.dropped().to_vec(),
         missing: 0,
-        bayes_t: pairs.into_iter().collect(),
+        bayes_t,
         prior: prior(),
         undefined,
     }

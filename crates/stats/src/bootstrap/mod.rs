@@ -85,7 +85,7 @@ impl Default for BootstrapSettings {
 }
 
 /// Both ends of an interval.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
 pub struct Interval {
     /// Lower end.
     pub low: Option<f64>,
@@ -165,14 +165,8 @@ pub fn bootstrap(
         without_value,
         estimate,
         se: None,
-        percentile: Interval {
-            low: None,
-            high: None,
-        },
-        bca: Interval {
-            low: None,
-            high: None,
-        },
+        percentile: Interval::default(),
+        bca: Interval::default(),
         undefined: Reasons::default(),
     };
     let Some(estimate) = estimate.filter(|_| values.len() * 2 > settings.resamples) else {

@@ -2,11 +2,11 @@
 
 use super::{
     ByDesign, Chosen, ChosenTest, DesignChoice, DesignColumns, DesignPlan, DesignShape,
-    EffectMethod, FactorialFinding, OutcomeScale, check, effects::Effects, judged, kept::products,
+    EffectMethod, FactorialFinding, OutcomeScale, effects::Effects, judged, kept::products,
     one_factor::few_whole_answers,
 };
 use crate::{
-    EffectTest, Factor, Factorial, FactorialDesign, Named, StatsError, factorial,
+    AssumptionCheck, EffectTest, Factor, Factorial, FactorialDesign, Named, StatsError, factorial,
     factorial::SubjectCovariate, normality::shapiro_wilk, within_subjects::Index,
 };
 
@@ -23,7 +23,7 @@ pub(super) fn several(
     ]
     .into_iter()
     .filter(|(_, residuals)| !residuals.is_empty())
-    .map(|(name, residuals)| check(name, &shapiro_wilk(&residuals).0))
+    .map(|(name, residuals)| AssumptionCheck::of_normality(name, &shapiro_wilk(&residuals).0))
     .collect();
     let (mut normal, mut words) = judged(&checks);
     if let Some(order) = order_alone(choice.scale, data.values) {

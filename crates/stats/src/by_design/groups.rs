@@ -1,10 +1,10 @@
 //! One factor between subjects: independent groups.
 
 use super::{
-    ByDesign, Chosen, ChosenTest, DesignChoice, DesignColumns, OutcomeScale, check, judged,
+    ByDesign, Chosen, ChosenTest, DesignChoice, DesignColumns, OutcomeScale, judged,
     said_of_ordinal,
 };
-use crate::{StatsError, groups, normality::shapiro_wilk, within_subjects::Index};
+use crate::{AssumptionCheck, StatsError, groups, normality::shapiro_wilk, within_subjects::Index};
 
 pub(super) fn independent(
     data: &DesignColumns<'_>,
@@ -22,7 +22,10 @@ pub(super) fn independent(
         .unzip();
     let found = groups(&names, &values)?;
     let (test, _) = shapiro_wilk(&standardised(&Index::of(&names).rows, &values));
-    let checks = vec![check("the standardised residuals", &test)];
+    let checks = vec![AssumptionCheck::of_normality(
+        "the standardised residuals",
+        &test,
+    )];
     let (normal, mut words) = judged(&checks);
     let ranked = said_of_ordinal(choice, "their ranks are compared");
     let normal = normal && choice.scale != OutcomeScale::Ordinal;

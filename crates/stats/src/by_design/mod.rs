@@ -26,7 +26,8 @@ pub use plan::{DesignPlan, DesignShape, EffectMethod, PlannedEffect};
 pub use table::DesignTable;
 
 use crate::{
-    AssumptionCheck, BetweenColumn, ShapiroWilk, StatsError, WithinColumn, reasons::p_words,
+    AssumptionCheck, BetweenColumn, StatsError, WithinColumn, compare::normality_in_words,
+    reasons::p_words,
 };
 
 /// One outcome in a tidy table, a row a cell; all columns have shape `(rows,)`.
@@ -223,18 +224,6 @@ pub fn compare_by_design(
     }
 }
 
-/// Level of the checks of assumptions.
-const CHECK_ALPHA: f64 = 0.05;
-
-fn check(name: &str, found: &ShapiroWilk) -> AssumptionCheck {
-    AssumptionCheck {
-        name: format!("normality of {name} (Shapiro-Wilk)"),
-        statistic: found.w,
-        p: found.p,
-        passed: found.p.map(|p| p >= CHECK_ALPHA),
-    }
-}
-
 /// Whether all checks of normality stand, and the words for it.
 fn judged(checks: &[AssumptionCheck]) -> (bool, String) {
     let Some(failed) = checks.iter().find(|check| check.passed != Some(true)) else {
@@ -247,11 +236,7 @@ fn judged(checks: &[AssumptionCheck]) -> (bool, String) {
     };
     let what = failed.name.trim_start_matches("normality of ");
     let what = what.trim_end_matches(" (Shapiro-Wilk)");
-    let words = match failed.p {
-        Some(p) => format!("{what} are not normal ({})", p_words(p)),
-        None => format!("{what} cannot be tested for normality"),
-    };
-    (false, words)
+    (false, normality_in_words(what, failed.p))
 }
 
 /// What a scale means where no model of ordered answers fits the design.
@@ -261,9 +246,5 @@ fn said_of_ordinal(choice: &DesignChoice, what: &str) -> Option<String> {
     })
 }
 
-#[cfg(test)]
-mod part_tests;
-#[cfg(test)]
-mod period_tests;
 #[cfg(test)]
 mod tests;

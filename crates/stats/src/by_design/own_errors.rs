@@ -2,7 +2,7 @@
 
 use super::DesignColumns;
 use crate::{
-    Adjustment, MarginalContrast, Named,
+    MarginalContrast, Named,
     numerics::{matrix::Matrix, moments::dot, spectrum::orthogonalised},
     within_subjects::Index,
 };
@@ -21,14 +21,9 @@ pub(super) fn own_errors(
     let fit = Fit::of(data, conditions)?;
     let names = &fit.names;
     let pairs = (0..names.len()).flat_map(|a| (a + 1..names.len()).map(move |b| (a, b)));
-    let mut found: Vec<(String, MarginalContrast)> = pairs
-        .map(|(a, b)| Some((format!("{}|{}", names[a], names[b]), fit.pair(a, b)?)))
-        .collect::<Option<_>>()?;
-    let p: Vec<Option<f64>> = found.iter().map(|(_, pair)| pair.p).collect();
-    for ((_, pair), p) in found.iter_mut().zip(Adjustment::Holm.apply_defined(&p)) {
-        pair.p_holm = p;
-    }
-    Some(found.into_iter().collect())
+    let pairs = pairs.map(|(a, b)| Some((format!("{}|{}", names[a], names[b]), fit.pair(a, b)?)));
+    let pairs: Vec<(String, MarginalContrast)> = pairs.collect::<Option<_>>()?;
+    Some(MarginalContrast::family(pairs))
 }
 
 /// A subject's rows less their mean.

@@ -58,13 +58,8 @@ pub fn simple_effects(
                     });
                 }
             }
-            let p: Vec<Option<f64>> = family
-                .iter()
-                .map(|effect| effect.test.as_ref().and_then(|test| test.p))
-                .collect();
-            for (effect, holm) in family.iter_mut().zip(Adjustment::Holm.apply_defined(&p)) {
-                effect.p_holm = holm;
-            }
+            let p = |effect: &SimpleTest| effect.test.as_ref()?.p;
+            Adjustment::Holm.correct(&mut family, p, |effect, holm| effect.p_holm = holm);
             found.extend(family);
         }
     }

@@ -8,7 +8,7 @@ use super::{
     own_errors::own_errors,
 };
 use crate::{
-    Adjustment, MarginalContrast, Named, Ordinal, PosthocTest, StatsError, WithinSubjects,
+    MarginalContrast, Named, Ordinal, PosthocTest, StatsError, WithinSubjects,
     compare::compare_as,
     ordinal::{Difference, by_period},
 };
@@ -139,13 +139,6 @@ fn ordered(
 
 /// Differences of coefficients with their tests.
 fn pairs_by_t(pairs: Vec<(String, Difference)>, df: Option<f64>) -> Named<MarginalContrast> {
-    let mut pairs: Vec<(String, MarginalContrast)> = pairs
-        .into_iter()
-        .map(|(name, (estimate, se))| (name, MarginalContrast::of(estimate, se, df)))
-        .collect();
-    let p: Vec<Option<f64>> = pairs.iter().map(|(_, pair)| pair.p).collect();
-    for ((_, pair), p) in pairs.iter_mut().zip(Adjustment::Holm.apply_defined(&p)) {
-        pair.p_holm = p;
-    }
-    pairs.into_iter().collect()
+    let contrast = |(name, (estimate, se))| (name, MarginalContrast::of(estimate, se, df));
+    MarginalContrast::family(pairs.into_iter().map(contrast))
 }

@@ -8,8 +8,8 @@ use omnibus::{of_anova, of_friedman, of_pair};
 use serde::{Deserialize, Serialize};
 
 use crate::{
-    Adjustment, ConditionSummary, Mauchly, Named, Posthoc, PosthocTest, Reasons, RmAnova,
-    ShapiroWilk, Sphericity, SphericityCorrection, StatsError, WithinSubjects, analysis,
+    Adjustment, ConditionSummary, Mauchly, Named, Posthoc, PosthocTest, Reasons, ShapiroWilk,
+    Sphericity, SphericityCorrection, StatsError, WithinSubjects, analysis,
     friedman::{self, Exact, RankTable},
     normality::shapiro_wilk,
     posthoc::all_pairs,
@@ -28,6 +28,36 @@ pub struct AssumptionCheck {
     pub p: Option<f64>,
     /// Whether the assumption stands; `None` if it could not be tested.
     pub passed: Option<bool>,
+}
+
+/// Level of the checks of assumptions.
+const CHECK_ALPHA: f64 = 0.05;
+
+impl AssumptionCheck {
+    fn new(name: impl Into<String>, statistic: Option<f64>, p: Option<f64>) -> Self {
+        Self {
+            name: name.into(),
+            statistic,
+            p,
+            passed: p.map(|p| p >= CHECK_ALPHA),
+        }
+    }
+
+    pub(crate) fn of_normality(what: &str, test: &ShapiroWilk) -> Self {
+        let name = format!("normality of {what} (Shapiro-Wilk)");
+        Self::new(name, test.w, test.p)
+    }
+}
+
+/// What p of Shapiro and Wilk's test says of a sample.
+pub(crate) fn normality_in_words(what: &str, p: Option<f64>) -> String {
+    match p {
+        Some(p) if p >= CHECK_ALPHA => {
+            format!("normality of {what} is not rejected ({})", p_words(p))
+        }
+        Some(p) => format!("{what} are not normal ({})", p_words(p)),
+        None => format!("{what} cannot be tested for normality"),
+    }
 }
 
 /// What was checked, chosen and found.
@@ -135,14 +165,21 @@ fn run(
     let parts = rm_anova::decompose(data);
     let mut trace = Trace::default();
     let (chosen, several) = if data.k() == 2 {
-        let chosen = trace.choose_of_two(&of_differences(data));
-        (trace.declared(declared, true).unwrap_or(chosen), None)
+        let tests = [OmnibusTest::PairedT, OmnibusTest::Wilcoxon];
+        let chosen = trace.choose("the differences", &of_differences(data), None, tests);
+        (
+            declared.map_or(chosen, |test| trace.declared(test, true)),
+            None,
+        )
     } else {
         let mut inner = Reasons::default();
         let (anova, mauchly, sphericity) = analysis::variance_part(data, &parts, &mut inner);
         let (normal, _) = shapiro_wilk(&standardised(&parts.residuals, data.k()));
-        let chosen = trace.choose(&normal, &anova);
-        let chosen = trace.declared(declared, false).unwrap_or(chosen);
+        let no_error = "the error sum of squares is zero, so there is no F";
+        let no_error = anova.f.is_none().then_some(no_error);
+        let tests = [OmnibusTest::RmAnova, OmnibusTest::Friedman];
+        let chosen = trace.choose("the standardised residuals", &normal, no_error, tests);
+        let chosen = declared.map_or(chosen, |test| trace.declared(test, false));
         let omnibus = if chosen == OmnibusTest::RmAnova {
             let correction = trace.correction(&mauchly, &sphericity);
             of_anova(&anova, &sphericity, correction)
@@ -202,101 +239,42 @@ struct Trace {
     reasons: Vec<String>,
 }
 
-/// Level of the checks of assumptions.
-const CHECK_ALPHA: f64 = 0.05;
-
 impl Trace {
-    fn choose(&mut self, normal: &ShapiroWilk, anova: &RmAnova) -> OmnibusTest {
-        self.checks.push(AssumptionCheck {
-            name: "normality of the standardised residuals (Shapiro-Wilk)".to_owned(),
-            statistic: normal.w,
-            p: normal.p,
-            passed: normal.p.map(|p| p >= CHECK_ALPHA),
-        });
-        let mut say = |reason: String| self.reasons.push(reason);
-        match (normal.p, anova.f) {
-            (_, None) => {
-                say(
-                    "the error sum of squares is zero, so there is no F: Friedman's test"
-                        .to_owned(),
-                );
-                OmnibusTest::Friedman
-            }
-            (None, _) => {
-                say("the residuals cannot be tested for normality: Friedman's test".to_owned());
-                OmnibusTest::Friedman
-            }
-            (Some(p), _) if p < CHECK_ALPHA => {
-                say(format!(
-                    "the standardised residuals are not normal ({}): Friedman's test",
-                    p_words(p)
-                ));
-                OmnibusTest::Friedman
-            }
-            (Some(p), _) => {
-                say(format!(
-                    "normality of the standardised residuals is not rejected ({}): analysis of variance",
-                    p_words(p)
-                ));
-                OmnibusTest::RmAnova
-            }
-        }
-    }
-
-    /// The same for the differences of two conditions.
-    fn choose_of_two(&mut self, normal: &ShapiroWilk) -> OmnibusTest {
-        self.checks.push(AssumptionCheck {
-            name: "normality of the differences (Shapiro-Wilk)".to_owned(),
-            statistic: normal.w,
-            p: normal.p,
-            passed: normal.p.map(|p| p >= CHECK_ALPHA),
-        });
-        let (chosen, why) = match normal.p {
-            Some(p) if p >= CHECK_ALPHA => (
-                OmnibusTest::PairedT,
-                format!(
-                    "normality of the differences is not rejected ({}): paired t test",
-                    p_words(p)
-                ),
-            ),
-            Some(p) => (
-                OmnibusTest::Wilcoxon,
-                format!(
-                    "the differences are not normal ({}): Wilcoxon's signed ranks",
-                    p_words(p)
-                ),
-            ),
-            None => (
-                OmnibusTest::Wilcoxon,
-                "the differences cannot be tested for normality: Wilcoxon's signed ranks"
-                    .to_owned(),
-            ),
-        };
-        self.reasons.push(why);
+    /// The first of both tests where a check lets normality stand and `impossible` gives no reason against it.
+    fn choose(
+        &mut self,
+        what: &str,
+        normal: &ShapiroWilk,
+        impossible: Option<&str>,
+        [by_means, by_ranks]: [OmnibusTest; 2],
+    ) -> OmnibusTest {
+        let check = AssumptionCheck::of_normality(what, normal);
+        let stands = check.passed == Some(true) && impossible.is_none();
+        let chosen = if stands { by_means } else { by_ranks };
+        let why = impossible.map_or_else(|| normality_in_words(what, check.p), str::to_owned);
+        self.reasons.push(format!("{why}: {}", chosen.words()));
+        self.checks.push(check);
         chosen
     }
 
-    /// The declared test in the place of the one that the checks chose: they stay, and decide nothing.
-    fn declared(&mut self, test: Option<PosthocTest>, of_two: bool) -> Option<OmnibusTest> {
-        let (test, words) = match (test?, of_two) {
-            (PosthocTest::T, true) => (OmnibusTest::PairedT, "paired t test"),
-            (PosthocTest::T, false) => (OmnibusTest::RmAnova, "analysis of variance"),
-            (_, true) => (OmnibusTest::Wilcoxon, "Wilcoxon's signed ranks"),
-            (_, false) => (OmnibusTest::Friedman, "Friedman's test"),
+    /// The test of a design that declares one: no check has a say.
+    fn declared(&mut self, test: PosthocTest, of_two: bool) -> OmnibusTest {
+        let test = match (test, of_two) {
+            (PosthocTest::T, true) => OmnibusTest::PairedT,
+            (PosthocTest::T, false) => OmnibusTest::RmAnova,
+            (_, true) => OmnibusTest::Wilcoxon,
+            (_, false) => OmnibusTest::Friedman,
         };
+        let words = test.words();
         self.reasons = vec![format!(
             "{words}, as declared, whatever the residuals look like"
         )];
-        Some(test)
+        test
     }
 
     fn correction(&mut self, mauchly: &Mauchly, sphericity: &Sphericity) -> SphericityCorrection {
-        self.checks.push(AssumptionCheck {
-            name: "sphericity (Mauchly)".to_owned(),
-            statistic: mauchly.w,
-            p: mauchly.p,
-            passed: mauchly.p.map(|p| p >= CHECK_ALPHA),
-        });
+        let check = AssumptionCheck::new("sphericity (Mauchly)", mauchly.w, mauchly.p);
+        self.checks.push(check);
         let gg = sphericity.gg.unwrap_or(sphericity.lower_bound);
         let tested = match mauchly.p {
             Some(p) if p >= CHECK_ALPHA => {

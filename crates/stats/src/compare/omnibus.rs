@@ -21,6 +21,17 @@ pub enum OmnibusTest {
     Wilcoxon,
 }
 
+impl OmnibusTest {
+    pub(super) fn words(self) -> &'static str {
+        match self {
+            Self::RmAnova => "analysis of variance",
+            Self::Friedman => "Friedman's test",
+            Self::PairedT => "paired t test",
+            Self::Wilcoxon => "Wilcoxon's signed ranks",
+        }
+    }
+}
+
 /// The omnibus test as it should be reported.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Omnibus {

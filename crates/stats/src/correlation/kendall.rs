@@ -9,7 +9,7 @@ use crate::{
 };
 
 /// Kendall's τ-b.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct Kendall {
     /// (concordant - discordant) / √((pairs - tied in x)(pairs - tied in y)).
     pub tau_b: Option<f64>,
@@ -49,14 +49,7 @@ pub(super) fn test(x: &[f64], y: &[f64]) -> (Kendall, Reasons) {
     let ((tied_x, x1, x2), (tied_y, y1, y2)) = (tie_sums(&x), tie_sums(&y));
     if tied_x >= pairs || tied_y >= pairs {
         reasons.note("", "a column does not vary, so tau is 0/0");
-        let none = Kendall {
-            tau_b: None,
-            p: None,
-            p_method: None,
-            ci_low: None,
-            ci_high: None,
-        };
-        return (none, reasons);
+        return (Kendall::default(), reasons);
     }
     let (mut concordant, mut discordant) = (0_u64, 0_u64);
     for i in 0..x.len() {

@@ -9,7 +9,7 @@ use crate::{
 };
 
 /// Pearson's r.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct Pearson {
     /// Σ xy / √(Σx² Σy²) of centred columns; the coefficient is its own effect size.
     pub r: Option<f64>,
@@ -52,15 +52,7 @@ pub(super) fn test(x: &[f64], y: &[f64]) -> (Pearson, Reasons) {
     let r = coefficient(x, y);
     if r.is_none() {
         reasons.note("", "a column does not vary, so r is 0/0");
-        let none = Pearson {
-            r,
-            t: None,
-            df: None,
-            p: None,
-            ci_low: None,
-            ci_high: None,
-        };
-        return (none, reasons);
+        return (Pearson::default(), reasons);
     }
     let n = x.len() as f64;
     let df = n - 2.0;

@@ -10,7 +10,7 @@ use crate::{
 };
 
 /// Spearman's ρ.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct Spearman {
     /// Pearson's r of the mid-ranks; the coefficient is its own effect size.
     pub rho: Option<f64>,
@@ -81,20 +81,7 @@ pub(super) fn test(x: &[f64], y: &[f64]) -> (Spearman, Reasons) {
             "",
             "a column does not vary, so its ranks are all alike and rho is 0/0",
         );
-        let none = Spearman {
-            rho: None,
-            p: None,
-            p_method: None,
-            df: None,
-            p_t: None,
-            p_exact: None,
-            ci_low: None,
-            ci_high: None,
-            ci_bw_low: None,
-            ci_bw_high: None,
-            compat: SpearmanCompat::default(),
-        };
-        return (none, reasons);
+        return (Spearman::default(), reasons);
     };
     let n = x.len() as f64;
     let df = n - 2.0;

@@ -208,11 +208,9 @@ impl<'a> Means<'a> {
                 pairs.push((name, contrast));
             }
         }
-        let p: Vec<_> = pairs.iter().map(|(_, c)| c.p).collect();
-        for ((_, contrast), p) in pairs.iter_mut().zip(Adjustment::Holm.apply_defined(&p)) {
-            contrast.p_holm = p;
-        }
-        pairs.into_iter().collect()
+        let mut pairs: Named<CellContrast> = pairs.into_iter().collect();
+        Adjustment::Holm.correct(pairs.values_mut(), |c| c.p, |c, p| c.p_holm = p);
+        pairs
     }
 
     pub(super) fn simple(&self, undefined: &mut Reasons) -> Named<Named<SimpleEffect>> {

@@ -15,7 +15,7 @@ use crate::{
 };
 
 /// Friedman's test, corrected for ties.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct Friedman {
     /// χ² = (k-1) Σ (Rj - n(k+1)/2)² / (Σ r² - n k (k+1)²/4).
     pub chi2: Option<f64>,
@@ -143,21 +143,7 @@ pub(crate) fn test(table: &RankTable, exact: Exact) -> (Friedman, Reasons) {
             "",
             "every subject ties all conditions, so there are no ranks to compare",
         );
-        let none = Friedman {
-            chi2: None,
-            df: None,
-            p: None,
-            kendall_w: None,
-            kendall_w_ci90_low: None,
-            kendall_w_ci90_high: None,
-            f: None,
-            f_df1: None,
-            f_df2: None,
-            f_p: None,
-            f_p_marozzi: None,
-            p_exact: None,
-        };
-        return (none, reasons);
+        return (Friedman::default(), reasons);
     }
     let chi2 = (k - 1.0) * table.spread() as f64 / within as f64;
     let (d1, d2) = (k - 1.0, (n - 1.0) * (k - 1.0));

@@ -79,9 +79,7 @@ pub(super) fn tests(samples: &Samples) -> (Kruskal, Named<Dunn>, Reasons) {
             pairs.push((format!("{}|{}", a.name, b.name), test));
         }
     }
-    let p: Vec<_> = pairs.iter().map(|(_, t)| t.p).collect();
-    for ((_, test), p) in pairs.iter_mut().zip(Adjustment::Holm.apply_defined(&p)) {
-        test.p_holm = p;
-    }
-    (kruskal, pairs.into_iter().collect(), reasons)
+    let mut pairs: Named<Dunn> = pairs.into_iter().collect();
+    Adjustment::Holm.correct(pairs.values_mut(), |t| t.p, |t, p| t.p_holm = p);
+    (kruskal, pairs, reasons)
 }

@@ -107,10 +107,7 @@ pub fn groups(groups: &[String], values: &[Option<f64>]) -> Result<GroupsAnalysi
     let mut welch_t = samples.pairs("welch_t", &mut undefined, t::welch);
     let mut student_t = samples.pairs("student_t", &mut undefined, t::student);
     for tests in [&mut welch_t, &mut student_t] {
-        let p: Vec<_> = tests.values().map(|t| t.p).collect();
-        for (t, p) in tests.values_mut().zip(Adjustment::Holm.apply_defined(&p)) {
-            t.p_holm = p;
-        }
+        Adjustment::Holm.correct(tests.values_mut(), |t| t.p, |t, p| t.p_holm = p);
     }
     let hedges = samples.pairs("hedges", &mut undefined, t::hedges);
     let mut mann_whitney = samples.pairs("mann_whitney", &mut undefined, mann_whitney::test);

@@ -45,6 +45,13 @@ impl MarginalContrast {
             ci_high: half.map(|h| estimate + h),
         }
     }
+
+    /// The contrasts of one family by name, with Holm's correction.
+    pub(crate) fn family(pairs: impl IntoIterator<Item = (String, Self)>) -> Named<Self> {
+        let mut pairs: Named<Self> = pairs.into_iter().collect();
+        Adjustment::Holm.correct(pairs.values_mut(), |pair| pair.p, |pair, p| pair.p_holm = p);
+        pairs
+    }
 }
 
 /// A cell of a term's factors: its levels, and the combination of coefficients that is its mean.
@@ -148,11 +155,7 @@ impl Described<'_> {
                     pairs.push((name, contrast));
                 }
             }
-            let p: Vec<Option<f64>> = pairs.iter().map(|(_, pair)| pair.p).collect();
-            for ((_, pair), p) in pairs.iter_mut().zip(Adjustment::Holm.apply_defined(&p)) {
-                pair.p_holm = p;
-            }
-            found.push((term, pairs.into_iter().collect()));
+            found.push((term, MarginalContrast::family(pairs)));
         }
         found.into_iter().collect()
     }

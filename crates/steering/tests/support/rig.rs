@@ -105,10 +105,7 @@ pub fn learned(people: usize, role: f64, scenario: &Scenario) -> Result<Model, B
             drives.push((Drive::from_recording(drive.meta, &drive.recording)?, score));
         }
     }
-    let given = drives.iter().map(|(drive, adb)| TrainingDrive {
-        drive,
-        adb: Some(*adb),
-    });
+    let given = drives.iter().map(TrainingDrive::from);
     let given: Vec<TrainingDrive<'_>> = given.collect();
     let settings = TrainSettings {
         heads: HeadsKind::Linear,

@@ -1,14 +1,7 @@
 //! Variants of a model on the same unseen drives.
 
 use super::wobble;
-use maveric_report::{
-    Context, Figure, ReportError,
-    figures::ablation::{Ablation, AblationVariant, ablation},
-};
-
-pub(crate) fn draw(context: &Context) -> Result<Figure, ReportError> {
-    ablation(&input(), context)
-}
+use maveric_report::figures::ablation::{Ablation, AblationVariant};
 
 pub(crate) fn input() -> Ablation {
     let names = [

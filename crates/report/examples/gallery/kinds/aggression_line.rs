@@ -1,14 +1,7 @@
 //! Positions on the aggression line against six measures.
 
 use super::{PARTICIPANTS, pearson, wobble};
-use maveric_report::{
-    Context, Figure, ReportError,
-    figures::aggression_line::{AggressionLine, LinePanel, aggression_line},
-};
-
-pub(crate) fn draw(context: &Context) -> Result<Figure, ReportError> {
-    aggression_line(&input(), context)
-}
+use maveric_report::figures::aggression_line::{AggressionLine, LinePanel};
 
 pub(crate) fn input() -> AggressionLine {
     let panel = |index: usize, title: &str, axis: &str, centre: f64, slope: f64, noise: f64| {

@@ -1,13 +1,6 @@
 //! The model's networks with the sizes of their layers.
 
-use maveric_report::{
-    Context, Figure, ReportError,
-    figures::architecture::{Architecture, architecture},
-};
-
-pub(crate) fn draw(context: &Context) -> Result<Figure, ReportError> {
-    architecture(&input(), context)
-}
+use maveric_report::figures::architecture::Architecture;
 
 pub(crate) fn input() -> Architecture {
     Architecture {

@@ -1,14 +1,7 @@
 //! Predicted and observed shares in eight bins.
 
 use super::wobble;
-use maveric_report::{
-    Context, Figure, ReportError,
-    figures::calibration::{Calibration, CalibrationBin, calibration},
-};
-
-pub(crate) fn draw(context: &Context) -> Result<Figure, ReportError> {
-    calibration(&input(), context)
-}
+use maveric_report::figures::calibration::{Calibration, CalibrationBin};
 
 pub(crate) fn input() -> Calibration {
     let bins = (0..8).map(|k| {

@@ -1,13 +1,6 @@
 //! Gap and speed of a recorded follower and of three models.
 
-use maveric_report::{
-    Context, Figure, ReportError,
-    figures::car_following::{CarFollowing, Follower, FollowingSeries, car_following},
-};
-
-pub(crate) fn draw(context: &Context) -> Result<Figure, ReportError> {
-    car_following(&input(), context)
-}
+use maveric_report::figures::car_following::{CarFollowing, Follower, FollowingSeries};
 
 pub(crate) fn input() -> CarFollowing {
     let rows = 4000;

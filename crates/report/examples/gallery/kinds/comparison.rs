@@ -1,14 +1,7 @@
 //! Two groups under two conditions each, with their contrasts.
 
 use super::wobble;
-use maveric_report::{
-    Context, Figure, ReportError,
-    figures::comparison::{ComparedCell, Comparison, ComparisonPanel, Contrast, comparison},
-};
-
-pub(crate) fn draw(context: &Context) -> Result<Figure, ReportError> {
-    comparison(&input(), context)
-}
+use maveric_report::figures::comparison::{ComparedCell, Comparison, ComparisonPanel, Contrast};
 
 pub(crate) fn input() -> Comparison {
     let names = ["novice calm", "novice brisk", "expert calm", "expert brisk"];

@@ -1,14 +1,7 @@
 //! What is there of what a study awaits.
 
 use super::PARTICIPANTS;
-use maveric_report::{
-    Context, Figure, ReportError,
-    figures::completeness::{Completeness, CompletenessPanel, completeness},
-};
-
-pub(crate) fn draw(context: &Context) -> Result<Figure, ReportError> {
-    completeness(&input(), context)
-}
+use maveric_report::figures::completeness::{Completeness, CompletenessPanel};
 
 pub(crate) fn input() -> Completeness {
     let n = PARTICIPANTS;

@@ -1,13 +1,6 @@
 //! Power of three tests against participants, in two panels.
 
-use maveric_report::{
-    Context, Figure, ReportError,
-    figures::curves::{CurvePanel, CurvePoint, Curves, curves},
-};
-
-pub(crate) fn draw(context: &Context) -> Result<Figure, ReportError> {
-    curves(&input(), context)
-}
+use maveric_report::figures::curves::{CurvePanel, CurvePoint, Curves};
 
 pub(crate) fn input() -> Curves {
     let curve = |strength: f64| -> Vec<CurvePoint> {

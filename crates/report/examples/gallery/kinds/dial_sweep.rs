@@ -1,14 +1,7 @@
 //! Drives of the same drivers at nine shifts.
 
 use super::{PARTICIPANTS, wobble};
-use maveric_report::{
-    Context, Figure, ReportError,
-    figures::dial_sweep::{DialPanel, DialSweep, dial_sweep},
-};
-
-pub(crate) fn draw(context: &Context) -> Result<Figure, ReportError> {
-    dial_sweep(&input(), context)
-}
+use maveric_report::figures::dial_sweep::{DialPanel, DialSweep};
 
 pub(crate) fn input() -> DialSweep {
     let points: Vec<f64> = (-4..=4).map(|k| 5.0 * f64::from(k)).collect();

@@ -2,14 +2,7 @@
 
 use super::{PARTICIPANTS, conditions, wobble};
 use maveric_report::apa;
-use maveric_report::{
-    Context, Figure, ReportError,
-    figures::difference_panels::{DifferencePanel, DifferencePanels, PairTest, difference_panels},
-};
-
-pub(crate) fn draw(context: &Context) -> Result<Figure, ReportError> {
-    difference_panels(&input(), context)
-}
+use maveric_report::figures::difference_panels::{DifferencePanel, DifferencePanels, PairTest};
 
 pub(crate) fn input() -> DifferencePanels {
     let omnibus = apa::f(&apa::F {

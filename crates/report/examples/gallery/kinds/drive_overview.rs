@@ -1,14 +1,7 @@
 //! Speed, gap and lane of ten minutes, with a hole in the recording.
 
 use super::wobble;
-use maveric_report::{
-    Context, Figure, ReportError,
-    figures::drive_overview::{DriveOverview, drive_overview},
-};
-
-pub(crate) fn draw(context: &Context) -> Result<Figure, ReportError> {
-    drive_overview(&input(), context)
-}
+use maveric_report::figures::drive_overview::DriveOverview;
 
 pub(crate) fn input() -> DriveOverview {
     let rows = || (0..1200_u32).filter(|k| !(500..540).contains(k));

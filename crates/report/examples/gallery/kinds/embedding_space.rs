@@ -1,17 +1,8 @@
 //! Drivers in a style space, and one participant's conditions in it.
 
 use super::{conditions, wobble};
-use maveric_report::{
-    Context, Figure, ReportError,
-    figures::embedding_space::{
-        EmbeddingPoint, EmbeddingSpace, ExampleConditions, embedding_space,
-    },
-};
+use maveric_report::figures::embedding_space::{EmbeddingPoint, EmbeddingSpace, ExampleConditions};
 use std::f64::consts::TAU;
-
-pub(crate) fn draw(context: &Context) -> Result<Figure, ReportError> {
-    embedding_space(&input(), context)
-}
 
 pub(crate) fn input() -> EmbeddingSpace {
     let size = 3;

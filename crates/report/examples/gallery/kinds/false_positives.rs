@@ -1,14 +1,7 @@
 //! Rates of false positives in four parts of a report, and of two families.
 
 use super::{PARTICIPANTS, wobble};
-use maveric_report::{
-    Context, Figure, ReportError,
-    figures::false_positives::{FalsePositives, PartRates, false_positives},
-};
-
-pub(crate) fn draw(context: &Context) -> Result<Figure, ReportError> {
-    false_positives(&input(), context)
-}
+use maveric_report::figures::false_positives::{FalsePositives, PartRates};
 
 pub(crate) fn input() -> FalsePositives {
     let part = |(k, name): (usize, &str)| PartRates {

@@ -1,14 +1,7 @@
 //! Six traits against four ratings, two series each.
 
 use super::{PARTICIPANTS, conditions, wobble};
-use maveric_report::{
-    Context, Figure, ReportError,
-    figures::family::{Family, FamilyPanel, family},
-};
-
-pub(crate) fn draw(context: &Context) -> Result<Figure, ReportError> {
-    family(&input(), context)
-}
+use maveric_report::figures::family::{Family, FamilyPanel};
 
 pub(crate) fn input() -> Family {
     let cell = |p: usize, i: usize, s: usize| {

@@ -1,14 +1,7 @@
 //! Accuracies over training seeds, beside the paper's.
 
 use super::PARTICIPANTS;
-use maveric_report::{
-    Context, Figure, ReportError,
-    figures::fidelity::{Accuracy, Fidelity, FidelityRow, fidelity},
-};
-
-pub(crate) fn draw(context: &Context) -> Result<Figure, ReportError> {
-    fidelity(&input(), context)
-}
+use maveric_report::figures::fidelity::{Accuracy, Fidelity, FidelityRow};
 
 pub(crate) fn input() -> Fidelity {
     let names = [

@@ -1,14 +1,7 @@
 //! Who was recruited, left out and analysed.
 
 use super::PARTICIPANTS;
-use maveric_report::{
-    Context, Figure, ReportError,
-    figures::flow::{Flow, flow},
-};
-
-pub(crate) fn draw(context: &Context) -> Result<Figure, ReportError> {
-    flow(&input(), context)
-}
+use maveric_report::figures::flow::Flow;
 
 pub(crate) fn input() -> Flow {
     Flow {

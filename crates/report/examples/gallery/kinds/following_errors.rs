@@ -2,14 +2,7 @@
 
 use super::wobble;
 use maveric_report::figures::car_following::Follower;
-use maveric_report::{
-    Context, Figure, ReportError,
-    figures::following_errors::{FollowingErrors, ModelErrors, following_errors},
-};
-
-pub(crate) fn draw(context: &Context) -> Result<Figure, ReportError> {
-    following_errors(&input(), context)
-}
+use maveric_report::figures::following_errors::{FollowingErrors, ModelErrors};
 
 pub(crate) fn input() -> FollowingErrors {
     let model = |model, centre: f64, seed: usize| ModelErrors {

@@ -2,13 +2,9 @@
 
 use super::wobble;
 use maveric_report::{
-    Context, Figure, ReportError, apa,
-    figures::forest::{Forest, ForestRow, forest},
+    apa,
+    figures::forest::{Forest, ForestRow},
 };
-
-pub(crate) fn draw(context: &Context) -> Result<Figure, ReportError> {
-    forest(&input(), context)
-}
 
 pub(crate) fn input() -> Forest {
     let names = ["calm", "brisk", "late", "early", "own"];

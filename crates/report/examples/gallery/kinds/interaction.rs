@@ -1,14 +1,7 @@
 //! Two styles in three kinds of traffic, for two groups.
 
 use super::wobble;
-use maveric_report::{
-    Context, Figure, ReportError,
-    figures::interaction::{Interaction, InteractionLine, InteractionPanel, interaction},
-};
-
-pub(crate) fn draw(context: &Context) -> Result<Figure, ReportError> {
-    interaction(&input(), context)
-}
+use maveric_report::figures::interaction::{Interaction, InteractionLine, InteractionPanel};
 
 pub(crate) fn input() -> Interaction {
     let line = |group: usize, (style, name): (usize, &str)| InteractionLine {

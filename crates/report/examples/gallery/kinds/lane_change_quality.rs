@@ -1,14 +1,7 @@
 //! Lane changes at sixteen speeds.
 
 use super::wobble;
-use maveric_report::{
-    Context, Figure, ReportError,
-    figures::lane_change_quality::{LaneChangeQuality, QualityPanel, lane_change_quality},
-};
-
-pub(crate) fn draw(context: &Context) -> Result<Figure, ReportError> {
-    lane_change_quality(&input(), context)
-}
+use maveric_report::figures::lane_change_quality::{LaneChangeQuality, QualityPanel};
 
 pub(crate) fn input() -> LaneChangeQuality {
     let speed_mps: Vec<f64> = (0..16).map(|k| 15.0 + 1.5 * f64::from(k)).collect();

@@ -1,14 +1,7 @@
 //! What personalising reaches after some minutes.
 
 use super::PARTICIPANTS;
-use maveric_report::{
-    Context, Figure, ReportError,
-    figures::learning_curve::{LearningCurve, LearningPanel, LearningPoint, learning_curve},
-};
-
-pub(crate) fn draw(context: &Context) -> Result<Figure, ReportError> {
-    learning_curve(&input(), context)
-}
+use maveric_report::figures::learning_curve::{LearningCurve, LearningPanel, LearningPoint};
 
 pub(crate) fn input() -> LearningCurve {
     let panel = |title: &str, axis: &str, from: f64, to: f64| LearningPanel {

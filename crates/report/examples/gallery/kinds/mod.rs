@@ -66,41 +66,50 @@ pub(crate) const PARTICIPANTS: usize = 24;
 /// A function that draws one kind of figure.
 pub(crate) type Draw = fn(&Context) -> Result<Figure, ReportError>;
 
+/// Draws the made-up numbers of a kind by the figure of its name.
+macro_rules! draw {
+    ($kind:ident) => {
+        (stringify!($kind), |context| {
+            maveric_report::figures::$kind(&$kind::input(), context)
+        })
+    };
+}
+
 /// Every kind: the name of its function, and one that draws it from made-up numbers.
 pub(crate) const KINDS: [(&str, Draw); 33] = [
-    ("flow", flow::draw),
-    ("completeness", completeness::draw),
+    draw!(flow),
+    draw!(completeness),
     ("domain", domain::draw),
-    ("architecture", architecture::draw),
-    ("simulator_view", simulator_view::draw),
-    ("training_curves", training_curves::draw),
-    ("calibration", calibration::draw),
-    ("residuals", residuals::draw),
-    ("learning_curve", learning_curve::draw),
-    ("ablation", ablation::draw),
-    ("embedding_space", embedding_space::draw),
-    ("aggression_line", aggression_line::draw),
-    ("perpendicular", perpendicular::draw),
-    ("difference_panels", difference_panels::draw),
-    ("comparison", comparison::draw),
-    ("interaction", interaction::draw),
-    ("scatter", scatter::draw),
-    ("forest", forest::draw),
-    ("preference", preference::draw),
-    ("press_course", press_course::draw),
-    ("family", family::draw),
+    draw!(architecture),
+    draw!(simulator_view),
+    draw!(training_curves),
+    draw!(calibration),
+    draw!(residuals),
+    draw!(learning_curve),
+    draw!(ablation),
+    draw!(embedding_space),
+    draw!(aggression_line),
+    draw!(perpendicular),
+    draw!(difference_panels),
+    draw!(comparison),
+    draw!(interaction),
+    draw!(scatter),
+    draw!(forest),
+    draw!(preference),
+    draw!(press_course),
+    draw!(family),
     ("intervals", intervals::draw),
-    ("recommendation", recommendation::draw),
-    ("curves", curves::draw),
-    ("false_positives", false_positives::draw),
-    ("fidelity", fidelity::draw),
-    ("dial_sweep", dial_sweep::draw),
-    ("car_following", car_following::draw),
-    ("following_errors", following_errors::draw),
-    ("drive_overview", drive_overview::draw),
-    ("time_space", time_space::draw),
-    ("step_responses", step_responses::draw),
-    ("lane_change_quality", lane_change_quality::draw),
+    draw!(recommendation),
+    draw!(curves),
+    draw!(false_positives),
+    draw!(fidelity),
+    draw!(dial_sweep),
+    draw!(car_following),
+    draw!(following_errors),
+    draw!(drive_overview),
+    draw!(time_space),
+    draw!(step_responses),
+    draw!(lane_change_quality),
 ];
 
 pub(crate) fn figures(context: &Context) -> Result<Vec<Figure>, ReportError> {

@@ -2,17 +2,10 @@
 
 use super::{PARTICIPANTS, conditions, wobble};
 use maveric_report::apa;
-use maveric_report::{
-    Context, Figure, ReportError,
-    figures::perpendicular::{
-        AngleChange, PerpendicularChanges, PerpendicularPanel, perpendicular,
-    },
+use maveric_report::figures::perpendicular::{
+    AngleChange, PerpendicularChanges, PerpendicularPanel,
 };
 use std::f64::consts::TAU;
-
-pub(crate) fn draw(context: &Context) -> Result<Figure, ReportError> {
-    perpendicular(&input(), context)
-}
 
 pub(crate) fn input() -> PerpendicularChanges {
     let panel =

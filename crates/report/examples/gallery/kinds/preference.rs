@@ -1,14 +1,7 @@
 //! Who rated another style better than their own, scale by scale.
 
 use super::{PARTICIPANTS, conditions};
-use maveric_report::{
-    Context, Figure, ReportError,
-    figures::preference::{Preferences, ScalePreference, preference},
-};
-
-pub(crate) fn draw(context: &Context) -> Result<Figure, ReportError> {
-    preference(&input(), context)
-}
+use maveric_report::figures::preference::{Preferences, ScalePreference};
 
 pub(crate) fn input() -> Preferences {
     let scale = |scale: &str, up, down| ScalePreference {

@@ -1,14 +1,7 @@
 //! What rides were like before people pressed "uncomfortable".
 
 use super::wobble;
-use maveric_report::{
-    Context, Figure, ReportError,
-    figures::press_course::{CoursePanel, PressCourses, press_course},
-};
-
-pub(crate) fn draw(context: &Context) -> Result<Figure, ReportError> {
-    press_course(&input(), context)
-}
+use maveric_report::figures::press_course::{CoursePanel, PressCourses};
 
 pub(crate) fn input() -> PressCourses {
     let panel = |(index, (title, axis, far, near)): (usize, (&str, &str, f64, f64))| CoursePanel {

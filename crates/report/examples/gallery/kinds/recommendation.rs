@@ -1,14 +1,7 @@
 //! Recommended shifts of the dial beside the preferred ones.
 
 use super::{PARTICIPANTS, wobble};
-use maveric_report::{
-    Context, Figure, ReportError,
-    figures::recommendation::{Recommendations, recommendation},
-};
-
-pub(crate) fn draw(context: &Context) -> Result<Figure, ReportError> {
-    recommendation(&input(), context)
-}
+use maveric_report::figures::recommendation::Recommendations;
 
 pub(crate) fn input() -> Recommendations {
     let person = |i: usize| {

@@ -1,13 +1,6 @@
 //! Quantiles of what two networks leave over.
 
-use maveric_report::{
-    Context, Figure, ReportError,
-    figures::residuals::{ResidualPanel, Residuals, residuals},
-};
-
-pub(crate) fn draw(context: &Context) -> Result<Figure, ReportError> {
-    residuals(&input(), context)
-}
+use maveric_report::figures::residuals::{ResidualPanel, Residuals};
 
 pub(crate) fn input() -> Residuals {
     let normal = [-2.33, -1.64, -1.28, -0.67, 0.0, 0.67, 1.28, 1.64, 2.33];

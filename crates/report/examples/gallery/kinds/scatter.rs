@@ -1,14 +1,7 @@
 //! Two columns of a table.
 
 use super::{pearson, wobble};
-use maveric_report::{
-    Context, Figure, ReportError,
-    figures::scatter::{Scatter, scatter},
-};
-
-pub(crate) fn draw(context: &Context) -> Result<Figure, ReportError> {
-    scatter(&input(), context)
-}
+use maveric_report::figures::scatter::Scatter;
 
 pub(crate) fn input() -> Scatter {
     let point = |i: usize| {

@@ -1,13 +1,6 @@
 //! One moment of a drive: the ego, the vehicles round it, its plan.
 
-use maveric_report::{
-    Context, Figure, ReportError,
-    figures::simulator_view::{SimulatorView, VehicleView, simulator_view},
-};
-
-pub(crate) fn draw(context: &Context) -> Result<Figure, ReportError> {
-    simulator_view(&input(), context)
-}
+use maveric_report::figures::simulator_view::{SimulatorView, VehicleView};
 
 pub(crate) fn input() -> SimulatorView {
     let vehicle = |x_m, y_m, heading_rad, speed_mps| VehicleView {

@@ -1,13 +1,6 @@
 //! Three controllers as damped oscillators.
 
-use maveric_report::{
-    Context, Figure, ReportError,
-    figures::step_responses::{StepPanel, StepResponses, step_responses},
-};
-
-pub(crate) fn draw(context: &Context) -> Result<Figure, ReportError> {
-    step_responses(&input(), context)
-}
+use maveric_report::figures::step_responses::{StepPanel, StepResponses};
 
 pub(crate) fn input() -> StepResponses {
     let panel = |title: &str, what: &str, unit: &str, (from, to): (f64, f64), slow: f64| {

@@ -1,13 +1,6 @@
 //! Ten minutes of passing slower leads.
 
-use maveric_report::{
-    Context, Figure, ReportError,
-    figures::time_space::{Decision, DecisionKind, TimeSpace, Track, time_space},
-};
-
-pub(crate) fn draw(context: &Context) -> Result<Figure, ReportError> {
-    time_space(&input(), context)
-}
+use maveric_report::figures::time_space::{Decision, DecisionKind, TimeSpace, Track};
 
 /// When each lead is passed, in seconds.
 const PASSED: [f64; 6] = [85.0, 170.0, 255.0, 345.0, 440.0, 540.0];

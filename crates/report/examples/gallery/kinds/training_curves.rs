@@ -1,14 +1,7 @@
 //! Five terms of a loss over forty epochs.
 
 use super::wobble;
-use maveric_report::{
-    Context, Figure, ReportError,
-    figures::training_curves::{LossTerm, TrainingCurves, training_curves},
-};
-
-pub(crate) fn draw(context: &Context) -> Result<Figure, ReportError> {
-    training_curves(&input(), context)
-}
+use maveric_report::figures::training_curves::{LossTerm, TrainingCurves};
 
 pub(crate) fn input() -> TrainingCurves {
     let term = |index: usize, title: &str, from: f64, to: f64| {

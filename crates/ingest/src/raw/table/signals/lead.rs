@@ -116,30 +116,7 @@ pub(super) fn read(
         let what = "nobody was seen ahead in the whole drive";
         warnings.push(Warning::new(&rows.path, WarningKind::NoOverlap, 1, what));
     }
-    let mut alone = 0;
-    for vehicle in seen.chunk_by(|a, b| a.vehicle == b.vehicle) {
-        for (at, now) in vehicle.iter().enumerate() {
-            let Some(ego) = driven.at(now.stamp_ns) else {
-                continue;
-            };
-            let changing = || slope(vehicle, at).map(|s| ego.speed_mps + s);
-            let Some(speed_mps) = now.speed_mps.or_else(changing) else {
-                alone += 1;
-                continue;
-            };
-            let centres_m = 0.5 * (mapping.ego_length_m + mapping.lead_length_m);
-            found.objects.push(ObjectSample {
-                stamp_ns: now.stamp_ns,
-                log_ns: now.stamp_ns,
-                nth: 0,
-                id: now.vehicle,
-                x_m: ego.way_m + now.gap_m + centres_m,
-                y_m: place.map_or(0.0, |p| p.centre_m(now.stamp_ns)),
-                speed_mps,
-                length_m: mapping.lead_length_m,
-            });
-        }
-    }
+    let alone = found.place(&seen, mapping, driven, place);
     let what = "vehicles ahead that were seen in one row alone have no speed and are left out";
     report(warnings, &rows.path, missing, alone, what);
     if signal.speed.is_none() && !found.objects.is_empty() {
@@ -152,6 +129,43 @@ pub(super) fn read(
         ));
     }
     Ok(found)
+}
+
+impl Leads {
+    /// Puts each row where its vehicle was; how many rows are left out because their vehicle has no speed.
+    fn place(
+        &mut self,
+        seen: &[Seen],
+        mapping: &TableMapping,
+        driven: &DrivenPath,
+        place: Option<&Place>,
+    ) -> usize {
+        let mut alone = 0;
+        for vehicle in seen.chunk_by(|a, b| a.vehicle == b.vehicle) {
+            for (at, now) in vehicle.iter().enumerate() {
+                let Some(ego) = driven.at(now.stamp_ns) else {
+                    continue;
+                };
+                let changing = || slope(vehicle, at).map(|s| ego.speed_mps + s);
+                let Some(speed_mps) = now.speed_mps.or_else(changing) else {
+                    alone += 1;
+                    continue;
+                };
+                let centres_m = 0.5 * (mapping.ego_length_m + mapping.lead_length_m);
+                self.objects.push(ObjectSample {
+                    stamp_ns: now.stamp_ns,
+                    log_ns: now.stamp_ns,
+                    nth: 0,
+                    id: now.vehicle,
+                    x_m: ego.way_m + now.gap_m + centres_m,
+                    y_m: place.map_or(0.0, |p| p.centre_m(now.stamp_ns)),
+                    speed_mps,
+                    length_m: mapping.lead_length_m,
+                });
+            }
+        }
+        alone
+    }
 }
 
 /// How fast the gap to a vehicle grows around one of its rows, in m/s: the straight line that fits best; none for a single row.

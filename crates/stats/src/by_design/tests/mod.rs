@@ -1,5 +1,8 @@
 //! What is chosen for which design, and that it finds what the call of its own finds.
 
+mod parts;
+mod period;
+
 use super::*;
 use crate::{
     ByDesign, ChosenTest, Formula, OmnibusTest, Predictor, compare, factorial, groups, ordinal,
@@ -70,6 +73,20 @@ impl Made {
             subjects: &self.people,
             values: &self.value,
             ..DesignColumns::default()
+        }
+    }
+
+    fn within(&self) -> DesignColumns<'_> {
+        DesignColumns {
+            within: vec![("mode", &self.mode), ("road", &self.road)],
+            ..self.columns()
+        }
+    }
+
+    fn grouped(&self) -> DesignColumns<'_> {
+        DesignColumns {
+            between: vec![("vehicle", &self.vehicle)],
+            ..self.within()
         }
     }
 }
@@ -149,10 +166,8 @@ fn residuals_that_are_not_normal_have_the_ranks_of_their_contrasts() {
     ));
     let value: Vec<_> = (0..48).map(|i| Some((3.0 * noise(i)).exp())).collect();
     let data = DesignColumns {
-        within: vec![("mode", &made.mode), ("road", &made.road)],
-        between: vec![("vehicle", &made.vehicle)],
         values: &value,
-        ..made.columns()
+        ..made.grouped()
     };
     let found = run(&data);
     let ByDesign::Factorial(inner) = &found else {
@@ -230,10 +245,8 @@ fn of_two_groups_the_unpooled_test_is_welchs() {
         .map(|i| Some(10.0 + noise(i) * [1.0, 3.0][i / 4 % 2] + (i % 2) as f64))
         .collect();
     let data = DesignColumns {
-        within: vec![("mode", &made.mode), ("road", &made.road)],
-        between: vec![("vehicle", &made.vehicle)],
         values: &value,
-        ..made.columns()
+        ..made.grouped()
     };
     let ByDesign::Factorial(found) = run(&data) else {
         panic!("several factors")
@@ -278,10 +291,9 @@ fn with_age(with: Vec<(&'static str, Vec<&'static str>)>) -> (ByDesign, Made) {
         *value = value.map(|v| v + 0.2 * age + 0.05 * age * (i % 2) as f64);
     }
     let data = DesignColumns {
-        within: vec![("mode", &made.mode), ("road", &made.road)],
         covariates: vec![("age", &made.age)],
         with,
-        ..made.columns()
+        ..made.within()
     };
     (run(&data), made)
 }
@@ -357,10 +369,9 @@ fn an_effect_that_no_covariate_can_be_multiplied_by_is_refused() {
     let made = made();
     let of = |with: Vec<(&'static str, Vec<&'static str>)>| {
         let data = DesignColumns {
-            within: vec![("mode", &made.mode), ("road", &made.road)],
             covariates: vec![("age", &made.age)],
             with,
-            ..made.columns()
+            ..made.within()
         };
         compare_by_design(&data, &DesignChoice::default())
     };
@@ -378,10 +389,9 @@ fn a_declared_product_is_tested_where_people_with_gaps_stay_too() {
     let (_, mut made) = with_age(Vec::new());
     made.value[5] = None;
     let data = DesignColumns {
-        within: vec![("mode", &made.mode), ("road", &made.road)],
         covariates: vec![("age", &made.age)],
         with: vec![("age", vec!["mode:road"])],
-        ..made.columns()
+        ..made.within()
     };
     let choice = DesignChoice {
         missing: MissingCells::Mixed,
@@ -408,9 +418,8 @@ fn a_person_without_the_covariate_is_left_out_by_name() {
         made.age[row] = None;
     }
     let data = DesignColumns {
-        within: vec![("mode", &made.mode), ("road", &made.road)],
         covariates: vec![("age", &made.age)],
-        ..made.columns()
+        ..made.within()
     };
     let ByDesign::Factorial(found) = run(&data) else {
         panic!("strata")
@@ -426,9 +435,8 @@ fn a_covariate_that_changes_within_people_asks_for_a_mixed_model_with_a_variance
         *age = age.map(|a| a + (i * 5 % 7) as f64);
     }
     let data = DesignColumns {
-        within: vec![("mode", &made.mode), ("road", &made.road)],
         covariates: vec![("age", &made.age)],
-        ..made.columns()
+        ..made.within()
     };
     let ByDesign::Mixed(found) = run(&data) else {
         panic!("a covariate that changes")
@@ -479,9 +487,8 @@ fn an_item_with_two_factors_within_takes_the_rank_tests() {
         .map(|i| Some((3.0 + 1.2 * noise(i)).round().clamp(1.0, 5.0)))
         .collect();
     let data = DesignColumns {
-        within: vec![("mode", &made.mode), ("road", &made.road)],
         values: &answers,
-        ..made.columns()
+        ..made.within()
     };
     let of = |scale| {
         let choice = DesignChoice {

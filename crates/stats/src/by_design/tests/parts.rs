@@ -1,29 +1,10 @@
 //! Simple effects and contrasts of levels, against tests of each person's contrast.
 
 use super::*;
-use crate::{
-    Chosen, LevelChoice, PairedT, WithinSubjects, adjust, groups,
-    numerics::distributions::normal_quantile, within,
-};
-
-/// Fourteen people (eight in a car, six in a truck) in two modes on three roads, with their age.
-struct Made {
-    people: Vec<String>,
-    mode: Vec<String>,
-    road: Vec<String>,
-    vehicle: Vec<Option<String>>,
-    age: Vec<Option<f64>>,
-    value: Vec<Option<f64>>,
-}
+use crate::{Chosen, LevelChoice, PairedT, WithinSubjects, adjust, groups, within};
 
 const PEOPLE: usize = 14;
 const ROADS: [&str; 3] = ["city", "country", "motorway"];
-
-/// Nearly normal numbers without order: 5 is a primitive root of 97.
-fn noise(i: usize) -> f64 {
-    let rank = (0..i).fold(5, |power, _| power * 5 % 97);
-    normal_quantile(f64::from(rank) / 97.0)
-}
 
 /// The value of a person in a mode (0 calm) on a road.
 fn value(person: usize, mode: usize, road: usize) -> f64 {
@@ -39,6 +20,7 @@ fn age(person: usize) -> f64 {
     20.0 + (person * 5 % 14) as f64
 }
 
+/// Fourteen people (eight in a car, six in a truck) in two modes on three roads, with their age.
 fn made() -> Made {
     let rows = || (0..PEOPLE * 6).map(|row| (row / 6, row % 6 / 3, row % 3));
     Made {
@@ -52,24 +34,6 @@ fn made() -> Made {
             .collect(),
         age: rows().map(|(p, ..)| Some(age(p))).collect(),
         value: rows().map(|(p, m, r)| Some(value(p, m, r))).collect(),
-    }
-}
-
-impl Made {
-    fn within(&self) -> DesignColumns<'_> {
-        DesignColumns {
-            subjects: &self.people,
-            within: vec![("mode", &self.mode), ("road", &self.road)],
-            values: &self.value,
-            ..DesignColumns::default()
-        }
-    }
-
-    fn grouped(&self) -> DesignColumns<'_> {
-        DesignColumns {
-            between: vec![("vehicle", &self.vehicle)],
-            ..self.within()
-        }
     }
 }
 
