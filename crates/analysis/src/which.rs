@@ -125,7 +125,7 @@ mod tests {
                 learned: false,
                 tested: true,
                 order: order.map(id).to_vec(),
-                columns: Default::default(),
+                columns: std::collections::BTreeMap::new(),
             });
             for condition in order {
                 let after = Moment::After(id(condition));
