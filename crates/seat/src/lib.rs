@@ -5,6 +5,7 @@
 
 mod above;
 mod among_others;
+mod asked_first;
 mod assets;
 mod books;
 pub mod carried;
@@ -30,11 +31,13 @@ mod listed;
 mod live;
 mod markup;
 mod moments;
+pub mod needs;
 mod origin;
 mod parts;
 mod person;
 pub mod plan;
 mod refusals;
+mod repeated;
 pub mod replay;
 mod request;
 mod screening;

@@ -1,16 +1,18 @@
 //! Pages that the server writes itself, and the forms in them.
 
-use crate::assets;
+use crate::{assets, words::Words};
 use axum::{
     http::{StatusCode, header},
     response::{IntoResponse, Response},
 };
 
-/// A page.
-pub(crate) fn html(body: &str) -> Response {
+/// A page in the study's language.
+pub(crate) fn html(words: &Words, body: &str) -> Response {
     let page = format!(
-        "<!doctype html><html lang=\"en\"><meta charset=\"utf-8\"><title>Laboratory</title>\
+        "<!doctype html><html lang=\"{}\"><meta charset=\"utf-8\"><title>{}</title>\
          <link rel=\"stylesheet\" href=\"{}\"><main>{body}</main></html>",
+        words.language,
+        words.plain("lab_title", &[]),
         assets::address("page.css")
     );
     ([(header::CONTENT_TYPE, "text/html; charset=utf-8")], page).into_response()
