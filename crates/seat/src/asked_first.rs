@@ -2,9 +2,8 @@
 
 use crate::{
     error::SeatError,
-    lab::with_help,
     markup::{form_field, html, to_lab},
-    request::{Answered, Refused, Shared},
+    request::{Answered, Refused, Shared, with_help},
     seat::Seat,
     steps::Act,
 };

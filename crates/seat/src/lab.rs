@@ -2,11 +2,11 @@
 
 use crate::{
     above, asked_first, assets, entrance,
-    error::SeatError,
+    escaped::plain,
     let_in::Invitation,
     live::{self, HAPPENED, PEOPLE, REFUSED},
-    markup::{form_field, html, plain, to_lab},
-    request::{Answered, Refused, Shared},
+    markup::{form_field, html, to_lab},
+    request::{Answered, Refused, Shared, with_help},
     streamed,
 };
 use axum::{
@@ -131,14 +131,6 @@ async fn never_came(
         .blocking(move |seat| seat.never_came(&participant).map_err(with_help))
         .await?;
     Ok(to_lab())
-}
-
-/// A refusal that says what to do, where something can be done.
-pub(crate) fn with_help(error: SeatError) -> Refused {
-    match error.suggestion() {
-        Some(help) => Refused::NotThis(format!("{error}: {help}")),
-        None => Refused::Failed(error),
-    }
 }
 
 /// What somebody drives now, or drove last.

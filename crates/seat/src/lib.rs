@@ -15,6 +15,7 @@ pub mod demo;
 mod drives;
 mod entrance;
 pub mod error;
+mod escaped;
 pub mod files;
 mod finished;
 mod forget;

@@ -3,8 +3,8 @@
 use crate::{
     books::Books,
     error::SeatError,
+    escaped::plain,
     known::Known,
-    markup::plain,
     person::{NEVER_CAME, NOT_ADMITTED, style_kept},
     refusals::Refusal,
     request::Shared,

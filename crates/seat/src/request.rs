@@ -15,6 +15,14 @@ use std::{
     sync::{Arc, Mutex},
 };
 
+/// A refusal that says what to do, where something can be done.
+pub(crate) fn with_help(error: SeatError) -> Refused {
+    match error.suggestion() {
+        Some(help) => Refused::NotThis(format!("{error}: {help}")),
+        None => Refused::Failed(error),
+    }
+}
+
 /// What every request is answered from.
 #[derive(Clone)]
 pub(crate) struct Shared {

@@ -1,7 +1,7 @@
 //! The sentences that the seat says to whoever takes part and to whoever runs the study: a file a language, each of which a study may
 //! replace.
 
-use crate::{error::SeatError, markup::plain};
+use crate::{error::SeatError, escaped::plain};
 use maveric_domain::{design::Protocol, nearest};
 use maveric_study::{DesignFile, atomic_write::read_text};
 use path_slash::PathExt as _;

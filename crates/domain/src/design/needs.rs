@@ -1,6 +1,6 @@
 //! What a study needs of the computer of whoever takes part, looked at before anybody agrees.
 
-use super::{DesignError, Protocol, ProtocolStep};
+use super::DesignError;
 use serde::{Deserialize, Serialize};
 
 /// What somebody drives with.
@@ -46,7 +46,8 @@ const MOST_PICTURES: f64 = 240.0;
 const MOST_PX: f64 = 16_384.0;
 
 impl Needs {
-    pub(super) fn check(&self, protocol: &Protocol) -> Result<(), DesignError> {
+    /// `tried` is whether what somebody drives with is tried before the drives.
+    pub(super) fn check(&self, tried: bool) -> Result<(), DesignError> {
         for (key, least, most, unit) in [
             (
                 "pictures_per_second",
@@ -66,9 +67,7 @@ impl Needs {
                 ));
             }
         }
-        if self.device == Some(InputDevice::Wheel)
-            && !protocol.steps.contains(&ProtocolStep::Controls)
-        {
+        if self.device == Some(InputDevice::Wheel) && !tried {
             return Err(DesignError::key(
                 "protocol.needs.device",
                 "wheel",

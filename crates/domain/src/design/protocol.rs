@@ -285,9 +285,10 @@ impl Protocol {
                 return Err(DesignError::key("protocol.steps", found, "each once"));
             }
         }
+        let tried = self.steps.contains(&ProtocolStep::Controls);
         self.needs
             .as_ref()
-            .map_or(Ok(()), |needs| needs.check(self))?;
+            .map_or(Ok(()), |needs| needs.check(tried))?;
         self.check_moments()?;
         let place = |step| self.steps.iter().position(|s| *s == step);
         if let Some(rides) = place(ProtocolStep::Rides)
