@@ -22,6 +22,7 @@ class Somebody {
     this.page = await (await browser.newContext({ viewport: this.size })).newPage();
     this.page.on("pageerror", (error) => check(false, `no error in the page: ${error.message}`));
     await this.page.goto(this.link);
+    await this.needs();
   }
   /// What is before them: its heading, and whether it is the end.
   async before() {
@@ -93,6 +94,15 @@ class Somebody {
     }
     throw new Error("the study does not end");
   }
+  /// What the study needs of the computer: the keyboard is there once one of its keys was pressed.
+  async needs() {
+    const missing = this.page.locator(".needs li.missing");
+    await this.page.waitForSelector(".needs");
+    check((await missing.count()) > 0, "a keyboard is missing until one of its keys is pressed");
+    await this.look("needs");
+    await this.page.keyboard.press("ArrowRight");
+    if (this.size.width >= 480) await this.page.locator("button.main").waitFor();
+  }
   words() { return this.page.locator("main").textContent(); }
 }
 const somebody = async (what) => new Somebody(await seat.link(), what);
@@ -101,6 +111,13 @@ const young = await somebody({ age: 17 });
 await young.goThrough();
 check((await young.words()).includes("sucht andere Menschen"), "who may not take part is thanked before anything else");
 check(!(await young.words()).includes("C1X9"), "and is given no code");
+
+const narrow = await somebody({ size: { width: 400, height: 700 }, looked: true });
+await narrow.open();
+check((await narrow.page.locator("button.main").count()) === 1 && !(await narrow.page.locator("button.main").isVisible()), "nobody goes on in a window that is too small");
+await narrow.page.getByRole("button", { name: "hier beenden" }).press("Enter");
+await narrow.page.waitForFunction(() => document.querySelector("main").textContent.includes("braucht einen anderen Computer"));
+await narrow.look("other-computer");
 
 const plain = await somebody({});
 await plain.goThrough();
@@ -126,15 +143,16 @@ function rows(file) {
   const columns = head.split(",");
   return lines.map((line) => Object.fromEntries(line.split(",").map((cell, i) => [columns[i], cell])));
 }
-check(rows("seat/not_admitted.csv").length === 1, "one rule held back one person, and nothing else is kept of them");
+const heldBack = rows("seat/not_admitted.csv").map((row) => `${row.rule}: ${row.people}`);
+check(heldBack.join() === "demographics.1 >= 18: 1,needs.width_px >= 480: 1", `each rule held back one person, and nothing else is kept of them: ${heldBack}`);
 const answers = rows("surveys/answers.csv");
 const ids = [...new Set(answers.map((row) => row.participant))].sort();
-check(ids.join() === "P002,P003,P004,P005", `answers are kept of those who took part and took nothing back: ${ids}`);
+check(ids.join() === "P003,P004,P005,P006", `answers are kept of those who took part and took nothing back: ${ids}`);
 const moments = [...new Set(answers.map((row) => row.moment))].sort();
 check(["after", "post", "pre", "probe"].every((moment) => moments.includes(moment)), `each moment has its answers: ${moments}`);
 check(!readFileSync(join(folder, "surveys/answers.csv"), "utf8").includes("screen"), "no answer by which it was judged who takes part is kept");
 const stopped = rows("seat/stopped.csv");
-check(stopped.length === 1 && stopped[0].participant === "P005", `one ride was stopped: ${JSON.stringify(stopped)}`);
+check(stopped.length === 1 && stopped[0].participant === "P006", `one ride was stopped: ${JSON.stringify(stopped)}`);
 for (const name of readdirSync(join(folder, "seat")).filter((file) => file.endsWith(".jsonl"))) {
   const told = execFileSync(maveric, ["seat", "replay", join(folder, "seat", name)], { encoding: "utf8" }).trim();
   check(told.includes("the same states, to the byte"), `replay of ${name}: ${told}`);

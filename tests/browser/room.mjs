@@ -55,7 +55,7 @@ export class Seat {
   /// A link for the next person.
   async link() {
     await this.lab.goto(`${this.base}/lab`);
-    await this.lab.getByRole("button", { name: "Link for the next person" }).press("Enter");
+    await this.lab.locator("form[action='/lab/next'] button").press("Enter");
     await this.lab.waitForLoadState();
     return new URL(await this.lab.locator("a[href^='/p/']").last().getAttribute("href"), this.base).href;
   }

@@ -100,7 +100,9 @@ class Somebody {
       if (title === "Thank you") return;
       const asked = (await this.page.locator("form fieldset").count()) > 0;
       const drives = /^(Practice|Your drive|Ride \d+)$/.test(title);
-      if (upset && !drives) {
+      // Told once, and no step.
+      const passing = /^(Practice passed|The time for practice is over)$/.test(title);
+      if (upset && !drives && !passing) {
         // The tab is closed; then the network goes, the step is done, the server goes and comes back, and the network too.
         await this.page.close();
         await this.open();

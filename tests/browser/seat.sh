@@ -169,6 +169,7 @@ id = "own"
 [exclude]
 attention_missed_at_least = 1
 [protocol]
+needs = { pictures_per_second = 1, width_px = 480, device = "keyboard" }
 screen = ["demographics"]
 admit_if = ["demographics.1 >= 18"]
 consent = "consent.md"

@@ -1,5 +1,7 @@
 //! A drive from above, as far as it has come in.
 
+use crate::words::Words;
+use maveric_domain::SpeedUnit;
 use maveric_seat_page::{Record, SeatPageError, replay};
 use std::fmt::Write as _;
 
@@ -17,7 +19,12 @@ const MOST_POINTS: usize = 200;
 ///
 /// # Errors
 /// [`SeatPageError`] for a record that cannot be driven again, or in which nothing was driven yet.
-pub(crate) fn picture(lines: &str) -> Result<String, SeatPageError> {
+pub(crate) fn picture(
+    lines: &str,
+    words: &Words,
+    unit: SpeedUnit,
+) -> Result<String, SeatPageError> {
+    let speed = |mps: f64| format!("{:.0} {}", mps * unit.per_mps(), unit.name());
     let record = Record::from_lines(lines)?;
     let again = replay(&record)?;
     let recording = &again.rollout.recording;
@@ -32,9 +39,10 @@ pub(crate) fn picture(lines: &str) -> Result<String, SeatPageError> {
     let down = |y_m: f64| width - ACROSS * (y_m + 0.5 * road.lane_width_m);
     let length = BEHIND_M + AHEAD_M;
     let mut svg = format!(
-        "<svg viewBox=\"0 0 {length} {:.1}\" width=\"100%\" role=\"img\" aria-label=\"The drive from above\">\
+        "<svg viewBox=\"0 0 {length} {:.1}\" width=\"100%\" role=\"img\" aria-label=\"{}\">\
          <rect width=\"{length}\" height=\"{width:.1}\" fill=\"#55575c\"/>",
-        width + CURVE.1 + 12.0
+        width + CURVE.1 + 12.0,
+        words.plain("lab_above", &[])
     );
     for lane in 1..road.lanes {
         let y = ACROSS * road.lane_width_m * f64::from(lane);
@@ -54,10 +62,10 @@ pub(crate) fn picture(lines: &str) -> Result<String, SeatPageError> {
         }
     };
     for v in &scene.vehicles {
-        let title = format!("{:.0} m/s", v.speed_mps);
+        let title = speed(v.speed_mps);
         car(v.x_m, v.y_m, v.length_m, "#d6d7d9", &title);
     }
-    let title = format!("{:.0} m/s", scene.ego.speed_mps);
+    let title = speed(scene.ego.speed_mps);
     car(
         scene.ego.x_m,
         scene.ego.y_m,
@@ -75,15 +83,50 @@ pub(crate) fn picture(lines: &str) -> Result<String, SeatPageError> {
             format!("{x:.1},{y:.1}")
         })
         .collect();
+    let report = &again.rollout.report;
+    let line = words.plain(
+        "lab_drive_line",
+        &[
+            ("seconds", &format!("{:.0}", scene.time_s)),
+            ("speed", &speed(scene.ego.speed_mps)),
+            ("most", &speed(highest)),
+            ("contacts", &report.collisions.to_string()),
+            ("touches", &report.barrier_touches.to_string()),
+        ],
+    );
     let _ = write!(
         svg,
-        "<polyline points=\"{}\" fill=\"none\" stroke=\"#4aa3ff\"/></svg><p>{:.0} s; {:.0} m/s now, {highest:.0} m/s at most (the line: speed so far); \
-         {} contacts, {} touches of a barrier.</p>",
-        points.join(" "),
-        scene.time_s,
-        scene.ego.speed_mps,
-        again.rollout.report.collisions,
-        again.rollout.report.barrier_touches
+        "<polyline points=\"{}\" fill=\"none\" stroke=\"#4aa3ff\"/></svg><p>{line}</p>",
+        points.join(" ")
     );
     Ok(svg)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use maveric_domain::DrivenBy;
+    use maveric_seat_page::{Frames, Input, SeatDrive};
+    use maveric_simulator::Scenario;
+
+    #[test]
+    fn speeds_are_said_in_the_units_of_the_study() {
+        let scenario = Scenario::paper();
+        let mut drive = SeatDrive::by_hand(&scenario, 1, DrivenBy::Scripted).unwrap();
+        for _ in 0..50 {
+            drive.tick(Input::default());
+        }
+        let head = serde_json::to_string(&drive.begun().header).unwrap();
+        let piece = serde_json::to_string(&drive.chunk(Frames::default())).unwrap();
+        let lines = format!("{head}\n{piece}\n");
+        let mps = drive.session().car().speed_mps;
+        for (unit, factor) in [(SpeedUnit::Kmh, 3.6), (SpeedUnit::Mph, 2.236_94)] {
+            let drawn = picture(&lines, &Words::default(), unit).unwrap();
+            let now = format!("; {:.0} {} now", mps * factor, unit.name());
+            assert!(
+                drawn.contains(&now) && !drawn.contains("m/s"),
+                "{now}: {drawn}"
+            );
+        }
+    }
 }

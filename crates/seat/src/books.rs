@@ -158,6 +158,11 @@ impl Books<'_> {
         self.go_to(person, from, aftercare.unwrap_or(end))
     }
 
+    /// Goes back to a step that is done once more.
+    pub(crate) fn go_back(&self, person: &Person, to: usize) -> Result<(), SeatError> {
+        self.go_to(person, person.at, to)
+    }
+
     /// Keeps the answers of a step and goes on.
     pub(crate) fn answer(&self, person: &Person, step: usize, body: &str) -> Result<(), SeatError> {
         self.keep_sheet(person, step, body)?;
@@ -272,7 +277,9 @@ impl Books<'_> {
             .optional()
         })?;
         self.ask(|c| {
-            for table in ["person", "answer", "drive", "piece", "event", "left_out"] {
+            for table in [
+                "person", "answer", "drive", "piece", "event", "left_out", "repeated",
+            ] {
                 c.execute(
                     &format!("DELETE FROM {table} WHERE participant = ?1"),
                     [participant],

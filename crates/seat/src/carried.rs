@@ -157,9 +157,11 @@ enum Line {
     Ended {
         ended: String,
     },
-    /// A rule of the screening held them back: nothing else is there.
+    /// A rule held them back at a step where it is judged who takes part: nothing else is there.
     NotAdmitted {
         not_admitted: usize,
+        /// Left out by a page of an older export: the first such step.
+        step: Option<usize>,
     },
 }
 
@@ -210,26 +212,26 @@ fn missing(steps: &[Step], given: &Carried) -> Option<String> {
     steps.iter().enumerate().find_map(lacks)
 }
 
-/// Counts somebody whom a rule of the screening held back, once; gives what is wrong with it.
+/// Counts somebody whom a rule of a step held back, once; gives what is wrong with it.
 fn hold_back(
     seat: &Seat,
     token: &str,
     steps: &[Step],
-    place: usize,
+    (step, place): (Option<usize>, usize),
 ) -> Result<Option<String>, SeatError> {
-    let rules = steps.iter().find_map(|step| match step {
-        Step::Screen { rules, .. } => Some(rules),
-        _ => None,
-    });
-    let Some(judged) = rules.and_then(|rules| rules.get(place)) else {
+    let rules = match step {
+        Some(step) => steps.get(step).and_then(Step::rules),
+        None => steps.iter().find_map(Step::rules),
+    };
+    let Some(rule) = rules.and_then(|rules| rules.get(place).cloned()) else {
         return Ok(Some(format!(
-            "rule {place} is none of this study's screening"
+            "rule {place} is none by which this study judges who takes part"
         )));
     };
     let first = seat.store.within(|b| {
         let first = b.first_time(token)?;
         if first {
-            b.hold_back(&judged.rule)?;
+            b.hold_back(&rule)?;
         }
         Ok::<_, SeatError>(first)
     })?;
@@ -300,8 +302,8 @@ pub fn take_in(seat: &Seat, path: &Path) -> Result<TakenIn, SeatError> {
     }
     let steps = seat.steps_of(Whose::Link(&token), &seat.order(row))?;
     let rest: Vec<(usize, Line)> = lines.collect();
-    if let [(number, Line::NotAdmitted { not_admitted })] = rest[..] {
-        let why = hold_back(seat, &token, &steps, not_admitted)?;
+    if let [(number, Line::NotAdmitted { not_admitted, step })] = rest[..] {
+        let why = hold_back(seat, &token, &steps, (step, not_admitted))?;
         return why.map_or(
             Ok(TakenIn {
                 participant: String::new(),

@@ -114,6 +114,7 @@ impl Books<'_> {
         events: &mut Vec<EventRow>,
     ) -> Result<(), SeatError> {
         let left_out = self.left_out(&person.participant)?;
+        let repeated = self.repeated(&person.participant)?;
         for (step, found) in person.steps.iter().enumerate() {
             let (page, moment) = place(found);
             let row = |what: &str| EventRow {
@@ -141,6 +142,13 @@ impl Books<'_> {
                 });
             }
             self.driven(person, (step, found), &row, events)?;
+            for again in repeated.iter().filter(|again| again.step == step) {
+                events.push(EventRow {
+                    attempt: Some(again.attempt),
+                    at: written(again.given),
+                    ..row(&again.what)
+                });
+            }
             for left in left_out.iter().filter(|left| left.step == step) {
                 let drives = found.drives().is_some();
                 let begun = self.begun(&person.participant, step)?;
@@ -216,7 +224,8 @@ impl Books<'_> {
         participant: &str,
         (step, found): (usize, &Step),
     ) -> Result<Option<String>, SeatError> {
-        let Some(last) = self.begun(participant, step)?.pop() else {
+        let last = self.begun(participant, step)?.pop();
+        let Some(last) = last.filter(|last| !last.set_aside) else {
             return Ok(None);
         };
         let (_, lines) = self.noted(participant, (step, last.attempt))?;
@@ -283,6 +292,7 @@ fn consents_of<'a>(
 /// What a step is called in the tables, and the moment of a scale.
 fn place(step: &Step) -> (String, Option<String>) {
     match step {
+        Step::Computer { .. } => ("computer".to_owned(), None),
         Step::Screen { .. } => ("screening".to_owned(), None),
         Step::Text { .. } => ("consent".to_owned(), None),
         Step::Scale { scale, moment, .. } => (scale.clone(), Some(moment.to_string())),

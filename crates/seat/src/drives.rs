@@ -23,6 +23,21 @@ pub(crate) struct Begun {
     pub(crate) ended: bool,
     /// Bytes of what was kept.
     pub(crate) bytes: u64,
+    /// Whether it counts no more, since the step is driven again.
+    pub(crate) set_aside: bool,
+}
+
+impl Begun {
+    /// Whether this is the drive of its step.
+    pub(crate) fn is_whole(&self) -> bool {
+        self.ended && !self.set_aside
+    }
+
+    /// As its record is kept beside that of the drive of its step.
+    pub(crate) fn kept_as(&self) -> String {
+        let why = if self.set_aside { "repeated" } else { "cut" };
+        format!("{why}{}", self.attempt)
+    }
 }
 
 /// Most bytes of a drive of so many steps.
@@ -40,7 +55,9 @@ impl Books<'_> {
     pub(crate) fn begun(&self, participant: &str, step: usize) -> Result<Vec<Begun>, SeatError> {
         self.ask(|c| {
             let mut rows = c.prepare_cached(
-                "SELECT attempt, ticks, end IS NOT NULL, bytes FROM drive WHERE participant = ?1 AND step = ?2 ORDER BY attempt",
+                "SELECT attempt, ticks, end IS NOT NULL, bytes,
+                    attempt <= (SELECT COALESCE(MAX(attempt), 0) FROM repeated WHERE participant = ?1 AND step = ?2)
+                 FROM drive WHERE participant = ?1 AND step = ?2 ORDER BY attempt",
             )?;
             let read = |row: &rusqlite::Row<'_>| {
                 Ok(Begun {
@@ -48,6 +65,7 @@ impl Books<'_> {
                     ticks: row.get::<_, i64>(1)?.cast_unsigned(),
                     ended: row.get(2)?,
                     bytes: row.get::<_, i64>(3)?.cast_unsigned(),
+                    set_aside: row.get(4)?,
                 })
             };
             rows.query_map(params![participant, whole(step)], read)?.collect()

@@ -5,6 +5,7 @@ use crate::{
     markup::{form_field, html, to_lab},
     request::{Refused, Shared},
     token,
+    words::Words,
 };
 use axum::{
     body::Bytes,
@@ -82,19 +83,26 @@ impl Shared {
 }
 
 /// Asks for the password; `wrong` says that the last one was not it.
-pub(crate) fn door(wrong: bool) -> Response {
+pub(crate) fn door(words: &Words, wrong: bool) -> Response {
+    let say = |name| words.plain(name, &[]);
     let (status, said) = if wrong {
         (
             StatusCode::UNAUTHORIZED,
-            "<p role=\"alert\">That is not the password. It was printed where the seat was opened.</p>",
+            format!("<p role=\"alert\">{}</p>", say("lab_wrong")),
         )
     } else {
-        (StatusCode::OK, "")
+        (StatusCode::OK, String::new())
     };
-    let page = html(&format!(
-        "<h1>Laboratory</h1>{said}<form method=\"post\" action=\"/lab/enter\">\
-         <label>Password <input type=\"password\" name=\"password\" autofocus></label> <button>Enter</button></form>"
-    ));
+    let page = html(
+        words,
+        &format!(
+            "<h1>{}</h1>{said}<form method=\"post\" action=\"/lab/enter\">\
+             <label>{} <input type=\"password\" name=\"password\" autofocus></label> <button>{}</button></form>",
+            say("lab_title"),
+            say("lab_password"),
+            say("lab_enter")
+        ),
+    );
     (status, page).into_response()
 }
 
@@ -102,7 +110,7 @@ pub(crate) fn door(wrong: bool) -> Response {
 pub(crate) async fn enter(State(shared): State<Shared>, body: Bytes) -> Response {
     let given = form_field(&body, "password");
     if !shared.is_password(given.as_deref()).await {
-        return door(true);
+        return door(shared.words(), true);
     }
     match shared.cookie() {
         Ok(cookie) => ([(header::SET_COOKIE, cookie)], to_lab()).into_response(),

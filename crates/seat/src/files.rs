@@ -145,20 +145,42 @@ impl Files {
         }
     }
 
-    /// Writes the record of a drive as it came in: `PARTICIPANT-CONDITION.jsonl`, with `cut` for one that was cut short.
+    /// Writes the record of a drive as it came in: `PARTICIPANT-CONDITION.jsonl`, with `beside` (`cut1`, `repeated1`) for one that
+    /// is not the drive of its step.
     pub(crate) fn record(
         &self,
         name: &str,
-        cut: Option<u32>,
+        beside: Option<String>,
         lines: &str,
     ) -> Result<PathBuf, SeatError> {
         let Some(place) = &self.0 else {
             return Ok(PathBuf::from(name));
         };
-        let cut = cut.map_or_else(String::new, |attempt| format!(".cut{attempt}"));
-        let path = place.records.join(format!("{name}{cut}.jsonl"));
+        let beside = beside.map_or_else(String::new, |beside| format!(".{beside}"));
+        let path = place.records.join(format!("{name}{beside}.jsonl"));
         atomic_write_bytes(&path, lines.as_bytes())?;
         Ok(path)
+    }
+
+    /// Takes away what `maveric run` would read of a drive that counts no more: its log and its turns of the dial; and its record, which is
+    /// kept under another name.
+    pub(crate) fn take_back(&self, name: &str) -> Result<(), SeatError> {
+        let Some(place) = &self.0 else {
+            return Ok(());
+        };
+        for path in [
+            place.logs.join(format!("{name}.mcap")),
+            place.records.join(format!("{name}{ENDING}")),
+            place.records.join(format!("{name}.jsonl")),
+        ] {
+            match std::fs::remove_file(&path) {
+                Err(source) if source.kind() != std::io::ErrorKind::NotFound => {
+                    return Err(SeatError::Io { path, source });
+                }
+                _ => {}
+            }
+        }
+        Ok(())
     }
 
     /// Writes a drive that was driven again from its record as a log, by the writer that `generate` uses; the record is attached to

@@ -7,7 +7,7 @@ use crate::{
     person::{Person, on_the_scale},
     seat::Seat,
     sheet::Sheet,
-    steps::{Step, TICKS_PER_S},
+    steps::{DEVICE_GONE, Step, TICKS_PER_S},
 };
 use maveric_domain::{DriveId, Embedding, ParticipantId};
 use maveric_seat_page::{Record, Replayed, RideStyle, fit, replay};
@@ -86,8 +86,8 @@ impl Seat {
             Ok::<_, SeatError>((lines?, begun))
         });
         let (lines, begun) = read?;
-        let last = || begun.iter().rposition(|b| b.ticks > 0);
-        let ended = begun.iter().position(|b| b.ended);
+        let last = || begun.iter().rposition(|b| b.ticks > 0 && !b.set_aside);
+        let ended = begun.iter().rposition(Begun::is_whole);
         let Some(whole) = ended.or_else(|| last().filter(|_| left.is_some())) else {
             return Ok(false);
         };
@@ -100,7 +100,7 @@ impl Seat {
         let name = name.as_str();
         let mut outcome = Outcome::default();
         for (place, cut) in begun.iter().enumerate().filter(|(at, _)| *at != whole) {
-            files.record(name, Some(cut.attempt), &lines[place])?;
+            files.record(name, Some(cut.kept_as()), &lines[place])?;
         }
         let lines = &lines[whole];
         files.record(name, None, lines)?;
@@ -117,7 +117,15 @@ impl Seat {
                 outcome
                     .told
                     .extend(beyond.as_ref().map(|text| format!("{name}: {text}")));
-                let note = cut.into_iter().chain(pictures.note()).chain(beyond);
+                let gone = gone_note(&record);
+                outcome
+                    .told
+                    .extend(gone.as_ref().map(|text| format!("{name}: {text}")));
+                let note = cut
+                    .into_iter()
+                    .chain(pictures.note())
+                    .chain(gone)
+                    .chain(beyond);
                 let note: Vec<String> = note.collect();
                 let note = (!note.is_empty()).then(|| note.join("; "));
                 let kept = (&record, lines.as_str(), note.as_deref());
@@ -293,6 +301,19 @@ fn mark(person: &Person, step: &Step) -> Option<String> {
     ))
 }
 
+/// What is said of a drive during which the device was gone with which somebody drove.
+fn gone_note(record: &Record) -> Option<String> {
+    let events = record.chunks.iter().flat_map(|chunk| &chunk.events);
+    let gone = events.filter(|event| event.what.starts_with(DEVICE_GONE));
+    match gone.count() {
+        0 => None,
+        1 => Some("the device was gone once, and everything waited for it".to_owned()),
+        n => Some(format!(
+            "the device was gone {n} times, and everything waited for it"
+        )),
+    }
+}
+
 /// What came of a drive, beside its files.
 #[derive(Default)]
 struct Outcome {
@@ -362,6 +383,9 @@ impl fmt::Display for Pictures {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use maveric_domain::DrivenBy;
+    use maveric_seat_page::SeatDrive;
+    use maveric_simulator::Scenario;
 
     #[test]
     fn a_ride_in_the_own_style_is_marked_where_the_drive_is_beyond_and_no_other_is() {
@@ -390,6 +414,28 @@ mod tests {
         let text = mark(&person, &ride(RideStyle::Own)).unwrap();
         assert!(text.contains("the scale does not have"), "{text}");
         assert_eq!(mark(&person, &ride(RideStyle::Mean)), None);
+    }
+
+    #[test]
+    fn a_drive_for_whose_device_everything_waited_says_how_often() {
+        let record = |events: &str| {
+            let chunk = format!(
+                r#"{{"from_tick":0,"ticks":1,"held":[],"frames":{{"drawn":1,"late":0,"dropped_steps":0}},"events":[{events}]}}"#
+            );
+            let scenario = Scenario::paper();
+            let drive = SeatDrive::by_hand(&scenario, 1, DrivenBy::Human).unwrap();
+            Record {
+                header: drive.begun().header.clone(),
+                chunks: vec![serde_json::from_str(&chunk).unwrap()],
+                end: None,
+            }
+        };
+        let gone = r#"{"tick":1,"what":"device gone: G29","points":null}"#;
+        let plugged = r#"{"tick":1,"what":"unplugged: G29","points":null}"#;
+        assert_eq!(gone_note(&record(plugged)), None);
+        assert!(gone_note(&record(gone)).unwrap().contains("gone once"));
+        let twice = format!("{gone},{plugged},{gone}");
+        assert!(gone_note(&record(&twice)).unwrap().contains("gone 2 times"));
     }
 
     #[test]

@@ -1,7 +1,7 @@
 //! What a page sends of a drive: checked against the step, kept once.
 
 use crate::{
-    drives::{most_bytes, most_bytes_of_step},
+    drives::{Begun, most_bytes, most_bytes_of_step},
     parts::Parts,
     request::{Answered, Refused, Shared, json},
     seat::Seat,
@@ -56,6 +56,14 @@ fn take(
         }
         let begun = b.begun(who, step)?;
         let before = begun.iter().any(|b| b.attempt == attempt);
+        if begun.iter().any(|b| b.attempt == attempt && b.set_aside) {
+            // The step is to be driven again.
+            return Err(Refused::Over);
+        }
+        if !before && begun.iter().any(Begun::is_whole) {
+            let why = "this drive has come to its end, and nobody has it driven again";
+            return Err(Refused::NotThis(why.to_owned()));
+        }
         let expected = begun.last().map_or(1, |b| b.attempt + 1);
         if !before && (attempt != expected || attempt > MOST_ATTEMPTS) {
             return Err(Refused::NotThis(format!(

@@ -5,6 +5,7 @@ use crate::{person::Person, steps::Step};
 /// A step as the experimenter reads of it.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct KnownStep {
+    /// The name of the sentence that says what it is.
     pub(crate) what: &'static str,
     /// How long is driven at most, in s; none where nothing is.
     pub(crate) seconds: Option<f64>,
@@ -35,14 +36,15 @@ impl Known {
 
 fn what(step: &Step) -> &'static str {
     match step {
-        Step::Screen { .. } => "screening",
-        Step::Text { .. } => "reading",
-        Step::Scale { .. } => "questionnaire",
-        Step::Controls => "controls",
-        Step::Practice { .. } => "practice",
-        Step::Drive { .. } => "driving",
-        Step::Ride { .. } => "riding",
-        Step::Aftercare { .. } => "stopped: aftercare",
-        Step::Thanks { .. } => "thanks",
+        Step::Computer { .. } => "lab_computer",
+        Step::Screen { .. } => "lab_screening",
+        Step::Text { .. } => "lab_reading",
+        Step::Scale { .. } => "lab_questionnaire",
+        Step::Controls => "lab_controls",
+        Step::Practice { .. } => "lab_practice",
+        Step::Drive { .. } => "lab_driving",
+        Step::Ride { .. } => "lab_riding",
+        Step::Aftercare { .. } => "lab_aftercare",
+        Step::Thanks { .. } => "lab_thanks",
     }
 }

@@ -45,6 +45,14 @@ impl Books<'_> {
         })
     }
 
+    /// Whether the experimenter ended somebody's driving.
+    pub(crate) fn is_aborted(&self, participant: &str) -> Result<bool, SeatError> {
+        let left_out = self.left_out(participant)?;
+        Ok(left_out
+            .iter()
+            .any(|left| left.what.starts_with(Act::Abort.past())))
+    }
+
     fn leave_out(&self, participant: &str, step: usize, what: &str) -> Result<(), SeatError> {
         self.ask(|c| {
             c.execute(
@@ -58,7 +66,8 @@ impl Books<'_> {
 
 /// Why this cannot be done with the step at which somebody is; none where it can.
 fn hindrance(person: &Person, act: Act) -> Option<&'static str> {
-    let first = |step: &Step| matches!(step, Step::Screen { .. } | Step::Text { agree: true, .. });
+    let first =
+        |step: &Step| step.rules().is_some() || matches!(step, Step::Text { agree: true, .. });
     let own = |step: &Step| {
         let own = |style: &RideStyle| !matches!(style, RideStyle::Mean | RideStyle::Given(_));
         matches!(step, Step::Ride { style, .. } if own(style))
@@ -96,7 +105,7 @@ impl Seat {
         act: Act,
         reason: &str,
     ) -> Result<(), SeatError> {
-        let person = self.store.look(|b| Self::there(b, participant, step))?;
+        let person = self.store.look(|b| there(b, participant, step))?;
         let reason = reason.trim();
         if reason.is_empty() {
             return Err(SeatError::cannot(
@@ -121,7 +130,7 @@ impl Seat {
         }
         self.store.within(|b| {
             // Who went on meanwhile is not held back.
-            Self::there(b, participant, step)?;
+            there(b, participant, step)?;
             b.leave_out(participant, step, &what)?;
             b.event(Some(participant), &format!("step {}: {what}", step + 1))?;
             match act {
@@ -130,23 +139,23 @@ impl Seat {
             }
         })
     }
+}
 
-    /// Somebody who is at this step.
-    fn there(b: &Books<'_>, participant: &str, step: usize) -> Result<Person, SeatError> {
-        let person = b.called(participant)?;
-        let elsewhere = match &person.ended {
-            Some(how) => format!("the part of `{participant}` has ended: {how}"),
-            None if person.at == step => return Ok(person),
-            None => format!(
-                "`{participant}` is at step {} of {} by now, not at step {}",
-                person.at + 1,
-                person.steps.len(),
-                step + 1
-            ),
-        };
-        Err(SeatError::cannot(
-            elsewhere,
-            "nothing was changed: look at the page again",
-        ))
-    }
+/// Somebody who is at this step.
+pub(crate) fn there(b: &Books<'_>, participant: &str, step: usize) -> Result<Person, SeatError> {
+    let person = b.called(participant)?;
+    let elsewhere = match &person.ended {
+        Some(how) => format!("the part of `{participant}` has ended: {how}"),
+        None if person.at == step => return Ok(person),
+        None => format!(
+            "`{participant}` is at step {} of {} by now, not at step {}",
+            person.at + 1,
+            person.steps.len(),
+            step + 1
+        ),
+    };
+    Err(SeatError::cannot(
+        elsewhere,
+        "nothing was changed: look at the page again",
+    ))
 }

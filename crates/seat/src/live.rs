@@ -1,8 +1,15 @@
 //! What goes on, as the experimenter's page shows it: a summary of everybody that reads nobody's steps.
 
 use crate::{
-    books::Books, error::SeatError, known::Known, markup::plain, person::style_kept,
-    refusals::Refusal, request::Shared, steps::TICKS_PER_S,
+    books::Books,
+    error::SeatError,
+    escaped::plain,
+    known::Known,
+    person::{NEVER_CAME, NOT_ADMITTED, style_kept},
+    refusals::Refusal,
+    request::Shared,
+    steps::{DEVICE_GONE, TICKS_PER_S},
+    words::Words,
 };
 use maveric_seat_page::Chunk;
 use maveric_study::beyond_in_words;
@@ -81,7 +88,8 @@ pub(crate) async fn parts(shared: &Shared) -> Vec<(&'static str, String)> {
         Ok::<_, SeatError>((known.collect::<Vec<_>>(), events))
     });
     let read = read.await;
-    let mut refused = refused(&shared.refusals.newest_first());
+    let words = shared.words();
+    let mut refused = refused(&shared.refusals.newest_first(), words);
     let (people, events) = match read {
         Ok(read) => read,
         Err(error) => {
@@ -95,7 +103,7 @@ pub(crate) async fn parts(shared: &Shared) -> Vec<(&'static str, String)> {
     };
     let people = people
         .iter()
-        .map(|(known, there)| row(known, there))
+        .map(|(known, there)| row(known, there, words))
         .collect();
     let mut happened = String::new();
     for (who, what) in events {
@@ -106,19 +114,28 @@ pub(crate) async fn parts(shared: &Shared) -> Vec<(&'static str, String)> {
 }
 
 /// What the server refused or could not keep.
-fn refused(all: &[Refusal]) -> String {
+fn refused(all: &[Refusal], words: &Words) -> String {
     if all.is_empty() {
         return String::new();
     }
-    let mut table = "<h2>What was refused, or could not be kept</h2><table><thead><tr><th>Person<th>What<th>How often<th>Last<tbody>".to_owned();
+    let say = |name| words.plain(name, &[]);
+    let mut table = format!(
+        "<h2>{}</h2><table><thead><tr><th>{}<th>{}<th>{}<th>{}<tbody>",
+        say("lab_refused"),
+        say("lab_person"),
+        say("lab_what"),
+        say("lab_how_often"),
+        say("lab_last")
+    );
     for refusal in all {
-        let who = refusal.participant.as_deref().unwrap_or("somebody");
+        let somebody = words.sentence("lab_somebody");
+        let who = refusal.participant.as_deref().unwrap_or(somebody);
         let _ = write!(
             table,
-            "<tr><td>{}<td>{}<td>{} times<td>{}",
+            "<tr><td>{}<td>{}<td>{}<td>{}",
             plain(who),
             plain(&refusal.why),
-            refusal.times,
+            words.plain("lab_times", &[("n", &refusal.times.to_string())]),
             time(refusal.last_s)
         );
     }
@@ -134,24 +151,37 @@ fn time(unix_s: i64) -> String {
     )
 }
 
-fn row(known: &Known, there: &Whereabouts) -> String {
+fn row(known: &Known, there: &Whereabouts, words: &Words) -> String {
+    let say = |name| words.plain(name, &[]);
     let (at, steps) = (there.at, known.steps.len());
     let mut place = match (&there.ended, known.steps.get(at)) {
-        (Some(how), _) => plain(how),
-        (None, Some(step)) => format!("step {} of {steps}: {}", at + 1, step.what),
-        (None, None) => "at the end".to_owned(),
+        (Some(how), _) => ended(how, words),
+        (None, Some(step)) => words.plain(
+            "lab_at",
+            &[
+                ("step", &(at + 1).to_string()),
+                ("of", &steps.to_string()),
+                ("what", words.sentence(step.what)),
+            ],
+        ),
+        (None, None) => say("lab_at_end"),
     };
     let mut pictures = String::new();
     if let (Some((ticks, piece)), Some(step)) = (&there.driven, known.steps.get(at)) {
         let seconds = step.seconds.unwrap_or_default();
-        let _ = write!(
-            place,
-            ", {:.0} of {seconds:.0} s",
-            *ticks as f64 / TICKS_PER_S
+        let driven = format!("{:.0}", *ticks as f64 / TICKS_PER_S);
+        place += &words.plain(
+            "lab_driven",
+            &[("seconds", &driven), ("of", &format!("{seconds:.0}"))],
         );
         let piece = piece
             .as_deref()
             .and_then(|line| serde_json::from_str::<Chunk>(line).ok());
+        // Everything waits for a device that is gone: the piece that says so stays the last.
+        let gone = |piece: &Chunk| piece.events.iter().any(|e| e.what.starts_with(DEVICE_GONE));
+        if piece.as_ref().is_some_and(gone) {
+            let _ = write!(place, "<br><strong>{}</strong>", say("lab_device_gone"));
+        }
         // Only pieces of some steps are kept.
         pictures = piece.map_or(pictures, |piece| {
             format!(
@@ -162,32 +192,43 @@ fn row(known: &Known, there: &Whereabouts) -> String {
     }
     let beyond = style_kept(there.fit.as_deref()).and_then(|style| style.beyond);
     let beyond = beyond.map_or_else(String::new, |why| {
-        format!(
-            "beyond what the model has met: {}",
-            plain(&beyond_in_words(&why))
-        )
+        words.plain("lab_beyond", &[("why", &beyond_in_words(&why))])
     });
     let rides: Vec<String> = known.rides.iter().map(|ride| plain(ride)).collect();
     let (link, who) = (format!("/p/{}", there.token), plain(&known.participant));
     // Whoever began came.
     let never_came = if at == 0 && there.ended.is_none() && there.driven.is_none() {
         format!(
-            "<form method=\"post\" action=\"/lab/never/{who}\"><button>Never came</button></form>"
+            "<form method=\"post\" action=\"/lab/never/{who}\"><button>{}</button></form>",
+            say("lab_never")
         )
     } else {
         String::new()
     };
     let step = if there.ended.is_none() && at < steps {
-        format!("<a href=\"/lab/step/{who}/{at}\">Step …</a>")
+        format!("<a href=\"/lab/step/{who}/{at}\">{}</a>", say("lab_step"))
     } else {
         String::new()
     };
     format!(
         "<tr id=\"person-{who}\"><td><a href=\"/lab/above/{who}\">{who}</a><td>{place}<td>{}<td>{pictures}<td>{}<td>{beyond}\
-         <td><a href=\"{link}\">{link}</a><td>{never_came}{step} <a href=\"/lab/forget/{who}\">Forget …</a>",
+         <td><a href=\"{link}\">{link}</a><td>{never_came}{step} <a href=\"/lab/forget/{who}\">{}</a>",
         there.since.map_or_else(String::new, time),
         rides.join(", "),
+        say("lab_forget"),
     )
+}
+
+/// How somebody's part ended.
+fn ended(how: &str, words: &Words) -> String {
+    let name = match how {
+        "done" => "lab_done",
+        "left" => "lab_left",
+        NOT_ADMITTED => "lab_not_admitted",
+        NEVER_CAME => "lab_never_came",
+        other => return plain(other),
+    };
+    words.plain(name, &[])
 }
 
 #[cfg(test)]
@@ -213,14 +254,30 @@ mod tests {
     #[test]
     fn whose_drive_is_beyond_what_the_model_has_met_is_marked_among_the_people() {
         let mut there = there(0);
-        assert!(!row(&known(Vec::new()), &there).contains("beyond"));
+        assert!(!row(&known(Vec::new()), &there, &Words::default()).contains("beyond"));
         let fit = r#"{"embedding":[0.0],"covariance":null,"score":30.0,"readings":3,"beyond":"style:pass"}"#;
         there.fit = Some(fit.to_owned());
-        let marked = row(&known(Vec::new()), &there);
+        let marked = row(&known(Vec::new()), &there, &Words::default());
         assert!(
             marked.contains("<td>beyond what the model has met: shows a style"),
             "{marked}"
         );
+    }
+
+    #[test]
+    fn who_is_where_is_said_in_the_studys_language() {
+        let words = Words::shipped("de");
+        let known = known(vec![Step::Controls]);
+        let mut there = there(0);
+        let shown = row(&known, &there, &words);
+        assert!(
+            shown.contains("<td>Schritt 1 von 1: Bedienung<td>") && shown.contains("Vergessen …"),
+            "{shown}"
+        );
+        there.ended = Some(NOT_ADMITTED.to_owned());
+        assert!(row(&known, &there, &words).contains("<td>nicht zugelassen<td>"));
+        there.ended = Some("by hand".to_owned());
+        assert!(row(&known, &there, &words).contains("<td>by hand<td>"));
     }
 
     #[test]
@@ -234,7 +291,7 @@ mod tests {
         };
         let known = known(vec![Step::Controls, practice]);
         let mut there = there(0);
-        let shown = row(&known, &there);
+        let shown = row(&known, &there, &Words::default());
         assert!(
             shown.contains(
                 "<td>step 1 of 2: controls<td><time data-since=\"0\">00:00:00 UTC</time><td><td>"
@@ -245,16 +302,30 @@ mod tests {
         there.at = 1;
         let piece = r#"{"from_tick":6400,"ticks":50,"held":[[50,0,0,0,0]],"frames":{"drawn":29,"late":0,"dropped_steps":0}}"#;
         there.driven = Some((6_450, Some(piece.to_owned())));
-        let shown = row(&known, &there);
+        let shown = row(&known, &there, &Words::default());
         assert!(
             shown.contains("step 2 of 2: practice, 64 of 300 s<td>")
                 && shown.contains("<td>58<td>"),
             "{shown}"
         );
         assert!(!shown.contains("Never came"));
+        assert!(!shown.contains("device"), "{shown}");
+        // Everything waits for a device that is gone.
+        let gone = piece.replace(
+            "\"frames\"",
+            "\"events\":[{\"tick\":6450,\"what\":\"device gone: G29\",\"points\":null}],\"frames\"",
+        );
+        there.driven = Some((6_450, Some(gone)));
+        let shown = row(&known, &there, &Words::default());
+        assert!(
+            shown.contains(
+                "64 of 300 s<br><strong>the device is gone, and everything waits</strong>"
+            ),
+            "{shown}"
+        );
         // Begun, and nothing has come yet.
         there.driven = Some((0, None));
-        assert!(row(&known, &there).contains(
+        assert!(row(&known, &there, &Words::default()).contains(
             "practice, 0 of 300 s<td><time data-since=\"0\">00:00:00 UTC</time><td><td>"
         ));
     }

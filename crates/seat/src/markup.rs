@@ -1,27 +1,21 @@
 //! Pages that the server writes itself, and the forms in them.
 
-use crate::assets;
+use crate::{assets, words::Words};
 use axum::{
     http::{StatusCode, header},
     response::{IntoResponse, Response},
 };
 
-/// A page.
-pub(crate) fn html(body: &str) -> Response {
+/// A page in the study's language.
+pub(crate) fn html(words: &Words, body: &str) -> Response {
     let page = format!(
-        "<!doctype html><html lang=\"en\"><meta charset=\"utf-8\"><title>Laboratory</title>\
+        "<!doctype html><html lang=\"{}\"><meta charset=\"utf-8\"><title>{}</title>\
          <link rel=\"stylesheet\" href=\"{}\"><main>{body}</main></html>",
+        words.language,
+        words.plain("lab_title", &[]),
         assets::address("page.css")
     );
     ([(header::CONTENT_TYPE, "text/html; charset=utf-8")], page).into_response()
-}
-
-/// Text that cannot become markup.
-pub(crate) fn plain(text: &str) -> String {
-    text.replace('&', "&amp;")
-        .replace('<', "&lt;")
-        .replace('>', "&gt;")
-        .replace('"', "&quot;")
 }
 
 /// A field of a form, as browsers encode it.
@@ -55,14 +49,10 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_form_is_read_as_browsers_write_it_and_markup_stays_text() {
+    fn a_form_is_read_as_browsers_write_it() {
         let given = |body: &str| form_field(body.as_bytes(), "password");
         assert_eq!(given("password=a%26b+c").as_deref(), Some("a&b c"));
         assert_eq!(given("other=1&password=x").as_deref(), Some("x"));
         assert_eq!(given("password=%zz"), None);
-        assert_eq!(
-            plain("<b title=\"&\">"),
-            "&lt;b title=&quot;&amp;&quot;&gt;"
-        );
     }
 }

@@ -70,11 +70,10 @@ impl Person {
         self.ended.as_deref() == Some(NOT_ADMITTED)
     }
 
-    /// Whether they take part: nobody does before the screening is passed.
+    /// Whether they take part: nobody does before they were judged.
     pub(crate) fn is_admitted(&self) -> bool {
         let ahead = self.steps.iter().skip(self.at);
-        let judges = |step: &Step| matches!(step, Step::Screen { .. });
-        !self.was_refused() && !ahead.into_iter().any(judges)
+        !self.was_refused() && !ahead.into_iter().any(|step| step.rules().is_some())
     }
 
     /// The conditions that they ride, in their order.

@@ -4,6 +4,7 @@ use crate::{
     error::SeatError,
     hindrance::Hindrance,
     moments,
+    needs::Need,
     steps::{AskedProbe, Step, Texts, sheet},
     withdrawal,
 };
@@ -84,7 +85,11 @@ pub fn of_design(
     let probe = moments::probe(protocol, scales)?;
     // Where it may stop somebody it is asked in every drive.
     let stops = probe.clone().filter(|probe| probe.stop.is_some());
-    let mut steps = Vec::new();
+    let needs = protocol.needs.as_ref().map(Need::of_study);
+    let mut steps: Vec<Step> = needs
+        .map(|needs| Step::Computer { needs })
+        .into_iter()
+        .collect();
     for step in &protocol.steps {
         match step {
             ProtocolStep::Screen => steps.extend(moments::screen(protocol, scales)?),

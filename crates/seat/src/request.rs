@@ -2,7 +2,7 @@
 
 use crate::{
     books::Books, error::SeatError, person::Person, refusals::Refusals, seat::Seat, steps::Step,
-    wire::Wire,
+    wire::Wire, words::Words,
 };
 use axum::{
     http::{HeaderName, HeaderValue, StatusCode, header},
@@ -14,6 +14,14 @@ use std::{
     net::SocketAddr,
     sync::{Arc, Mutex},
 };
+
+/// A refusal that says what to do, where something can be done.
+pub(crate) fn with_help(error: SeatError) -> Refused {
+    match error.suggestion() {
+        Some(help) => Refused::NotThis(format!("{error}: {help}")),
+        None => Refused::Failed(error),
+    }
+}
 
 /// What every request is answered from.
 #[derive(Clone)]
@@ -29,6 +37,13 @@ pub(crate) struct Shared {
     /// Requests of each person that are not answered yet.
     pub(crate) unanswered: Arc<Mutex<BTreeMap<String, usize>>>,
     pub(crate) refusals: Arc<Refusals>,
+}
+
+impl Shared {
+    /// What the study says.
+    pub(crate) fn words(&self) -> &Words {
+        &self.seat.settings.texts.words
+    }
 }
 
 /// What went wrong with a request, on its way to whoever runs the study.
@@ -139,6 +154,8 @@ impl Books<'_> {
             Some(_) if person.ended.is_some() && step >= person.at => Err(Refused::Over),
             Some(_) if self.is_left_out(&person.participant, step)? => Err(Refused::Over),
             Some(there) => Ok((person, there)),
+            // Somebody who had gone on is to drive the step before once more.
+            None if self.repeats(&person)? => Err(Refused::Over),
             None => Err(Refused::NotThis(format!(
                 "step {step}, expected at most {}",
                 person.at

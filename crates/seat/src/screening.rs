@@ -1,10 +1,9 @@
-//! Who takes part: judged in the page; what is kept is how often each rule held somebody back.
+//! Who takes part, by what they answer and what their computer has: judged in the page; what is kept is how often each rule held somebody back.
 
 use crate::{
     books::Books,
     error::SeatError,
     person::{NOT_ADMITTED, Person},
-    steps::Judged,
 };
 use maveric_study::tables::collected::NotAdmitted;
 use rusqlite::params;
@@ -14,13 +13,13 @@ impl Books<'_> {
     pub(crate) fn judge(
         &self,
         (person, step): (&Person, usize),
-        rules: &[Judged],
+        rules: &[String],
         refused: Option<usize>,
     ) -> Result<(), SeatError> {
         match refused.and_then(|at| rules.get(at)) {
             // A reply that was lost is no second person.
             Some(rule) if person.at == step && person.ended.is_none() => {
-                self.hold_back(&rule.rule)?;
+                self.hold_back(rule)?;
                 self.ended(person, NOT_ADMITTED)
             }
             Some(_) => Ok(()),

@@ -3,6 +3,7 @@
 use crate::{
     among_others::AmongOthers,
     assets, connections,
+    drives::Begun,
     error::SeatError,
     guard, intake, lab, markup,
     person::Person,
@@ -153,8 +154,9 @@ fn router(shared: Shared) -> Router {
         .with_state(shared)
 }
 
-async fn front() -> Response {
+async fn front(State(shared): State<Shared>) -> Response {
     markup::html(
+        shared.words(),
         "<h1>The seat of a driving study</h1><p>Whoever takes part opens the link that they were given. \
          Whoever runs the study goes to <a href=\"/lab\">the laboratory</a>.</p>",
     )
@@ -188,6 +190,8 @@ struct PageState<'a> {
     attempts: u32,
     /// Whether the last of them has come to its end.
     whole: bool,
+    /// Whether the experimenter ended the driving.
+    aborted: bool,
     scenario: &'a str,
     view: &'a SeatView,
     /// Their style beside the others', once they are through.
@@ -200,16 +204,17 @@ async fn state(State(shared): State<Shared>, Path(token): Path<String>) -> Answe
 }
 
 fn state_of(seat: &Seat, token: &str) -> Answered<Response> {
-    let (person, ended, begun) = seat.store.look(|b| {
+    let (person, ended, begun, aborted) = seat.store.look(|b| {
         let Some(person) = b.person(token)? else {
             if !b.link_forgotten(token)? {
                 return Err(Refused::NoSuchPerson);
             }
             let nobody = Person::new(String::new(), String::new(), Vec::new());
-            return Ok((nobody, Some(DELETED), Vec::new()));
+            return Ok((nobody, Some(DELETED), Vec::new(), false));
         };
         let begun = b.begun(&person.participant, person.at)?;
-        Ok((person, None, begun))
+        let aborted = b.is_aborted(&person.participant)?;
+        Ok((person, None, begun, aborted))
     })?;
     let design = &seat.settings.design;
     let rides = steps::coded_rides(&person.steps);
@@ -223,7 +228,8 @@ fn state_of(seat: &Seat, token: &str) -> Answered<Response> {
         steps: person.steps.iter().map(|s| s.for_page(&rides)).collect(),
         fit: person.style(),
         attempts: begun.last().map_or(0, |b| b.attempt),
-        whole: begun.last().is_some_and(|b| b.ended),
+        whole: begun.last().is_some_and(Begun::is_whole),
+        aborted,
         scenario: &seat.scenario_json,
         view: &design.protocol().view,
         styles: seat.among_others(&person)?,
@@ -260,8 +266,8 @@ async fn answer(
             let sheet: Sheet = read(&body)?;
             let refused = sheet.refused;
             let kept = sheet.checked(&found).map_err(Refused::NotThis)?;
-            let judged = if let Step::Screen { rules, .. } = &found {
-                b.judge((&person, step), rules, refused)?;
+            let judged = if let Some(rules) = found.rules() {
+                b.judge((&person, step), &rules, refused)?;
                 true
             } else {
                 b.answer(&person, step, &kept)?;
@@ -316,7 +322,10 @@ async fn done(
                 .look(|b| Ok::<_, Refused>(b.somebody(&token)?.at));
         }
         match &found {
-            Step::Screen { .. } | Step::Scale { .. } | Step::Text { agree: true, .. } => {
+            Step::Computer { .. }
+            | Step::Screen { .. }
+            | Step::Scale { .. }
+            | Step::Text { agree: true, .. } => {
                 return Err(Refused::NotThis("answers are asked here".to_owned()));
             }
             Step::Drive { .. } | Step::Ride { .. }

@@ -44,7 +44,8 @@ impl Sheet {
         if !(0.0..1e6).contains(&self.seconds) {
             return Err(format!("seconds {}", self.seconds));
         }
-        if self.refused.is_some() && !matches!(found, Step::Screen { .. }) {
+        let rules = found.rules();
+        if self.refused.is_some() && rules.is_none() {
             return Err("nobody is judged here".to_owned());
         }
         match found {
@@ -54,10 +55,9 @@ impl Sheet {
             } if self.agreed && self.answers.is_empty() => {
                 self.text_sha256 = Some(token::sha256(text));
             }
-            Step::Screen { rules, .. }
-                if self.answers.is_empty()
-                    && !self.agreed
-                    && self.refused.is_none_or(|at| at < rules.len()) => {}
+            _ if rules.is_some_and(|rules| self.refused.is_none_or(|at| at < rules.len()))
+                && self.answers.is_empty()
+                && !self.agreed => {}
             _ => return Err("nothing is asked here".to_owned()),
         }
         serde_json::to_string(&self).map_err(|e| e.to_string())

@@ -2,7 +2,7 @@
 
 use crate::{
     Hindrance, Words, assets,
-    markup::plain,
+    escaped::plain,
     steps::{Step, sheet},
 };
 use maveric_domain::{Moment, Scale};

@@ -1,6 +1,6 @@
 //! What a person is shown, one step after the other.
 
-use crate::{hindrance::Hindrance, words::Words};
+use crate::{hindrance::Hindrance, needs::Need, words::Words};
 use maveric_domain::{
     ConditionId, Lent, Moment, Scale,
     design::Than,
@@ -16,6 +16,9 @@ pub(crate) const TICKS_PER_S: f64 = 100.0;
 /// How an event of a drive begins that ends it since the person stopped, and the reason of who pressed the button.
 pub(crate) const STOPPED: &str = "stopped: ";
 const UNWELL: &str = "unwell";
+
+/// How an event of a drive begins that says that the device is gone with which somebody drives.
+pub(crate) const DEVICE_GONE: &str = "device gone: ";
 
 /// How the experimenter leaves a step out.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -40,6 +43,11 @@ impl Act {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(tag = "kind", rename_all = "snake_case")]
 pub enum Step {
+    /// What the computer must have; the page judges, and no number leaves it.
+    Computer {
+        /// All of it.
+        needs: Vec<Need>,
+    },
     /// Scales by which the page judges who takes part; no answer leaves it.
     Screen {
         /// A page each, of the kind [`Step::Scale`].
@@ -260,6 +268,15 @@ impl Step {
             _ => {}
         }
         step
+    }
+
+    /// The rules by which it is judged here who takes part, as they are counted; none where nobody is judged.
+    pub(crate) fn rules(&self) -> Option<Vec<String>> {
+        match self {
+            Self::Computer { needs } => Some(needs.iter().map(|need| need.rule()).collect()),
+            Self::Screen { rules, .. } => Some(rules.iter().map(|j| j.rule.clone()).collect()),
+            _ => None,
+        }
     }
 
     /// What is asked here on the way.

@@ -37,6 +37,9 @@ CREATE TABLE IF NOT EXISTS piece (
     PRIMARY KEY (participant, step, attempt, from_tick)) STRICT, WITHOUT ROWID;
 CREATE TABLE IF NOT EXISTS left_out (
     participant TEXT NOT NULL, step INTEGER NOT NULL, what TEXT NOT NULL, given INTEGER NOT NULL, PRIMARY KEY (participant, step)) STRICT;
+CREATE TABLE IF NOT EXISTS repeated (
+    participant TEXT NOT NULL, step INTEGER NOT NULL, attempt INTEGER NOT NULL, what TEXT NOT NULL, given INTEGER NOT NULL,
+    PRIMARY KEY (participant, step, attempt)) STRICT;
 CREATE TABLE IF NOT EXISTS event (
     given INTEGER NOT NULL, participant TEXT, what TEXT NOT NULL) STRICT;
 CREATE TABLE IF NOT EXISTS forgotten (

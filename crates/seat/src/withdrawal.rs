@@ -60,7 +60,7 @@ pub(crate) fn in_consent(
         Some(until) => Ok(format!(
             "{}\n\n{}\n",
             text.trim_end(),
-            words.say("withdraw_sentence", ("until", until))
+            words.say("withdraw_sentence", &[("until", until)])
         )),
         None if text.contains(PLACE) => Err(Hindrance::NoLastDay),
         None => Ok(text.to_owned()),

@@ -1,6 +1,7 @@
-//! The sentences that the seat says to whoever takes part: a file a language, each of which a study may replace.
+//! The sentences that the seat says to whoever takes part and to whoever runs the study: a file a language, each of which a study may
+//! replace.
 
-use crate::error::SeatError;
+use crate::{error::SeatError, escaped::plain};
 use maveric_domain::{design::Protocol, nearest};
 use maveric_study::{DesignFile, atomic_write::read_text};
 use path_slash::PathExt as _;
@@ -17,6 +18,8 @@ const SHIPPED: [(&str, &str); 2] = [
     ("de", include_str!("../words/de.toml")),
 ];
 const ENGLISH: &str = "en";
+/// How the name of a sentence of the experimenter's page begins.
+const TO_EXPERIMENTER: &str = "lab_";
 
 /// What every language has to say.
 static IN_ENGLISH: LazyLock<Sentences> = LazyLock::new(|| shipped(ENGLISH).unwrap_or_default());
@@ -138,14 +141,24 @@ impl Words {
         self.sentences.get(name).map_or("", String::as_str)
     }
 
-    /// A sentence with one part filled in.
-    pub(crate) fn say(&self, name: &str, (part, value): (&str, &str)) -> String {
-        self.sentence(name).replace(&format!("{{{part}}}"), value)
+    /// A sentence with its parts filled in.
+    pub(crate) fn say(&self, name: &str, parts: &[(&str, &str)]) -> String {
+        let filled = |text: String, (part, value): &(&str, &str)| {
+            text.replace(&format!("{{{part}}}"), value)
+        };
+        parts.iter().fold(self.sentence(name).to_owned(), filled)
     }
 
-    /// All sentences, as JSON that can stand in a page.
+    /// The same as text of a page, which never becomes markup.
+    pub(crate) fn plain(&self, name: &str, parts: &[(&str, &str)]) -> String {
+        plain(&self.say(name, parts))
+    }
+
+    /// All sentences but those of the experimenter's page, as JSON that can stand in a page.
     pub(crate) fn for_page(&self) -> String {
-        let json = serde_json::to_string(&self.sentences).unwrap_or_default();
+        let to_person = |(name, _): &(&String, &String)| !name.starts_with(TO_EXPERIMENTER);
+        let sentences: BTreeMap<_, _> = self.sentences.iter().filter(to_person).collect();
+        let json = serde_json::to_string(&sentences).unwrap_or_default();
         json.replace('<', "\\u003c")
     }
 }
@@ -218,9 +231,18 @@ mod tests {
         // Some are chosen between two, or named in a list; some are said by the server alone.
         let by_server = ["withdraw_sentence", "aftercare", "debrief_title"];
         let by_page = |name: &&String| !by_server.contains(&name.as_str());
+        let sources = Path::new(env!("CARGO_MANIFEST_DIR")).join("src");
+        let sources: Vec<String> = std::fs::read_dir(sources)
+            .unwrap()
+            .map(|entry| std::fs::read_to_string(entry.unwrap().path()).unwrap())
+            .collect();
         for name in IN_ENGLISH.keys().filter(by_page) {
             let quoted = format!("\"{name}\"");
-            let used = files.iter().any(|(_, text)| text.contains(&quoted));
+            let used = if name.starts_with(TO_EXPERIMENTER) {
+                sources.iter().any(|text| text.contains(&quoted))
+            } else {
+                files.iter().any(|(_, text)| text.contains(&quoted))
+            };
             assert!(used, "`{name}` is said nowhere");
         }
         for (path, text) in files
@@ -245,7 +267,7 @@ mod tests {
         assert_eq!(words.sentences["continue"], "Weiter");
         let english = of("en", None).unwrap();
         assert_eq!(english.sentences["begin"], "Begin");
-        let said = words.say("withdraw_sentence", ("until", "2026-12-31"));
+        let said = words.say("withdraw_sentence", &[("until", "2026-12-31")]);
         assert!(said.starts_with("Bis 2026-12-31"), "{said}");
     }
 
@@ -255,7 +277,10 @@ mod tests {
         let all = IN_ENGLISH.len();
         let lacks = format!("{} of its {all}", all - 1);
         assert!(told.contains("`fr`") && told.contains(&lacks), "{told}");
-        assert!(told.contains("agree") && told.contains("en, de"), "{told}");
+        assert!(
+            told.contains("aborted, ") && told.contains("en, de"),
+            "{told}"
+        );
         let whole = toml::to_string(&*IN_ENGLISH).unwrap();
         assert_eq!(of("fr", Some(&whole)).unwrap().language, "fr");
     }
@@ -271,6 +296,16 @@ mod tests {
         assert!(told.contains("{nr}") && told.contains("{number}"), "{told}");
         let told = refused("en", Some("begin = 3"));
         assert!(told.contains("words.toml"), "{told}");
+    }
+
+    #[test]
+    fn a_part_that_is_filled_in_is_text_and_what_the_experimenter_reads_goes_to_nobody_else() {
+        let words = Words::default();
+        let parts = [("step", "3"), ("who", "<b>"), ("of", "9")];
+        assert_eq!(words.say("lab_step_title", &parts), "Step 3 of <b>");
+        assert_eq!(words.plain("lab_step_title", &parts), "Step 3 of &lt;b&gt;");
+        let page = words.for_page();
+        assert!(page.contains("\"begin\"") && !page.contains(TO_EXPERIMENTER));
     }
 
     #[test]

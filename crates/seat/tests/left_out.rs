@@ -136,8 +136,11 @@ fn who_is_aborted_drives_no_more_is_told_the_aftercare_and_is_through() {
         cookie: entered(&server),
     };
     let drive = until(&server, &token, "drive");
+    assert_eq!(server.state(&token)["aborted"], false);
     assert_eq!(lab.act(drive, "abort", "fire+alarm").0, 303);
     let state = server.state(&token);
+    // Their page says who ended it: nobody thanks them for saying that they feel unwell.
+    assert_eq!(state["aborted"], true);
     let at = state["at"].as_u64().unwrap();
     assert_eq!(state["steps"][at as usize]["kind"], "aftercare");
     let (status, reply) = lab.act(at, "abort", "again");
@@ -170,7 +173,8 @@ fn what_nobody_goes_on_without_is_not_skipped_and_a_skipped_sheet_takes_no_answe
     };
     refused(0, "skip", "has not agreed");
     refused(0, "abort", "has not agreed yet");
-    refused(0, "repeat", "expected skip or abort");
+    refused(0, "again", "expected skip, repeat or abort");
+    refused(0, "repeat", "nothing was driven yet");
     let sheet = until(&server, &token, "scale");
     assert_eq!(lab.act(sheet, "skip", "asked+on+paper").0, 303);
     let answers = r#"{"answers":[4,null],"seconds":6}"#;

@@ -210,6 +210,43 @@ fn what_cannot_be_asked_or_judged_is_refused_when_the_seat_is_opened() {
 }
 
 #[test]
+fn whose_computer_lacks_what_the_study_needs_is_counted_by_it_before_anything_is_asked() {
+    let needs = "needs = { width_px = 1280, device = \"keyboard\" }\nscreen = ";
+    let folder = folder(&study().replace("screen = ", needs));
+    let server = Server::open(folder.path());
+    let (held, next) = (opened(&server), opened(&server));
+    let step = server.state(&held)["steps"][0].clone();
+    assert_eq!(
+        step,
+        json!({"kind": "computer", "needs": [
+            {"what": "webgl"}, {"what": "device", "device": "keyboard"}, {"what": "width_px", "least": 1280.0}]})
+    );
+    let refuse = |sheet: &str| server.post(&format!("/api/{held}/answer/0"), sheet).0;
+    assert_eq!(refuse(r#"{"refused":3,"seconds":1}"#), 400);
+    assert_eq!(server.post(&format!("/api/{held}/done/0"), "null").0, 400);
+    assert_eq!(refuse(r#"{"refused":2,"seconds":9}"#), 200);
+    assert_eq!(server.state(&held)["ended"], "not admitted");
+    assert_eq!(
+        read(folder.path(), "seat/not_admitted.csv"),
+        "rule,people\nneeds.width_px >= 1280,1\n"
+    );
+    // Who has what is needed goes on to the screening, and may be held back there.
+    assert!(go_on(&server, &next));
+    let state = server.state(&next);
+    assert_eq!(
+        (state["at"].as_u64(), &state["steps"][1]["kind"]),
+        (Some(1), &json!("screen"))
+    );
+    let sheet = r#"{"refused":0,"seconds":9}"#;
+    assert_eq!(server.post(&format!("/api/{next}/answer/1"), sheet).0, 200);
+    assert_eq!(
+        read(folder.path(), "seat/not_admitted.csv"),
+        "rule,people\nabout.age >= 18,1\nneeds.width_px >= 1280,1\n"
+    );
+    assert!(!read(folder.path(), "participants.csv").contains("P00"));
+}
+
+#[test]
 fn online_who_is_not_admitted_is_counted_once_and_is_nobody() {
     let folder = folder(&study());
     let seat = support::seat(folder.path());

@@ -1,6 +1,6 @@
 //! What a person meets in the seat: the order of steps, their texts and lengths.
 
-use super::{AnswerRule, DesignError};
+use super::{AnswerRule, DesignError, Needs};
 use crate::{condition::ConditionId, units::SpeedUnit};
 use serde::{Deserialize, Serialize};
 use std::path::PathBuf;
@@ -136,6 +136,9 @@ pub struct Protocol {
     /// The study's own sentences in the place of the seat's, from the folder of the design's file.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub words: Option<PathBuf>,
+    /// What the computer of whoever takes part must have.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub needs: Option<Needs>,
     /// The text of the consent, from the folder of the design's file.
     pub consent: Option<PathBuf>,
     /// Scales by which it is judged who takes part, in this order.
@@ -198,6 +201,7 @@ impl Default for Protocol {
             ],
             language: "en".to_owned(),
             words: None,
+            needs: None,
             consent: None,
             screen: Vec::new(),
             admit_if: Vec::new(),
@@ -287,6 +291,10 @@ impl Protocol {
                 return Err(DesignError::key("protocol.steps", found, "each once"));
             }
         }
+        let tried = self.steps.contains(&ProtocolStep::Controls);
+        self.needs
+            .as_ref()
+            .map_or(Ok(()), |needs| needs.check(tried))?;
         self.check_moments()?;
         let place = |step| self.steps.iter().position(|s| *s == step);
         if let Some(rides) = place(ProtocolStep::Rides)

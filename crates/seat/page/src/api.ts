@@ -12,7 +12,14 @@ export interface Judged { rule: string; sheet: number; item: number; than: Than;
 
 export type Sheet = Step & { kind: "scale" };
 
+/// One thing that a study needs of a computer.
+export type Need =
+  | { what: "webgl" }
+  | { what: "pictures_per_second" | "width_px" | "height_px"; least: number }
+  | { what: "device"; device: "keyboard" | "wheel" };
+
 export type Step =
+  | { kind: "computer"; needs: Need[] }
   | { kind: "screen"; sheets: Sheet[]; rules: Judged[] }
   | { kind: "text"; title: string; text: string; agree: boolean }
   | { kind: "scale"; scale: string; moment: string } & Asked
@@ -43,7 +50,7 @@ export interface Withdrawal { until: string | null; open: boolean }
 
 export interface State {
   title: string; synthetic: boolean; made_up_model: boolean; mph: boolean;
-  at: number; ended: string | null; steps: Step[]; fit: Fit | null; attempts: number; whole: boolean; scenario: string; view: ViewSettings; styles: Styles | null;
+  at: number; ended: string | null; steps: Step[]; fit: Fit | null; attempts: number; whole: boolean; aborted: boolean; scenario: string; view: ViewSettings; styles: Styles | null;
   /// Null where no server could delete anything.
   withdraw: Withdrawal | null;
 }

@@ -20,7 +20,8 @@ export async function onlyTab(): Promise<void> {
   });
 }
 
-const draws = (): boolean => {
+/// Whether the browser draws the road at all.
+export const draws = (): boolean => {
   const gl = document.createElement("canvas").getContext("webgl2");
   gl?.getExtension("WEBGL_lose_context")?.loseContext();
   return gl !== null;
@@ -32,6 +33,8 @@ const fingersOnly = (): boolean => matchMedia("(pointer: coarse)").matches && !m
 /// Stops where the road cannot be drawn, and tells whoever has no keyboard; nothing where nothing is left to drive.
 export async function checkBrowser(state: State): Promise<void> {
   const left = state.ended ? [] : state.steps.slice(state.at);
+  // What a study needs is looked at there.
+  if (left[0]?.kind === "computer") return;
   if (!left.some((step) => step.kind === "practice" || step.kind === "drive" || step.kind === "ride")) return;
   if (!draws()) {
     throw new Error(say("no_webgl"));

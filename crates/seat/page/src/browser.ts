@@ -6,7 +6,7 @@ import { say } from "./say";
 import { make } from "./words";
 
 /// The study, as `maveric seat export` wrote it.
-interface Study extends Omit<State, "at" | "ended" | "steps" | "fit" | "attempts" | "whole" | "withdraw"> {
+interface Study extends Omit<State, "at" | "ended" | "steps" | "fit" | "attempts" | "whole" | "withdraw" | "aborted"> {
   /// Whether there is a model, and where what was given is sent.
   model: boolean; post: string | null;
   /// Orders of conditions, one of which is drawn.
@@ -104,7 +104,7 @@ export class Browser implements Keeper {
     const begun = kept.drives.filter((d) => d.step === kept.at);
     const fit = kept.fit === null ? null : JSON.parse(kept.fit) as State["fit"];
     return {
-      ...told, styles: null, withdraw: null, at: kept.at, ended: kept.ended, steps, fit,
+      ...told, styles: null, withdraw: null, aborted: false, at: kept.at, ended: kept.ended, steps, fit,
       attempts: begun.reduce((most, d) => Math.max(most, d.attempt), 0), whole: begun.some((d) => d.ended),
     };
   }
@@ -183,7 +183,7 @@ export class Browser implements Keeper {
   private async file(): Promise<string> {
     const kept = await this.kept();
     const head = { maveric_seat_person: 1, token, row: kept.row };
-    if (kept.refused !== undefined) return [head, { not_admitted: kept.refused }].map((line) => `${JSON.stringify(line)}\n`).join("");
+    if (kept.refused !== undefined) return [head, { not_admitted: kept.refused, step: kept.at }].map((line) => `${JSON.stringify(line)}\n`).join("");
     const lines: unknown[] = [head, ...kept.sheets];
     for (const { step, attempt } of kept.drives) {
       const record = await this.shelf.all(lineName(step, attempt, 0).slice(0, -9));

@@ -2,12 +2,10 @@
 
 import { say } from "./say";
 import { make, pressed, show } from "./words";
+import { measure, turnOf, type Wheel } from "./wheel";
+import { named, padAt, pads, type Device } from "./pads";
 
-/// How a wheel's axes were found to be: at rest and at their ends.
-interface Wheel { axis: number; centre: number; left: number; lockDegrees: number; throttle: Pedal; brake: Pedal }
-interface Pedal { axis: number; rest: number; down: number }
-
-export type Means = { by: "keys" } | { by: "pad" } | { by: "wheel"; wheel: Wheel };
+export type Means = { by: "keys" } | { by: "pad"; pad: Device } | { by: "wheel"; wheel: Wheel };
 
 const down = new Set<string>();
 const presses: ((code: string) => void)[] = [];
@@ -46,39 +44,51 @@ const bits: [string, number][] = [
 
 export const keys = (): number => bits.reduce((sum, [code, bit]) => (down.has(code) ? sum | bit : sum), 0);
 
-const pads = (): Gamepad[] => navigator.getGamepads().filter((p): p is Gamepad => p !== null && p.connected);
+/// What the keys of this keyboard say, by where they are; nothing where the browser does not tell.
+const layout: Promise<ReadonlyMap<string, string> | undefined> =
+  (navigator as { keyboard?: { getLayoutMap?(): Promise<ReadonlyMap<string, string>> } }).keyboard?.getLayoutMap?.().catch(() => undefined) ?? Promise.resolve(undefined);
+let known: ReadonlyMap<string, string> | undefined;
+void layout.then((map) => { known = map; });
 
-/// Letters of a device's name that are written down: an event is at most 200 bytes, a letter at most three.
-const LONGEST_NAME = 50;
-export const named = (pad: Gamepad): string => pad.id.slice(0, LONGEST_NAME);
+/// What the key says that stands where a keyboard of the United States has this letter.
+export const keyName = (letter: string): string => (/^[A-Z]$/.test(letter) ? known?.get(`Key${letter}`)?.toUpperCase() : undefined) ?? letter;
 
-/// What somebody drives with, as the record has it.
-export function device(means: Means): string {
-  if (means.by === "keys") return "keyboard";
-  const found = pads()[0];
-  return `${means.by === "pad" ? "gamepad" : "wheel"}, ${found ? named(found) : "not connected"}`;
+/// What somebody drives with, as the record has it: the device, and how it was measured.
+export function device(means: Means): string[] {
+  switch (means.by) {
+    case "keys": return ["device: keyboard"];
+    case "pad": return [`device: gamepad, ${padAt(means.pad) ? named(means.pad) : "not connected"}`];
+    case "wheel": {
+      const { wheel: w } = means;
+      const pedals = [w.throttle, w.brake].map((p) => p.device).filter((d) => d.id !== w.device.id || d.index !== w.device.index);
+      const [one] = pedals;
+      const axis = (name: string, at: number, values: number[]): string => `${name} axis ${at} ${values.map((v) => v.toFixed(2)).join(" ")}`;
+      return [
+        `device: wheel, ${padAt(w.device) ? named(w.device) : "not connected"}`, ...(one ? [`pedals: ${named(one)}`] : []),
+        `measured: ${w.rangeDegrees} degrees, ${axis("wheel", w.axis, [w.left, w.centre, w.right])}, ${axis("accelerator", w.throttle.axis, [w.throttle.rest, w.throttle.down])}, ${axis("brake", w.brake.axis, [w.brake.rest, w.brake.down])}`,
+      ];
+    }
+  }
 }
 
-/// Left positive, throttle, brake, of a gamepad.
-export function pad(): [number, number, number] {
-  const found = pads()[0];
+/// The device that somebody drives with and that is not there; none where all are.
+export function gone(means: Means): Device | null {
+  const needed = means.by === "pad" ? [means.pad] : means.by === "wheel" ? [means.wheel.device, means.wheel.throttle.device, means.wheel.brake.device] : [];
+  return needed.find((device) => !padAt(device)) ?? null;
+}
+
+/// Left positive, throttle, brake, of a gamepad; nothing held where it is gone.
+export function pad(device: Device): [number, number, number] {
+  const found = padAt(device);
   if (!found) return [0, 0, 0];
   const x = found.axes[0] ?? 0;
   const dead = Math.abs(x) < 0.06 ? 0 : x;
   return [-dead, found.buttons[7]?.value ?? 0, found.buttons[6]?.value ?? 0];
 }
 
-const share = (now: number, from: number, to: number): number => (to === from ? 0 : (now - from) / (to - from));
+export const wheel = turnOf;
 
-/// Turn of the wheel in rad (left positive), throttle, brake.
-export function wheel(w: Wheel): [number, number, number] {
-  const axes = pads()[0]?.axes ?? [];
-  const turned = share(axes[w.axis] ?? w.centre, w.centre, w.left) * w.lockDegrees * Math.PI / 180;
-  const pedal = (p: Pedal): number => Math.min(1, Math.max(0, share(axes[p.axis] ?? p.rest, p.rest, p.down)));
-  return [turned, pedal(w.throttle), pedal(w.brake)];
-}
-
-const STORED = "maveric-seat-controls";
+const STORED = "maveric-seat-controls-2";
 
 export function chosen(): Means {
   try {
@@ -88,52 +98,22 @@ export function chosen(): Means {
   return { by: "keys" };
 }
 
-/// The axis that moved most between two looks.
-function moved(before: readonly number[], after: readonly number[], not: number[] = []): number {
-  let best = -1, most = 0.2;
-  after.forEach((value, axis) => {
-    const by = Math.abs(value - (before[axis] ?? 0));
-    if (by > most && !not.includes(axis)) [best, most] = [axis, by];
-  });
-  return best;
-}
+/// A sentence in which [Q] is drawn as a key, by what it says on this keyboard.
+export const withKeys = (sentence: string): (Node | string)[] =>
+  sentence.split(/\[([^\]]+)\]/).map((part, at) => (at % 2 === 1 ? make("kbd", [keyName(part)]) : part));
 
-async function calibrate(): Promise<Wheel | null> {
-  const look = (): number[] => [...(pads()[0]?.axes ?? [])];
-  const ask = async (name: string): Promise<number[]> => {
-    const go = pressed(say("done"));
-    show(make("h1", [say("wheel")]), make("p", [say(name)]), go.all);
-    await go.done;
-    return look();
-  };
-  const rest = await ask("wheel_rest");
-  const left = await ask("wheel_left");
-  const axis = moved(rest, left);
-  const gas = await ask("wheel_throttle");
-  const throttle = moved(rest, gas, [axis]);
-  const stop = await ask("wheel_brake");
-  const brake = moved(rest, stop, [axis, throttle]);
-  if (axis < 0 || throttle < 0 || brake < 0) return null;
-  const at = (from: number[], which: number): number => from[which] ?? 0;
-  return {
-    axis, centre: at(rest, axis), left: at(left, axis), lockDegrees: 450,
-    throttle: { axis: throttle, rest: at(rest, throttle), down: at(gas, throttle) },
-    brake: { axis: brake, rest: at(rest, brake), down: at(stop, brake) },
-  };
-}
+type By = Means["by"];
 
-/// A sentence in which [Q] is drawn as a key.
-const withKeys = (sentence: string): (Node | string)[] =>
-  sentence.split(/\[([^\]]+)\]/).map((part, at) => (at % 2 === 1 ? make("kbd", [part]) : part));
-
-/// Lets the person choose, and a wheel be measured.
-export async function choose(): Promise<void> {
+/// Lets the person choose, where the study does not say with what everybody drives, and a wheel be measured.
+export async function choose(needed: "keyboard" | "wheel" | null): Promise<void> {
+  const offered: By[] = needed === "keyboard" ? ["keys"] : needed === "wheel" ? ["wheel"] : ["keys", "pad", "wheel"];
+  await layout;
   for (;;) {
-    const choice = await new Promise<"keys" | "pad" | "wheel">((resolve) => {
-      const option = (by: "keys" | "pad" | "wheel", label: string): HTMLElement => {
-        const button = make("button", [label], { type: "button", className: by === "keys" ? "main" : "" });
+    const choice = await new Promise<By>((resolve) => {
+      const option = (by: By, label: string): HTMLElement => {
+        const button = make("button", [label], { type: "button", className: by === offered[0] ? "main" : "" });
         button.addEventListener("click", () => resolve(by));
-        return make("p", [button]);
+        return make("p", [button], { hidden: !offered.includes(by) });
       };
       show(
         make("h1", [say("how_drive")]),
@@ -142,19 +122,40 @@ export async function choose(): Promise<void> {
         option("keys", say("keyboard")), option("pad", say("gamepad")), option("wheel", say("wheel_and_pedals")),
       );
     });
-    if (choice !== "keys" && pads().length === 0) {
-      const again = pressed(say("back"));
-      show(make("h1", [say("not_found")]), make("p", [say("no_device")]), again.all);
-      await again.done;
-      continue;
-    }
-    let means: Means = choice === "wheel" ? { by: "keys" } : { by: choice };
-    if (choice === "wheel") {
-      const found = await calibrate();
-      if (!found) continue;
-      means = { by: "wheel", wheel: found };
-    }
+    const means = choice === "keys" ? { by: choice } : choice === "pad" ? await padChosen() : await wheelChosen();
+    if (!means) continue;
     localStorage.setItem(STORED, JSON.stringify(means));
     return;
   }
+}
+
+async function nothingThere(): Promise<null> {
+  const again = pressed(say("back"));
+  show(make("h1", [say("not_found")]), make("p", [say("no_device")]), again.all);
+  await again.done;
+  return null;
+}
+
+/// The gamepad: of several the one of which a button is pressed.
+async function padChosen(): Promise<Means | null> {
+  const there = pads();
+  const [first] = there;
+  if (!first) return nothingThere();
+  if (there.length === 1) return { by: "pad", pad: { id: first.id, index: first.index } };
+  const back = pressed(say("back"));
+  show(make("h1", [say("gamepad")]), make("p", [say("press_its_button")]), make("ul", there.map((p) => make("li", [named(p)]))), back.all);
+  let left = false;
+  void back.done.then(() => { left = true; });
+  while (!left) {
+    const found = pads().find((p) => p.buttons.some((button) => button.pressed));
+    if (found) return { by: "pad", pad: { id: found.id, index: found.index } };
+    await new Promise((later) => setTimeout(later, 50));
+  }
+  return null;
+}
+
+async function wheelChosen(): Promise<Means | null> {
+  if (pads().length === 0) return nothingThere();
+  const wheel = await measure();
+  return wheel && { by: "wheel", wheel };
 }

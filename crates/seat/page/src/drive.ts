@@ -4,10 +4,11 @@ import { PageDrive, type PageModel } from "../built/seat";
 import * as api from "./api";
 import * as controls from "./controls";
 import { Outbox } from "./outbox";
+import { named } from "./pads";
 import { Asking, type Probe } from "./probe";
 import { say } from "./say";
 import { Sound } from "./sound";
-import { View, type Other, type Road } from "./view";
+import { roadOf, View, type Other } from "./view";
 import { make } from "./words";
 
 const STEP_MS = 10;
@@ -27,7 +28,7 @@ export interface Wanted {
   hint: string;
   /// What is asked on the way.
   probe: Probe | null;
-  /// Whether the drive may end now: for practice; looked at each second.
+  /// Whether the drive may end now: for practice; asked each second.
   enough?: (seen: Practised) => boolean;
 }
 
@@ -42,12 +43,7 @@ export async function run(wanted: Wanted, learn: PageModel | null): Promise<stri
   const drive = ride
     ? PageDrive.ride(state.scenario, wanted.seconds, wanted.seed, ride.model, ride.own, ride.style, ride.points, ride.stretch)
     : PageDrive.by_hand(state.scenario, wanted.seconds, wanted.seed, driver);
-  const told = drive.road();
-  const at = (i: number): number => told[i] as number;
-  const road: Road = {
-    lanes: at(0), laneWidth: at(1), rightShoulder: at(3), leftShoulder: at(4), carLength: at(5), carWidth: at(6),
-    places: (places) => drive.places(places),
-  };
+  const road = roadOf(drive);
   const panel = element("drive");
   panel.hidden = false;
   const view = new View(element("view") as HTMLCanvasElement, road, state.view);
@@ -56,7 +52,7 @@ export async function run(wanted: Wanted, learn: PageModel | null): Promise<stri
   const resized = (): void => view.resize();
   addEventListener("resize", resized);
   const unit = state.mph ? { factor: 2.23694, name: "mph" } : { factor: 3.6, name: "km/h" };
-  element("posted").textContent = String(Math.round(at(2) * unit.factor));
+  element("posted").textContent = String(Math.round((drive.road()[2] as number) * unit.factor));
   element("said").textContent = wanted.hint;
   const outbox = new Outbox(wanted.step, wanted.attempt);
   await outbox.add(drive.header(), 1);
@@ -78,11 +74,11 @@ export async function run(wanted: Wanted, learn: PageModel | null): Promise<stri
     buttons.append(made);
   };
   const uncomfortable = (): void => { drive.note("uncomfortable"); element("said").textContent = say("noted"); };
-  if (ride) button(say("uncomfortable"), uncomfortable);
+  if (ride) button(say("uncomfortable", { key: controls.keyName("U") }), uncomfortable);
   if (ride?.turns) {
     const by = ride.turns;
-    button(say("calmer"), () => turn(-by));
-    button(say("sportier"), () => turn(by));
+    button(say("calmer", { key: controls.keyName("C") }), () => turn(-by));
+    button(say("sportier", { key: controls.keyName("S") }), () => turn(by));
   }
   let stopped = false;
   const stop = (why: string): void => { drive.note(`stopped: ${why}`); stopped = true; };
@@ -100,16 +96,16 @@ export async function run(wanted: Wanted, learn: PageModel | null): Promise<stri
   });
   const hidden = (): void => drive.note(document.hidden ? "hidden" : "shown");
   document.addEventListener("visibilitychange", hidden);
-  if (!ride) drive.note(`device: ${controls.device(means)}`);
+  if (!ride) for (const text of controls.device(means)) drive.note(text);
   if (ride?.beyond) drive.note(`beyond: ${ride.beyond}`);
-  const plugged = (event: GamepadEvent): void => drive.note(`${event.type === "gamepadconnected" ? "plugged in" : "unplugged"}: ${controls.named(event.gamepad)}`);
+  const plugged = (event: GamepadEvent): void => drive.note(`${event.type === "gamepadconnected" ? "plugged in" : "unplugged"}: ${named(event.gamepad)}`);
   addEventListener("gamepadconnected", plugged);
   addEventListener("gamepaddisconnected", plugged);
 
   let drawn = 0, late = 0, dropped = 0, longest = 0, input = 0, before = performance.now(), owed = 0, sent = before, over = false, touched = 0;
   const speeds = new Map<number, { row: number; speed: number; braking: boolean; y: number; signal: number; ahead: boolean }>();
   const practised: Practised = { keptS: 0, passes: 0 };
-  let lastTicks = 0, plainness = "", paused: number | null = null;
+  let lastTicks = 0, plainness = "", paused: number | null = null, waiting: number | null = null;
   const piece = async (): Promise<void> => {
     const ticks = drive.ticks();
     if (ticks === lastTicks) return;
@@ -130,7 +126,15 @@ export async function run(wanted: Wanted, learn: PageModel | null): Promise<stri
         requestAnimationFrame(frame);
         return;
       }
+      // A device that is gone: one step more, with which it is told at once; then the world waits for it.
+      const missing = ride ? null : controls.gone(means);
+      if (missing && waiting !== null) { requestAnimationFrame(frame); return; }
       if (paused !== null) { drive.note(`goes on after ${Math.round(now - paused)} ms`); paused = null; }
+      if (waiting !== null) {
+        drive.note(`device back after ${Math.round(now - waiting)} ms`);
+        waiting = null;
+        element("said").textContent = "";
+      }
       drawn++;
       longest = Math.max(longest, passed);
       if (passed > LATE_MS) late++;
@@ -138,12 +142,13 @@ export async function run(wanted: Wanted, learn: PageModel | null): Promise<stri
       let steps = Math.floor(owed / STEP_MS);
       owed -= steps * STEP_MS;
       if (steps > MOST_STEPS) { dropped += steps - MOST_STEPS; steps = MOST_STEPS; }
+      if (missing) steps = Math.min(steps, 1);
       let goesOn = true, pressedAt: number | null = null;
       if (steps > 0) {
         pressedAt = controls.takePressedAt();
         if (ride) goesOn = drive.rides(steps);
         else if (means.by === "keys") goesOn = drive.keys(controls.keys(), signal, steps);
-        else if (means.by === "pad") { const [x, gas, stop] = controls.pad(); goesOn = drive.pad(x, gas, stop, signal, steps); }
+        else if (means.by === "pad") { const [x, gas, stop] = controls.pad(means.pad); goesOn = drive.pad(x, gas, stop, signal, steps); }
         else { const [x, gas, stop] = controls.wheel(means.wheel); goesOn = drive.wheel(x, gas, stop, signal, steps); }
       }
       const seen = drive.seen();
@@ -185,6 +190,12 @@ export async function run(wanted: Wanted, learn: PageModel | null): Promise<stri
         asking?.tick(drive.ticks() * STEP_MS / 1000);
         if (outbox.refused) { element("said").textContent = outbox.refused.message; goesOn = false; }
       }
+      if (missing && steps > 0) {
+        waiting = now;
+        drive.note(`device gone: ${named(missing)}`);
+        void piece();
+        element("said").textContent = say("device_gone", { name: named(missing) });
+      }
       if (!goesOn || stopped) over = true;
       if (over) finished(); else requestAnimationFrame(frame);
     };
@@ -212,6 +223,7 @@ export async function run(wanted: Wanted, learn: PageModel | null): Promise<stri
     await outbox.flush();
     if (!outbox.empty) await new Promise((later) => setTimeout(later, 700));
   }
+  if (outbox.refused?.reason === "over") await outbox.drop();
   if (outbox.refused) throw outbox.refused;
   return fit;
 }

@@ -3,7 +3,9 @@
 import init, { PageModel } from "../built/seat";
 import * as api from "./api";
 import { checkBrowser, onlyTab } from "./before";
-import { choose } from "./controls";
+import { choose, keyName } from "./controls";
+import { lookAtComputer } from "./needs";
+import { offerFullScreen, sayHowFar } from "./bar";
 import { keeper } from "./keeper";
 import { deleteDraft, draft, keepDraft } from "./drafts";
 import { run, type Wanted } from "./drive";
@@ -42,8 +44,15 @@ async function drives(state: api.State, step: api.Step & { kind: "practice" | "d
   const wanted: Wanted = {
     state, step: state.at, attempt: state.attempts + 1, ride: null, seconds: step.seconds, seed: step.seed, hint, probe: step.probe ?? null,
   };
+  let passed = false;
+  const practised = document.getElementById("practised") as HTMLElement;
   if (step.kind === "practice") {
-    wanted.enough = (seen) => seen.keptS >= step.lane_kept_s && seen.passes >= step.passes;
+    wanted.enough = (seen) => {
+      passed = seen.keptS >= step.lane_kept_s && seen.passes >= step.passes;
+      const parts = { kept: Math.floor(Math.min(seen.keptS, step.lane_kept_s)), wanted: step.lane_kept_s, passes: Math.min(seen.passes, step.passes), of: step.passes };
+      practised.textContent = say(step.passes > 0 ? "practised_pass" : "practised_keep", parts);
+      return passed;
+    };
   }
   if (step.kind === "ride") {
     if (!learned) throw new Error(say("no_model"));
@@ -54,8 +63,18 @@ async function drives(state: api.State, step: api.Step & { kind: "practice" | "d
     wanted.ride = { model: learned, own: fitted ?? new Float64Array(), style: JSON.stringify(step.style), beyond, points: step.points, stretch: step.stretch, turns: step.turns };
   }
   const fit = await run(wanted, step.kind === "drive" ? learned : null);
+  practised.textContent = "";
   if (fit) await keeper.keepFit(fit);
   await keeper.done(state.at);
+  // Whoever stopped is told something else.
+  if (step.kind !== "practice") return;
+  const now = await keeper.state();
+  if (!now.ended && now.steps[now.at]?.kind !== "aftercare") {
+    sayHowFar(now);
+    const on = pressed(say("continue"));
+    show(make("h1", [say(passed ? "practice_passed" : "practice_over")]), make("p", [say(passed ? "practice_passed_help" : "practice_over_help")]), on.all);
+    await on.done;
+  }
 }
 
 function told(state: api.State, step: api.Step & { kind: "practice" | "drive" | "ride" }): [string, string, string] {
@@ -67,7 +86,7 @@ function told(state: api.State, step: api.Step & { kind: "practice" | "drive" | 
     return [say("drive"), say("drive_help", { time }), say("drive_hint")];
   }
   const more = [...(step.turns ? ["ride_free"] : []), ...(state.made_up_model ? ["ride_made_up"] : [])];
-  return [say("ride", { number: step.number }), [say("ride_help", { time }), ...more.map((name) => say(name))].join("\n\n"), ""];
+  return [say("ride", { number: step.number }), [say("ride_help", { time, key: keyName("U") }), ...more.map((name) => say(name))].join("\n\n"), ""];
 }
 
 /// Judges here who takes part: no answer leaves this page or is kept in it.
@@ -79,21 +98,37 @@ async function screens(at: number, step: api.Step & { kind: "screen" }): Promise
   await keeper.judged(at, broken < 0 ? null : broken, (performance.now() - begun) / 1000);
 }
 
+/// Judges here whether the computer has what the study needs.
+async function looksAtComputer(state: api.State, step: api.Step & { kind: "computer" }): Promise<void> {
+  const begun = performance.now();
+  const missing = await lookAtComputer(state, step.needs);
+  await keeper.judged(state.at, missing, (performance.now() - begun) / 1000);
+}
+
+/// With what everybody drives, where the study says it.
+function deviceOf(steps: api.Step[]): "keyboard" | "wheel" | null {
+  const needs = steps.flatMap((step) => (step.kind === "computer" ? step.needs : []));
+  return needs.map((need) => (need.what === "device" ? need.device : null)).find((device) => device !== null) ?? null;
+}
+
 /// What somebody reads who has not taken part: a heading, and why.
 const WITHOUT: Record<string, [string, string]> = { "not admitted": ["thank_you", "not_admitted"], "never came": ["over", "given_away"] };
 
 async function once(state: api.State): Promise<boolean> {
   const step = state.steps[state.at];
+  sayHowFar(state);
   if (state.ended || !step) {
     leaveButton.hidden = true;
     const through = state.ended === "done" || !step;
-    const [title, why] = WITHOUT[state.ended ?? ""] ?? [through ? "thank_you" : "have_left", null];
+    const [title, told] = WITHOUT[state.ended ?? ""] ?? [through ? "thank_you" : "have_left", null];
+    const why = state.ended === "not admitted" && step?.kind === "computer" ? "other_computer" : told;
     show(make("h1", [say(title)]), ...(why ? [make("p", [say(why)])] : []),
       ...code(state), ...(state.styles ? styles(state.styles) : []), ...await keeper.handOver(),
       make("p", [say(state.ended === "deleted" ? "was_deleted" : "close_page")]), ...takingBack(state));
     return false;
   }
   switch (step.kind) {
+    case "computer": await looksAtComputer(state, step); break;
     case "screen": await screens(state.at, step); break;
     case "text": {
       const seconds = await text(step.title, step.text, say(step.agree ? "agree" : "continue"));
@@ -104,10 +139,10 @@ async function once(state: api.State): Promise<boolean> {
       await keeper.answer(state.at, await sheet(step, draft(state.at), (given) => keepDraft(state.at, given)));
       deleteDraft(state.at);
       break;
-    case "controls": await choose(); await keeper.done(state.at); break;
+    case "controls": await choose(deviceOf(state.steps)); await keeper.done(state.at); break;
     case "practice": case "drive": case "ride": await drives(state, step); break;
     case "aftercare":
-      await text(say("aftercare_title"), step.text, say("continue"));
+      await (state.aborted ? text(say("aborted_title"), say("aborted"), say("continue")) : text(say("aftercare_title"), step.text, say("continue")));
       await keeper.done(state.at);
       break;
     case "thanks":
@@ -134,6 +169,7 @@ function leftOver(refused: string[]): void {
 
 async function main(): Promise<void> {
   sayWhatStands();
+  offerFullScreen();
   await onlyTab();
   await Promise.all([init({ module_or_path: new URL("seat.wasm", import.meta.url) }), keeper.open()]);
   const first = await keeper.state();

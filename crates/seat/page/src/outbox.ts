@@ -77,6 +77,12 @@ export class Outbox {
     for (const k of gone) if (k.id !== undefined) await change((store) => store.delete(k.id as number));
   }
 
+  /// Keeps nothing of what waits: its step is over, and no server takes it any more.
+  async drop(): Promise<void> {
+    for (const k of this.waiting) if (k.id !== undefined) await change((store) => store.delete(k.id as number));
+    this.waiting = [];
+  }
+
   get empty(): boolean { return this.waiting.length === 0; }
 }
 
@@ -94,6 +100,8 @@ export async function sendLeftovers(): Promise<string[]> {
   for (const group of groups.values()) {
     try { await sendGroup(group); } catch (error) {
       if (!(error instanceof Refused) || error.reason === "other-tab") throw error;
+      // What is left of a step that was left out, or of a part that has ended, is for nobody.
+      if (error.reason === "over") { for (const k of group) await change((store) => store.delete(k.id as number)); continue; }
       refused.push(error.message);
     }
   }

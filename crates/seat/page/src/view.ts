@@ -1,12 +1,23 @@
 // The road from the driver's seat.
 
 import * as THREE from "three";
+import type { PageDrive } from "../built/seat";
 import type { ViewSettings } from "./api";
 
 /// What the view asks of a drive: places of the road on the map.
 export interface Road {
   lanes: number; laneWidth: number; rightShoulder: number; leftShoulder: number; carLength: number; carWidth: number;
   places(road: Float64Array): Float64Array;
+}
+
+/// The road of a drive.
+export function roadOf(drive: PageDrive): Road {
+  const told = drive.road();
+  const at = (i: number): number => told[i] as number;
+  return {
+    lanes: at(0), laneWidth: at(1), rightShoulder: at(3), leftShoulder: at(4), carLength: at(5), carWidth: at(6),
+    places: (places) => drive.places(places),
+  };
 }
 
 export interface Other { id: number; x: number; y: number; speed: number; braking: boolean; signal: number }

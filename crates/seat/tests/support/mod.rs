@@ -358,7 +358,7 @@ impl Script {
                 format!("/api/{token}/answer/{at}"),
                 r#"{"agreed":true,"seconds":4.5}"#,
             ),
-            "screen" => sent(
+            "screen" | "computer" => sent(
                 format!("/api/{token}/answer/{at}"),
                 r#"{"refused":null,"seconds":4.5}"#,
             ),

@@ -1,0 +1,167 @@
+//! What the experimenter is asked before it is done, since it cannot be undone: closing the seat, forgetting somebody, leaving a step out.
+
+use crate::{
+    error::SeatError,
+    markup::{form_field, html, to_lab},
+    request::{Answered, Refused, Shared, with_help},
+    seat::Seat,
+    steps::Act,
+};
+use axum::{
+    Router,
+    body::Bytes,
+    extract::{Path, State},
+    response::Response,
+    routing::get,
+};
+
+/// Letters of a reason.
+const LONGEST_REASON: usize = 200;
+
+/// Each question, and what is done once it is answered.
+pub(crate) fn routes() -> Router<Shared> {
+    Router::new()
+        .route("/lab/stop", get(asks_to_stop).post(stop))
+        .route(
+            "/lab/forget/{participant}",
+            get(asks_to_forget).post(forget),
+        )
+        .route(
+            "/lab/step/{participant}/{step}",
+            get(asks_to_leave_out).post(leave_out),
+        )
+}
+
+async fn asks_to_stop(State(shared): State<Shared>) -> Answered<Response> {
+    let on_the_way =
+        shared.blocking(|seat| seat.store.look(|b| b.on_the_way().map_err(Refused::from)));
+    let on_the_way = on_the_way.await?;
+    let words = shared.words();
+    let who = match on_the_way {
+        0 => words.plain("lab_nobody_on", &[]),
+        1 => words.plain("lab_one_on", &[]),
+        more => words.plain("lab_more_on", &[("n", &more.to_string())]),
+    };
+    let say = |name| words.plain(name, &[]);
+    Ok(html(
+        words,
+        &format!(
+            "<h1>{}</h1><p>{who} {}</p><form method=\"post\" action=\"/lab/stop\"><button>{}</button></form>\
+             <p><a href=\"/lab\">{}</a></p>",
+            say("lab_close_title"),
+            say("lab_links_go_on"),
+            say("lab_close_it"),
+            say("back")
+        ),
+    ))
+}
+
+async fn stop(State(shared): State<Shared>) -> Response {
+    shared.seat.stop();
+    let words = shared.words();
+    html(
+        words,
+        &format!(
+            "<h1>{}</h1><p>{}</p>",
+            words.plain("lab_closed", &[]),
+            words.plain("lab_closed_help", &[])
+        ),
+    )
+}
+
+async fn asks_to_forget(State(shared): State<Shared>, Path(participant): Path<String>) -> Response {
+    let words = shared.words();
+    let say = |name| words.plain(name, &[("who", &participant)]);
+    html(
+        words,
+        &format!(
+            "<h1>{}</h1><p>{} {}</p><form method=\"post\"><button>{}</button></form><p><a href=\"/lab\">{}</a></p>",
+            say("lab_forget_title"),
+            say("lab_forget_what"),
+            say("lasting"),
+            say("lab_forget_it"),
+            say("back")
+        ),
+    )
+}
+
+async fn forget(
+    State(shared): State<Shared>,
+    Path(participant): Path<String>,
+) -> Answered<Response> {
+    let who = participant.clone();
+    let gone = shared.blocking(move |seat: &Seat| match seat.forget(&who) {
+        Err(error @ SeatError::Nobody { .. }) => Err(with_help(error)),
+        other => Ok(other?),
+    });
+    gone.await?;
+    shared.refusals.forget(&participant);
+    let words = shared.words();
+    let say = |name| words.plain(name, &[("who", &participant)]);
+    Ok(html(
+        words,
+        &format!(
+            "<h1>{}</h1><p>{}</p><p><a href=\"/lab\">{}</a></p>",
+            say("lab_forgotten"),
+            say("lasting"),
+            say("back")
+        ),
+    ))
+}
+
+async fn asks_to_leave_out(
+    State(shared): State<Shared>,
+    Path((participant, step)): Path<(String, usize)>,
+) -> Response {
+    let words = shared.words();
+    let number = (step + 1).to_string();
+    let say = |name| words.plain(name, &[("who", &participant), ("step", &number)]);
+    let acts = [
+        ("skip", "lab_skip", "lab_skip_help"),
+        ("repeat", "lab_repeat", "lab_repeat_help"),
+        ("abort", "lab_abort", "lab_abort_help"),
+    ];
+    let buttons = acts.map(|(act, name, help)| {
+        format!(
+            "<p><button name=\"act\" value=\"{act}\">{}</button> {}</p>",
+            say(name),
+            say(help)
+        )
+    });
+    html(
+        words,
+        &format!(
+            "<h1>{}</h1><p>{}</p><form method=\"post\"><label>{} <input name=\"reason\" maxlength=\"{LONGEST_REASON}\" size=\"60\" required></label>{}</form>\
+             <p><a href=\"/lab\">{}</a></p>",
+            say("lab_step_title"),
+            say("lab_step_help"),
+            say("lab_reason"),
+            buttons.concat(),
+            say("back")
+        ),
+    )
+}
+
+async fn leave_out(
+    State(shared): State<Shared>,
+    Path((participant, step)): Path<(String, usize)>,
+    body: Bytes,
+) -> Answered<Response> {
+    let reason = form_field(&body, "reason").unwrap_or_default();
+    let reason: String = reason.chars().take(LONGEST_REASON).collect();
+    let act = form_field(&body, "act").unwrap_or_default();
+    let done = shared.blocking(move |seat| {
+        let done = match act.as_str() {
+            "skip" => seat.leave_out(&participant, step, Act::Skip, &reason),
+            "abort" => seat.leave_out(&participant, step, Act::Abort, &reason),
+            "repeat" => seat.repeat(&participant, step, &reason),
+            other => {
+                let why = format!("act `{other}`, expected skip, repeat or abort");
+                return Err(Refused::NotThis(why));
+            }
+        };
+        done.map_err(with_help)
+    });
+    done.await?;
+    Ok(to_lab())
+}

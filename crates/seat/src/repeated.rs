@@ -1,0 +1,169 @@
+//! What the experimenter has driven once more: what was driven before is set aside, and what is driven then counts.
+
+use crate::{
+    books::{Books, now, whole},
+    error::SeatError,
+    left_out::there,
+    listed::Listed,
+    person::Person,
+    seat::Seat,
+    steps::Step,
+};
+use maveric_domain::{DriveId, ParticipantId};
+use maveric_study::StudyError;
+use rusqlite::params;
+
+/// Attempts at a step that were set aside, and why.
+pub(crate) struct Repeated {
+    pub(crate) step: usize,
+    /// The last of them; those before it are set aside, too.
+    pub(crate) attempt: u32,
+    /// Such as `repeated: the wheel came loose`.
+    pub(crate) what: String,
+    /// In s since 1970.
+    pub(crate) given: i64,
+}
+
+impl Books<'_> {
+    /// What somebody drove once more.
+    pub(crate) fn repeated(&self, participant: &str) -> Result<Vec<Repeated>, SeatError> {
+        self.ask(|c| {
+            let mut rows = c.prepare_cached(
+                "SELECT step, attempt, what, given FROM repeated WHERE participant = ?1 ORDER BY step, attempt",
+            )?;
+            let read = |row: &rusqlite::Row<'_>| {
+                Ok(Repeated {
+                    step: row.get::<_, i64>(0)? as usize,
+                    attempt: row.get(1)?,
+                    what: row.get(2)?,
+                    given: row.get(3)?,
+                })
+            };
+            rows.query_map([participant], read)?.collect()
+        })
+    }
+
+    fn set_aside(
+        &self,
+        participant: &str,
+        (step, attempt): (usize, u32),
+        what: &str,
+    ) -> Result<(), SeatError> {
+        self.ask(|c| {
+            c.execute(
+                "INSERT INTO repeated VALUES (?1, ?2, ?3, ?4, ?5)",
+                params![participant, whole(step), attempt, what, now()],
+            )?;
+            // What was answered on the way is in the record of what was driven.
+            c.execute(
+                "DELETE FROM answer WHERE participant = ?1 AND step = ?2",
+                params![participant, whole(step)],
+            )
+        })
+        .map(drop)
+    }
+}
+
+impl Books<'_> {
+    /// Whether somebody is at a step that they drive once more.
+    pub(crate) fn repeats(&self, person: &Person) -> Result<bool, SeatError> {
+        let begun = self.begun(&person.participant, person.at)?;
+        Ok(begun.iter().any(|begun| begun.set_aside))
+    }
+}
+
+/// The step that somebody drove last and may drive again, with its last attempt; or why nothing is driven again.
+fn last_driven(
+    b: &Books<'_>,
+    person: &Person,
+) -> Result<Result<(usize, u32), &'static str>, SeatError> {
+    let who = &person.participant;
+    let Some(now_at) = person.steps.get(person.at) else {
+        return Ok(Err("this is the end"));
+    };
+    if matches!(
+        now_at,
+        Step::Aftercare { .. } | Step::Text { .. } | Step::Thanks { .. }
+    ) {
+        return Ok(Err("nothing is driven any more, or nothing was driven yet"));
+    }
+    for (step, driven) in person.steps.iter().enumerate().take(person.at + 1).rev() {
+        if driven.world().is_none() {
+            continue;
+        }
+        let Some(last) = b.begun(who, step)?.pop() else {
+            continue;
+        };
+        if last.set_aside {
+            return Ok(Err(
+                "it is to be driven again already, and nothing of that has come yet",
+            ));
+        }
+        if b.is_left_out(who, step)? {
+            return Ok(Err("what was driven last was left out"));
+        }
+        if person.at > step + 1 {
+            return Ok(Err("what is asked after it was answered already"));
+        }
+        let lent = |step: &Step| matches!(step, Step::Ride { lent: Some(_), .. });
+        if matches!(driven, Step::Drive { .. }) && person.steps.iter().any(lent) {
+            return Ok(Err(
+                "somebody else’s style was lent by what was learned of it",
+            ));
+        }
+        let sheets = b.answers(who)?;
+        if sheets
+            .iter()
+            .any(|sheet| sheet.step == step && sheet.listed != Listed::NotYet)
+        {
+            return Ok(Err(
+                "what was answered on the way stands in the study’s table already",
+            ));
+        }
+        return Ok(Ok((step, last.attempt)));
+    }
+    Ok(Err("nothing was driven yet"))
+}
+
+impl Seat {
+    /// Has somebody drive again what they drove last, for a reason that stands in the record: what they drove before is kept and counts no
+    /// more. `at` is the step at which they are.
+    ///
+    /// # Errors
+    /// [`SeatError::Nobody`]; [`SeatError::Protocol`] for somebody who is elsewhere by now or has ended, who has nothing to drive again, or no
+    /// reason; [`SeatError::Store`]; [`SeatError::Study`] if a file cannot be written.
+    pub fn repeat(&self, participant: &str, at: usize, reason: &str) -> Result<(), SeatError> {
+        let reason = reason.trim();
+        if reason.is_empty() {
+            return Err(SeatError::cannot(
+                "something is driven again for a reason, and none was given",
+                "say why",
+            ));
+        }
+        let what = format!("repeated: {reason}");
+        self.store.within(|b| {
+            let person = there(b, participant, at)?;
+            let (step, attempt) = last_driven(b, &person)?.map_err(|why| {
+                SeatError::cannot(
+                    format!("`{participant}` drives nothing again: {why}"),
+                    "let them go on, or skip a step",
+                )
+            })?;
+            b.set_aside(participant, (step, attempt), &what)?;
+            b.event(Some(participant), &format!("step {}: {what}", step + 1))?;
+            b.go_back(&person, step)?;
+            let Some((condition, _)) = person.steps.get(step).and_then(Step::drives) else {
+                return Ok(());
+            };
+            let id = ParticipantId::new(participant).map_err(StudyError::from)?;
+            let name = DriveId::in_condition(&id, condition).map_err(StudyError::from)?;
+            for begun in b.begun(participant, step)? {
+                let lines = b.record(participant, (step, begun.attempt))?;
+                let files = &self.settings.files;
+                files.record(name.as_str(), Some(begun.kept_as()), &lines)?;
+            }
+            // Last: where it fails nothing is changed.
+            self.settings.files.take_back(name.as_str())
+        })
+    }
+}
