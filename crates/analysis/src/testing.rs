@@ -66,12 +66,12 @@ pub(crate) fn id(text: &str) -> ConditionId {
 
 pub(crate) fn drive(i: usize, condition: &str, speed: Option<f64>) -> MeasuredDrive {
     MeasuredDrive {
-        meta: DriveMeta {
-            drive: DriveId::new(format!("P{}-{condition}", i + 1)).unwrap(),
-            participant: person(i),
-            condition: id(condition),
-            driven_by: DrivenBy::Human,
-        },
+        meta: DriveMeta::new(
+            DriveId::new(format!("P{}-{condition}", i + 1)).unwrap(),
+            person(i),
+            id(condition),
+            DrivenBy::Human,
+        ),
         values: BTreeMap::from([(SPEED.to_owned(), speed)]),
         counted_s: None,
     }

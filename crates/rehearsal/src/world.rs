@@ -234,16 +234,18 @@ fn meta(
     condition: ConditionId,
     by_hand: bool,
 ) -> Result<DriveMeta, RehearsalError> {
-    Ok(DriveMeta {
-        drive: DriveId::in_condition(&person.id, condition)?,
-        participant: person.id.clone(),
+    let driven_by = if by_hand {
+        DrivenBy::Synthetic
+    } else {
+        DrivenBy::Automated
+    };
+    let drive = DriveId::in_condition(&person.id, condition)?;
+    Ok(DriveMeta::new(
+        drive,
+        person.id.clone(),
         condition,
-        driven_by: if by_hand {
-            DrivenBy::Synthetic
-        } else {
-            DrivenBy::Automated
-        },
-    })
+        driven_by,
+    ))
 }
 
 fn embedding(

@@ -75,6 +75,49 @@ pub struct DriveMeta {
     pub driven_by: DrivenBy,
 }
 
+impl DriveMeta {
+    /// Whose a drive is.
+    pub fn new(
+        drive: DriveId,
+        participant: ParticipantId,
+        condition: ConditionId,
+        driven_by: DrivenBy,
+    ) -> Self {
+        Self {
+            drive,
+            participant,
+            condition,
+            driven_by,
+        }
+    }
+
+    /// The same of ids as texts.
+    ///
+    /// # Errors
+    /// [`DomainError::BadId`] or [`DomainError::BadCondition`] for a text that is none.
+    ///
+    /// # Example
+    /// ```
+    /// # use maveric_domain::{DriveMeta, DrivenBy};
+    /// let meta = DriveMeta::named("P01-own", "P01", "own", DrivenBy::Human)?;
+    /// assert_eq!(meta.participant.as_str(), "P01");
+    /// # Ok::<(), maveric_domain::DomainError>(())
+    /// ```
+    pub fn named(
+        drive: impl Into<String>,
+        participant: impl Into<String>,
+        condition: &str,
+        driven_by: DrivenBy,
+    ) -> Result<Self, DomainError> {
+        Ok(Self::new(
+            DriveId::new(drive)?,
+            ParticipantId::new(participant)?,
+            condition.parse()?,
+            driven_by,
+        ))
+    }
+}
+
 /// The signals, column by column; every column has shape `(n,)`.
 ///
 /// # Source

@@ -131,13 +131,12 @@ pub(crate) fn meta_of(
         captures.extend(of_folder);
         captures.extend(within.iter().map(|(k, v)| (k.as_str(), v.as_str())));
         let captures: Vec<Capture> = captures.iter().map(|(k, v)| (*k, safe(v))).collect();
-        return Ok(DriveMeta {
-            drive: DriveId::new(fill(&names.drive, &captures)).map_err(refused)?,
-            participant: ParticipantId::new(fill(&names.participant, &captures))
-                .map_err(refused)?,
-            condition: condition(names, &captures).map_err(refused)?,
-            driven_by: names.driven_by,
-        });
+        return Ok(DriveMeta::new(
+            DriveId::new(fill(&names.drive, &captures)).map_err(refused)?,
+            ParticipantId::new(fill(&names.participant, &captures)).map_err(refused)?,
+            condition(names, &captures).map_err(refused)?,
+            names.driven_by,
+        ));
     }
     let parts = within.iter().flat_map(|(_, v)| ["-".to_owned(), safe(v)]);
     let tail: String = parts.collect();
@@ -152,12 +151,12 @@ pub(crate) fn meta_of(
         let what = "the file's name does not fit the mapping's pattern: it is the drive's name";
         warnings.push(Warning::new(path, WarningKind::Default, 1, what));
     }
-    Ok(DriveMeta {
-        drive: DriveId::new(id.clone()).map_err(refused)?,
-        participant: ParticipantId::new(id).map_err(refused)?,
-        condition: own().parse().map_err(refused)?,
-        driven_by: human(),
-    })
+    Ok(DriveMeta::new(
+        DriveId::new(id.clone()).map_err(refused)?,
+        ParticipantId::new(id).map_err(refused)?,
+        own().parse().map_err(refused)?,
+        human(),
+    ))
 }
 
 /// Whose drive a log is by its own name and its folder's; `None` where these do not say it, because a name does not fit the pattern or columns of

@@ -376,12 +376,13 @@ mod tests {
         };
         let recording =
             Recording::new(Road::PAPER, 20.0, time_s, vec![0; n], ego, Vec::new()).unwrap();
-        let meta = DriveMeta {
-            drive: DriveId::new(format!("{who}-{condition}")).unwrap(),
-            participant: ParticipantId::new(who).unwrap(),
-            condition: condition.parse().unwrap(),
-            driven_by: DrivenBy::Human,
-        };
+        let meta = DriveMeta::named(
+            format!("{who}-{condition}"),
+            who,
+            condition,
+            DrivenBy::Human,
+        )
+        .unwrap();
         Drive::from_recording(meta, &recording).unwrap()
     }
 

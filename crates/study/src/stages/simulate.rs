@@ -436,12 +436,12 @@ fn drive(
     if let Some(why) = driven.stopped {
         return Ok(Err((id, why)));
     }
-    let meta = DriveMeta {
-        drive: id,
-        participant: row.participant.clone(),
-        condition: row.condition,
-        driven_by: DrivenBy::Automated,
-    };
+    let meta = DriveMeta::new(
+        id,
+        row.participant.clone(),
+        row.condition,
+        DrivenBy::Automated,
+    );
     let log = options
         .out
         .join("logs")

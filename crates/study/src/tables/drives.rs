@@ -262,12 +262,7 @@ mod tests {
         let scenario = Scenario::paper().with_duration(Seconds(6.0)).unwrap();
         let person = DriverParams::draw(&LatentTraits::default(), 1, 1);
         let driven = rollout(&scenario, Driver::Human(&person), 1).unwrap();
-        let meta = DriveMeta {
-            drive: DriveId::new("P01-own").unwrap(),
-            participant: ParticipantId::new("P01").unwrap(),
-            condition: "own".parse().unwrap(),
-            driven_by: DrivenBy::Synthetic,
-        };
+        let meta = DriveMeta::named("P01-own", "P01", "own", DrivenBy::Synthetic).unwrap();
         Drive::from_recording(meta, &driven.recording).unwrap()
     }
 

@@ -117,12 +117,12 @@ impl Told<'_> {
     /// Whose drive it is.
     pub(crate) fn meta(&self) -> Result<DriveMeta, IngestError> {
         let driven_by = "human, synthetic or automated";
-        Ok(DriveMeta {
-            drive: self.id("drive", DriveId::new)?,
-            participant: self.id("participant", ParticipantId::new)?,
-            condition: self.word("condition", "a condition", ConditionId::from_str)?,
-            driven_by: self.word("driven_by", driven_by, DrivenBy::from_str)?,
-        })
+        Ok(DriveMeta::new(
+            self.id("drive", DriveId::new)?,
+            self.id("participant", ParticipantId::new)?,
+            self.word("condition", "a condition", ConditionId::from_str)?,
+            self.word("driven_by", driven_by, DrivenBy::from_str)?,
+        ))
     }
 
     /// On which road.

@@ -167,12 +167,12 @@ mod tests {
         let (road, time_s) = (Road::PAPER, vec![0.0, 0.05]);
         let recording = Recording::new(road, 20.0, time_s, vec![0, 0], ego, Vec::new()).unwrap();
         let drive = |name: &str, condition: &str| {
-            let meta = DriveMeta {
-                drive: DriveId::new(name).unwrap(),
-                participant: who.clone(),
-                condition: condition.parse().unwrap(),
-                driven_by: DrivenBy::Human,
-            };
+            let meta = DriveMeta::new(
+                DriveId::new(name).unwrap(),
+                who.clone(),
+                condition.parse().unwrap(),
+                DrivenBy::Human,
+            );
             (meta, recording.clone())
         };
         let kept = |excluded: &str| {
