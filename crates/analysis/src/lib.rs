@@ -32,6 +32,7 @@ mod primary;
 mod recommendation;
 mod reproduction;
 mod result;
+mod retest;
 #[cfg(test)]
 mod testing;
 #[cfg(test)]
@@ -62,5 +63,6 @@ pub use result::{
     LevelMean, LineRow, MixedRow, Nearer, Panel, Preference, PrimaryOutcome, Reproduction,
     SimilarityRow, TestedFactor,
 };
+pub use retest::{FEWEST_FOR_ICC, Repeats, Retest, RidesCounted};
 pub use turned::{Settled, Turns};
 pub use verdict::Verdict;

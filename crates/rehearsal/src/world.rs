@@ -10,6 +10,7 @@ use maveric_domain::{
     ConditionId, ConditionRow, Design, DriveId, DriveMeta, DrivenBy, Embedding, EmbeddingRow,
     MeasureValues, MeasuredDrive, Moment, Scale, Score,
     design::{Car, Condition, ScoreName},
+    occasion::first,
     spread,
 };
 use maveric_participants::{Cohort, CohortSettings, Effects, Participant, answer_before, rate};
@@ -258,6 +259,8 @@ fn embedding(
         drive: DriveId::in_condition(&person.id, baseline)?,
         participant: person.id.clone(),
         condition: baseline,
+        session: first(),
+        trial: first(),
         adb_used,
         adb,
         adb_hat: None,

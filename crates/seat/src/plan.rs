@@ -187,7 +187,7 @@ fn rides(
             probe: probe.cloned(),
         });
         for id in &protocol.after {
-            let moment = Moment::After(condition.id);
+            let moment = Moment::after(condition.id);
             steps.push(sheet(scales, id, moment, &protocol.language)?);
         }
     }

@@ -8,6 +8,7 @@ use crate::{
     ConditionId,
     error::DomainError,
     ids::{DriveId, ParticipantId},
+    occasion::{Occasion, Ride, first, is_first},
     recording::Recording,
     scene::{Road, Scene, Situation, bumper_distance_m},
     sees::Sees,
@@ -15,7 +16,7 @@ use crate::{
 pub use lane_change::{Direction, LaneChange};
 pub use reference_vehicle::ReferenceTracker;
 use serde::{Deserialize, Serialize};
-use std::str::FromStr;
+use std::{num::NonZeroU32, str::FromStr};
 
 /// Who or what drove.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
@@ -73,10 +74,16 @@ pub struct DriveMeta {
     pub condition: ConditionId,
     /// Who or what drove.
     pub driven_by: DrivenBy,
+    /// In which session.
+    #[serde(default = "first", skip_serializing_if = "is_first")]
+    pub session: NonZeroU32,
+    /// Which drive of the condition within the session.
+    #[serde(default = "first", skip_serializing_if = "is_first")]
+    pub trial: NonZeroU32,
 }
 
 impl DriveMeta {
-    /// Whose a drive is.
+    /// Whose a drive is, the first of its condition.
     pub fn new(
         drive: DriveId,
         participant: ParticipantId,
@@ -88,6 +95,34 @@ impl DriveMeta {
             participant,
             condition,
             driven_by,
+            session: first(),
+            trial: first(),
+        }
+    }
+
+    /// The same, of another session or trial.
+    #[must_use]
+    pub fn on(self, Occasion { session, trial }: Occasion) -> Self {
+        Self {
+            session,
+            trial,
+            ..self
+        }
+    }
+
+    /// Which of several drives of the condition it is.
+    pub fn occasion(&self) -> Occasion {
+        Occasion {
+            session: self.session,
+            trial: self.trial,
+        }
+    }
+
+    /// The condition, and which of several drives in it.
+    pub fn ride(&self) -> Ride {
+        Ride {
+            condition: self.condition,
+            occasion: self.occasion(),
         }
     }
 

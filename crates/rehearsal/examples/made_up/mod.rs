@@ -59,7 +59,7 @@ pub(crate) fn scores(
     Ok(move |drive: &Drive| {
         let meta = drive.meta();
         let moment = if roles.contains(&meta.drive) {
-            Moment::After(meta.condition)
+            Moment::after(meta.condition)
         } else {
             Moment::Pre
         };

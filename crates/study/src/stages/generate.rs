@@ -339,7 +339,8 @@ fn drive(
         planned.participant.clone(),
         planned.condition,
         DrivenBy::Synthetic,
-    );
+    )
+    .on(planned.occasion);
     let folder = format!("study{}", planned.part.number());
     let path = place
         .logs

@@ -237,6 +237,12 @@ impl Measure {
                 own.undeclared.join(", ")
             ));
         }
+        if own.later > 0 {
+            warnings.push(format!(
+                "{table}: {} of later sessions, which are in no mean: the first session is compared",
+                count(own.later, "row is", "rows are")
+            ));
+        }
         let out = own_path(&self.out);
         write_rows(TableName::OwnMeasurements, &out, &own.measurements)?;
         let averaged = own.measurements.iter().filter(|m| m.n > 1).count();

@@ -60,7 +60,7 @@ impl LeftOut {
         let driven = |(meta, recording): &(DriveMeta, Recording)| Driven {
             drive: meta.drive.clone(),
             participant: meta.participant.clone(),
-            condition: meta.condition,
+            ride: meta.ride(),
             duration_s: Some(duration_s(recording)),
         };
         // Whatever their logs are called, what was answered after a drive that is left out goes with it.
@@ -91,7 +91,7 @@ impl LeftOut {
         material.answers.retain(|a| keeps(&a.participant, a.moment));
         material
             .probes
-            .retain(|p| keeps(&p.participant, Moment::Probe(p.condition)));
+            .retain(|p| keeps(&p.participant, Moment::Probe(p.ride)));
         material.drives.retain(
             |(meta, recording)| match gate.drive(meta, duration_s(recording)) {
                 None => true,
@@ -104,7 +104,7 @@ impl LeftOut {
             },
         );
         material.own.retain(|row| {
-            let moment = Moment::After(row.condition);
+            let moment = Moment::after(row.condition);
             found.person(&gate, &row.participant) && gate.answer(&row.participant, moment).is_none()
         });
         if let Some(data) = &mut material.outcomes {
