@@ -33,12 +33,12 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         ] {
             let condition: ConditionId = condition.parse()?;
             tables.measurements.push(MeasuredDrive {
-                meta: DriveMeta {
-                    drive: DriveId::in_condition(&participant, condition)?,
-                    participant: participant.clone(),
+                meta: DriveMeta::new(
+                    DriveId::in_condition(&participant, condition)?,
+                    participant.clone(),
                     condition,
-                    driven_by: DrivenBy::Synthetic,
-                },
+                    DrivenBy::Synthetic,
+                ),
                 values: [("mean_velocity_mps".to_owned(), Some(own + faster))].into(),
                 counted_s: None,
             });

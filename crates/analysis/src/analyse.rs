@@ -3,7 +3,7 @@
 use crate::{
     Analysis, AnalysisError, Exclusion, Panel, Reproduction, StudyData, by_factor, compare,
     congruence, crossed::crossed, describe, design_test::Purpose, findings, homophily, hypotheses,
-    lent, line, mixed, presses, primary, reproduction, sensitivity, which,
+    lent, line, mixed, presses, primary, reproduction, retest, sensitivity, which,
 };
 use maveric_domain::design::{Condition, DeclaredTest, Outcome, Quantity};
 use maveric_measures::objective;
@@ -50,6 +50,7 @@ pub fn analyse(data: &StudyData, purpose: Purpose) -> Result<Analysis, AnalysisE
         similarity: homophily::similarity(data)?,
         preferences: homophily::preferences(data),
         presses: presses::presses(data)?,
+        repeats: retest::repeats(data)?,
         lent: lent::beside_lent(data)?,
         which: which::which_ride(data)?,
         beyond_training: beyond_training(data),

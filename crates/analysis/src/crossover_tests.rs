@@ -318,7 +318,7 @@ fn an_item_is_tested_by_its_order_with_the_period_and_has_no_carry_over() {
             let answer = (2.0 + k as f64 + 1.4 * noise(i, 60 + k))
                 .round()
                 .clamp(1.0, 7.0);
-            let after = Moment::After(id(condition));
+            let after = Moment::after(id(condition));
             tables
                 .post
                 .push(score(i, after, "comfort", "total", answer));

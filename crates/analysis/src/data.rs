@@ -10,33 +10,88 @@ use crate::{
 };
 use maveric_domain::{
     Answer, ConditionId, ConditionRow, Design, DriveId, DrivenBy, EmbeddingRow, MeasureValues,
-    MeasuredDrive, Moment, OwnMeasurement, ParticipantId, Scale, Score,
+    MeasuredDrive, Moment, Occasion, OwnMeasurement, ParticipantId, Ride, Scale, Score,
     design::{Condition, ScoreName, Sign},
+    occasion::first,
     press::{PressMoment, PressedRide},
 };
-use std::collections::{BTreeMap, BTreeSet};
+use std::{
+    collections::{BTreeMap, BTreeSet},
+    num::NonZeroU32,
+};
 
-/// Scores by scale, subscale, moment and participant.
+/// Scores by scale, subscale, moment and participant; a moment is that of a session's first ride, and has a score a ride.
 #[derive(Debug, Clone, Default)]
 struct Scores(BTreeMap<String, BTreeMap<String, ByMoment>>);
 
 /// Scores of one subscale.
-type ByMoment = BTreeMap<Moment, BTreeMap<ParticipantId, f64>>;
+type ByMoment = BTreeMap<Moment, BTreeMap<ParticipantId, BTreeMap<NonZeroU32, f64>>>;
+
+/// The first session.
+const FIRST: NonZeroU32 = first();
+
+/// A condition in a session.
+type Sat = (ConditionId, NonZeroU32);
+
+/// A condition in the session of a ride, and which ride of it.
+fn sat(ride: Ride) -> (Sat, NonZeroU32) {
+    let Occasion { session, trial } = ride.occasion;
+    ((ride.condition, session), trial)
+}
+
+/// What was measured of a person in a condition of a session: the mean over its rides that stayed.
+#[derive(Debug, Clone, PartialEq)]
+struct Cell {
+    values: MeasureValues,
+    counted_s: Option<f64>,
+    rides: usize,
+}
+
+impl Cell {
+    /// Means of the rides that have a value, measure by measure.
+    fn of(rides: &BTreeMap<NonZeroU32, &MeasuredDrive>) -> Self {
+        let mut values: BTreeMap<String, Vec<f64>> = BTreeMap::new();
+        for (measure, value) in rides.values().flat_map(|ride| &ride.values) {
+            values.entry(measure.clone()).or_default().extend(*value);
+        }
+        let counted: Vec<f64> = rides.values().filter_map(|ride| ride.counted_s).collect();
+        Self {
+            values: values
+                .into_iter()
+                .map(|(measure, values)| (measure, mean(&values)))
+                .collect(),
+            counted_s: mean(&counted),
+            rides: rides.len(),
+        }
+    }
+}
+
+fn mean(values: &[f64]) -> Option<f64> {
+    (!values.is_empty()).then(|| values.iter().sum::<f64>() / values.len() as f64)
+}
 
 impl Scores {
     fn of(scores: &[Score]) -> Self {
         let mut sorted = Self::default();
         for score in scores {
             if let Some(value) = score.value {
+                let ride = score.moment.ride().map(|ride| ride.occasion);
+                let Occasion { session, trial } = ride.unwrap_or_default();
+                let moment = score.moment.on(Occasion {
+                    session,
+                    trial: FIRST,
+                });
                 sorted
                     .0
                     .entry(score.scale.clone())
                     .or_default()
                     .entry(score.subscale.clone())
                     .or_default()
-                    .entry(score.moment)
+                    .entry(moment)
                     .or_default()
                     .entry(score.participant.clone())
+                    .or_default()
+                    .entry(trial)
                     // The first of several, as a reader of the table would find it.
                     .or_insert(value);
             }
@@ -44,13 +99,10 @@ impl Scores {
         sorted
     }
 
+    /// The score of a moment, of several rides in the condition their mean.
     fn get(&self, p: &ParticipantId, moment: Moment, scale: &str, subscale: &str) -> Option<f64> {
-        self.0
-            .get(scale)?
-            .get(subscale)?
-            .get(&moment)?
-            .get(p)
-            .copied()
+        let rides = self.0.get(scale)?.get(subscale)?.get(&moment)?.get(p)?;
+        mean(&rides.values().copied().collect::<Vec<f64>>())
     }
 }
 
@@ -108,8 +160,8 @@ pub struct StudyData {
     pressed: (Vec<PressedRide>, Vec<PressMoment>),
     /// The study's own measures by condition and participant.
     own: BTreeMap<ConditionId, BTreeMap<ParticipantId, BTreeMap<String, f64>>>,
-    /// Drives of tested people by condition and participant.
-    drives: BTreeMap<ConditionId, BTreeMap<ParticipantId, usize>>,
+    /// What was measured of tested people, by condition in a session and participant.
+    cells: BTreeMap<Sat, BTreeMap<ParticipantId, Cell>>,
     /// Subscales answered before the drives and after a condition, in the order in which they were scored.
     before: Vec<ScoreName>,
     after: Vec<ScoreName>,
@@ -130,7 +182,7 @@ impl StudyData {
             .map(|d| Driven {
                 drive: d.meta.drive.clone(),
                 participant: d.meta.participant.clone(),
-                condition: d.meta.condition,
+                ride: d.meta.ride(),
                 duration_s: tables.durations_s.get(&d.meta.drive).copied(),
             })
             .collect();
@@ -140,27 +192,29 @@ impl StudyData {
             tables.people.is_empty() || tables.people.iter().any(|q| q.id == *p && q.tested)
         };
         let rated = tables.post.iter().filter_map(|s| match s.moment {
-            Moment::After(c) | Moment::Probe(c) if s.value.is_some() => Some((&s.participant, c)),
+            Moment::After(r) | Moment::Probe(r) if s.value.is_some() => Some((&s.participant, r)),
             _ => None,
         });
-        let own = tables.own.iter().map(|m| (&m.participant, m.condition));
+        let own = tables.own.iter();
+        let own = own.map(|m| (&m.participant, Ride::from(m.condition)));
         let without_drive = rated.chain(own);
-        let came = judged.iter().map(|d| (&d.participant, d.condition));
+        let came = judged.iter().map(|d| (&d.participant, d.ride));
         let came = came.chain(without_drive.clone());
+        let first_session = |ride: &Ride| ride.occasion.session == FIRST;
         let mut left_out = LeftOut::named(design)
             .with_stopped(&tables.stopped)
             .with_careless(design, &tables.scales, &tables.answers)
             .with_short(design, &judged)
-            .with_few_conditions(design, came.clone());
+            .with_few_conditions(design, came.clone().filter(|(_, ride)| first_session(ride)));
         let there: BTreeSet<ParticipantId> = came
-            .filter(|(p, c)| in_study(*c) && tested(p))
+            .filter(|(p, ride)| in_study(ride.condition) && tested(p))
             .map(|(p, _)| p.clone())
             .collect();
         let kept: BTreeSet<ParticipantId> = driven
             .iter()
-            .map(|d| (&d.participant, d.condition))
+            .map(|d| (&d.participant, d.ride))
             .chain(without_drive)
-            .filter(|(p, c)| in_study(*c) && left_out.keeps(p, *c))
+            .filter(|(p, ride)| in_study(ride.condition) && left_out.keeps(p, *ride))
             .map(|(p, _)| p.clone())
             .collect();
         left_out.and_without_drives(&judged, &kept);
@@ -171,25 +225,42 @@ impl StudyData {
             (&left_out, &tables.not_admitted),
         );
         let mut measurements = tables.measurements;
-        measurements.retain(|d| left_out.keeps(&d.meta.participant, d.meta.condition));
+        measurements.retain(|d| left_out.keeps(&d.meta.participant, d.meta.ride()));
         let (mut pre, mut post) = (tables.pre, tables.post);
         for scores in [&mut pre, &mut post] {
-            scores.retain(|s| match s.moment.condition() {
-                Some(c) => left_out.keeps(&s.participant, c),
+            scores.retain(|s| match s.moment.ride() {
+                Some(ride) => left_out.keeps(&s.participant, ride),
                 None => left_out.keeps_person(&s.participant),
             });
         }
-        let mut drives: BTreeMap<ConditionId, BTreeMap<ParticipantId, usize>> = BTreeMap::new();
-        for (at, drive) in measurements.iter().enumerate() {
+        let mut rides: BTreeMap<Sat, BTreeMap<ParticipantId, BTreeMap<_, _>>> = BTreeMap::new();
+        for drive in &measurements {
             if there.contains(&drive.meta.participant) {
-                let of = drives.entry(drive.meta.condition).or_default();
-                of.entry(drive.meta.participant.clone()).or_insert(at);
+                let (sat, trial) = sat(drive.meta.ride());
+                let of = rides.entry(sat).or_default();
+                let of = of.entry(drive.meta.participant.clone()).or_default();
+                of.entry(trial).or_insert(drive);
             }
         }
+        let cells = rides.into_iter().map(|(sat, people)| {
+            let cells = people.into_iter().map(|(who, of)| (who, Cell::of(&of)));
+            (sat, cells.collect())
+        });
+        let cells: BTreeMap<Sat, BTreeMap<ParticipantId, Cell>> = cells.collect();
         let mut own: BTreeMap<ConditionId, BTreeMap<ParticipantId, BTreeMap<String, f64>>> =
             BTreeMap::new();
         for row in tables.own {
-            if there.contains(&row.participant) && left_out.keeps(&row.participant, row.condition) {
+            // A mean over rides stays as long as one of them does.
+            let keeps = |occasion| {
+                let condition = row.condition;
+                let ride = Ride {
+                    condition,
+                    occasion,
+                };
+                left_out.keeps(&row.participant, ride)
+            };
+            let mut occasions = design.occasions(row.condition).into_iter();
+            if there.contains(&row.participant) && occasions.any(keeps) {
                 let people = own.entry(row.condition).or_default();
                 let values = people.entry(row.participant).or_default();
                 values.insert(row.measure, row.value);
@@ -224,7 +295,7 @@ impl StudyData {
             settled: BTreeMap::new(),
             pressed: Default::default(),
             own,
-            drives,
+            cells,
             before: subscales(&pre),
             after: subscales(&post),
             pre: Scores::of(&pre),
@@ -241,7 +312,10 @@ impl StudyData {
         };
         for condition in data.design.conditions() {
             let id = condition.id;
-            let driven = data.drives.get(&id).is_some_and(|of| !of.is_empty());
+            let driven = data
+                .cells
+                .get(&(id, FIRST))
+                .is_some_and(|of| !of.is_empty());
             let measured = data.own.contains_key(&id);
             let rated = |p| {
                 data.after
@@ -341,18 +415,71 @@ impl StudyData {
 
     /// Time from the start of a participant's drive over which counts were taken, in s, where the person's drives differ in length.
     pub fn counted_s(&self, participant: &ParticipantId, condition: ConditionId) -> Option<f64> {
-        let at = *self.drives.get(&condition)?.get(participant)?;
-        self.measurements[at].counted_s
+        self.cell(participant, condition)?.counted_s
     }
 
-    /// The measures of a participant's drive.
+    fn cell(&self, participant: &ParticipantId, condition: ConditionId) -> Option<&Cell> {
+        self.cells.get(&(condition, FIRST))?.get(participant)
+    }
+
+    /// A measure of a participant's drives in a condition of a session: the mean over them.
+    pub(crate) fn measured_in(
+        &self,
+        session: NonZeroU32,
+        participant: &ParticipantId,
+        condition: ConditionId,
+        measure: &str,
+    ) -> Option<f64> {
+        let cell = self.cells.get(&(condition, session))?.get(participant)?;
+        cell.values.get(measure).copied().flatten()
+    }
+
+    /// A questionnaire score about a condition in a session, as [`StudyData::rated`].
+    pub(crate) fn rated_in(
+        &self,
+        session: NonZeroU32,
+        participant: &ParticipantId,
+        condition: ConditionId,
+        name: &ScoreName,
+    ) -> Option<f64> {
+        let at = |moment: Moment| {
+            let moment = moment.on(Occasion {
+                session,
+                trial: FIRST,
+            });
+            self.post
+                .get(participant, moment, &name.scale, &name.subscale)
+        };
+        at(Moment::after(condition)).or_else(|| at(Moment::probe(condition)))
+    }
+
+    /// The embedding of a participant's baseline drive in a session, fitted with or without the score.
+    pub(crate) fn embedding_in(
+        &self,
+        session: NonZeroU32,
+        participant: &ParticipantId,
+        adb_used: bool,
+    ) -> Option<&EmbeddingRow> {
+        self.embeddings.iter().find(|e| {
+            e.participant == *participant
+                && Some(e.condition) == self.design.baseline_id()
+                && e.session == session
+                && e.adb_used == adb_used
+        })
+    }
+
+    /// How many rides of a participant in a condition of the first session count.
+    pub fn rides(&self, participant: &ParticipantId, condition: ConditionId) -> usize {
+        self.cell(participant, condition).map_or(0, |c| c.rides)
+    }
+
+    /// The measures of a participant's drive; of several rides in a condition of the first session their means.
     pub fn drive(
         &self,
         participant: &ParticipantId,
         condition: ConditionId,
     ) -> Option<&MeasureValues> {
-        let at = *self.drives.get(&condition)?.get(participant)?;
-        Some(&self.measurements[at].values)
+        Some(&self.cell(participant, condition)?.values)
     }
 
     /// A measure of a participant's baseline drive.
@@ -363,23 +490,19 @@ impl StudyData {
     /// A measure of the baseline drive that a participant made after the first, of those who drove twice.
     pub fn second_drive(&self, participant: &ParticipantId, measure: &str) -> Option<f64> {
         let baseline = self.design.baseline_id()?;
-        let first = *self.drives.get(&baseline)?.get(participant)?;
-        let again =
+        let own =
             |d: &&MeasuredDrive| d.meta.participant == *participant && d.meta.condition == baseline;
-        let again = self.measurements.get(first + 1..)?.iter().find(again)?;
-        again.values.get(measure).copied().flatten()
+        let mut drives: Vec<&MeasuredDrive> = self.measurements.iter().filter(own).collect();
+        drives.sort_by_key(|d| d.meta.occasion());
+        drives.get(1)?.values.get(measure).copied().flatten()
     }
 
     /// Whether any tested person's drive has this measure, or any of them was measured so.
     pub(crate) fn is_measured(&self, measure: &str) -> bool {
-        let mut drives = self.drives.values().flat_map(BTreeMap::values);
+        let mut cells = self.cells.values().flat_map(BTreeMap::values);
         let mut own = self.own.values().flat_map(BTreeMap::values);
-        drives.any(|&at| {
-            self.measurements[at]
-                .values
-                .get(measure)
-                .is_some_and(Option::is_some)
-        }) || own.any(|values| values.contains_key(measure))
+        cells.any(|cell| cell.values.get(measure).is_some_and(Option::is_some))
+            || own.any(|values| values.contains_key(measure))
     }
 
     /// A measure of every baseline drive that the networks learned from and that has it.
@@ -397,11 +520,7 @@ impl StudyData {
 
     /// The embedding of a participant's baseline drive, fitted with or without the score.
     pub fn embedding(&self, participant: &ParticipantId, adb_used: bool) -> Option<&EmbeddingRow> {
-        self.embeddings.iter().find(|e| {
-            e.participant == *participant
-                && Some(e.condition) == self.design.baseline_id()
-                && e.adb_used == adb_used
-        })
+        self.embedding_in(FIRST, participant, adb_used)
     }
 
     /// A questionnaire score from before the drives, or from the end where it was asked then alone.
@@ -413,18 +532,15 @@ impl StudyData {
         at(Moment::Pre).or_else(|| at(Moment::Post))
     }
 
-    /// A questionnaire score about a condition: from after the ride, or the mean of what was asked during it.
+    /// A questionnaire score about a condition: from after the ride, or the mean of what was asked during it; of several rides of the first
+    /// session their mean.
     pub fn rated(
         &self,
         participant: &ParticipantId,
         condition: ConditionId,
         name: &ScoreName,
     ) -> Option<f64> {
-        let at = |moment| {
-            self.post
-                .get(participant, moment, &name.scale, &name.subscale)
-        };
-        at(Moment::After(condition)).or_else(|| at(Moment::Probe(condition)))
+        self.rated_in(FIRST, participant, condition, name)
     }
 
     /// A participant's row of the conditions.

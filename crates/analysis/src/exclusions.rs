@@ -1,6 +1,6 @@
 //! Who and what is left out, and by which rule: the one place that judges drives, answers and people alike.
 
-use maveric_domain::{Answer, ConditionId, Design, DriveId, ParticipantId, Scale};
+use maveric_domain::{Answer, ConditionId, Design, DriveId, ParticipantId, Ride, Scale};
 use maveric_measures::{
     ScoreWarning,
     survey::{attention_missed, response_styles},
@@ -18,8 +18,8 @@ pub struct Driven {
     pub drive: DriveId,
     /// Whose.
     pub participant: ParticipantId,
-    /// In which condition.
-    pub condition: ConditionId,
+    /// In which condition, and which of several.
+    pub ride: Ride,
     /// How long it took, in s; `None` where it is not known.
     pub duration_s: Option<f64>,
 }
@@ -73,6 +73,9 @@ pub enum Rule {
     /// A condition that the design does not have.
     #[serde(rename = "unknown condition")]
     UnknownCondition,
+    /// A session or a trial that the design does not have.
+    #[serde(rename = "unknown session or trial")]
+    UnknownOccasion,
 }
 
 impl Rule {
@@ -90,6 +93,7 @@ impl Rule {
             Self::Forgotten => "forgotten",
             Self::UnknownParticipant => "unknown participant",
             Self::UnknownCondition => "unknown condition",
+            Self::UnknownOccasion => "unknown session or trial",
         }
     }
 }
@@ -125,13 +129,27 @@ pub fn too_short(design: &Design, duration_s: f64) -> Option<Why> {
     (duration_s < shortest).then(|| Why::by(Rule::Short, reason()))
 }
 
-/// Why what is about a condition that the design does not have is left out; none where it has it.
-pub fn unknown_condition(design: &Design, condition: ConditionId) -> Option<Why> {
-    let reason = || {
+/// Why what is about a condition, a session or a trial that the design does not have is left out; none where it has it.
+pub fn unknown_ride(design: &Design, ride: Ride) -> Option<Why> {
+    let Ride {
+        condition,
+        occasion,
+    } = ride;
+    if !design.knows(condition) {
         let labels = ConditionId::listed(&design.labels());
-        format!("`{condition}` is none of the design's: {labels}")
-    };
-    (!design.knows(condition)).then(|| Why::by(Rule::UnknownCondition, reason()))
+        let reason = format!("`{condition}` is none of the design's: {labels}");
+        return Some(Why::by(Rule::UnknownCondition, reason));
+    }
+    let occasions = design.occasions(condition);
+    let last = occasions
+        .iter()
+        .max()
+        .filter(|_| !occasions.contains(&occasion))?;
+    let reason = format!(
+        "{occasion} of `{condition}`, expected sessions up to {} and trials up to {} by `protocol.sessions` and `protocol.rides_per_condition`",
+        last.session, last.trial
+    );
+    Some(Why::by(Rule::UnknownOccasion, reason))
 }
 
 /// Whom and what the design leaves out.
@@ -141,7 +159,7 @@ pub struct LeftOut {
     pub people: BTreeMap<ParticipantId, Why>,
     /// Single drives, with the answers after them.
     pub drives: BTreeMap<DriveId, Why>,
-    cells: BTreeMap<(ParticipantId, ConditionId), Why>,
+    cells: BTreeMap<(ParticipantId, Ride), Why>,
 }
 
 impl LeftOut {
@@ -182,7 +200,7 @@ impl LeftOut {
                 Rule::Stopped,
                 format!("`{condition}` was stopped: {reason}"),
             );
-            let cell = (participant.clone(), *condition);
+            let cell = (participant.clone(), (*condition).into());
             self.cells.entry(cell).or_insert(why.clone());
             // The ids of the two may be too long for one: then no drive has their name.
             if let Ok(drive) = DriveId::in_condition(participant, *condition) {
@@ -199,7 +217,7 @@ impl LeftOut {
             let named = self.drives.get(&driven.drive).cloned();
             let short = || too_short(design, driven.duration_s?);
             if let Some(why) = named.or_else(short) {
-                let cell = (driven.participant.clone(), driven.condition);
+                let cell = (driven.participant.clone(), driven.ride);
                 self.cells.insert(cell, why.clone());
                 self.drives.insert(driven.drive.clone(), why);
             }
@@ -245,16 +263,16 @@ impl LeftOut {
     pub fn with_few_conditions<'a>(
         mut self,
         design: &Design,
-        came: impl IntoIterator<Item = (&'a ParticipantId, ConditionId)>,
+        came: impl IntoIterator<Item = (&'a ParticipantId, Ride)>,
     ) -> Self {
         let Some(least) = design.exclude().fewer_conditions_than else {
             return self;
         };
         let mut sat: BTreeMap<&ParticipantId, BTreeSet<ConditionId>> = BTreeMap::new();
-        for (who, condition) in came {
+        for (who, ride) in came {
             let conditions = sat.entry(who).or_default();
-            if design.condition(condition).is_some() && self.keeps(who, condition) {
-                conditions.insert(condition);
+            if design.condition(ride.condition).is_some() && self.keeps(who, ride) {
+                conditions.insert(ride.condition);
             }
         }
         for (who, conditions) in sat {
@@ -277,20 +295,21 @@ impl LeftOut {
         }
     }
 
-    /// Why what somebody said of a condition is left out, or drove in it. A drive left out by the name that this program gives it counts
+    /// Why what somebody said of a ride is left out, or drove in it: of several in a condition each is judged alone. A drive left out by the name that this program gives it counts
     /// whether or not its log came, and whatever its log is called.
-    pub fn about(&self, who: &ParticipantId, condition: ConditionId) -> Option<&Why> {
-        let cell = || self.cells.get(&(who.clone(), condition));
+    pub fn about(&self, who: &ParticipantId, ride: impl Into<Ride>) -> Option<&Why> {
+        let ride = ride.into();
+        let cell = || self.cells.get(&(who.clone(), ride));
         let named = || {
-            let drive = DriveId::in_condition(who, condition).ok()?;
+            let drive = DriveId::in_condition(who, ride).ok()?;
             self.drives.get(&drive)
         };
         self.people.get(who).or_else(named).or_else(cell)
     }
 
     /// Whether a person's drive in a condition, and what they said of it, stays.
-    pub fn keeps(&self, who: &ParticipantId, condition: ConditionId) -> bool {
-        self.about(who, condition).is_none()
+    pub fn keeps(&self, who: &ParticipantId, ride: impl Into<Ride>) -> bool {
+        self.about(who, ride).is_none()
     }
 
     /// Whether a person stays.
@@ -352,6 +371,7 @@ mod tests {
         )
         .unwrap();
         let who = |id: &str| ParticipantId::new(id).unwrap();
+        let id = |id: &str| id.parse::<ConditionId>().unwrap();
         let stop = |id: &str, condition: &str, reason: &str| Stopped {
             participant: who(id),
             condition: condition.parse().unwrap(),
@@ -366,11 +386,9 @@ mod tests {
         let left_out = LeftOut::named(&design).with_stopped(&stopped);
         let long = "P".repeat(63);
         let too_long = LeftOut::default().with_stopped(&[stop(&long, "a", "unwell")]);
-        assert!(too_long.drives.is_empty() && !too_long.keeps(&who(&long), "a".parse().unwrap()));
-        assert!(!left_out.keeps(&who("P1"), "a".parse().unwrap()));
-        assert!(
-            left_out.keeps(&who("P1"), "b".parse().unwrap()) && left_out.keeps_person(&who("P1"))
-        );
+        assert!(too_long.drives.is_empty() && !too_long.keeps(&who(&long), id("a")));
+        assert!(!left_out.keeps(&who("P1"), id("a")));
+        assert!(left_out.keeps(&who("P1"), id("b")) && left_out.keeps_person(&who("P1")));
         let flow = crate::flow::flow(
             &design,
             &[],
@@ -393,6 +411,55 @@ mod tests {
     }
 
     #[test]
+    fn of_several_rides_each_is_judged_alone_and_one_too_many_is_named_with_what_was_declared() {
+        let text = "[study]\ntitle = \"t\"\n[[condition]]\nid = \"a\"\n[baseline]\nid = \"own\"\n\
+                    [protocol]\nrides_per_condition = 2\nsessions = { count = 2, days_between = [2, 14] }\n\
+                    [exclude]\ndrive_shorter_than_s = 300\nfewer_conditions_than = 1\ndrives = { \"P1-a_s2_t1\" = \"lost\" }";
+        let design = Design::from_toml(text).unwrap();
+        let who = ParticipantId::new("P1").unwrap();
+        let ride = |text: &str| text.parse::<Ride>().unwrap();
+        let driven = |ride: Ride, duration_s| Driven {
+            drive: DriveId::in_condition(&who, ride).unwrap(),
+            participant: who.clone(),
+            ride,
+            duration_s: Some(duration_s),
+        };
+        let rides = ["a", "a:s1:t2", "a:s2:t1", "a:s2:t2"].map(ride);
+        let drives = [
+            driven(rides[0], 299.0),
+            driven(rides[1], 300.0),
+            driven(rides[2], 400.0),
+            driven(rides[3], 400.0),
+        ];
+        let came = || drives.iter().map(|d| (&d.participant, d.ride));
+        let left_out = LeftOut::named(&design)
+            .with_short(&design, &drives)
+            .with_few_conditions(&design, came());
+        assert_eq!(
+            rides.map(|ride| left_out.keeps(&who, ride)),
+            [false, true, false, true]
+        );
+        assert!(left_out.keeps_person(&who));
+        let why = |text: &str| unknown_ride(&design, ride(text));
+        for known in ["a", "a:s2:t2", "own", "own:s2:t1"] {
+            assert_eq!(why(known), None, "{known}");
+        }
+        for (unknown, words) in [
+            (
+                "a:s1:t3",
+                "session 1, trial 3 of `a`, expected sessions up to 2 and trials up to 2",
+            ),
+            ("a:s3:t1", "session 3, trial 1"),
+            ("own:s1:t2", "trials up to 1"),
+        ] {
+            let why = why(unknown).unwrap();
+            assert_eq!(why.rule, Rule::UnknownOccasion);
+            assert!(why.reason.contains(words), "{why}");
+        }
+        assert_eq!(why("b").unwrap().rule, Rule::UnknownCondition);
+    }
+
+    #[test]
     fn a_rule_leaves_out_what_lies_below_it_and_nothing_at_it() {
         let text = "[study]\ntitle = \"t\"\n[[condition]]\nid = \"a\"\n[[condition]]\nid = \"b\"\n\
                     [exclude]\ndrive_shorter_than_s = 300\nfewer_conditions_than = 2\ndrives = { \"P4-b\" = \"lost\" }";
@@ -400,7 +467,7 @@ mod tests {
         let driven = |who: &str, condition: &str, duration_s| Driven {
             drive: DriveId::new(format!("{who}-{condition}")).unwrap(),
             participant: ParticipantId::new(who).unwrap(),
-            condition: condition.parse().unwrap(),
+            ride: condition.parse().unwrap(),
             duration_s,
         };
         let drives = [
@@ -413,10 +480,7 @@ mod tests {
         ];
         let left_out = LeftOut::named(&design)
             .with_short(&design, &drives)
-            .with_few_conditions(
-                &design,
-                drives.iter().map(|d| (&d.participant, d.condition)),
-            );
+            .with_few_conditions(&design, drives.iter().map(|d| (&d.participant, d.ride)));
         let people: Vec<&str> = left_out.people.keys().map(ParticipantId::as_str).collect();
         // One short drive leaves P2 with one condition; P3 sat through none, which is for others to judge.
         assert_eq!(people, ["P2", "P4"]);
@@ -429,7 +493,7 @@ mod tests {
         let short: Vec<&str> = left_out.drives.keys().map(DriveId::as_str).collect();
         assert_eq!(short, ["P2-a", "P4-b"]);
         let who = |text: &str| ParticipantId::new(text).unwrap();
-        let (a, b) = ("a".parse().unwrap(), "b".parse().unwrap());
+        let (a, b): (Ride, Ride) = ("a".parse().unwrap(), "b".parse().unwrap());
         assert!(left_out.keeps(&who("P1"), a) && !left_out.keeps(&who("P2"), b));
         assert!(left_out.keeps_person(&who("P3")) && !left_out.keeps(&who("P4"), b));
     }

@@ -45,6 +45,8 @@ pub enum Question {
     Pressed,
     /// Was the ride another one just before they press?
     BeforePress,
+    /// Does a person drive in the second session as in the first?
+    Retest,
     /// Do the paper's numbers come out?
     Paper,
     /// Is a driver recognised on another day?
@@ -78,7 +80,7 @@ pub enum Question {
 }
 
 /// Ids of the questions that are asked once, in JSON and on pages; a hypothesis is `hypothesis-1`, and so on.
-const IDS: [(Question, &str); 30] = [
+const IDS: [(Question, &str); 31] = [
     (Question::OwnStyle, "own-style"),
     (Question::Nearer, "nearer"),
     (Question::Dial, "dial"),
@@ -94,6 +96,7 @@ const IDS: [(Question, &str); 30] = [
     (Question::Personality, "personality"),
     (Question::Pressed, "pressed"),
     (Question::BeforePress, "before-press"),
+    (Question::Retest, "retest"),
     (Question::Paper, "paper"),
     (Question::Recognised, "recognised"),
     (Question::Safe, "safe"),

@@ -33,6 +33,7 @@ mod primary;
 mod recommendation;
 mod reproduction;
 mod result;
+mod retest;
 mod sensitivity;
 #[cfg(test)]
 mod testing;
@@ -66,6 +67,7 @@ pub use result::{
     LevelMean, LineRow, MixedRow, Nearer, Panel, Preference, PrimaryOutcome, Reproduction,
     SimilarityRow, TestedFactor,
 };
+pub use retest::{FEWEST_FOR_ICC, Repeats, Retest, RidesCounted};
 pub use turned::{Settled, Turns};
 pub use verdict::Verdict;
 pub use which::WhichRide;

@@ -7,6 +7,7 @@ use crate::{
     lent::BesideLent,
     other_choice::Sensitivity,
     presses::Presses,
+    retest::Repeats,
     verdict::Verdict,
     which::WhichRide,
 };
@@ -73,6 +74,9 @@ pub struct Analysis {
     /// What people pressed during the rides; none where nothing could be pressed.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub presses: Option<Presses>,
+    /// Several sessions and rides; none where the design has one of each.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub repeats: Option<Repeats>,
     /// The own style beside somebody else's of the same score, a condition with such a style a row.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub lent: Vec<BesideLent>,

@@ -4,6 +4,7 @@ use crate::{Analysis, Panel, Purpose, StudyData, Tables, analyse};
 use maveric_domain::{
     ConditionId, ConditionRow, Design, DriveId, DriveMeta, DrivenBy, Embedding, EmbeddingRow,
     MeasuredDrive, Moment, ParticipantId, Score,
+    occasion::first,
     press::{PressMoment, PressedRide},
     stream_seed,
 };
@@ -66,12 +67,12 @@ pub(crate) fn id(text: &str) -> ConditionId {
 
 pub(crate) fn drive(i: usize, condition: &str, speed: Option<f64>) -> MeasuredDrive {
     MeasuredDrive {
-        meta: DriveMeta {
-            drive: DriveId::new(format!("P{}-{condition}", i + 1)).unwrap(),
-            participant: person(i),
-            condition: id(condition),
-            driven_by: DrivenBy::Human,
-        },
+        meta: DriveMeta::new(
+            DriveId::new(format!("P{}-{condition}", i + 1)).unwrap(),
+            person(i),
+            id(condition),
+            DrivenBy::Human,
+        ),
         values: BTreeMap::from([(SPEED.to_owned(), speed)]),
         counted_s: None,
     }
@@ -94,6 +95,8 @@ pub(crate) fn position(i: usize, position: f64) -> EmbeddingRow {
         drive: DriveId::new(format!("P{}-own", i + 1)).unwrap(),
         participant: person(i),
         condition: id("own"),
+        session: first(),
+        trial: first(),
         adb_used: true,
         adb: None,
         adb_hat: None,
@@ -121,7 +124,7 @@ pub(crate) fn tables() -> Tables {
         for (k, condition) in CONDITIONS.into_iter().enumerate() {
             let speed = OWN[i] + FASTER[k][i];
             tables.measurements.push(drive(i, condition, Some(speed)));
-            let after = Moment::After(id(condition));
+            let after = Moment::after(id(condition));
             let trust = score(i, after, "jian_trust", "overall", TRUST[k][i]);
             tables.post.push(trust);
         }
@@ -212,7 +215,7 @@ pub(crate) fn liked(people: usize, best: impl Fn(f64) -> f64, bend: f64) -> Tabl
                 ..steered(i, condition, None, false)
             });
             let trust = 4.0 + draw("level") - bend * (moved - top).powi(2) + 0.3 * draw(condition);
-            let after = Moment::After(id(condition));
+            let after = Moment::after(id(condition));
             tables
                 .post
                 .push(score(i, after, "jian_trust", "overall", trust));

@@ -828,7 +828,7 @@ fn a_condition_is_there_if_it_was_driven_or_rated_and_refused_if_it_was_neither(
         tables
             .measurements
             .retain(|d| driven || d.meta.condition != across);
-        let after = Moment::After(across);
+        let after = Moment::after(across);
         tables.post.retain(|s| rated || s.moment != after);
         StudyData::new(&design, tables).map(|_| ())
     };
@@ -839,7 +839,7 @@ fn a_condition_is_there_if_it_was_driven_or_rated_and_refused_if_it_was_neither(
     let mut once = tables();
     once.measurements
         .retain(|d| d.meta.condition != id("across"));
-    let after = Moment::After(id("across"));
+    let after = Moment::after(id("across"));
     once.post
         .retain(|s| s.moment != after || s.participant == person(0));
     assert!(StudyData::new(&design, once).is_ok());

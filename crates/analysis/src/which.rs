@@ -128,7 +128,7 @@ mod tests {
                 columns: std::collections::BTreeMap::new(),
             });
             for condition in order {
-                let after = Moment::After(id(condition));
+                let after = Moment::After(id(condition).into());
                 let trust = score(i, after, "jian_trust", "overall", 4.0);
                 tables.post.push(trust);
             }

@@ -2,8 +2,7 @@
 #![expect(clippy::print_stdout, reason = "an example shows its result")]
 
 use maveric_domain::{
-    DomainError, Drive, DriveId, DriveMeta, DrivenBy, EgoTrack, ObjectTrack, ParticipantId,
-    Recording, Road, VehicleId,
+    DomainError, Drive, DriveMeta, DrivenBy, EgoTrack, ObjectTrack, Recording, Road, VehicleId,
 };
 
 fn main() -> Result<(), DomainError> {
@@ -24,12 +23,7 @@ fn main() -> Result<(), DomainError> {
     };
     let segment = vec![0; time_s.len()];
     let recording = Recording::new(Road::PAPER, 20.0, time_s, segment, ego, vec![lead])?;
-    let meta = DriveMeta {
-        drive: DriveId::new("P01-own")?,
-        participant: ParticipantId::new("P01")?,
-        condition: "own".parse()?,
-        driven_by: DrivenBy::Synthetic,
-    };
+    let meta = DriveMeta::named("P01-own", "P01", "own", DrivenBy::Synthetic)?;
     let drive = Drive::from_recording(meta, &recording)?;
     let following = drive.rows().following.iter().filter(|&&f| f).count();
     println!(

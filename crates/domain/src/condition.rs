@@ -1,9 +1,6 @@
 //! Which condition a drive belongs to.
 
-use crate::{
-    error::DomainError,
-    ids::{DriveId, ParticipantId, is_file_name},
-};
+use crate::{error::DomainError, ids::is_file_name};
 use serde::{Deserialize, Serialize};
 use std::{fmt, str::FromStr};
 
@@ -54,28 +51,6 @@ impl ConditionId {
         let end = self.0.iter().position(|&b| b == 0).unwrap_or(LONGEST);
         // Only ASCII was let in.
         std::str::from_utf8(&self.0[..end]).unwrap_or_default()
-    }
-}
-
-impl DriveId {
-    /// The drive of a person in a condition, the baseline or a role. Logs may call it otherwise; an id is never taken apart, since people
-    /// and conditions may have a `-` of their own.
-    ///
-    /// # Errors
-    /// [`DomainError::BadId`] where both together are longer than an id.
-    ///
-    /// # Example
-    /// ```
-    /// # use maveric_domain::{DriveId, ParticipantId};
-    /// let drive = DriveId::in_condition(&ParticipantId::new("S2P07")?, "plus-15".parse()?)?;
-    /// assert_eq!(drive.as_str(), "S2P07-plus-15");
-    /// # Ok::<(), maveric_domain::DomainError>(())
-    /// ```
-    pub fn in_condition(
-        participant: &ParticipantId,
-        condition: ConditionId,
-    ) -> Result<Self, DomainError> {
-        Self::new(format!("{participant}-{condition}"))
     }
 }
 

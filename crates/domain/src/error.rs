@@ -22,6 +22,14 @@ pub enum DomainError {
         /// What was given.
         found: String,
     },
+    /// What counts sessions or trials and is no whole number from 1.
+    #[error("{kind} `{found}` must be a whole number from 1")]
+    BadNumber {
+        /// What is counted.
+        kind: &'static str,
+        /// What was given.
+        found: String,
+    },
     /// A moment that is neither `pre` nor a condition's id.
     #[error(
         "`{found}` is not a moment; expected `pre`, or a condition (`after:` may stand before it): 1 to 32 letters, digits, `_` or `-`"

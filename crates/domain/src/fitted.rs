@@ -4,10 +4,11 @@ use crate::{
     condition::ConditionId,
     embedding::Embedding,
     ids::{DriveId, ParticipantId},
+    occasion::{first, is_first},
     survey::AdbScore,
 };
 use serde::{Deserialize, Serialize};
-use std::{fmt, str::FromStr};
+use std::{fmt, num::NonZeroU32, str::FromStr};
 
 /// Why a drive is beyond what a model has learned from; each names the habit that stands furthest from what the others let expect.
 ///
@@ -90,6 +91,12 @@ pub struct EmbeddingRow {
     pub participant: ParticipantId,
     /// The style the drive shows.
     pub condition: ConditionId,
+    /// In which session it was driven.
+    #[serde(default = "first", skip_serializing_if = "is_first")]
+    pub session: NonZeroU32,
+    /// Which drive of the condition within the session it was.
+    #[serde(default = "first", skip_serializing_if = "is_first")]
+    pub trial: NonZeroU32,
     /// Whether the ADB score took part in the fit.
     pub adb_used: bool,
     /// ADB score, in points, where there is one.

@@ -6,6 +6,7 @@ use crate::{
     error::DomainError,
     fitted::BeyondWhy,
     ids::{DriveId, ParticipantId},
+    occasion::{Occasion, Ride},
 };
 use serde::{Deserialize, Serialize};
 
@@ -68,14 +69,29 @@ pub struct Lent {
 }
 
 impl ConditionRow {
-    /// Name of the drive simulated in this condition.
+    /// Name of the first drive simulated in this condition.
     ///
     /// # Errors
     /// [`DomainError::BadId`] if participant and condition make no identifier.
     pub fn drive(&self) -> Result<DriveId, DomainError> {
+        self.drive_on(Occasion::FIRST)
+    }
+
+    /// Name of the drive simulated in this condition in a session and trial; a point of a sweep is driven once.
+    ///
+    /// # Errors
+    /// As [`ConditionRow::drive`].
+    pub fn drive_on(&self, occasion: Occasion) -> Result<DriveId, DomainError> {
+        let condition = self.condition;
         match &self.sweep {
             Some(point) => Ok(point.drive.clone()),
-            None => DriveId::in_condition(&self.participant, self.condition),
+            None => DriveId::in_condition(
+                &self.participant,
+                Ride {
+                    condition,
+                    occasion,
+                },
+            ),
         }
     }
 }

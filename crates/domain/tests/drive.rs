@@ -10,12 +10,7 @@ use maveric_domain::{
 const WIDTH_M: f64 = 3.66;
 
 fn meta() -> DriveMeta {
-    DriveMeta {
-        drive: maveric_domain::DriveId::new("P1-calm").unwrap(),
-        participant: maveric_domain::ParticipantId::new("P1").unwrap(),
-        condition: "calm".parse().unwrap(),
-        driven_by: DrivenBy::Synthetic,
-    }
+    DriveMeta::named("P1-calm", "P1", "calm", DrivenBy::Synthetic).unwrap()
 }
 
 fn ego(x_m: &[f64], y_m: &[f64], speed_mps: f64) -> EgoTrack {

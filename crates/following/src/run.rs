@@ -266,10 +266,7 @@ impl Stretch<'_> {
 mod tests {
     use super::{FollowingError as E, *};
     use crate::testing;
-    use maveric_domain::{
-        DriveId, DriveMeta, DrivenBy, EgoTrack, ObjectTrack, ParticipantId, Recording, Road,
-        VehicleId,
-    };
+    use maveric_domain::{DriveMeta, DrivenBy, EgoTrack, ObjectTrack, Recording, Road, VehicleId};
 
     fn columns() -> FollowingColumns {
         testing::behind("P01", 10, 20.0, 10.0, |_| 10.0)
@@ -298,12 +295,7 @@ mod tests {
         let time_s = (0..n).map(|i| i as f64 / 10.0).collect();
         let recording =
             Recording::new(Road::PAPER, 10.0, time_s, vec![0; n], ego, vec![leader]).unwrap();
-        let meta = DriveMeta {
-            drive: DriveId::new("P01-own").unwrap(),
-            participant: ParticipantId::new("P01").unwrap(),
-            condition: "own".parse().unwrap(),
-            driven_by: DrivenBy::Human,
-        };
+        let meta = DriveMeta::named("P01-own", "P01", "own", DrivenBy::Human).unwrap();
         Drive::from_recording(meta, &recording).unwrap()
     }
 

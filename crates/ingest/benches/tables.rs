@@ -5,8 +5,7 @@
 #![expect(clippy::unwrap_used, reason = "a benchmark fails as tests do")]
 
 use maveric_domain::{
-    Drive, DriveId, DriveMeta, DrivenBy, EgoTrack, ObjectTrack, ParticipantId, Recording, Road,
-    VehicleId,
+    Drive, DriveMeta, DrivenBy, EgoTrack, ObjectTrack, Recording, Road, VehicleId,
 };
 use maveric_ingest::{
     Beside, IngestSettings, Mapping, Provenance, read_log, write_drive_to, write_mcap,
@@ -109,12 +108,7 @@ fn recording() -> Recording {
 }
 
 fn meta() -> DriveMeta {
-    DriveMeta {
-        drive: DriveId::new("P01-mimic").unwrap(),
-        participant: ParticipantId::new("P01").unwrap(),
-        condition: "mimic".parse().unwrap(),
-        driven_by: DrivenBy::Automated,
-    }
+    DriveMeta::named("P01-mimic", "P01", "mimic", DrivenBy::Automated).unwrap()
 }
 
 #[divan::bench(name = "write/log/12000", sample_count = 20)]

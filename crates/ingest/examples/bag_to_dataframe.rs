@@ -1,9 +1,7 @@
 //! A bag to a polars data frame; the bag is the file that is named, else ten seconds of driving made here.
 #![expect(clippy::print_stdout, reason = "an example shows its result")]
 
-use maveric_domain::{
-    Drive, DriveId, DriveMeta, DrivenBy, EgoTrack, ParticipantId, Recording, Road,
-};
+use maveric_domain::{Drive, DriveMeta, DrivenBy, EgoTrack, Recording, Road};
 use maveric_ingest::{IngestSettings, drive_frame, read_log, write_mcap};
 use std::{error::Error, fs::File, path::PathBuf};
 
@@ -36,12 +34,7 @@ fn a_bag() -> Result<PathBuf, Box<dyn Error>> {
         speed_mps: vec![25.0; rows],
     };
     let recording = Recording::new(Road::PAPER, 20.0, time_s, vec![0; rows], ego, vec![])?;
-    let meta = DriveMeta {
-        drive: DriveId::new("P01-own")?,
-        participant: ParticipantId::new("P01")?,
-        condition: "own".parse()?,
-        driven_by: DrivenBy::Synthetic,
-    };
+    let meta = DriveMeta::named("P01-own", "P01", "own", DrivenBy::Synthetic)?;
     let path = std::env::temp_dir().join(format!("maveric-{}.mcap", std::process::id()));
     write_mcap(&recording, &meta, File::create(&path)?)?;
     Ok(path)

@@ -24,7 +24,7 @@ pub enum MeasureError {
         /// The scale's id.
         scale: String,
         /// The ids that are defined.
-        known: String,
+        known: Box<str>,
     },
     /// An answer to an item that the scale does not have.
     #[error(

@@ -4,9 +4,7 @@
 //! file of the population learned from, and that of the fresh people; `drivers` for the people of the paper's scenario.
 #![expect(clippy::print_stdout, reason = "an example shows its result")]
 
-use maveric_domain::{
-    Drive, DriveId, DriveMeta, DrivenBy, LatentTraits, ParticipantId, stream_seed,
-};
+use maveric_domain::{Drive, DriveMeta, DrivenBy, LatentTraits, stream_seed};
 use maveric_model::{HeadsKind, Personalizer, TrainSettings, TrainingDrive, train};
 use maveric_simulator::{Driver, People, Scenario, rollout};
 use rand::SeedableRng;
@@ -31,12 +29,12 @@ fn drive(scenario: &Scenario, people: &People, seed: u64, person: usize) -> Resu
     let of = |what: &str| stream_seed(seed, &[what, &name]);
     let who = people.draw(&traits, of("person"), of("day"));
     let driven = rollout(scenario, Driver::from(&who), of("world"))?;
-    let meta = DriveMeta {
-        drive: DriveId::new(format!("p{person}-own"))?,
-        participant: ParticipantId::new(format!("p{person}"))?,
-        condition: "own".parse()?,
-        driven_by: DrivenBy::Synthetic,
-    };
+    let meta = DriveMeta::named(
+        format!("p{person}-own"),
+        format!("p{person}"),
+        "own",
+        DrivenBy::Synthetic,
+    )?;
     Ok(Drive::from_recording(meta, &driven.recording)?)
 }
 

@@ -93,11 +93,6 @@ fn drive(driver: &str, lines: &[Vec<&str>]) -> Result<Drive, Box<dyn Error>> {
     let recording = Recording::new(Road::PAPER, rate_hz, time_s, vec![0; n], ego, leads)?;
     let (condition, driven_by) = ("own".parse()?, DrivenBy::Synthetic);
     let (drive, participant) = (DriveId::new(driver)?, ParticipantId::new(driver)?);
-    let meta = DriveMeta {
-        drive,
-        participant,
-        condition,
-        driven_by,
-    };
+    let meta = DriveMeta::new(drive, participant, condition, driven_by);
     Ok(Drive::from_recording(meta, &recording)?)
 }

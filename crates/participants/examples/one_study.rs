@@ -1,7 +1,7 @@
 //! Draws a small study, lets its people answer and rate a car that drives faster and slower than they do.
 #![expect(clippy::print_stdout, reason = "an example shows its result")]
 
-use maveric_domain::{Design, MeasureValues, Moment, Scale};
+use maveric_domain::{ConditionId, Design, MeasureValues, Moment, Scale};
 use maveric_participants::{Cohort, CohortSettings, Effects, answer_before, preferred_shift, rate};
 use std::collections::BTreeMap;
 
@@ -21,7 +21,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let drive = |mps: f64| MeasureValues::from([("mean_velocity_mps".to_owned(), Some(mps))]);
     let spread = BTreeMap::from([("mean_velocity_mps".to_owned(), 2.6)]);
     let trials = [
-        ("mimic".parse()?, drive(29.0)),
+        ("mimic".parse::<ConditionId>()?, drive(29.0)),
         ("aggressive".parse()?, drive(31.0)),
         ("cautious".parse()?, drive(27.0)),
     ];
@@ -46,7 +46,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
                 let items = rated
                     .answers
                     .iter()
-                    .filter(|a| a.moment == Moment::After(*condition) && a.item > 5);
+                    .filter(|a| a.moment == Moment::after(*condition) && a.item > 5);
                 print!(
                     " {condition} {}",
                     items.filter_map(|a| a.answer).sum::<i32>()

@@ -65,7 +65,7 @@ pub fn answer_before(
         } in roles
         {
             for scale in scales.iter().filter(|s| s.id == ADB) {
-                let moment = Moment::After(*condition);
+                let moment = Moment::after(*condition);
                 answers.extend(adb(participant, traits, moment, scale, effects, seed));
             }
         }
@@ -260,8 +260,8 @@ mod tests {
             mine.filter_map(|a| a.answer).sum()
         };
         for p in cohort.participants.iter().filter(|p| p.professional) {
-            let up = total(p.id.clone(), Moment::After(id("aggressive")));
-            let down = total(p.id.clone(), Moment::After(id("cautious")));
+            let up = total(p.id.clone(), Moment::after(id("aggressive")));
+            let down = total(p.id.clone(), Moment::after(id("cautious")));
             assert!(up > 30 && (11..26).contains(&down), "{up} {down}");
         }
         let roles = answers.iter().filter(|a| a.moment != Moment::Pre).count();

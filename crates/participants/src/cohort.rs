@@ -9,7 +9,7 @@ use crate::{
     trait_mixing::TraitMixing,
 };
 use maveric_domain::{
-    ConditionId, Design, DriveId, LatentTraits, ParticipantId,
+    ConditionId, Design, DriveId, LatentTraits, Occasion, ParticipantId, Ride,
     design::{By, Condition, williams},
 };
 use serde::{Deserialize, Serialize};
@@ -27,6 +27,8 @@ pub struct PlannedDrive {
     pub role: bool,
     /// The baseline, or the role that a professional demonstrates.
     pub condition: ConditionId,
+    /// In which session: whoever is learned from has one.
+    pub occasion: Occasion,
     /// The person's traits; in a role with another aggressiveness.
     pub traits: LatentTraits,
 }
@@ -179,8 +181,14 @@ fn drives(
     let own = design.baseline().filter(|b| b.by == By::Hand);
     let in_roles = part == Part::Learn && (participant.professional || own.is_none());
     let roles = design.roles().iter().filter(|_| in_roles);
-    let own = own.into_iter().map(|b| (b.id, false));
-    let plan = |(condition, role): (ConditionId, bool)| {
+    let own = own.into_iter().flat_map(|b| {
+        let occasions = match part {
+            Part::Learn => vec![Occasion::FIRST],
+            Part::Test => design.occasions(b.id),
+        };
+        occasions.into_iter().map(|on| (b.id, on, false))
+    });
+    let plan = |(condition, occasion, role): (ConditionId, Occasion, bool)| {
         let mut rng = stream(seed, &[participant.id.as_str(), "role", condition.as_str()]);
         let level = settings.role_aggressiveness;
         let mut traits = participant.traits;
@@ -189,15 +197,23 @@ fn drives(
             traits.aggressiveness = side.factor() * level + settings.role_sd * normal(&mut rng);
         }
         Ok(PlannedDrive {
-            drive: DriveId::in_condition(&participant.id, condition)?,
+            drive: DriveId::in_condition(
+                &participant.id,
+                Ride {
+                    condition,
+                    occasion,
+                },
+            )?,
             participant: participant.id.clone(),
             part,
             role,
             condition,
+            occasion,
             traits,
         })
     };
-    own.chain(roles.map(|r| (r.id, true))).map(plan).collect()
+    let roles = roles.map(|r| (r.id, Occasion::FIRST, true));
+    own.chain(roles).map(plan).collect()
 }
 
 #[cfg(test)]

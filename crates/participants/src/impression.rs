@@ -5,7 +5,7 @@ use crate::{
     person::Participant,
     response::{normal, stream},
 };
-use maveric_domain::{ConditionId, MeasureValues};
+use maveric_domain::{MeasureValues, Ride};
 use std::collections::{BTreeMap, BTreeSet};
 
 /// The shift that a person would like best, in the unit of [`Perception::shift`](crate::effects::Perception::shift): the truth that an
@@ -32,8 +32,8 @@ fn weighted(participant: &Participant, effects: &Loadings) -> f64 {
 /// One person in one condition.
 pub(crate) struct Trial<'a> {
     pub(crate) participant: &'a Participant,
-    pub(crate) condition: ConditionId,
-    /// What its random choices belong to: the condition's name in a study.
+    pub(crate) ride: Ride,
+    /// What its random choices belong to: the ride's name in a study.
     pub(crate) label: &'a str,
     pub(crate) place: f64,
     pub(crate) own: &'a MeasureValues,
@@ -165,7 +165,7 @@ mod tests {
         let made_of = |drive: &MeasureValues| {
             let trial = Trial {
                 participant,
-                condition: id("mimic"),
+                ride: id("mimic").into(),
                 label: "mimic",
                 place: 0.0,
                 own: &own,

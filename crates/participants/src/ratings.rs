@@ -8,7 +8,7 @@ use crate::{
     person::Participant,
     response::{as_given, grade, maybe_left_out, normal, stream},
 };
-use maveric_domain::{Answer, ConditionId, MeasureValues, Moment, ParticipantId, Scale};
+use maveric_domain::{Answer, ConditionId, MeasureValues, Moment, ParticipantId, Ride, Scale};
 use std::{
     collections::{BTreeMap, BTreeSet},
     fmt,
@@ -57,20 +57,20 @@ pub struct Rated {
 /// Lets one participant rate the conditions that they sat through.
 ///
 /// `own` and `trials` hold objective measures by code name, `spread` their standard deviations in the population (see [`maveric_domain::spread`]).
-/// Only the scales that [`Effects::ratings`] knows are asked. Each answer depends on the seed, the person, the condition and
-/// the subscale alone.
+/// Only the scales that [`Effects::ratings`] knows are asked. Each answer depends on the seed, the person, the condition (and session and
+/// trial, where there are several) and the subscale alone.
 ///
 /// # Errors
-/// [`ParticipantError::BadTrial`] for a condition given twice or one driven by hand; [`ParticipantError::BadMeasure`];
+/// [`ParticipantError::BadTrial`] for a ride given twice or one driven by hand; [`ParticipantError::BadMeasure`];
 /// [`ParticipantError::BadSetting`], [`ParticipantError::UnknownSubscale`], [`ParticipantError::ItemTwice`],
 /// [`ParticipantError::ItemWithoutModel`] or [`ParticipantError::Domain`] where effects or scales do not fit.
 ///
 /// # Source
 /// Method section 7; the formula is at [`RatingModel`].
-pub fn rate(
+pub fn rate<R: Into<Ride> + Copy>(
     participant: &Participant,
     own: &MeasureValues,
-    trials: &[(ConditionId, MeasureValues)],
+    trials: &[(R, MeasureValues)],
     spread: &BTreeMap<String, f64>,
     scales: &[Scale],
     effects: &Effects,
@@ -81,25 +81,32 @@ pub fn rate(
     check_measures(participant, own)?;
     let mut seen = BTreeSet::new();
     let mut sat_through = Vec::new();
-    for (condition, values) in trials {
+    let rides = trials.iter().map(|(ride, values)| {
+        let ride: Ride = (*ride).into();
+        (ride, ride.to_string(), values)
+    });
+    let rides: Vec<(Ride, String, &MeasureValues)> = rides.collect();
+    for (ride, label, values) in &rides {
         check_measures(participant, values)?;
+        let ride = *ride;
+        let condition = ride.condition;
         let bad = |problem| {
             Err(ParticipantError::BadTrial {
                 participant: participant.id.clone(),
-                condition: *condition,
+                condition,
                 problem,
             })
         };
-        let Some(place) = participant.order.iter().position(|c| c == condition) else {
+        let Some(place) = participant.order.iter().position(|c| *c == condition) else {
             return bad("is none that they sat through");
         };
-        if !seen.insert(*condition) {
+        if !seen.insert(ride) {
             return bad("is given twice");
         }
         let trial = Trial {
             participant,
-            condition: *condition,
-            label: condition.as_str(),
+            ride,
+            label,
             place: place as f64 - (participant.order.len() as f64 - 1.0) / 2.0,
             own,
             values,
@@ -110,7 +117,10 @@ pub fn rate(
     }
     let mut rated = Rated::default();
     for (place, trial, (impression, missing)) in &sat_through {
-        let before = sat_through.iter().find(|(p, ..)| p + 1 == *place);
+        let before = |(p, before, _): &&(usize, Trial<'_>, _)| {
+            p + 1 == *place && before.ride.occasion == trial.ride.occasion
+        };
+        let before = sat_through.iter().find(before);
         let left = before.map(|(_, _, (impression, _))| impression);
         trial.rate(
             scales,
@@ -145,7 +155,7 @@ pub fn rate_trial(
     check_measures(participant, values)?;
     let trial = Trial {
         participant,
-        condition,
+        ride: condition.into(),
         label,
         place: 0.0,
         own,
@@ -208,7 +218,7 @@ impl Trial<'_> {
         if !missing.is_empty() {
             rated.warnings.push(RatingWarning::NotCompared {
                 participant: self.participant.id.clone(),
-                condition: self.condition,
+                condition: self.ride.condition,
                 measures: missing.to_vec(),
             });
         }
@@ -250,7 +260,7 @@ impl Trial<'_> {
                 let given = as_given(scale, subscale, item, scored);
                 answers.push(Answer {
                     participant: self.participant.id.clone(),
-                    moment: Moment::After(self.condition),
+                    moment: Moment::After(self.ride),
                     scale: scale.id.clone(),
                     item,
                     answer: maybe_left_out(&mut rng, effects.missing_rate, given),
@@ -328,7 +338,7 @@ mod tests {
         let conditions = [id("mimic"), id("aggressive"), id("cautious")];
         let changes = |of: ConditionId| {
             let rated = |study: &TestStudy| {
-                study.scores(Moment::After(of), "aggressiveness", "aggressiveness")
+                study.scores(Moment::After(of.into()), "aggressiveness", "aggressiveness")
             };
             let pairs = rated(&with).into_iter().zip(rated(&without));
             pairs
@@ -409,7 +419,7 @@ mod tests {
         assert!((0.1..0.6).contains(&r), "openness: {r}");
         for (scale, subscale, sign) in OUTCOMES {
             let over_conditions = |s: &TestStudy, scale: &str, subscale: &str| -> Vec<f64> {
-                let after = |c: &ConditionId| s.scores(Moment::After(*c), scale, subscale);
+                let after = |c: &ConditionId| s.scores(Moment::after(*c), scale, subscale);
                 conditions().iter().flat_map(after).collect()
             };
             let r = |s: &TestStudy| {
@@ -427,7 +437,7 @@ mod tests {
     fn aggressive_is_called_more_and_cautious_less_aggressive_than_mimic() {
         let study = TestStudy::run(200, 3, &effects());
         let scale = ("aggressiveness", "aggressiveness");
-        let mimic = mean(&study.scores(Moment::After(id("mimic")), scale.0, scale.1));
+        let mimic = mean(&study.scores(Moment::after(id("mimic")), scale.0, scale.1));
         assert!((mimic - 4.0).abs() < 0.2, "{mimic}");
         let above = mean(&study.mimic_minus(id("aggressive"), scale.0, scale.1));
         let below = mean(&study.mimic_minus(id("cautious"), scale.0, scale.1));
@@ -470,7 +480,7 @@ mod tests {
                 }
             }
             if scale != "similarity" {
-                let mimic = Moment::After(id("mimic"));
+                let mimic = Moment::after(id("mimic"));
                 let similarity = study.scores(mimic, "similarity", "similarity");
                 let r = correlation(&similarity, &study.scores(mimic, scale, subscale));
                 assert!(r.abs() < bound, "similarity {subscale}: {r}");

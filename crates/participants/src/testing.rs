@@ -183,8 +183,8 @@ impl TestStudy {
 
     /// Mimic minus another condition.
     pub(crate) fn mimic_minus(&self, other: ConditionId, scale: &str, subscale: &str) -> Vec<f64> {
-        let mimic = self.scores(Moment::After(id("mimic")), scale, subscale);
-        let other = self.scores(Moment::After(other), scale, subscale);
+        let mimic = self.scores(Moment::after(id("mimic")), scale, subscale);
+        let other = self.scores(Moment::after(other), scale, subscale);
         mimic.iter().zip(other).map(|(m, o)| m - o).collect()
     }
 }

@@ -6,8 +6,8 @@ use crate::{
     model::Style,
 };
 use maveric_domain::{
-    Drive, DriveId, DriveMeta, DrivenBy, EgoState, LaneActivity, LaneWish, ParticipantId, Road,
-    Scene, Seconds, Setpoints, VehicleId, VehicleState, When, drive::ReferenceTracker,
+    Drive, DriveMeta, DrivenBy, EgoState, LaneActivity, LaneWish, Road, Scene, Seconds, Setpoints,
+    VehicleId, VehicleState, When, drive::ReferenceTracker,
 };
 use maveric_simulator::{Driver, Planner as Plans, Rollout, Scenario, Session, View};
 use maveric_steering::ModelPlanner;
@@ -332,12 +332,7 @@ fn to_the_end(
 
 /// The drive, and what was counted in it.
 fn finished<'py>(py: Python<'py>, rollout: Rollout, name: &str) -> PyResult<Driven<'py>> {
-    let meta = DriveMeta {
-        drive: DriveId::new(name).map_err(raised)?,
-        participant: ParticipantId::new(name).map_err(raised)?,
-        condition: "car".parse().map_err(raised)?,
-        driven_by: DrivenBy::Automated,
-    };
+    let meta = DriveMeta::named(name, name, "car", DrivenBy::Automated).map_err(raised)?;
     let signals = Drive::from_recording(meta, &rollout.recording).map_err(raised)?;
     let (report, counts) = (rollout.report, PyDict::new(py));
     for (key, count) in [

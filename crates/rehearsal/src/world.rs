@@ -10,6 +10,7 @@ use maveric_domain::{
     ConditionId, ConditionRow, Design, DriveId, DriveMeta, DrivenBy, Embedding, EmbeddingRow,
     MeasureValues, MeasuredDrive, Moment, Scale, Score,
     design::{Car, Condition, ScoreName},
+    occasion::first,
     spread,
 };
 use maveric_participants::{Cohort, CohortSettings, Effects, Participant, answer_before, rate};
@@ -239,16 +240,18 @@ fn meta(
     condition: ConditionId,
     by_hand: bool,
 ) -> Result<DriveMeta, RehearsalError> {
-    Ok(DriveMeta {
-        drive: DriveId::in_condition(&person.id, condition)?,
-        participant: person.id.clone(),
+    let driven_by = if by_hand {
+        DrivenBy::Synthetic
+    } else {
+        DrivenBy::Automated
+    };
+    let drive = DriveId::in_condition(&person.id, condition)?;
+    Ok(DriveMeta::new(
+        drive,
+        person.id.clone(),
         condition,
-        driven_by: if by_hand {
-            DrivenBy::Synthetic
-        } else {
-            DrivenBy::Automated
-        },
-    })
+        driven_by,
+    ))
 }
 
 fn embedding(
@@ -261,6 +264,8 @@ fn embedding(
         drive: DriveId::in_condition(&person.id, baseline)?,
         participant: person.id.clone(),
         condition: baseline,
+        session: first(),
+        trial: first(),
         adb_used,
         adb,
         adb_hat: None,

@@ -1,7 +1,7 @@
 //! A style from what was driven.
 
 use crate::error::SeatPageError;
-use maveric_domain::{BeyondWhy, Drive, DriveId, DriveMeta, DrivenBy, ParticipantId, Recording};
+use maveric_domain::{BeyondWhy, Drive, DriveMeta, DrivenBy, Recording};
 use maveric_model::{Model, Support, personalize};
 use serde::{Deserialize, Serialize};
 
@@ -34,12 +34,7 @@ pub fn fit(
     recording: &Recording,
     driven_by: DrivenBy,
 ) -> Result<Fit, SeatPageError> {
-    let meta = DriveMeta {
-        drive: DriveId::new("seat")?,
-        participant: ParticipantId::new("seat")?,
-        condition: "own".parse()?,
-        driven_by,
-    };
+    let meta = DriveMeta::named("seat", "seat", "own", driven_by)?;
     let drive = Drive::from_recording(meta, recording)?;
     let found = personalize(model, &drive, None)?;
     Ok(Fit {

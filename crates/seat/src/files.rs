@@ -200,12 +200,12 @@ impl Files {
             path: path.clone(),
             source,
         };
-        let meta = DriveMeta {
-            drive: DriveId::new(name).map_err(|e| bad(e.into()))?,
-            participant: ParticipantId::new(participant).map_err(|e| bad(e.into()))?,
+        let meta = DriveMeta::new(
+            DriveId::new(name).map_err(|e| bad(e.into()))?,
+            ParticipantId::new(participant).map_err(|e| bad(e.into()))?,
             condition,
-            driven_by: record.header.driven_by,
-        };
+            record.header.driven_by,
+        );
         let beside = Beside {
             trace: &again.rollout.trace,
             attached: Some((RECORD, lines.as_bytes())),

@@ -221,7 +221,7 @@ fn rides(
             probe: probe.cloned(),
         });
         for id in &protocol.after {
-            let moment = Moment::After(condition.id);
+            let moment = Moment::after(condition.id);
             steps.push(sheet(scales, id, moment, &protocol.language)?);
         }
     }

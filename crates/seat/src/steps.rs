@@ -262,9 +262,9 @@ impl Step {
                 *lent = None;
             }
             Self::Scale {
-                moment: Moment::After(condition),
+                moment: Moment::After(ride),
                 ..
-            } => *condition = coded(*condition).unwrap_or(*condition),
+            } => ride.condition = coded(ride.condition).unwrap_or(ride.condition),
             _ => {}
         }
         step

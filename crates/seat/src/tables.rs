@@ -7,7 +7,7 @@ use crate::{
     sheet::Sheet,
     steps::Step,
 };
-use maveric_domain::{Design, Moment};
+use maveric_domain::{Design, Moment, occasion::OCCASION};
 use maveric_study::tables::{
     Table, TableBuilder, TableName,
     surveys::{moment_word, moments},
@@ -102,7 +102,9 @@ pub(crate) fn write_answers(
         .into_iter()
         .any(|moment| matches!(moment, Moment::Probe(_) | Moment::Post));
     let beside = beside || path.is_file() && Table::read(path)?.has(CONDITION);
-    let alone = |column: &&str| beside || ![CONDITION, AT_S].contains(column);
+    // The seat has one session, and one ride in a condition.
+    let once = |column: &&str| !OCCASION.contains(column);
+    let alone = |column: &&str| once(column) && (beside || ![CONDITION, AT_S].contains(column));
     let columns = TableName::Answers.entry().columns.iter();
     let written = rows.iter().any(|row: &Row| row.contains_key("text"));
     let columns = columns.map(|column| column.name.as_str()).filter(alone);
@@ -130,7 +132,7 @@ fn asked(step: &Step) -> Option<(&str, Moment)> {
             condition,
             probe: Some(probe),
             ..
-        } => Some((&probe.scale, Moment::Probe(*condition))),
+        } => Some((&probe.scale, Moment::probe(*condition))),
         _ => None,
     }
 }

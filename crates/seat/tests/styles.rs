@@ -27,6 +27,8 @@ fn styles(folder: &Path, people: &[(&str, &[f64])]) {
         drive: DriveId::new(format!("{who}-own")).unwrap(),
         participant: ParticipantId::new(*who).unwrap(),
         condition: "own".parse().unwrap(),
+        session: maveric_domain::occasion::first(),
+        trial: maveric_domain::occasion::first(),
         adb_used: false,
         adb: None,
         adb_hat: None,

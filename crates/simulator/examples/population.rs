@@ -6,8 +6,8 @@
 #![expect(clippy::print_stdout, reason = "an example shows its result")]
 
 use maveric_domain::{
-    Drive, DriveId, DriveMeta, DrivenBy, LaneWish, LatentTraits, ParticipantId, Setpoints, When,
-    drive::Direction, stream_seed,
+    Drive, DriveMeta, DrivenBy, LaneWish, LatentTraits, Setpoints, When, drive::Direction,
+    stream_seed,
 };
 use maveric_simulator::{
     Driver, DriverParams, People, Rollout, Scenario, SimulatorError, View, population_table,
@@ -101,12 +101,7 @@ fn rule(speed_mps: f64) -> impl FnMut(&View<'_>) -> Setpoints {
 }
 
 fn drive_of(rollout: &Rollout) -> Result<Drive, SimulatorError> {
-    let meta = DriveMeta {
-        drive: DriveId::new("example")?,
-        participant: ParticipantId::new("example")?,
-        condition: "own".parse()?,
-        driven_by: DrivenBy::Synthetic,
-    };
+    let meta = DriveMeta::named("example", "example", "own", DrivenBy::Synthetic)?;
     Ok(Drive::from_recording(meta, &rollout.recording)?)
 }
 

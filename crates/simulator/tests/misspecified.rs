@@ -1,8 +1,6 @@
 //! The second kind of people, held against what they have to be: sane drivers, about as fast and as close as the paper's population.
 
-use maveric_domain::{
-    Drive, DriveId, DriveMeta, DrivenBy, LatentTraits, ParticipantId, drive::Direction, stream_seed,
-};
+use maveric_domain::{Drive, DriveMeta, DrivenBy, LatentTraits, drive::Direction, stream_seed};
 use maveric_simulator::{Driver, People, Rollout, Scenario, rollout};
 use rand::SeedableRng;
 use rand_distr::{Distribution, StandardNormal};
@@ -32,12 +30,7 @@ fn drives(n: u64) -> Vec<Rollout> {
 }
 
 fn drive(rollout: &Rollout) -> Drive {
-    let meta = DriveMeta {
-        drive: DriveId::new("test").expect("a plain word"),
-        participant: ParticipantId::new("test").expect("a plain word"),
-        condition: "own".parse().expect("an id"),
-        driven_by: DrivenBy::Synthetic,
-    };
+    let meta = DriveMeta::named("test", "test", "own", DrivenBy::Synthetic).expect("a plain word");
     Drive::from_recording(meta, &rollout.recording).expect("a whole recording")
 }
 

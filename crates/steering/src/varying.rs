@@ -119,7 +119,7 @@ impl<P: Planner> Planner for Varying<P> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use maveric_domain::{Drive, DriveId, DriveMeta, DrivenBy, LaneWish, ParticipantId, Seconds};
+    use maveric_domain::{Drive, DriveMeta, DrivenBy, LaneWish, Seconds};
     use maveric_model::variability;
     use maveric_simulator::{Driver, Rollout, Scenario, rollout};
 
@@ -160,12 +160,7 @@ mod tests {
     #[test]
     fn the_car_wanders_as_much_and_at_the_pace_that_it_is_asked_to() {
         let driven = driven(&WANDERS, 3);
-        let meta = DriveMeta {
-            drive: DriveId::new("car").unwrap(),
-            participant: ParticipantId::new("P01").unwrap(),
-            condition: "mimic".parse().unwrap(),
-            driven_by: DrivenBy::Automated,
-        };
+        let meta = DriveMeta::named("car", "P01", "mimic", DrivenBy::Automated).unwrap();
         let found = variability(&Drive::from_recording(meta, &driven.recording).unwrap());
         let near = |found: Option<Wander>, asked: Option<Wander>| {
             let (found, asked) = (found.unwrap(), asked.unwrap());

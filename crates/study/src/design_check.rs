@@ -14,7 +14,7 @@ use crate::{
 };
 use maveric_analysis::{LeftOut, Why};
 use maveric_domain::{
-    Design, DriveId, Scale,
+    Design, DriveId, Ride, Scale,
     design::{DesignError, Quantity, ScoreName},
 };
 use maveric_measures::objective;
@@ -77,8 +77,16 @@ pub fn check_design(study: &DesignFile) -> Result<(), StudyError> {
 fn drives_of(study: &DesignFile, people: &People) -> Vec<DriveId> {
     let labels = study.design.labels();
     let people = people.enrolled.iter();
+    let rides = labels.iter().flat_map(|&condition| {
+        let occasions = study.design.occasions(condition).into_iter();
+        occasions.map(move |occasion| Ride {
+            condition,
+            occasion,
+        })
+    });
+    let rides: Vec<Ride> = rides.collect();
     people
-        .flat_map(|p| labels.iter().map(|&id| DriveId::in_condition(&p.id, id)))
+        .flat_map(|p| rides.iter().map(|&ride| DriveId::in_condition(&p.id, ride)))
         // Of two ids too long for one there is no drive.
         .filter_map(Result::ok)
         .collect()
@@ -325,6 +333,8 @@ mod tests {
                 drive: DriveId::new(drive).unwrap(),
                 participant: ParticipantId::new("P").unwrap(),
                 condition: "own".parse().unwrap(),
+                session: maveric_domain::occasion::first(),
+                trial: maveric_domain::occasion::first(),
                 adb_used: false,
                 adb: None,
                 adb_hat: None,

@@ -9,7 +9,7 @@ use crate::{
 };
 use maveric_analysis::{
     Driven, Flow, LeftOut, Rule, Why,
-    exclusions::{too_short, unknown_condition},
+    exclusions::{too_short, unknown_ride},
 };
 use maveric_domain::{Answer, Design, DriveId, DriveMeta, Moment, ParticipantId, Scale};
 use std::{
@@ -143,25 +143,25 @@ impl Gate {
 
     /// Why a drive of this length (s) is left out; none where it is let in.
     pub fn drive(&self, meta: &DriveMeta, duration_s: f64) -> Option<Why> {
-        let (who, condition) = (&meta.participant, meta.condition);
+        let (who, ride) = (&meta.participant, meta.ride());
         let rules = self.left_out.drives.get(&meta.drive);
         rules
             .cloned()
             .or_else(|| self.person(who))
-            .or_else(|| unknown_condition(&self.design, condition))
-            .or_else(|| self.left_out.about(who, condition).cloned())
+            .or_else(|| unknown_ride(&self.design, ride))
+            .or_else(|| self.left_out.about(who, ride).cloned())
             .or_else(|| too_short(&self.design, duration_s))
     }
 
     /// Why an answer is left out; one about an excluded drive goes with the drive.
     pub fn answer(&self, participant: &ParticipantId, moment: Moment) -> Option<Why> {
         let person = self.person(participant);
-        let Some(condition) = moment.condition() else {
+        let Some(ride) = moment.ride() else {
             return person;
         };
         person
-            .or_else(|| unknown_condition(&self.design, condition))
-            .or_else(|| self.left_out.about(participant, condition).cloned())
+            .or_else(|| unknown_ride(&self.design, ride))
+            .or_else(|| self.left_out.about(participant, ride).cloned())
     }
 
     /// Why somebody is left out, or unknown.

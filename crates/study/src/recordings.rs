@@ -129,9 +129,7 @@ pub(crate) fn read(
 #[cfg(test)]
 pub(crate) mod testing {
     use crate::tables::drives::write_drive;
-    use maveric_domain::{
-        Drive, DriveId, DriveMeta, DrivenBy, LatentTraits, ParticipantId, Recording, Seconds,
-    };
+    use maveric_domain::{Drive, DriveMeta, DrivenBy, LatentTraits, Recording, Seconds};
     use maveric_simulator::{Driver, DriverParams, Scenario, rollout};
     use std::sync::OnceLock;
 
@@ -169,12 +167,13 @@ score = 15
     }
 
     fn drive(who: usize, role: &str, aggressiveness: f64, seed: u64) -> Drive {
-        let meta = DriveMeta {
-            drive: DriveId::new(format!("P{who}-{role}")).unwrap(),
-            participant: ParticipantId::new(format!("P{who}")).unwrap(),
-            condition: role.parse().unwrap(),
-            driven_by: DrivenBy::Synthetic,
-        };
+        let meta = DriveMeta::named(
+            format!("P{who}-{role}"),
+            format!("P{who}"),
+            role,
+            DrivenBy::Synthetic,
+        )
+        .unwrap();
         Drive::from_recording(meta, &recorded(who, aggressiveness, seed)).unwrap()
     }
 

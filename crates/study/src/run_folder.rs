@@ -194,7 +194,7 @@ pub(crate) fn adb_of(
     let moment = if Some(meta.condition) == baseline {
         Moment::Pre
     } else {
-        Moment::After(meta.condition)
+        Moment::after(meta.condition)
     };
     let points = scores
         .iter()

@@ -258,6 +258,8 @@ mod tests {
             drive: DriveId::new(drive).unwrap(),
             participant: ParticipantId::new("p").unwrap(),
             condition: "own".parse().unwrap(),
+            session: maveric_domain::occasion::first(),
+            trial: maveric_domain::occasion::first(),
             adb_used: false,
             adb: None,
             adb_hat: points.map(|points| risky.inward(points)),

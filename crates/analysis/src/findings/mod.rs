@@ -6,6 +6,7 @@ mod congruence;
 mod declared;
 mod people;
 mod presses;
+mod retest;
 mod sensitivity;
 mod study;
 mod style;

@@ -60,7 +60,7 @@ mod tests {
         {
             let (subscale, more) = more;
             for (condition, value) in [("slow", 4.0), ("fast", 4.0 + more)] {
-                let after = Moment::After(id(condition));
+                let after = Moment::After(id(condition).into());
                 tables
                     .post
                     .push(score(i, after, "jian_trust", subscale, value));

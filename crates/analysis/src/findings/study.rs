@@ -1,6 +1,6 @@
 //! All findings of a study, in the order in which a reader asks.
 
-use super::{car, conditions, congruence, declared, people, presses, sensitivity, style};
+use super::{car, conditions, congruence, declared, people, presses, retest, sensitivity, style};
 use crate::{
     finding::{Finding, Part, Question},
     result::Analysis,
@@ -34,6 +34,7 @@ pub fn of_study(design: &Design, analysis: &Analysis) -> Vec<Finding> {
     findings.extend(people::preferred(&analysis.preferences));
     findings.extend(people::personality(&analysis.homophily));
     findings.extend(presses::findings(analysis.presses.as_ref()));
+    findings.extend(retest::retest(design, analysis.repeats.as_ref()));
     findings
 }
 

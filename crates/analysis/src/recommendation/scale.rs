@@ -75,6 +75,8 @@ mod tests {
             drive: DriveId::new("d").unwrap(),
             participant: ParticipantId::new("P").unwrap(),
             condition: ConditionId::new("own").unwrap(),
+            session: maveric_domain::occasion::first(),
+            trial: maveric_domain::occasion::first(),
             adb_used: true,
             adb: None,
             adb_hat: Some(30.0 + 9.0 * position),

@@ -319,7 +319,7 @@ fn eight(down: impl Fn(f64) -> f64) -> StudyData {
                 moved_points: Some(moved),
                 ..steered(i, condition, None, false)
             });
-            let after = Moment::After(id(condition));
+            let after = Moment::after(id(condition));
             let felt = 4.0 + 0.5 * shift + 0.5 * off;
             tables
                 .post

@@ -33,11 +33,11 @@ pub use orders::OrderPlan;
 pub use outcome::{DeclaredTest, Homophily, Outcome, Quantity, ScoreName, Style};
 pub use own_measure::{ABOUT_A_ROW, OwnMeasure};
 pub use people::{CONDITION, Covariate, Factor, People};
-pub use protocol::{Practice, Probe, Protocol, ProtocolStep, SeatView, World};
+pub use protocol::{Practice, Probe, Protocol, ProtocolStep, SeatView, Sessions, World};
 pub use which::WHICH;
 pub use williams::{Square, williams, williams_rows};
 
-use crate::{condition::ConditionId, survey::Scale, units::SpeedUnit};
+use crate::{condition::ConditionId, occasion::Occasion, survey::Scale, units::SpeedUnit};
 use std::collections::BTreeMap;
 
 /// A study: who takes part, in which conditions, what is measured and what is compared.
@@ -288,6 +288,26 @@ impl Design {
     /// What a person meets in the seat.
     pub fn protocol(&self) -> &Protocol {
         &self.protocol
+    }
+
+    /// Whether a person has several sessions, or several rides in a condition.
+    pub fn repeats(&self) -> bool {
+        let rides = self.protocol.rides_per_condition;
+        rides > 1 || self.protocol.session_count() > 1
+    }
+
+    /// The sessions and trials in which a person drives under a label: every ride of a condition, the baseline once a session, a role once.
+    pub fn occasions(&self, label: ConditionId) -> Vec<Occasion> {
+        let (sessions, trials) = if self.condition(label).is_some() {
+            let rides = self.protocol.rides_per_condition;
+            (self.protocol.session_count(), rides)
+        } else if self.baseline_id() == Some(label) {
+            (self.protocol.session_count(), 1)
+        } else {
+            (1, 1)
+        };
+        let session = |s| (1..=trials).filter_map(move |t| Occasion::new(s, t));
+        (1..=sessions).flat_map(session).collect()
     }
 
     /// What is left out before anything is computed.

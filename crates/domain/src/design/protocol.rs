@@ -80,6 +80,16 @@ impl Default for Practice {
     }
 }
 
+/// Several sessions of a person, each with a drive by hand and its rides. All rides have the style of the first session's drive.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Sessions {
+    /// How many.
+    pub count: u32,
+    /// Fewest and most days from one to the next.
+    pub days_between: [u32; 2],
+}
+
 /// What the person in the seat sees of the road.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
@@ -163,6 +173,12 @@ pub struct Protocol {
     pub drive_s: f64,
     /// Length of a ride, in s.
     pub ride_s: f64,
+    /// How often a person rides in each condition of a session.
+    #[serde(skip_serializing_if = "is_one")]
+    pub rides_per_condition: u32,
+    /// Several sessions of a person; one where none are given.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub sessions: Option<Sessions>,
     /// Which draw of the scenario each drive meets.
     pub world: World,
     /// In which unit speeds are shown, where `[study] units` does not say it.
@@ -213,6 +229,8 @@ impl Default for Protocol {
             practice: Practice::default(),
             drive_s: 600.0,
             ride_s: 600.0,
+            rides_per_condition: 1,
+            sessions: None,
             world: World::ByRide,
             speed: None,
             view: SeatView::default(),
@@ -227,6 +245,14 @@ impl Default for Protocol {
         }
     }
 }
+
+#[expect(clippy::trivially_copy_pass_by_ref, reason = "serde asks by reference")]
+fn is_one(number: &u32) -> bool {
+    *number == 1
+}
+
+/// Most sessions, and most rides in a condition.
+const MOST_REPEATS: u32 = 20;
 
 /// Shortest and longest drive, in s.
 const DRIVES_S: [f64; 2] = [10.0, 7_200.0];
@@ -295,6 +321,7 @@ impl Protocol {
         self.needs
             .as_ref()
             .map_or(Ok(()), |needs| needs.check(tried))?;
+        self.check_repeats()?;
         self.check_moments()?;
         let place = |step| self.steps.iter().position(|s| *s == step);
         if let Some(rides) = place(ProtocolStep::Rides)
@@ -321,6 +348,44 @@ fn is_language(text: &str) -> bool {
 }
 
 impl Protocol {
+    /// How many sessions a person has.
+    pub fn session_count(&self) -> u32 {
+        self.sessions.as_ref().map_or(1, |s| s.count)
+    }
+
+    /// Whether there is a number of rides and sessions that somebody can come to, and a time between these.
+    fn check_repeats(&self) -> Result<(), DesignError> {
+        let rides = self.rides_per_condition;
+        if !(1..=MOST_REPEATS).contains(&rides) {
+            let expected = format!("1 to {MOST_REPEATS}");
+            let key = "protocol.rides_per_condition";
+            return Err(DesignError::key(key, rides, expected));
+        }
+        let Some(Sessions {
+            count,
+            days_between: [least, most],
+        }) = &self.sessions
+        else {
+            return Ok(());
+        };
+        if !(2..=MOST_REPEATS).contains(count) {
+            let expected =
+                format!("2 to {MOST_REPEATS}; for one session leave out [protocol.sessions]");
+            let key = "protocol.sessions.count";
+            return Err(DesignError::key(key, count, expected));
+        }
+        if least > most {
+            let expected = "the fewest days from one session to the next, then the most";
+            let key = "protocol.sessions.days_between";
+            return Err(DesignError::key(
+                key,
+                format!("[{least}, {most}]"),
+                expected,
+            ));
+        }
+        Ok(())
+    }
+
     /// Whether what is to be asked can be asked, and what is judged is asked.
     fn check_moments(&self) -> Result<(), DesignError> {
         for (key, scales, step) in [
@@ -466,6 +531,54 @@ mod tests {
             "world = \"by_drive\"",
             &["by_drive", "by_ride", "same", "own"],
         );
+    }
+
+    #[test]
+    fn rides_and_sessions_are_numbers_that_somebody_can_come_to_and_none_are_one_each() {
+        refused(
+            "rides_per_condition = 21",
+            &["protocol.rides_per_condition", "21", "1 to 20"],
+        );
+        refused(
+            "rides_per_condition = 0",
+            &["protocol.rides_per_condition", "found 0", "1 to 20"],
+        );
+        let sessions = |keys: &str| format!("[protocol.sessions]\n{keys}");
+        refused(
+            &sessions("count = 1\ndays_between = [2, 14]"),
+            &["protocol.sessions.count", "2 to 20", "leave out"],
+        );
+        refused(
+            &sessions("count = 2\ndays_between = [14, 2]"),
+            &["protocol.sessions.days_between", "[14, 2]", "fewest"],
+        );
+        refused(&sessions("count = 2"), &["days_between"]);
+        refused(
+            &sessions("count = 2\ndays_between = [2, 14]\nrides = 2"),
+            &["rides"],
+        );
+        let design = |protocol: &str| {
+            let text = format!(
+                "[study]\ntitle = \"x\"\n[[condition]]\nid = \"a\"\n[baseline]\nid = \"own\"\n[protocol]\n{protocol}"
+            );
+            crate::Design::from_toml(&text).unwrap()
+        };
+        let of = |design: &crate::Design, id: &str| {
+            let occasions = design.occasions(id.parse().unwrap()).into_iter();
+            occasions
+                .map(|o| (o.session.get(), o.trial.get()))
+                .collect::<Vec<_>>()
+        };
+        let several = design(
+            "rides_per_condition = 2\n[protocol.sessions]\ncount = 2\ndays_between = [2, 2]",
+        );
+        assert_eq!(of(&several, "a"), [(1, 1), (1, 2), (2, 1), (2, 2)]);
+        // By hand a person drives once a session.
+        assert_eq!(of(&several, "own"), [(1, 1), (2, 1)]);
+        assert!(several.repeats());
+        let one = design("");
+        assert_eq!(of(&one, "a"), [(1, 1)]);
+        assert!(!one.repeats());
     }
 
     #[test]

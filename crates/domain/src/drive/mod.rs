@@ -8,6 +8,7 @@ use crate::{
     ConditionId,
     error::DomainError,
     ids::{DriveId, ParticipantId},
+    occasion::{Occasion, Ride, first, is_first},
     recording::Recording,
     scene::{Road, Scene, Situation, bumper_distance_m},
     sees::Sees,
@@ -15,7 +16,7 @@ use crate::{
 pub use lane_change::{Direction, LaneChange};
 pub use reference_vehicle::ReferenceTracker;
 use serde::{Deserialize, Serialize};
-use std::str::FromStr;
+use std::{num::NonZeroU32, str::FromStr};
 
 /// Who or what drove.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
@@ -73,6 +74,83 @@ pub struct DriveMeta {
     pub condition: ConditionId,
     /// Who or what drove.
     pub driven_by: DrivenBy,
+    /// In which session.
+    #[serde(default = "first", skip_serializing_if = "is_first")]
+    pub session: NonZeroU32,
+    /// Which drive of the condition within the session.
+    #[serde(default = "first", skip_serializing_if = "is_first")]
+    pub trial: NonZeroU32,
+}
+
+impl DriveMeta {
+    /// Whose a drive is, the first of its condition.
+    pub fn new(
+        drive: DriveId,
+        participant: ParticipantId,
+        condition: ConditionId,
+        driven_by: DrivenBy,
+    ) -> Self {
+        Self {
+            drive,
+            participant,
+            condition,
+            driven_by,
+            session: first(),
+            trial: first(),
+        }
+    }
+
+    /// The same, of another session or trial.
+    #[must_use]
+    pub fn on(self, Occasion { session, trial }: Occasion) -> Self {
+        Self {
+            session,
+            trial,
+            ..self
+        }
+    }
+
+    /// Which of several drives of the condition it is.
+    pub fn occasion(&self) -> Occasion {
+        Occasion {
+            session: self.session,
+            trial: self.trial,
+        }
+    }
+
+    /// The condition, and which of several drives in it.
+    pub fn ride(&self) -> Ride {
+        Ride {
+            condition: self.condition,
+            occasion: self.occasion(),
+        }
+    }
+
+    /// The same of ids as texts.
+    ///
+    /// # Errors
+    /// [`DomainError::BadId`] or [`DomainError::BadCondition`] for a text that is none.
+    ///
+    /// # Example
+    /// ```
+    /// # use maveric_domain::{DriveMeta, DrivenBy};
+    /// let meta = DriveMeta::named("P01-own", "P01", "own", DrivenBy::Human)?;
+    /// assert_eq!(meta.participant.as_str(), "P01");
+    /// # Ok::<(), maveric_domain::DomainError>(())
+    /// ```
+    pub fn named(
+        drive: impl Into<String>,
+        participant: impl Into<String>,
+        condition: &str,
+        driven_by: DrivenBy,
+    ) -> Result<Self, DomainError> {
+        Ok(Self::new(
+            DriveId::new(drive)?,
+            ParticipantId::new(participant)?,
+            condition.parse()?,
+            driven_by,
+        ))
+    }
 }
 
 /// The signals, column by column; every column has shape `(n,)`.

@@ -1,22 +1,23 @@
 //! When a questionnaire was answered.
 
-use crate::{ConditionId, error::DomainError};
+use crate::{ConditionId, Occasion, Ride, error::DomainError};
 use serde::{Deserialize, Serialize};
 use std::{fmt, str::FromStr};
 
 /// When a questionnaire was answered.
 ///
 /// In a word it is `pre`, `post`, `probe:` with the id of the condition, or that id alone. Only a condition that is itself called `pre` or
-/// `post` is written `after:pre`; `after:` may stand before any other, too.
+/// `post` is written `after:pre`; `after:` may stand before any other, too. Of several drives in a condition, `:s2:t1` stands behind the id
+/// of one that is not the first.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 #[serde(try_from = "String", into = "String")]
 pub enum Moment {
     /// Before the drives; about oneself.
     Pre,
     /// After a drive in this condition; about that drive.
-    After(ConditionId),
+    After(Ride),
     /// During a drive in this condition, again and again.
-    Probe(ConditionId),
+    Probe(Ride),
     /// At the end, after all drives.
     Post,
 }
@@ -34,11 +35,36 @@ impl Moment {
         condition.as_str() == Self::PRE
     }
 
+    /// After a drive.
+    pub fn after(ride: impl Into<Ride>) -> Self {
+        Self::After(ride.into())
+    }
+
+    /// During a drive.
+    pub fn probe(ride: impl Into<Ride>) -> Self {
+        Self::Probe(ride.into())
+    }
+
+    /// The drive that it is about.
+    pub fn ride(self) -> Option<Ride> {
+        match self {
+            Self::After(ride) | Self::Probe(ride) => Some(ride),
+            Self::Pre | Self::Post => None,
+        }
+    }
+
     /// The condition that it is about.
     pub fn condition(self) -> Option<ConditionId> {
+        self.ride().map(|ride| ride.condition)
+    }
+
+    /// The same after or during another drive of the condition.
+    #[must_use]
+    pub fn on(self, occasion: Occasion) -> Self {
         match self {
-            Self::After(condition) | Self::Probe(condition) => Some(condition),
-            Self::Pre | Self::Post => None,
+            Self::After(ride) => Self::After(Ride { occasion, ..ride }),
+            Self::Probe(ride) => Self::Probe(Ride { occasion, ..ride }),
+            Self::Pre | Self::Post => self,
         }
     }
 }
@@ -48,11 +74,11 @@ impl fmt::Display for Moment {
         match self {
             Self::Pre => f.write_str(Self::PRE),
             Self::Post => f.write_str(Self::POST),
-            Self::Probe(condition) => write!(f, "{}{condition}", Self::PROBE),
-            Self::After(condition) if [Self::PRE, Self::POST].contains(&condition.as_str()) => {
-                write!(f, "{}{condition}", Self::AFTER)
+            Self::Probe(ride) => write!(f, "{}{ride}", Self::PROBE),
+            Self::After(ride) if [Self::PRE, Self::POST].contains(&ride.condition.as_str()) => {
+                write!(f, "{}{ride}", Self::AFTER)
             }
-            Self::After(condition) => condition.fmt(f),
+            Self::After(ride) => ride.fmt(f),
         }
     }
 }
@@ -60,7 +86,7 @@ impl fmt::Display for Moment {
 impl FromStr for Moment {
     type Err = DomainError;
     fn from_str(text: &str) -> Result<Self, DomainError> {
-        let (make, id): (fn(ConditionId) -> Self, &str) = match text {
+        let (make, id): (fn(Ride) -> Self, &str) = match text {
             Self::PRE => return Ok(Self::Pre),
             Self::POST => return Ok(Self::Post),
             other => match other.strip_prefix(Self::PROBE) {
@@ -107,10 +133,13 @@ mod tests {
             "after:post",
             "probe:mimic",
             "probe:post",
+            "mimic:s2:t1",
+            "after:post:s1:t2",
+            "probe:mimic:s2:t2",
         ] {
             assert_eq!(text.parse::<Moment>().unwrap().to_string(), text);
         }
-        let after = |id: &str| Moment::After(id.parse().unwrap());
+        let after = |id: &str| Moment::after(id.parse::<ConditionId>().unwrap());
         assert_eq!("pre".parse::<Moment>().unwrap(), Moment::Pre);
         assert_eq!("post".parse::<Moment>().unwrap(), Moment::Post);
         assert_eq!("after:pre".parse::<Moment>().unwrap(), after("pre"));
@@ -123,6 +152,10 @@ mod tests {
         assert_eq!("after:mimic".parse::<Moment>().unwrap(), after("mimic"));
         assert!("probe:".parse::<Moment>().is_err() && "probe:after:a".parse::<Moment>().is_err());
         assert!("after:".parse::<Moment>().is_err() && "after:after:a".parse::<Moment>().is_err());
+        let again = Moment::After("mimic:s2:t1".parse().unwrap());
+        assert_eq!(after("mimic").on(Occasion::new(2, 1).unwrap()), again);
+        assert_eq!(again.condition(), after("mimic").condition());
+        assert_ne!(again, after("mimic"));
         assert!("after the drive".parse::<Moment>().is_err());
     }
 }

@@ -4,7 +4,10 @@ use crate::{
     error::IngestError,
     quality::{Warning, WarningKind},
 };
-use maveric_domain::{ConditionId, DomainError, DriveId, DriveMeta, DrivenBy, ParticipantId};
+use maveric_domain::{
+    ConditionId, DomainError, DriveId, DriveMeta, DrivenBy, Occasion, ParticipantId,
+    occasion::first,
+};
 use serde::{Deserialize, Serialize};
 use std::{collections::BTreeMap, path::Path};
 
@@ -12,7 +15,8 @@ use std::{collections::BTreeMap, path::Path};
 ///
 /// `file` is a pattern for the name without its extension (where a drive is a folder, for the folder's name), such as `pair_{run}_f{place}`: each name in braces
 /// takes what stands there, up to the text that follows. `drive`, `participant` and `condition` are put together from these,
-/// from the name of the folder that the file lies in, and from columns of the table that hold one word throughout.
+/// from the name of the folder that the file lies in, and from columns of the table that hold one word throughout. Of several sessions, and
+/// of several drives of a condition within one, `{session}` and `{trial}` say which it is: whole numbers from 1.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Names {
@@ -131,13 +135,13 @@ pub(crate) fn meta_of(
         captures.extend(of_folder);
         captures.extend(within.iter().map(|(k, v)| (k.as_str(), v.as_str())));
         let captures: Vec<Capture> = captures.iter().map(|(k, v)| (*k, safe(v))).collect();
-        return Ok(DriveMeta {
-            drive: DriveId::new(fill(&names.drive, &captures)).map_err(refused)?,
-            participant: ParticipantId::new(fill(&names.participant, &captures))
-                .map_err(refused)?,
-            condition: condition(names, &captures).map_err(refused)?,
-            driven_by: names.driven_by,
-        });
+        let meta = DriveMeta::new(
+            DriveId::new(fill(&names.drive, &captures)).map_err(refused)?,
+            ParticipantId::new(fill(&names.participant, &captures)).map_err(refused)?,
+            condition(names, &captures).map_err(refused)?,
+            names.driven_by,
+        );
+        return Ok(meta.on(occasion(&captures).map_err(refused)?));
     }
     let parts = within.iter().flat_map(|(_, v)| ["-".to_owned(), safe(v)]);
     let tail: String = parts.collect();
@@ -152,12 +156,12 @@ pub(crate) fn meta_of(
         let what = "the file's name does not fit the mapping's pattern: it is the drive's name";
         warnings.push(Warning::new(path, WarningKind::Default, 1, what));
     }
-    Ok(DriveMeta {
-        drive: DriveId::new(id.clone()).map_err(refused)?,
-        participant: ParticipantId::new(id).map_err(refused)?,
-        condition: own().parse().map_err(refused)?,
-        driven_by: human(),
-    })
+    Ok(DriveMeta::new(
+        DriveId::new(id.clone()).map_err(refused)?,
+        ParticipantId::new(id).map_err(refused)?,
+        own().parse().map_err(refused)?,
+        human(),
+    ))
 }
 
 /// Whose drive a log is by its own name and its folder's; `None` where these do not say it, because a name does not fit the pattern or columns of
@@ -185,6 +189,21 @@ fn condition(names: &Names, captures: &[Capture<'_>]) -> Result<ConditionId, Dom
         Some(id) => Ok(*id),
         None => word.parse(),
     }
+}
+
+/// The session and the trial: what stands in the places of these names, the first where there is no such place.
+fn occasion(captures: &[Capture<'_>]) -> Result<Occasion, DomainError> {
+    let number = |kind: &'static str| match captures.iter().find(|(name, _)| *name == kind) {
+        None => Ok(first()),
+        Some((_, found)) => found.parse().map_err(|_| DomainError::BadNumber {
+            kind,
+            found: found.clone(),
+        }),
+    };
+    Ok(Occasion {
+        session: number("session")?,
+        trial: number("trial")?,
+    })
 }
 
 /// Length of an id.
@@ -300,6 +319,39 @@ mod tests {
             "file = \"{who}_{_}\"\nfolder = \"run-{condition}\"\ndrive = \"{who}\"\nparticipant = \"{who}\"",
         );
         assert!(!of(&other, &[]).2);
+    }
+
+    #[test]
+    fn session_and_trial_are_whole_numbers_from_1_and_the_first_where_nothing_says_them() {
+        let names = |folder: &str| -> Names {
+            let text = format!(
+                "file = \"{{who}}_{{condition}}_{{trial}}\"\n{folder}drive = \"{{who}}-{{condition}}-{{trial}}\"\n\
+                 participant = \"{{who}}\"\ncondition = \"{{condition}}\""
+            );
+            toml::from_str(&text).unwrap()
+        };
+        let of = |path: &str, folder: &str| {
+            let meta = meta_of(Path::new(path), Some(&names(folder)), &[], &mut Vec::new());
+            meta.map(|meta| meta.occasion()).map_err(|e| {
+                let cause = std::error::Error::source(&e).map(ToString::to_string);
+                format!("{e} {}", cause.unwrap_or_default())
+            })
+        };
+        let session = "folder = \"day{session}\"\n";
+        let on = |session, trial| Occasion::new(session, trial);
+        assert_eq!(of("day2/P1_calm_02.csv", session).ok(), on(2, 2));
+        assert_eq!(of("day2/P1_calm_3.csv", "").ok(), on(1, 3));
+        for (path, kind, found) in [
+            ("day2/P1_calm_0.csv", "trial", "`0`"),
+            ("day2/P1_calm_-1.csv", "trial", "`-1`"),
+            ("dayB/P1_calm_1.csv", "session", "`B`"),
+        ] {
+            let told = of(path, session).unwrap_err();
+            assert!(
+                told.contains(kind) && told.contains(found) && told.contains("from 1"),
+                "{told}"
+            );
+        }
     }
 
     #[test]

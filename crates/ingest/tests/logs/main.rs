@@ -17,9 +17,7 @@ mod split;
 mod tables;
 mod unseen;
 
-use maveric_domain::{
-    DriveId, DriveMeta, DrivenBy, EgoTrack, ObjectTrack, ParticipantId, Recording, Road, VehicleId,
-};
+use maveric_domain::{DriveMeta, DrivenBy, EgoTrack, ObjectTrack, Recording, Road, VehicleId};
 use maveric_ingest::write_mcap;
 use mcap::{Message, MessageStream, WriteOptions, read::LinearReader, records::Record};
 use std::io::Cursor;
@@ -28,12 +26,7 @@ use std::io::Cursor;
 const ROWS: usize = 1200;
 
 fn meta() -> DriveMeta {
-    DriveMeta {
-        drive: DriveId::new("S2P07-mimic").unwrap(),
-        participant: ParticipantId::new("S2P07").unwrap(),
-        condition: "mimic".parse().unwrap(),
-        driven_by: DrivenBy::Automated,
-    }
+    DriveMeta::named("S2P07-mimic", "S2P07", "mimic", DrivenBy::Automated).unwrap()
 }
 
 /// A minute with a lane change, standstill, a lead vehicle that leaves and returns, and a hole in time.

@@ -56,8 +56,7 @@ const STANDSTILL_MPS: f64 = 0.5;
 /// # let zero = vec![0.0; 220];
 /// # let ego = EgoTrack { length_m: 4.7, x_m: zero.clone(), y_m: zero.clone(), speed_mps: zero };
 /// # let recording = Recording::new(Road::PAPER, 20.0, time_s, vec![0; 220], ego, Vec::new())?;
-/// # let (drive, participant) = (DriveId::new("P01-own")?, ParticipantId::new("P01")?);
-/// # let meta = DriveMeta { drive, participant, condition: "own".parse()?, driven_by: DrivenBy::Human };
+/// # let meta = DriveMeta::named("P01-own", "P01", "own", DrivenBy::Human)?;
 /// let drive = Drive::from_recording(meta, &recording)?;
 /// assert_eq!(standing.of(&drive), Some(11.0));
 /// # Ok::<(), maveric_domain::DomainError>(())

@@ -1,8 +1,7 @@
 //! Drives made by hand for the tests.
 
 use maveric_domain::{
-    Drive, DriveId, DriveMeta, DrivenBy, EgoTrack, ObjectTrack, ParticipantId, Recording, Road,
-    VehicleId, drive::Rows,
+    Drive, DriveMeta, DrivenBy, EgoTrack, ObjectTrack, Recording, Road, VehicleId, drive::Rows,
 };
 
 const RATE_HZ: f64 = 20.0;
@@ -92,12 +91,7 @@ impl Scripted {
             others.into_iter().collect(),
         )
         .unwrap();
-        let meta = DriveMeta {
-            drive: DriveId::new("S2P01-own").unwrap(),
-            participant: ParticipantId::new("S2P01").unwrap(),
-            condition: "own".parse().unwrap(),
-            driven_by: DrivenBy::Synthetic,
-        };
+        let meta = DriveMeta::named("S2P01-own", "S2P01", "own", DrivenBy::Synthetic).unwrap();
         Drive::from_recording(meta, &recording).unwrap()
     }
 }

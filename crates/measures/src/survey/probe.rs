@@ -2,7 +2,7 @@
 
 use super::score::{Sheet, checked, index, one};
 use crate::error::MeasureError;
-use maveric_domain::{Answer, ConditionId, Moment, ParticipantId, Scale, Score};
+use maveric_domain::{Answer, Moment, ParticipantId, Ride, Scale, Score};
 use std::collections::BTreeMap;
 
 /// One answer to a probe, a scale of one item.
@@ -10,8 +10,8 @@ use std::collections::BTreeMap;
 pub struct ProbeAnswer {
     /// Who answered.
     pub participant: ParticipantId,
-    /// During a drive in this condition.
-    pub condition: ConditionId,
+    /// During which drive.
+    pub ride: Ride,
     /// Code name of the scale.
     pub scale: String,
     /// When it was asked, in s since the drive began.
@@ -20,33 +20,32 @@ pub struct ProbeAnswer {
     pub answer: Option<i32>,
 }
 
-/// The score of each participant, condition and subscale: the mean over the probes that were answered, none where none was.
-/// [`Score::answered`] and [`Score::items`] count probes. Ordered by participant, condition and scale.
+/// The score of each participant, drive and subscale: the mean over the probes that were answered, none where none was.
+/// [`Score::answered`] and [`Score::items`] count probes. Ordered by participant, drive and scale.
 ///
 /// # Errors
 /// As [`score`](super::score) for a scale or an answer that is not possible.
 pub fn score_probes(scales: &[Scale], answers: &[ProbeAnswer]) -> Result<Vec<Score>, MeasureError> {
     let index = index(scales)?;
-    let mut asked: BTreeMap<(&ParticipantId, ConditionId, usize), Vec<Option<i32>>> =
-        BTreeMap::new();
+    let mut asked: BTreeMap<(&ParticipantId, Ride, usize), Vec<Option<i32>>> = BTreeMap::new();
     for probe in answers {
         let position = checked(
             scales,
             &index,
             &Answer {
                 participant: probe.participant.clone(),
-                moment: Moment::Probe(probe.condition),
+                moment: Moment::Probe(probe.ride),
                 scale: probe.scale.clone(),
                 item: 1,
                 answer: probe.answer,
             },
         )?;
-        let key = (&probe.participant, probe.condition, position);
+        let key = (&probe.participant, probe.ride, position);
         asked.entry(key).or_default().push(probe.answer);
     }
     let mut scores = Vec::new();
-    for ((participant, condition, position), answers) in asked {
-        let (scale, moment) = (&scales[position], Moment::Probe(condition));
+    for ((participant, ride, position), answers) in asked {
+        let (scale, moment) = (&scales[position], Moment::Probe(ride));
         for subscale in &scale.subscales {
             let value = |answer: &Option<i32>| {
                 let sheet = Sheet::from([(1, *answer)]);
@@ -78,7 +77,7 @@ mod tests {
     fn probe(condition: &str, at_s: f64, answer: Option<i32>) -> ProbeAnswer {
         ProbeAnswer {
             participant: ParticipantId::new("P01").unwrap(),
-            condition: condition.parse().unwrap(),
+            ride: condition.parse().unwrap(),
             scale: "misc".to_owned(),
             at_s,
             answer,

@@ -127,7 +127,7 @@ pub(super) fn checked(
             participant: answer.participant.clone(),
             moment: answer.moment,
             scale: answer.scale.clone(),
-            known: known.join(", "),
+            known: known.join(", ").into(),
         });
     };
     let scale = &scales[position];

@@ -73,7 +73,7 @@ pub(super) fn mean(column: &[f64], rows: &Range<usize>) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use maveric_domain::{DriveId, DriveMeta, DrivenBy, EgoTrack, ParticipantId, Recording, Road};
+    use maveric_domain::{DriveMeta, DrivenBy, EgoTrack, Recording, Road};
 
     /// Ten seconds at 20 Hz with a hole of two seconds before row 150.
     fn drive() -> Drive {
@@ -87,12 +87,7 @@ mod tests {
         };
         let segment = (0..200).map(|i| u32::from(i >= 150)).collect();
         let recording = Recording::new(Road::PAPER, 20.0, time_s, segment, ego, Vec::new());
-        let meta = DriveMeta {
-            drive: DriveId::new("P01-baseline").unwrap(),
-            participant: ParticipantId::new("P01").unwrap(),
-            condition: "baseline".parse().unwrap(),
-            driven_by: DrivenBy::Human,
-        };
+        let meta = DriveMeta::named("P01-baseline", "P01", "baseline", DrivenBy::Human).unwrap();
         Drive::from_recording(meta, &recording.unwrap()).unwrap()
     }
 

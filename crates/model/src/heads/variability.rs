@@ -133,7 +133,7 @@ fn lag_s(variance: f64, change: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use maveric_domain::{DriveId, DriveMeta, DrivenBy, EgoTrack, ParticipantId, Recording, Road};
+    use maveric_domain::{DriveMeta, DrivenBy, EgoTrack, Recording, Road};
     use std::f64::consts::{SQRT_2, TAU};
 
     /// So long on free road at 20 Hz, speed and place in the lane by the time.
@@ -152,12 +152,7 @@ mod tests {
         };
         let segment = vec![0; time_s.len()];
         let recording = Recording::new(Road::PAPER, 20.0, time_s, segment, ego, Vec::new());
-        let meta = DriveMeta {
-            drive: DriveId::new("P01-baseline").unwrap(),
-            participant: ParticipantId::new("P01").unwrap(),
-            condition: "baseline".parse().unwrap(),
-            driven_by: DrivenBy::Human,
-        };
+        let meta = DriveMeta::named("P01-baseline", "P01", "baseline", DrivenBy::Human).unwrap();
         Drive::from_recording(meta, &recording.unwrap()).unwrap()
     }
 

@@ -6,8 +6,7 @@
 )]
 
 use maveric_domain::{
-    AdbScore, Drive, DriveId, DriveMeta, DrivenBy, EgoTrack, ObjectTrack, ParticipantId, Recording,
-    Road, VehicleId,
+    AdbScore, Drive, DriveMeta, DrivenBy, EgoTrack, ObjectTrack, Recording, Road, VehicleId,
 };
 
 /// How somebody drives in [`drive`].
@@ -156,12 +155,7 @@ fn driven(
     }
     let segment = vec![0; rows];
     let recording = Recording::new(road, rate_hz, time_s, segment, ego, others).unwrap();
-    let meta = DriveMeta {
-        drive: DriveId::new(format!("{name}-own")).unwrap(),
-        participant: ParticipantId::new(name).unwrap(),
-        condition: "own".parse().unwrap(),
-        driven_by: DrivenBy::Synthetic,
-    };
+    let meta = DriveMeta::named(format!("{name}-own"), name, "own", DrivenBy::Synthetic).unwrap();
     Drive::from_recording(meta, &recording).unwrap()
 }
 

@@ -11,6 +11,7 @@ mod methods;
 mod people;
 mod presses;
 mod results;
+mod retest;
 mod tested;
 
 pub use line::{line_panels, steps};

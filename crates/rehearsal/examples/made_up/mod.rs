@@ -59,7 +59,7 @@ pub(crate) fn scores(
     Ok(move |drive: &Drive| {
         let meta = drive.meta();
         let moment = if roles.contains(&meta.drive) {
-            Moment::After(meta.condition)
+            Moment::after(meta.condition)
         } else {
             Moment::Pre
         };
@@ -125,11 +125,11 @@ fn drive(
     let world = stream_seed(seed, &[planned.drive.as_str(), "world"]);
     let who = people.draw(&planned.traits, person, day);
     let driven = rollout(scenario, Driver::from(&who), world)?;
-    let meta = DriveMeta {
-        drive: planned.drive.clone(),
-        participant: planned.participant.clone(),
-        condition: planned.condition,
-        driven_by: DrivenBy::Synthetic,
-    };
+    let meta = DriveMeta::new(
+        planned.drive.clone(),
+        planned.participant.clone(),
+        planned.condition,
+        DrivenBy::Synthetic,
+    );
     Ok(Drive::from_recording(meta, &driven.recording)?)
 }

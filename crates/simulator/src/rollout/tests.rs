@@ -12,18 +12,13 @@ use crate::{
     session::Session,
 };
 use maveric_domain::{
-    Drive, DriveId, DriveMeta, DrivenBy, LaneActivity, LaneWish, LatentTraits, MetresPerSecond,
-    ParticipantId, Seconds, Setpoints, When, drive::Direction,
+    Drive, DriveMeta, DrivenBy, LaneActivity, LaneWish, LatentTraits, MetresPerSecond, Seconds,
+    Setpoints, When, drive::Direction,
 };
 use proptest::prelude::*;
 
 fn drive(rollout: &Rollout) -> Drive {
-    let meta = DriveMeta {
-        drive: DriveId::new("test").unwrap(),
-        participant: ParticipantId::new("test").unwrap(),
-        condition: "own".parse().unwrap(),
-        driven_by: DrivenBy::Synthetic,
-    };
+    let meta = DriveMeta::named("test", "test", "own", DrivenBy::Synthetic).unwrap();
     Drive::from_recording(meta, &rollout.recording).unwrap()
 }
 

@@ -7,8 +7,8 @@
 )]
 
 use maveric_domain::{
-    AdbScore, Drive, DriveId, DriveMeta, DrivenBy, EgoTrack, LatentTraits, ObjectTrack,
-    ParticipantId, Recording, Road, Sees, VehicleId, stream_seed,
+    AdbScore, Drive, DriveMeta, DrivenBy, EgoTrack, LatentTraits, ObjectTrack, Recording, Road,
+    Sees, VehicleId, stream_seed,
 };
 use maveric_model::{
     HeadsKind, Model, Personalizer, TrainSettings, TrainingDrive, style_space::LinearHead, train,
@@ -72,12 +72,12 @@ pub fn driven(
         stream_seed(1, &[person, label, "day"]),
     );
     let world = stream_seed(1, &[person, label, "world"]);
-    let meta = DriveMeta {
-        drive: DriveId::new(format!("{person}-{label}"))?,
-        participant: ParticipantId::new(person)?,
-        condition: "own".parse()?,
-        driven_by: DrivenBy::Synthetic,
-    };
+    let meta = DriveMeta::named(
+        format!("{person}-{label}"),
+        person,
+        "own",
+        DrivenBy::Synthetic,
+    )?;
     Ok(Driven {
         meta,
         recording: rollout(scenario, Driver::Human(&who), world)?.recording,

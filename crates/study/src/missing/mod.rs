@@ -6,7 +6,7 @@ use crate::{
     design::DesignFile,
     error::StudyError,
     once::{count, names, together},
-    tables::{TableName, write_rows},
+    tables::{TableName, surveys::beside_occasion, write_rows},
 };
 use maveric_domain::{Moment, ParticipantId};
 use serde::{Deserialize, Serialize};
@@ -76,8 +76,11 @@ pub fn missing(
     let mut moments = vec![Moment::Pre];
     let conditions = study.design.conditions().iter().map(|c| c.id);
     for id in study.design.baseline_id().into_iter().chain(conditions) {
-        if !moments.contains(&Moment::After(id)) {
-            moments.push(Moment::After(id));
+        for occasion in study.design.occasions(id) {
+            let moment = Moment::after(id).on(occasion);
+            if !moments.contains(&moment) {
+                moments.push(moment);
+            }
         }
     }
     if !study.design.protocol().post.is_empty() {
@@ -170,6 +173,8 @@ impl Missing {
     /// # Errors
     /// As [`write_rows`].
     pub fn write(&self, path: &Path) -> Result<(), StudyError> {
-        write_rows(TableName::Missing, path, &self.rows)
+        let rows = self.rows.iter();
+        let rows = rows.map(|row| beside_occasion(row, |row| &mut row.moment));
+        write_rows(TableName::Missing, path, rows)
     }
 }

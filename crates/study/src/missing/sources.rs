@@ -14,7 +14,7 @@ use crate::{
     },
 };
 use maveric_domain::{
-    ConditionId, Moment, ParticipantId,
+    Moment, Occasion, ParticipantId, Ride,
     design::{Condition, Quantity, Software},
 };
 use maveric_ingest::named_after;
@@ -24,8 +24,8 @@ use std::{
     path::Path,
 };
 
-/// A person in a condition.
-type Cell = (ParticipantId, ConditionId);
+/// A person in a drive.
+type Cell = (ParticipantId, Ride);
 
 /// Whether something is there of a person at a time.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -123,8 +123,8 @@ impl<'a> Sources<'a> {
         let design = &self.study.design;
         match moment {
             Moment::Pre => Some(Time::Before),
-            Moment::After(c) if design.condition(c).is_some() => Some(Time::Condition),
-            Moment::After(c) if design.baseline_id() == Some(c) => Some(Time::Baseline),
+            Moment::After(r) if design.condition(r.condition).is_some() => Some(Time::Condition),
+            Moment::After(r) if design.baseline_id() == Some(r.condition) => Some(Time::Baseline),
             Moment::Post => Some(Time::End),
             // Whether a probe was answered its own row says.
             Moment::After(_) | Moment::Probe(_) => None,
@@ -194,7 +194,7 @@ impl<'a> Sources<'a> {
 
     /// Log, drive, answers and own measures of a person at a time.
     pub(super) fn cells(&self, person: &Person, moment: Moment) -> [Awaited; 4] {
-        let Moment::After(condition) = moment else {
+        let Moment::After(ride) = moment else {
             return [
                 Awaited::No,
                 Awaited::No,
@@ -203,10 +203,12 @@ impl<'a> Sources<'a> {
             ];
         };
         let design = &self.study.design;
-        if !person.tested && design.baseline_id() != Some(condition) {
+        // Whoever is learned from drives the baseline once.
+        let again = ride.occasion != Occasion::FIRST;
+        if !person.tested && (again || design.baseline_id() != Some(ride.condition)) {
             return [const { Awaited::No }; 4];
         }
-        let cell = (person.id.clone(), condition);
+        let cell = (person.id.clone(), ride);
         let [log, drive] = self.driven(&cell);
         [
             log,
@@ -217,7 +219,7 @@ impl<'a> Sources<'a> {
     }
 
     fn driven(&self, cell: &Cell) -> [Awaited; 2] {
-        let condition = self.study.design.condition(cell.1);
+        let condition = self.study.design.condition(cell.1.condition);
         let simulated = condition.is_some_and(Condition::simulated);
         if self.drives.made.contains(cell) {
             // Whatever was driven had a log.
@@ -273,6 +275,11 @@ impl<'a> Sources<'a> {
         if design.measures().is_empty() || !person.tested {
             return Awaited::No;
         }
+        // The study's own measures are averaged over sessions and trials.
+        if cell.1.occasion != Occasion::FIRST {
+            return Awaited::No;
+        }
+        let cell = &(cell.0.clone(), cell.1.condition);
         let is_condition = design.condition(cell.1).is_some();
         let Some(own) = &self.own else {
             let why = format!("{} is not there", files.measures.to_slash_lossy());
@@ -317,7 +324,8 @@ impl Logs {
             let name = log.path.file_name().unwrap_or_default();
             match names.and_then(|names| named_after(&log.path, names)) {
                 Some(meta) => {
-                    let cell = (meta.participant, meta.condition);
+                    let ride = meta.ride();
+                    let cell = (meta.participant, ride);
                     let name = name.to_string_lossy().into_owned();
                     logs.named.insert(cell, name);
                 }
@@ -352,7 +360,7 @@ impl Drives {
             let listed = list_of(&list)?.into_iter();
             drives
                 .made
-                .extend(listed.map(|m| (m.participant, m.condition)));
+                .extend(listed.map(|m| (m.participant.clone(), m.ride())));
             let path = list.with_file_name("exclusions.csv");
             if !path.is_file() {
                 continue;
@@ -364,7 +372,8 @@ impl Drives {
             }
             for row in table.records::<ExclusionRow>()? {
                 if !row.participant.is_empty() {
-                    let cell = (ParticipantId::new(row.participant)?, row.condition.parse()?);
+                    let ride = row.ride()?;
+                    let cell = (ParticipantId::new(row.participant)?, ride);
                     drives.kept_out.insert(cell, row.what);
                 } else if row.drive.is_empty() {
                     drives.failed.insert(row.log, row.what);

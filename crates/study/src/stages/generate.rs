@@ -334,12 +334,13 @@ fn drive(
     let who = people.draw(&planned.traits, person, day);
     let world = stream_seed(options.seed, &[planned.drive.as_str(), "world"]);
     let driven = rollout(scenario, Driver::from(&who), world)?;
-    let meta = DriveMeta {
-        drive: planned.drive.clone(),
-        participant: planned.participant.clone(),
-        condition: planned.condition,
-        driven_by: DrivenBy::Synthetic,
-    };
+    let meta = DriveMeta::new(
+        planned.drive.clone(),
+        planned.participant.clone(),
+        planned.condition,
+        DrivenBy::Synthetic,
+    )
+    .on(planned.occasion);
     let folder = format!("study{}", planned.part.number());
     let path = place
         .logs

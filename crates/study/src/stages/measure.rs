@@ -237,6 +237,12 @@ impl Measure {
                 own.undeclared.join(", ")
             ));
         }
+        if own.later > 0 {
+            warnings.push(format!(
+                "{table}: {} of later sessions, which are in no mean: the first session is compared",
+                count(own.later, "row is", "rows are")
+            ));
+        }
         let out = own_path(&self.out);
         write_rows(TableName::OwnMeasurements, &out, &own.measurements)?;
         let averaged = own.measurements.iter().filter(|m| m.n > 1).count();
@@ -377,12 +383,13 @@ mod tests {
         };
         let recording =
             Recording::new(Road::PAPER, 20.0, time_s, vec![0; n], ego, Vec::new()).unwrap();
-        let meta = DriveMeta {
-            drive: DriveId::new(format!("{who}-{condition}")).unwrap(),
-            participant: ParticipantId::new(who).unwrap(),
-            condition: condition.parse().unwrap(),
-            driven_by: DrivenBy::Human,
-        };
+        let meta = DriveMeta::named(
+            format!("{who}-{condition}"),
+            who,
+            condition,
+            DrivenBy::Human,
+        )
+        .unwrap();
         Drive::from_recording(meta, &recording).unwrap()
     }
 

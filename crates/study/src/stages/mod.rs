@@ -40,7 +40,7 @@ pub fn versions() -> BTreeMap<String, String> {
         ("import", 3),
         ("codebook", 2),
         ("export", 5),
-        ("ingest", 13),
+        ("ingest", 14),
         ("score", 7),
         ("train", 10),
         ("personalize", 9),

@@ -8,13 +8,12 @@ use crate::{
     run_folder::{read_effects_on, read_scales},
     stage::{Files, Stage},
     tables::{
-        TableName,
         measurements::{MeasuredDrive, one_drive_a_condition, read_measurements},
         participants::read_participants,
-        write_rows,
+        surveys::write_answers,
     },
 };
-use maveric_domain::{ConditionId, MeasureValues, Moment, Scale, spread};
+use maveric_domain::{ConditionId, MeasureValues, Moment, Ride, Scale, occasion::is_first, spread};
 use maveric_participants::answer_at_random;
 use path_slash::PathExt as _;
 use serde::Serialize;
@@ -101,7 +100,8 @@ impl Stage for Rate {
         let without_effects = |scale: &&Scale| {
             design.protocol().after.contains(&scale.id) && !effects.ratings.contains_key(&scale.id)
         };
-        let own = |d: &&MeasuredDrive| d.meta.condition == baseline;
+        // What a ride is held against is how the person drove first.
+        let own = |d: &&MeasuredDrive| d.meta.condition == baseline && is_first(&d.meta.session);
         let by_hand: Vec<&MeasureValues> = drives.iter().filter(own).map(|d| &d.values).collect();
         let spread = spread(&by_hand);
         let mut answers = Vec::new();
@@ -120,21 +120,35 @@ impl Stage for Rate {
                 ));
                 continue;
             };
-            let trial = |c: &ConditionId| {
+            let trial = |ride: &Ride| {
                 mine.iter()
-                    .find(|d| d.meta.condition == *c)
-                    .map(|d| (*c, d.values.clone()))
+                    .find(|d| d.meta.ride() == *ride)
+                    .map(|d| (*ride, d.values.clone()))
             };
-            let mut asked = person.order.clone();
-            asked.retain(|c| driven.contains(c));
-            let trials: Vec<(ConditionId, MeasureValues)> =
-                asked.iter().filter_map(trial).collect();
+            let order = person.order.iter().filter(|c| driven.contains(c));
+            let mut asked: Vec<Ride> = order
+                .flat_map(|&condition| {
+                    let occasions = design.occasions(condition).into_iter();
+                    occasions.map(move |occasion| Ride {
+                        condition,
+                        occasion,
+                    })
+                })
+                .collect();
+            // Each session and each round of rides in the person's order.
+            asked.sort_by_key(|ride| ride.occasion);
+            let trials: Vec<(Ride, MeasureValues)> = asked.iter().filter_map(trial).collect();
             if trials.len() < asked.len() {
                 let missing = asked.len() - trials.len();
+                let what = if design.repeats() {
+                    ["ride was", "rides were"]
+                } else {
+                    ["condition was", "conditions were"]
+                };
                 warnings.push(format!(
                     "participant {}: {} not driven, so not rated",
                     person.id,
-                    count(missing, "condition was", "conditions were")
+                    count(missing, what[0], what[1])
                 ));
             }
             let rated = maveric_participants::rate(
@@ -148,9 +162,9 @@ impl Stage for Rate {
             )?;
             warnings.extend(rated.warnings.iter().map(ToString::to_string));
             answers.extend(rated.answers);
-            for (condition, _) in &trials {
+            for (ride, _) in &trials {
                 let scales = scales.iter().filter(without_effects);
-                let (moment, rate) = (Moment::After(*condition), effects.missing_rate);
+                let (moment, rate) = (Moment::After(*ride), effects.missing_rate);
                 answers.extend(answer_at_random(
                     &person.id, moment, scales, rate, self.seed,
                 ));
@@ -170,7 +184,7 @@ impl Stage for Rate {
             ),
         });
         }
-        write_rows(TableName::Answers, &self.out, &answers)?;
+        write_answers(&self.out, &answers, &[])?;
         let summary = vec![format!(
             "{raters} synthetic participants rated their conditions: {}",
             self.out.to_slash_lossy()

@@ -13,7 +13,7 @@ use crate::{
     tables::{
         Table, TableName,
         drives::kept_out,
-        surveys::{read_answered, refuse_unclear},
+        surveys::{read_answered, refuse_unclear, write_scores},
         write_rows,
     },
 };
@@ -289,7 +289,7 @@ impl Stage for ScoreAnswers {
             .iter()
             .map(|matrix| reliability(matrix, &scales, &scored.scores))
             .collect();
-        write_rows(TableName::Scores, &self.out, &scored.scores)?;
+        write_scores(&self.out, &scored.scores)?;
         write_reliabilities(&self.out, &reliabilities)?;
         let doubted = warnings.iter().map(|warning| Exclusion {
             who: warning.participant().to_string(),
@@ -358,7 +358,7 @@ fn let_in(
         }
     };
     answers.retain(|a| keeps(&a.participant, a.moment));
-    probes.retain(|p| keeps(&p.participant, Moment::Probe(p.condition)));
+    probes.retain(|p| keeps(&p.participant, Moment::Probe(p.ride)));
     times.retain(|t| gate.answer(&t.participant, t.moment).is_none());
     Ok(left_out)
 }

@@ -22,7 +22,7 @@ use crate::{
     watching::{WatchedDrive, braking, read_watched, write_watch_page},
 };
 use maveric_domain::{
-    BeyondWhy, Drive, DriveId, DriveMeta, DrivenBy, Embedding, ParticipantId, Recording,
+    BeyondWhy, Drive, DriveId, DriveMeta, DrivenBy, Embedding, Occasion, ParticipantId, Recording,
     Variability, design::Condition, stream_seed,
 };
 use maveric_ingest::{Beside, IngestSettings};
@@ -203,9 +203,17 @@ impl Stage for Simulate {
                 return Err(StudyError::file(&self.conditions, problem));
             }
         }
+        // A ride in each session and trial; in another world, since its name is another.
+        let occasions = |row: &ConditionRow| match &study {
+            Some(study) if row.sweep.is_none() => study.design.occasions(row.condition),
+            _ => vec![Occasion::FIRST],
+        };
         let mut names = BTreeSet::new();
-        for row in &conditions {
-            let drive = row.drive()?;
+        for drive in conditions
+            .iter()
+            .flat_map(|row| occasions(row).into_iter().map(|on| row.drive_on(on)))
+        {
+            let drive = drive?;
             if !names.insert(drive.clone()) {
                 let problem = format!("two rows are drive {drive}, expected a name for each");
                 return Err(StudyError::file(&self.conditions, problem));
@@ -225,14 +233,18 @@ impl Stage for Simulate {
         }
         let scenario = read_scenario(self.scenario.as_deref(), self.duration_s)?;
         let varying = self.varying(study.as_ref(), &conditions)?;
-        let rows: Vec<(&ConditionRow, Option<Variability>)> =
-            conditions.iter().zip(varying).collect();
-        let driven = for_each_on(self.jobs, &rows, watch, "drives", |(row, varying)| {
+        let rows = conditions.iter().zip(varying);
+        let rows = rows.flat_map(|(row, varying)| {
+            let each = occasions(row).into_iter();
+            each.map(move |on| (row, on, varying))
+        });
+        let rows: Vec<(&ConditionRow, Occasion, Option<Variability>)> = rows.collect();
+        let driven = for_each_on(self.jobs, &rows, watch, "drives", |(row, on, varying)| {
             drive(
                 self,
                 &model,
                 &scenario,
-                (*row, varying.as_ref()),
+                (*row, *on, varying.as_ref()),
                 watched.as_deref() == Some(row.participant.as_str()),
             )
         })?;
@@ -427,21 +439,22 @@ fn drive(
     options: &Simulate,
     model: &Model,
     scenario: &Scenario,
-    (row, varying): (&ConditionRow, Option<&Variability>),
+    (row, occasion, varying): (&ConditionRow, Occasion, Option<&Variability>),
     watched: bool,
 ) -> Result<Result<Driven, Stopped>, StudyError> {
-    let id = row.drive()?;
+    let id = row.drive_on(occasion)?;
     let seed = stream_seed(options.seed, &[id.as_str(), "world"]);
     let driven = drive_style(model, &row.embedding, varying, scenario, seed)?;
     if let Some(why) = driven.stopped {
         return Ok(Err((id, why)));
     }
-    let meta = DriveMeta {
-        drive: id,
-        participant: row.participant.clone(),
-        condition: row.condition,
-        driven_by: DrivenBy::Automated,
-    };
+    let meta = DriveMeta::new(
+        id,
+        row.participant.clone(),
+        row.condition,
+        DrivenBy::Automated,
+    )
+    .on(occasion);
     let log = options
         .out
         .join("logs")

@@ -229,6 +229,8 @@ impl Stage for Train {
                 drive: id,
                 participant: meta.participant.clone(),
                 condition: meta.condition,
+                session: meta.session,
+                trial: meta.trial,
                 // Linear heads learn where drivers lie from their driving alone.
                 adb_used: self.heads == HeadsKind::Paper && adb.is_some(),
                 adb: adb.map(AdbScore::points),

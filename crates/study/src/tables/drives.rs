@@ -3,13 +3,16 @@
 use super::{Table, TableBuilder, TableName, read_rows, write_rows};
 use crate::{atomic_write::atomic_write, error::StudyError};
 use maveric_analysis::Driven;
-use maveric_domain::{Drive, DriveId, DriveMeta, ParticipantId};
+use maveric_domain::{
+    DomainError, Drive, DriveId, DriveMeta, Occasion, ParticipantId, Ride, occasion::first,
+};
 use maveric_ingest::{Provenance, drive_frame, read_drive_from, write_drive_to};
 use path_slash::PathExt as _;
 use polars::prelude::Column;
 use serde::{Deserialize, Serialize};
 use std::{
     collections::BTreeSet,
+    num::NonZeroU32,
     path::{Path, PathBuf},
 };
 
@@ -157,8 +160,28 @@ pub(crate) struct ExclusionRow {
     pub(crate) count: usize,
     pub(crate) participant: String,
     pub(crate) condition: String,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) session: Option<NonZeroU32>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) trial: Option<NonZeroU32>,
     pub(crate) rule: String,
     pub(crate) duration_s: Option<f64>,
+}
+
+impl ExclusionRow {
+    /// Of which drive it is.
+    ///
+    /// # Errors
+    /// [`DomainError::BadCondition`] for a condition that is none.
+    pub(crate) fn ride(&self) -> Result<Ride, DomainError> {
+        Ok(Ride {
+            condition: self.condition.parse()?,
+            occasion: Occasion {
+                session: self.session.unwrap_or(first()),
+                trial: self.trial.unwrap_or(first()),
+            },
+        })
+    }
 }
 
 /// A drive of the learned car that ended early: a row of `exclusions.csv` beside its drives.
@@ -199,9 +222,9 @@ pub(crate) fn kept_out(folder: &Path) -> Result<Vec<Driven>, StudyError> {
     rows.filter(|row| row.rule.starts_with("exclude."))
         .map(|row| {
             Ok(Driven {
+                ride: row.ride()?,
                 drive: DriveId::new(row.drive)?,
                 participant: ParticipantId::new(row.participant)?,
-                condition: row.condition.parse()?,
                 duration_s: row.duration_s,
             })
         })
@@ -262,12 +285,7 @@ mod tests {
         let scenario = Scenario::paper().with_duration(Seconds(6.0)).unwrap();
         let person = DriverParams::draw(&LatentTraits::default(), 1, 1);
         let driven = rollout(&scenario, Driver::Human(&person), 1).unwrap();
-        let meta = DriveMeta {
-            drive: DriveId::new("P01-own").unwrap(),
-            participant: ParticipantId::new("P01").unwrap(),
-            condition: "own".parse().unwrap(),
-            driven_by: DrivenBy::Synthetic,
-        };
+        let meta = DriveMeta::named("P01-own", "P01", "own", DrivenBy::Synthetic).unwrap();
         Drive::from_recording(meta, &driven.recording).unwrap()
     }
 

@@ -161,6 +161,8 @@ mod tests {
             drive: DriveId::new(name).unwrap(),
             participant: ParticipantId::new("P01").unwrap(),
             condition: "own".parse().unwrap(),
+            session: maveric_domain::occasion::first(),
+            trial: maveric_domain::occasion::first(),
             adb_used: false,
             adb: None,
             adb_hat: Some(30.5),

@@ -2,8 +2,11 @@
 
 use super::{Table, TableName, write_rows};
 use crate::error::StudyError;
-use maveric_domain::DriveMeta;
-use std::{collections::BTreeMap, path::Path};
+use maveric_domain::{DriveMeta, occasion::OCCASION};
+use std::{
+    collections::{BTreeMap, BTreeSet},
+    path::Path,
+};
 
 pub use maveric_domain::MeasuredDrive;
 
@@ -36,6 +39,8 @@ pub fn read_measurements(path: &Path) -> Result<Vec<MeasuredDrive>, StudyError> 
         "driven_by",
         COUNTED,
     ];
+    let about = about.into_iter().chain(OCCASION);
+    let about: BTreeSet<&str> = about.collect();
     let metas = table.records::<DriveMeta>()?.into_iter();
     // Without the column, as in a table of another program, counts are those of whole drives.
     let counted = if table.has(COUNTED) {
@@ -54,7 +59,7 @@ pub fn read_measurements(path: &Path) -> Result<Vec<MeasuredDrive>, StudyError> 
     for measure in table
         .columns()
         .iter()
-        .filter(|c| !about.contains(&c.as_str()))
+        .filter(|c| !about.contains(c.as_str()))
     {
         for (drive, value) in drives.iter_mut().zip(table.numbers(measure)?) {
             drive.values.insert(measure.clone(), value);
@@ -63,7 +68,7 @@ pub fn read_measurements(path: &Path) -> Result<Vec<MeasuredDrive>, StudyError> 
     Ok(drives)
 }
 
-/// Refuses two drives of one person in one condition: which of them counted would depend on the order of the rows.
+/// Refuses two drives of one person in one condition that no session or trial tells apart: which of them counted would depend on the order of the rows.
 ///
 /// # Errors
 /// [`StudyError::BadFile`] naming both.
@@ -73,16 +78,22 @@ pub(crate) fn one_drive_a_condition<'a>(
 ) -> Result<(), StudyError> {
     let mut seen = BTreeMap::new();
     for MeasuredDrive { meta, .. } in drives {
-        let Some(first) = seen.insert((&meta.participant, meta.condition), &meta.drive) else {
+        let Some(first) = seen.insert((&meta.participant, meta.ride()), &meta.drive) else {
             continue;
         };
         return Err(StudyError::BadFile {
             path: path.to_owned(),
             problem: format!(
-                "holds two drives of {} in condition {}: {first} and {}",
-                meta.participant, meta.condition, meta.drive
+                "holds two drives of {} in condition {} ({}): {first} and {}",
+                meta.participant,
+                meta.condition,
+                meta.occasion(),
+                meta.drive
             ),
-            help: Some("measure one of them, or give the other a condition of its own".to_owned()),
+            help: Some(
+                "measure one of them, give the other a condition of its own, or say by `{session}` and `{trial}` under [names] of the mapping which is which"
+                    .to_owned(),
+            ),
         });
     }
     Ok(())

@@ -1,11 +1,12 @@
 //! The measures that a study brings along: its own table, read whole or refused by row and column; and their means, a row each.
 
-use super::Table;
+use super::{Table, surveys::occasions};
 use crate::{design::DesignFile, error::StudyError, once::names};
 use maveric_domain::{
     ConditionId, OwnMeasurement, ParticipantId,
     design::{ABOUT_A_ROW, DesignError},
     nearest,
+    occasion::is_first,
 };
 use maveric_measures::objective;
 use path_slash::PathExt as _;
@@ -17,12 +18,15 @@ use std::{
 /// A study's own measures as its table gives them.
 #[derive(Debug, Clone, Default)]
 pub struct OwnMeasures {
-    /// Means over sessions and trials, by person, condition and the order of the design.
+    /// Means over sessions and trials, by person, condition and the order of the design; where the design has several sessions, over the
+    /// trials of the first.
     pub measurements: Vec<OwnMeasurement>,
     /// Of whom and of which condition there is a row, be its cells empty or not.
     pub(crate) rows: BTreeSet<(ParticipantId, ConditionId)>,
     /// Columns that no `[[measure]]` declares: they are not read.
     pub undeclared: Vec<String>,
+    /// Rows of later sessions, which are in no mean.
+    pub later: usize,
 }
 
 /// Reads the table of a design's own measures; none where it declares none, or the table is not there yet. Where there is a table of
@@ -52,11 +56,21 @@ pub fn read_own_measures(
         .collect();
     one_row_each(&table, &here, sessions || trials)?;
     let cells: Vec<(ParticipantId, ConditionId)> = people.into_iter().zip(conditions).collect();
+    // Of a study that declares its sessions, the first is compared.
+    let counts: Vec<bool> = if study.design.protocol().session_count() == 1 {
+        vec![true; cells.len()]
+    } else {
+        let on = occasions(&table)?.into_iter();
+        on.map(|on| is_first(&on.session)).collect()
+    };
     let mut means: BTreeMap<(ParticipantId, ConditionId), Vec<OwnMeasurement>> = BTreeMap::new();
     for measure in study.design.measures() {
         let mut sums: BTreeMap<&(ParticipantId, ConditionId), (f64, usize)> = BTreeMap::new();
-        for (cell, value) in cells.iter().zip(table.numbers(&measure.id)?) {
-            let Some(value) = value else { continue };
+        let values = table.numbers(&measure.id)?;
+        for ((cell, value), counts) in cells.iter().zip(values).zip(&counts) {
+            let Some(value) = value.filter(|_| *counts) else {
+                continue;
+            };
             let (sum, n) = sums.entry(cell).or_default();
             (*sum, *n) = (*sum + value, *n + 1);
         }
@@ -77,6 +91,7 @@ pub fn read_own_measures(
         measurements: means.into_values().flatten().collect(),
         rows: cells.into_iter().collect(),
         undeclared,
+        later: counts.iter().filter(|counts| !**counts).count(),
     }))
 }
 

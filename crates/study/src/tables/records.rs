@@ -3,6 +3,7 @@
 
 use super::Table;
 use crate::error::StudyError;
+use maveric_domain::occasion::OCCASION;
 use serde::{
     Deserialize, Deserializer,
     de::{
@@ -61,7 +62,9 @@ impl Table {
         lists: &[(&str, Vec<Option<Vec<f64>>>)],
         wanted: impl Fn(usize) -> bool,
     ) -> Result<Vec<Option<T>>, StudyError> {
-        let names = columns::<T>();
+        // Tables of studies without several sessions and trials do not have these.
+        let is_there = |name: &&str| !OCCASION.contains(name) || self.has(name);
+        let names: Vec<&'static str> = columns::<T>().iter().copied().filter(is_there).collect();
         let list = |name: &str| lists.iter().find(|list| list.0 == name);
         let texts = names.iter().map(|name| match list(name) {
             Some(_) => Ok(Vec::new()),

@@ -2,6 +2,7 @@
 
 use super::{TableBuilder, TableName};
 use crate::error::StudyError;
+use maveric_domain::occasion::OCCASION;
 use serde::Serialize;
 use serde_json::Value;
 use std::path::Path;
@@ -9,7 +10,8 @@ use std::path::Path;
 /// Writes a table of a row each; its columns stand in the order of the dictionary, which has to know them.
 ///
 /// A row is a struct, whose fields are its cells (one that is a list or a struct is none), a pair of a column's name and its cell, or
-/// several of these side by side: a tuple, a list. Of a column that only some rows have the others' cells are missing.
+/// several of these side by side: a tuple, a list. Of a column that only some rows have the others' cells are missing; those that do not
+/// say of which session or trial they are, are of the first.
 ///
 /// # Errors
 /// As [`TableBuilder::write`]; [`StudyError::BadFile`] for a column that the dictionary does not have, or rows without one that it has.
@@ -20,6 +22,14 @@ pub fn write_rows<T: Serialize>(
 ) -> Result<(), StudyError> {
     let entry = table.entry();
     let refused = |what: String| StudyError::file(path, format!("cannot be written: {what}"));
+    // Whatever does not say of which session or trial it is, is of the first.
+    let absent = |name: &str| {
+        if OCCASION.contains(&name) {
+            Value::from(1)
+        } else {
+            Value::Null
+        }
+    };
     let mut columns: Vec<(usize, String, Vec<Value>)> = Vec::new();
     let mut count = 0;
     for row in rows {
@@ -27,10 +37,10 @@ pub fn write_rows<T: Serialize>(
         for (name, cell) in cells(row) {
             let known = columns.iter_mut().find(|column| column.1 == name);
             if let Some((.., column)) = known {
-                column.resize(count, Value::Null);
+                column.resize(count, absent(&name));
                 column.push(cell);
             } else if let Some(place) = entry.place_of(&name) {
-                let mut column = vec![Value::Null; count];
+                let mut column = vec![absent(&name); count];
                 column.push(cell);
                 columns.push((place, name, column));
             } else if !cell.is_null() {
@@ -55,7 +65,7 @@ pub fn write_rows<T: Serialize>(
     columns.sort_by_key(|column| column.0);
     let mut builder = TableBuilder::default();
     for (_, name, mut cells) in columns {
-        cells.resize(count, Value::Null);
+        cells.resize(count, absent(&name));
         builder = builder.values(&name, &cells);
     }
     builder.write(path)

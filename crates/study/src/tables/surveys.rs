@@ -5,11 +5,15 @@
 
 use super::{Table, TableName, write_rows};
 use crate::error::StudyError;
-use maveric_domain::{Answer, ConditionId, Design, Moment, ParticipantId, Score};
+use maveric_domain::{
+    Answer, ConditionId, Design, Moment, Occasion, ParticipantId, Score,
+    occasion::{self, OCCASION},
+};
 use maveric_measures::survey::{ProbeAnswer, SheetTime};
 use serde::{Deserialize, Serialize};
 use std::{
     collections::{BTreeMap, BTreeSet},
+    num::NonZeroU32,
     path::Path,
 };
 
@@ -47,8 +51,8 @@ pub fn moment_word(moment: Moment) -> &'static str {
 /// A moment by its word and its condition; `word` may be a condition's id, as in a table of one column.
 fn moment_of(word: &str, condition: Option<ConditionId>) -> Option<Moment> {
     match (word, condition) {
-        ("after", Some(condition)) => Some(Moment::After(condition)),
-        ("probe", Some(condition)) => Some(Moment::Probe(condition)),
+        ("after", Some(condition)) => Some(Moment::after(condition)),
+        ("probe", Some(condition)) => Some(Moment::probe(condition)),
         ("pre" | "post", Some(_)) | ("after" | "probe", None) => None,
         (word, condition) => {
             let moment: Moment = word.parse().ok()?;
@@ -57,11 +61,61 @@ fn moment_of(word: &str, condition: Option<ConditionId>) -> Option<Moment> {
     }
 }
 
-/// The moment of each row of a table of answers.
+/// The moment of each row of a table of answers or scores, with its session and trial where the table has them.
 ///
 /// # Errors
-/// [`StudyError::NoColumn`]; [`StudyError::BadCell`] for a moment that is none.
+/// [`StudyError::NoColumn`]; [`StudyError::BadCell`] for a moment that is none, and a session or trial that is no whole number from 1 or
+/// of what is asked once.
 pub fn moments(table: &Table) -> Result<Vec<Moment>, StudyError> {
+    with_occasions(table, words_as_moments(table)?)
+}
+
+/// Moments with the session and the trial of their rows.
+fn with_occasions(table: &Table, moments: Vec<Moment>) -> Result<Vec<Moment>, StudyError> {
+    let on = |((row, moment), occasion): ((usize, Moment), Occasion)| {
+        if moment.ride().is_none() && occasion != Occasion::FIRST {
+            let column = OCCASION.into_iter().find(|column| table.has(column));
+            let expected =
+                "nothing or 1: what is asked before the drives or at the end is asked once";
+            let found = occasion.to_string();
+            return Err(table.bad_cell(row, column.unwrap_or("moment"), found, expected));
+        }
+        Ok(match occasion {
+            Occasion::FIRST => moment,
+            occasion => moment.on(occasion),
+        })
+    };
+    let moments = moments.into_iter().enumerate();
+    moments.zip(occasions(table)?).map(on).collect()
+}
+
+/// The session and the trial of each row of a table; the first where it does not say.
+///
+/// # Errors
+/// [`StudyError::BadCell`] for what is no whole number from 1.
+pub(crate) fn occasions(table: &Table) -> Result<Vec<Occasion>, StudyError> {
+    let column = |name: &str| {
+        if !table.has(name) {
+            return Ok(vec![occasion::first(); table.rows()]);
+        }
+        let number = |(row, cell): (usize, Option<String>)| match cell.as_deref().map(str::trim) {
+            None | Some("" | "NA") => Ok(occasion::first()),
+            Some(text) => text
+                .parse()
+                .map_err(|_| table.bad_cell(row, name, text, "a whole number from 1")),
+        };
+        let cells = table.text(name)?.into_iter().enumerate();
+        cells.map(number).collect()
+    };
+    let [sessions, trials]: [Result<Vec<NonZeroU32>, StudyError>; 2] = OCCASION.map(column);
+    let both = sessions?.into_iter().zip(trials?);
+    Ok(both
+        .map(|(session, trial)| Occasion { session, trial })
+        .collect())
+}
+
+/// The moment of each row by its words alone.
+fn words_as_moments(table: &Table) -> Result<Vec<Moment>, StudyError> {
     let words = table
         .text("moment")?
         .into_iter()
@@ -136,14 +190,14 @@ pub fn read_answered(path: &Path) -> Result<Answered, StudyError> {
             item,
             answer,
         } = cells;
-        if let Moment::Probe(condition) = moment {
+        if let Moment::Probe(ride) = moment {
             let at_s = at_s[row].filter(|s| *s >= 0.0).ok_or_else(|| {
                 let expected = "when the probe was asked, in s since the drive began";
                 table.bad_cell(row, "at_s", String::new(), expected)
             })?;
             answered.probes.push(ProbeAnswer {
                 participant,
-                condition,
+                ride,
                 scale,
                 at_s,
                 answer,
@@ -185,6 +239,28 @@ pub fn read_answers(path: &Path) -> Result<Vec<Answer>, StudyError> {
     Ok(read_answered(path)?.answers)
 }
 
+/// A row with its moment as the table has it: without session and trial, which stand beside it.
+pub(crate) fn beside_occasion<T: Clone>(
+    row: &T,
+    moment: fn(&mut T) -> &mut Moment,
+) -> (T, Occasion) {
+    let mut row = row.clone();
+    let moment = moment(&mut row);
+    let occasion = moment.ride().map_or(Occasion::FIRST, |ride| ride.occasion);
+    *moment = moment.on(Occasion::FIRST);
+    (row, occasion)
+}
+
+/// Writes scores.
+///
+/// # Errors
+/// As [`write_rows`].
+pub fn write_scores(path: &Path, scores: &[Score]) -> Result<(), StudyError> {
+    let rows = scores.iter();
+    let rows = rows.map(|score| beside_occasion(score, |s| &mut s.moment));
+    write_rows(TableName::Scores, path, rows)
+}
+
 /// Writes answers, with `condition` and `at_s` where somebody was asked during a drive or at the end.
 ///
 /// # Errors
@@ -195,25 +271,34 @@ pub fn write_answers(
     probes: &[ProbeAnswer],
 ) -> Result<(), StudyError> {
     if probes.is_empty() && answers.iter().all(|a| a.moment != Moment::Post) {
-        return write_rows(TableName::Answers, path, answers);
+        let rows = answers.iter();
+        let rows = rows.map(|answer| beside_occasion(answer, |a| &mut a.moment));
+        return write_rows(TableName::Answers, path, rows);
     }
-    let sheets = answers.iter().map(|a| Row {
-        participant: &a.participant,
-        moment: moment_word(a.moment),
-        condition: a.moment.condition(),
-        scale: &a.scale,
-        item: a.item,
-        answer: a.answer,
-        at_s: None,
+    let sheets = answers.iter().map(|a| {
+        let ride = a.moment.ride();
+        let row = Row {
+            participant: &a.participant,
+            moment: moment_word(a.moment),
+            condition: a.moment.condition(),
+            scale: &a.scale,
+            item: a.item,
+            answer: a.answer,
+            at_s: None,
+        };
+        (row, ride.map_or(Occasion::FIRST, |ride| ride.occasion))
     });
-    let probes = probes.iter().map(|p| Row {
-        participant: &p.participant,
-        moment: moment_word(Moment::Probe(p.condition)),
-        condition: Some(p.condition),
-        scale: &p.scale,
-        item: 1,
-        answer: p.answer,
-        at_s: Some(p.at_s),
+    let probes = probes.iter().map(|p| {
+        let row = Row {
+            participant: &p.participant,
+            moment: moment_word(Moment::Probe(p.ride)),
+            condition: Some(p.ride.condition),
+            scale: &p.scale,
+            item: 1,
+            answer: p.answer,
+            at_s: Some(p.at_s),
+        };
+        (row, p.ride.occasion)
     });
     write_rows(TableName::Answers, path, sheets.chain(probes))
 }
@@ -238,13 +323,13 @@ pub(crate) fn refuse_unclear(
         let sheet = (&answer.participant, answer.scale.as_str());
         sheets.entry(sheet).or_default().insert(answer.moment);
     }
-    let clear = Moment::After(shared);
+    let clear = Moment::after(shared);
     if sheets.values().any(|moments| moments.contains(&clear)) {
         return Ok(());
     }
     let others: Vec<Moment> = ids()
         .filter(|id| *id != shared)
-        .map(Moment::After)
+        .map(Moment::after)
         .collect();
     let unclear = |moments: &BTreeSet<Moment>| {
         moments.contains(&Moment::Pre) && others.iter().all(|other| moments.contains(other))
@@ -270,8 +355,15 @@ pub(crate) fn refuse_unclear(
 /// As [`Table`] does, naming row and column.
 pub fn read_scores(path: &Path) -> Result<Vec<Score>, StudyError> {
     let table = Table::read(path)?;
-    table.each_once(&["participant", "moment", "scale", "subscale"])?;
-    table.records()
+    let mut key = vec!["participant", "moment", "scale", "subscale"];
+    key.extend(OCCASION.into_iter().filter(|column| table.has(column)));
+    table.each_once(&key)?;
+    let mut scores: Vec<Score> = table.records()?;
+    let moments = scores.iter().map(|score| score.moment).collect();
+    for (score, moment) in scores.iter_mut().zip(with_occasions(&table, moments)?) {
+        score.moment = moment;
+    }
+    Ok(scores)
 }
 
 #[cfg(test)]
@@ -325,7 +417,10 @@ mod tests {
         let [probe] = &probes[..] else {
             panic!("{probes:?}");
         };
-        assert_eq!((probe.condition.as_str(), probe.answer), ("calm", None));
+        assert_eq!(
+            (probe.ride.to_string().as_str(), probe.answer),
+            ("calm", None)
+        );
         assert!((probe.at_s - 60.0).abs() < 1e-12);
     }
 
@@ -354,6 +449,54 @@ mod tests {
     }
 
     #[test]
+    fn session_and_trial_stand_beside_the_moment_and_are_the_first_where_the_table_is_silent() {
+        let head = "participant,moment,session,trial,scale,item,answer\n";
+        let moments = moments_of(&format!(
+            "{head}A,pre,,,m,1,1\nA,calm,,,m,1,2\nA,calm,1,2,m,1,3\nA,calm,2,1,m,1,4\n"
+        ));
+        let again = |session, trial| {
+            let occasion = Occasion::new(session, trial).unwrap();
+            after("calm").on(occasion)
+        };
+        assert_eq!(
+            moments,
+            [Moment::Pre, after("calm"), again(1, 2), again(2, 1)]
+        );
+        for (row, column) in [
+            ("A,calm,0,1,m,1,1", "session"),
+            ("A,calm,1,-1,m,1,1", "trial"),
+            ("A,calm,1,1.5,m,1,1", "trial"),
+        ] {
+            let told = read(&format!("{head}{row}\n")).unwrap_err();
+            let place = format!("row 1, column `{column}`");
+            assert!(told.contains(&place) && told.contains("from 1"), "{told}");
+        }
+        let told = read(&format!("{head}A,pre,2,1,m,1,1\n")).unwrap_err();
+        assert!(told.contains("asked once"), "{told}");
+        // What was written comes back, and a table of one ride each has no such column.
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("scores.csv");
+        let score = |moment| Score {
+            participant: ParticipantId::new("A").unwrap(),
+            moment,
+            scale: "m".to_owned(),
+            subscale: "m".to_owned(),
+            value: Some(2.5),
+            answered: 1,
+            items: 1,
+        };
+        let scores = [score(Moment::Pre), score(after("calm")), score(again(2, 2))];
+        write_scores(&path, &scores).unwrap();
+        assert_eq!(read_scores(&path).unwrap(), scores);
+        write_scores(&path, &scores[..2]).unwrap();
+        let text = std::fs::read_to_string(&path).unwrap();
+        assert!(
+            !text.contains("session") && !text.contains("trial"),
+            "{text}"
+        );
+    }
+
+    #[test]
     fn answers_come_back_as_they_were() {
         let answer = |moment| Answer {
             participant: ParticipantId::new("A").unwrap(),
@@ -378,7 +521,7 @@ mod tests {
         ];
         let probes = [ProbeAnswer {
             participant: ParticipantId::new("A").unwrap(),
-            condition: "calm".parse().unwrap(),
+            ride: "calm".parse().unwrap(),
             scale: "misc".to_owned(),
             at_s: 60.0,
             answer: Some(4),

@@ -2,9 +2,11 @@
 
 use crate::error::IngestError;
 use maveric_domain::{
-    ConditionId, DomainError, DriveId, DriveMeta, DrivenBy, ParticipantId, Recording, Road, Sees,
+    ConditionId, DomainError, DriveId, DriveMeta, DrivenBy, Occasion, ParticipantId, Recording,
+    Road, Sees,
+    occasion::{OCCASION, first, is_first},
 };
-use std::{collections::BTreeMap, path::Path, str::FromStr};
+use std::{collections::BTreeMap, num::NonZeroU32, path::Path, str::FromStr};
 
 /// Name of the metadata record of a log.
 pub(crate) const NAME: &str = "maveric.drive";
@@ -19,8 +21,8 @@ const SEES: &str = "sees";
 /// Key of what whoever made the recording has to say of it.
 const NOTE: &str = "note";
 
-/// Keys that every drive has, in their order; the last two may be there.
-pub(crate) const KEYS: [&str; 10] = [
+/// Keys that every drive has, in their order; the last four may be there.
+pub(crate) const KEYS: [&str; 12] = [
     "drive",
     "participant",
     "condition",
@@ -31,6 +33,8 @@ pub(crate) const KEYS: [&str; 10] = [
     "posted_speed_mps",
     LATERAL,
     SEES,
+    OCCASION[0],
+    OCCASION[1],
 ];
 
 /// What is said of a drive, by [`KEYS`] and in their order.
@@ -54,10 +58,13 @@ pub(crate) fn told_of(
     let lateral = (!has_lateral).then(|| (LATERAL, UNKNOWN.to_owned()));
     // A file that says nothing, as all did once, sees everything.
     let sees = (sees != Sees::ALL).then(|| (SEES, sees.to_string()));
+    let numbers = OCCASION.into_iter().zip([meta.session, meta.trial]);
+    let numbers = numbers.filter(|(_, number)| !is_first(number));
     KEYS.into_iter()
         .zip(values)
         .chain(lateral)
         .chain(sees)
+        .chain(numbers.map(|(key, number)| (key, number.to_string())))
         .collect()
 }
 
@@ -117,12 +124,23 @@ impl Told<'_> {
     /// Whose drive it is.
     pub(crate) fn meta(&self) -> Result<DriveMeta, IngestError> {
         let driven_by = "human, synthetic or automated";
-        Ok(DriveMeta {
-            drive: self.id("drive", DriveId::new)?,
-            participant: self.id("participant", ParticipantId::new)?,
-            condition: self.word("condition", "a condition", ConditionId::from_str)?,
-            driven_by: self.word("driven_by", driven_by, DrivenBy::from_str)?,
-        })
+        let meta = DriveMeta::new(
+            self.id("drive", DriveId::new)?,
+            self.id("participant", ParticipantId::new)?,
+            self.word("condition", "a condition", ConditionId::from_str)?,
+            self.word("driven_by", driven_by, DrivenBy::from_str)?,
+        );
+        let [session, trial] = OCCASION.map(|key| {
+            if self.values.contains_key(key) {
+                self.word(key, "a whole number from 1", NonZeroU32::from_str)
+            } else {
+                Ok(first())
+            }
+        });
+        Ok(meta.on(Occasion {
+            session: session?,
+            trial: trial?,
+        }))
     }
 
     /// On which road.

@@ -6,6 +6,7 @@ mod data;
 mod people;
 mod presses;
 mod results;
+mod retest;
 mod style;
 
 pub use data::Study;

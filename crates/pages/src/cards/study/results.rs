@@ -1,6 +1,6 @@
 //! All cards of a study, in the order of its findings.
 
-use super::{car, conditions, data::Study, people, presses, style};
+use super::{car, conditions, data::Study, people, presses, retest, style};
 use crate::{
     card::{Drawn, card, share_row},
     texts::{Texts, value},
@@ -44,6 +44,7 @@ pub fn cards(study: &Study<'_>) -> Result<Vec<Card>, ReportError> {
             Question::Preferred => Some(people::preferred(study, &texts, finding)?),
             Question::Personality => people::personality(study, &texts, finding)?,
             Question::Pressed => presses::pressed(study, &texts, finding)?,
+            Question::Retest => retest::retest(study, &texts, finding)?,
             Question::BeforePress => presses::before(study, &texts, finding)?,
             _ => None,
         });

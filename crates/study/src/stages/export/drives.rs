@@ -52,7 +52,7 @@ fn renamed<'a>(
     let mut numbers: BTreeMap<DriveId, usize> = BTreeMap::new();
     let rename = |(meta, recording): &'a (DriveMeta, Recording)| {
         let participant = names.of(&meta.participant);
-        let mut drive = DriveId::in_condition(&participant, meta.condition)?;
+        let mut drive = DriveId::in_condition(&participant, meta.ride())?;
         let number = numbers.entry(drive.clone()).or_default();
         *number += 1;
         if *number > 1 {

@@ -60,7 +60,7 @@ impl LeftOut {
         let driven = |(meta, recording): &(DriveMeta, Recording)| Driven {
             drive: meta.drive.clone(),
             participant: meta.participant.clone(),
-            condition: meta.condition,
+            ride: meta.ride(),
             duration_s: Some(duration_s(recording)),
         };
         // Whatever their logs are called, what was answered after a drive that is left out goes with it.
@@ -91,7 +91,7 @@ impl LeftOut {
         material.answers.retain(|a| keeps(&a.participant, a.moment));
         material
             .probes
-            .retain(|p| keeps(&p.participant, Moment::Probe(p.condition)));
+            .retain(|p| keeps(&p.participant, Moment::Probe(p.ride)));
         material.drives.retain(
             |(meta, recording)| match gate.drive(meta, duration_s(recording)) {
                 None => true,
@@ -104,7 +104,7 @@ impl LeftOut {
             },
         );
         material.own.retain(|row| {
-            let moment = Moment::After(row.condition);
+            let moment = Moment::after(row.condition);
             found.person(&gate, &row.participant) && gate.answer(&row.participant, moment).is_none()
         });
         if let Some(data) = &mut material.outcomes {
@@ -167,12 +167,12 @@ mod tests {
         let (road, time_s) = (Road::PAPER, vec![0.0, 0.05]);
         let recording = Recording::new(road, 20.0, time_s, vec![0, 0], ego, Vec::new()).unwrap();
         let drive = |name: &str, condition: &str| {
-            let meta = DriveMeta {
-                drive: DriveId::new(name).unwrap(),
-                participant: who.clone(),
-                condition: condition.parse().unwrap(),
-                driven_by: DrivenBy::Human,
-            };
+            let meta = DriveMeta::new(
+                DriveId::new(name).unwrap(),
+                who.clone(),
+                condition.parse().unwrap(),
+                DrivenBy::Human,
+            );
             (meta, recording.clone())
         };
         let kept = |excluded: &str| {

@@ -5,7 +5,7 @@ use crate::{
     error::StudyError,
     tables::{TableName, participants::Enrolled, surveys::write_answers, write_rows},
 };
-use maveric_domain::{Answer, ConditionId, Moment, ParticipantId};
+use maveric_domain::{Answer, ConditionId, Moment, ParticipantId, Ride};
 use maveric_measures::survey::ProbeAnswer;
 use serde_json::Value;
 use std::{
@@ -33,7 +33,7 @@ pub(super) fn write(
         probe.participant = names.of(&probe.participant);
     }
     probes.sort_by(|a, b| {
-        let of = |p: &ProbeAnswer| (p.participant.clone(), p.condition, p.scale.clone());
+        let of = |p: &ProbeAnswer| (p.participant.clone(), p.ride, p.scale.clone());
         of(a).cmp(&of(b)).then(a.at_s.total_cmp(&b.at_s))
     });
     // Sorted by pseudonym, so that the order of the rows gives nobody away.
@@ -50,14 +50,15 @@ pub(super) fn write(
 /// Writes `participant.label`, `pre.1.player.SCALE_ITEM`, and for the n-th condition that a person sat through
 /// `trial.n.player.condition` and `trial.n.player.SCALE_ITEM`: what `maveric import --from otree` reads.
 ///
-/// Conditions stand in the person's own order where it is known, else as everywhere.
+/// Conditions stand in the person's own order where it is known, else as everywhere; of several rides in a condition each is a trial, called
+/// `calm:s2:t1` where it is not the first.
 fn write_wide(
     path: &Path,
     answers: &[Answer],
     orders: &BTreeMap<ParticipantId, &[ConditionId]>,
 ) -> Result<(), StudyError> {
     let mut cells: BTreeMap<(&ParticipantId, Moment, &str, u32), Option<i32>> = BTreeMap::new();
-    let mut rated: BTreeMap<&ParticipantId, BTreeSet<ConditionId>> = BTreeMap::new();
+    let mut rated: BTreeMap<&ParticipantId, BTreeSet<Ride>> = BTreeMap::new();
     let mut before: BTreeSet<(&str, u32)> = BTreeSet::new();
     let mut after: BTreeSet<(&str, u32)> = BTreeSet::new();
     for answer in answers {
@@ -70,19 +71,19 @@ fn write_wide(
             }
             // oTree's layout has no page for them.
             Moment::Probe(_) | Moment::Post => {}
-            Moment::After(condition) => {
-                conditions.insert(condition);
+            Moment::After(ride) => {
+                conditions.insert(ride);
                 after.insert(item);
             }
         }
     }
-    let trials: Vec<Vec<ConditionId>> = rated
+    let trials: Vec<Vec<Ride>> = rated
         .iter()
         .map(|(who, conditions)| {
             let order = orders.get(*who).copied().unwrap_or_default();
             let place = |c: &ConditionId| order.iter().position(|o| o == c).unwrap_or(order.len());
-            let mut trials: Vec<ConditionId> = conditions.iter().copied().collect();
-            trials.sort_by_key(|c| (place(c), *c));
+            let mut trials: Vec<Ride> = conditions.iter().copied().collect();
+            trials.sort_by_key(|r| (r.occasion, place(&r.condition), r.condition));
             trials
         })
         .collect();

@@ -80,7 +80,7 @@ impl<'a> Columns<'a> {
         }
         let labels = design.labels().into_iter();
         let mut words: BTreeMap<String, Moment> = labels
-            .map(|id| (id.to_string(), Moment::After(id)))
+            .map(|id| (id.to_string(), Moment::after(id)))
             .collect();
         words.extend(map.moments.clone());
         Ok(Self {

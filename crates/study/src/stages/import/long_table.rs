@@ -18,7 +18,7 @@ pub(super) fn unknown_moments(
     let mut unknown: BTreeMap<Moment, (usize, String)> = BTreeMap::new();
     let labels = design.labels();
     rows.retain(|row| match row.moment {
-        Moment::After(condition) | Moment::Probe(condition) if !labels.contains(&condition) => {
+        Moment::After(ride) | Moment::Probe(ride) if !labels.contains(&ride.condition) => {
             let first = || (0, row.place.clone());
             unknown.entry(row.moment).or_insert_with(first).0 += 1;
             false

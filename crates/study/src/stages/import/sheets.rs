@@ -132,7 +132,7 @@ impl Reading<'_> {
             (When::Trial(trial), _) => {
                 let order = self.orders.get(id).map(Vec::as_slice).unwrap_or_default();
                 let condition = trial.checked_sub(1).and_then(|at| order.get(at));
-                condition.map(|id| Moment::After(*id)).ok_or_else(|| {
+                condition.map(|id| Moment::after(*id)).ok_or_else(|| {
                     at(format!(
                         ": answers about ride {trial}, and the table of people has an `order` of {} conditions for them; write it there, or put the condition's name in place of the number",
                         order.len()

@@ -22,7 +22,7 @@ use crate::{
     },
 };
 use maveric_analysis::Why;
-use maveric_domain::{Drive, DriveMeta, Sees};
+use maveric_domain::{Drive, DriveMeta, Sees, occasion::is_first};
 use maveric_ingest::{IngestError, Provenance, Warning, begins_ns, read_log};
 use path_slash::PathExt as _;
 use serde::Serialize;
@@ -429,6 +429,8 @@ fn write_exclusions(
         count: 1,
         participant: out.meta.participant.to_string(),
         condition: out.meta.condition.to_string(),
+        session: Some(out.meta.session).filter(|n| !is_first(n)),
+        trial: Some(out.meta.trial).filter(|n| !is_first(n)),
         rule: out.why.rule.key().to_owned(),
         duration_s: Some(out.duration_s),
     });

@@ -221,7 +221,7 @@ fn questionnaire(
                 && score.moment
                     == match t.condition {
                         own if Some(own) == baseline => Moment::Pre,
-                        role => Moment::After(role),
+                        role => Moment::after(role),
                     }
         });
         for drive in drives {
@@ -242,6 +242,8 @@ mod tests {
             drive: DriveId::new(drive).unwrap(),
             participant: ParticipantId::new(participant).unwrap(),
             condition: condition.parse().unwrap(),
+            session: maveric_domain::occasion::first(),
+            trial: maveric_domain::occasion::first(),
             adb_used: false,
             adb: None,
             adb_hat: None,

@@ -20,7 +20,7 @@ use crate::{
         embeddings::{EmbeddingRow, read_embeddings},
     },
 };
-use maveric_domain::{ConditionId, Embedding, ParticipantId};
+use maveric_domain::{ConditionId, Embedding, ParticipantId, occasion::is_first};
 use maveric_model::{
     Model, ModelError,
     style_space::{LinearHead, share_outside_training},
@@ -146,9 +146,9 @@ impl Stage for Steer {
     }
 }
 
-/// One row a participant: the fit with the ADB score where there is one.
+/// One row a participant, of the drive of their first session: the fit with the ADB score where there is one.
 fn own_drives(rows: &[EmbeddingRow], baseline: ConditionId) -> Vec<&EmbeddingRow> {
-    let own = |r: &&EmbeddingRow| r.condition == baseline;
+    let own = |r: &&EmbeddingRow| r.condition == baseline && is_first(&r.session);
     let has_adb_fit = |p: &ParticipantId| {
         let mut fits = rows.iter().filter(own);
         fits.any(|r| r.participant == *p && r.adb_used)

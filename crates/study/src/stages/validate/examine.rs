@@ -401,12 +401,12 @@ impl Examination<'_> {
             world,
         )?
         .completed()?;
-        let meta = DriveMeta {
-            drive: DriveId::new(format!("{id}-validate"))?,
-            participant: ride.person.participant.clone(),
-            condition: ride.person.first.meta().condition,
-            driven_by: DrivenBy::Automated,
-        };
+        let meta = DriveMeta::new(
+            DriveId::new(format!("{id}-validate"))?,
+            ride.person.participant.clone(),
+            ride.person.first.meta().condition,
+            DrivenBy::Automated,
+        );
         let drive = Drive::from_recording(meta, &driven.recording)?;
         let read_back = ride
             .read_back

@@ -134,6 +134,7 @@ pub(super) fn page(
     sections.extend(undeclared(page.kept()?)?);
     sections.extend(page.homophily()?);
     sections.extend(page.presses()?);
+    sections.extend(page.repeats()?);
     let simulated = run.design.conditions().iter().find(|c| c.simulated());
     let view = run.own_style().or(simulated.map(|c| c.id));
     let view = scene::view(&folder.join("av/logs"), view)?;

@@ -6,7 +6,7 @@ use crate::{
     missing::{KINDS, Missing, MissingRow},
     tables::drives::remove_former,
 };
-use maveric_domain::Moment;
+use maveric_domain::{Moment, Occasion};
 use maveric_report::{
     figures::completeness::{Completeness, CompletenessPanel, completeness},
     html::Section,
@@ -83,6 +83,12 @@ fn when(run: &Run, moment: Moment) -> String {
     match moment {
         Moment::Pre => "Before the drives".to_owned(),
         Moment::Post => "At the end".to_owned(),
-        Moment::After(condition) | Moment::Probe(condition) => run.design.label(condition),
+        Moment::After(ride) | Moment::Probe(ride) => {
+            let label = run.design.label(ride.condition);
+            match ride.occasion {
+                Occasion::FIRST => label,
+                occasion => format!("{label}, {occasion}"),
+            }
+        }
     }
 }

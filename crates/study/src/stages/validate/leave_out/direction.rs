@@ -138,12 +138,12 @@ pub(super) fn pointing(
         let world = stream_seed(options.seed, &[who, "direction", &ride.world.to_string()]);
         let done =
             drive_style(&ride.fold.model, &ride.embedding, None, &scenario, world)?.completed()?;
-        let meta = DriveMeta {
-            drive: DriveId::new(format!("{who}-direction"))?,
-            participant: ride.fold.person.clone(),
-            condition: lower,
-            driven_by: DrivenBy::Automated,
-        };
+        let meta = DriveMeta::new(
+            DriveId::new(format!("{who}-direction"))?,
+            ride.fold.person.clone(),
+            lower,
+            DrivenBy::Automated,
+        );
         Ok(axes(&Drive::from_recording(meta, &done.recording)?))
     })?;
     let mut driven = driven.chunks_exact(options.worlds).map(averaged);
