@@ -102,6 +102,8 @@ async function practice(page) {
   await page.keyboard.down("ArrowUp");
   await offTheRoad(page);
   await page.keyboard.up("ArrowUp");
+  await page.waitForFunction(() => /^(Practice passed|The time for practice is over)$/.test(document.querySelector("main h1")?.textContent ?? ""), null, { timeout: 60000 });
+  await press(page);
   await heading(page, "Your drive");
 }
 
