@@ -15,6 +15,7 @@ use maveric_domain::{
     occasion::first,
     press::{PressMoment, PressedRide},
 };
+use maveric_stats::mean;
 use std::{
     collections::{BTreeMap, BTreeSet},
     num::NonZeroU32,
@@ -64,10 +65,6 @@ impl Cell {
             rides: rides.len(),
         }
     }
-}
-
-fn mean(values: &[f64]) -> Option<f64> {
-    (!values.is_empty()).then(|| values.iter().sum::<f64>() / values.len() as f64)
 }
 
 impl Scores {

@@ -2,7 +2,7 @@
 
 use crate::{AnalysisError, data::StudyData, outcomes::Asked, outcomes::outcomes};
 use maveric_domain::{ConditionId, Occasion, ParticipantId, design::Quantity};
-use maveric_stats::{Icc, icc};
+use maveric_stats::{Icc, icc, mean};
 use serde::{Deserialize, Serialize};
 use std::num::NonZeroU32;
 
@@ -139,10 +139,6 @@ impl Reading {
             mean_gone: mean(&gone),
         })
     }
-}
-
-fn mean(values: &[f64]) -> Option<f64> {
-    (!values.is_empty()).then(|| values.iter().sum::<f64>() / values.len() as f64)
 }
 
 /// The drive by hand first, with the style that is read from it alone; then each condition.
