@@ -46,16 +46,16 @@ pub fn versions() -> BTreeMap<String, String> {
         ("personalize", 9),
         ("steer", 6),
         ("simulate", 9),
-        ("measure", 5),
+        ("measure", 6),
         ("rate", 2),
         ("evaluate", 6),
         ("stats", 14),
         ("ablate", 8),
         ("validate", 12),
         ("recommend", 4),
-        ("rehearse", 7),
+        ("rehearse", 8),
         ("rehearse-dial", 5),
-        ("report", 16),
+        ("report", 17),
     ]
     .map(|(command, version)| (command.to_owned(), version.to_string()))
     .into()
