@@ -1,6 +1,9 @@
 //! Who and what is left out, and by which rule: the one place that judges drives, answers and people alike.
 
-use maveric_domain::{Answer, ConditionId, Design, DriveId, ParticipantId, Ride, Scale};
+use maveric_domain::{
+    Answer, ConditionId, Design, DriveId, Occasion, ParticipantId, Ride, Scale,
+    occasion::{first, is_first},
+};
 use maveric_measures::{
     ScoreWarning,
     survey::{attention_missed, response_styles},
@@ -9,6 +12,7 @@ use serde::{Deserialize, Serialize};
 use std::{
     collections::{BTreeMap, BTreeSet},
     fmt,
+    num::NonZeroU32,
 };
 
 /// A drive that is there.
@@ -31,6 +35,12 @@ pub struct Stopped {
     pub participant: ParticipantId,
     /// In which condition.
     pub condition: ConditionId,
+    /// Of which session.
+    #[serde(default = "first", skip_serializing_if = "is_first")]
+    pub session: NonZeroU32,
+    /// Which drive of the session in the condition.
+    #[serde(default = "first", skip_serializing_if = "is_first")]
+    pub trial: NonZeroU32,
     /// How long they had driven, in s.
     pub time_s: f64,
     /// `unwell` where they pressed the button, else the rule that held.
@@ -193,6 +203,8 @@ impl LeftOut {
             let Stopped {
                 participant,
                 condition,
+                session,
+                trial,
                 reason,
                 ..
             } = ride;
@@ -200,10 +212,17 @@ impl LeftOut {
                 Rule::Stopped,
                 format!("`{condition}` was stopped: {reason}"),
             );
-            let cell = (participant.clone(), (*condition).into());
+            let ride = Ride {
+                condition: *condition,
+                occasion: Occasion {
+                    session: *session,
+                    trial: *trial,
+                },
+            };
+            let cell = (participant.clone(), ride);
             self.cells.entry(cell).or_insert(why.clone());
             // The ids of the two may be too long for one: then no drive has their name.
-            if let Ok(drive) = DriveId::in_condition(participant, *condition) {
+            if let Ok(drive) = DriveId::in_condition(participant, ride) {
                 self.and_drive(drive, why);
             }
         }
@@ -375,6 +394,8 @@ mod tests {
         let stop = |id: &str, condition: &str, reason: &str| Stopped {
             participant: who(id),
             condition: condition.parse().unwrap(),
+            session: first(),
+            trial: first(),
             time_s: 34.0,
             reason: reason.to_owned(),
         };

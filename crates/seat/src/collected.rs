@@ -10,7 +10,7 @@ use crate::{
     steps::{Act, STOPPED, Step, TICKS_PER_S},
     tables::{Given, Standing},
 };
-use maveric_domain::ParticipantId;
+use maveric_domain::{ParticipantId, Ride};
 use maveric_seat_page::Chunk;
 use maveric_study::{
     StudyError,
@@ -265,9 +265,12 @@ fn stopped_in(event: &EventRow) -> Option<Stopped> {
     let left_out = event.at.is_some() && acts.iter().any(|act| event.what.starts_with(act.past()));
     let reason = event.what.strip_prefix(STOPPED);
     let reason = reason.or_else(|| left_out.then_some(&event.what))?;
+    let ride: Ride = event.page.parse().ok().filter(|_| event.page != PRACTICE)?;
     Some(Stopped {
         participant: event.participant.clone(),
-        condition: event.page.parse().ok().filter(|_| event.page != PRACTICE)?,
+        condition: ride.condition,
+        session: ride.occasion.session,
+        trial: ride.occasion.trial,
         time_s: event.time_s?,
         reason: reason.to_owned(),
     })
@@ -298,9 +301,23 @@ fn place(step: &Step) -> (String, Option<String>) {
         Step::Scale { scale, moment, .. } => (scale.clone(), Some(moment.to_string())),
         Step::Controls => ("controls".to_owned(), None),
         Step::Practice { .. } => (PRACTICE.to_owned(), None),
-        Step::Drive { condition, .. } | Step::Ride { condition, .. } => {
-            (condition.to_string(), None)
+        Step::Drive {
+            condition,
+            occasion,
+            ..
         }
+        | Step::Ride {
+            condition,
+            occasion,
+            ..
+        } => {
+            let ride = Ride {
+                condition: *condition,
+                occasion: *occasion,
+            };
+            (ride.to_string(), None)
+        }
+        Step::Between { .. } => ("between".to_owned(), None),
         Step::Aftercare { .. } => ("aftercare".to_owned(), None),
         Step::Thanks { .. } => ("thanks".to_owned(), None),
     }

@@ -9,7 +9,7 @@ use crate::{
     tables::{self, Given, Standing},
     words::Words,
 };
-use maveric_domain::{ConditionId, DriveId, DriveMeta, ParticipantId, design::Car};
+use maveric_domain::{DriveId, DriveMeta, ParticipantId, Ride, design::Car};
 use maveric_ingest::{Beside, write_mcap_with};
 use maveric_model::Model;
 use maveric_seat_page::{Record, Replayed};
@@ -188,7 +188,7 @@ impl Files {
     pub(crate) fn log(
         &self,
         name: &str,
-        (participant, condition): (&str, ConditionId),
+        (participant, ride): (&str, Ride),
         (record, lines, note): (&Record, &str, Option<&str>),
         again: &Replayed,
     ) -> Result<(), SeatError> {
@@ -203,9 +203,10 @@ impl Files {
         let meta = DriveMeta::new(
             DriveId::new(name).map_err(|e| bad(e.into()))?,
             ParticipantId::new(participant).map_err(|e| bad(e.into()))?,
-            condition,
+            ride.condition,
             record.header.driven_by,
-        );
+        )
+        .on(ride.occasion);
         let beside = Beside {
             trace: &again.rollout.trace,
             attached: Some((RECORD, lines.as_bytes())),

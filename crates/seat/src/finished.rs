@@ -91,12 +91,12 @@ impl Seat {
         let Some(whole) = ended.or_else(|| last().filter(|_| left.is_some())) else {
             return Ok(false);
         };
-        let Some((condition, by_hand)) = found.drives() else {
+        let Some((ride, _)) = found.drives() else {
             return Ok(true);
         };
         let (who, files) = (&person.participant, &self.settings.files);
         let participant = ParticipantId::new(who.as_str()).map_err(StudyError::from)?;
-        let name = DriveId::in_condition(&participant, condition).map_err(StudyError::from)?;
+        let name = DriveId::in_condition(&participant, ride).map_err(StudyError::from)?;
         let name = name.as_str();
         let mut outcome = Outcome::default();
         for (place, cut) in begun.iter().enumerate().filter(|(at, _)| *at != whole) {
@@ -129,7 +129,7 @@ impl Seat {
                 let note: Vec<String> = note.collect();
                 let note = (!note.is_empty()).then(|| note.join("; "));
                 let kept = (&record, lines.as_str(), note.as_deref());
-                files.log(name, (who, condition), kept, &again)?;
+                files.log(name, (who, ride), kept, &again)?;
                 outcome.tell(format!("{name}: {pictures}"));
                 if ended.is_some() && !again.same() {
                     let text = "the page came through other states than its record gives here";
@@ -153,7 +153,7 @@ impl Seat {
                         "{name}: the page drove another style than the study's for this person, {apart:.2e} apart"
                     ));
                 }
-                if by_hand && left.is_none() {
+                if found.is_learned_of() && left.is_none() {
                     self.learn(person, name, (&record, &again), &mut outcome);
                 }
             }

@@ -124,16 +124,6 @@ pub enum Hindrance {
         /// What would be possible.
         problem: String,
     },
-    /// Several sessions, or several rides in a condition.
-    #[error(
-        "[protocol] `{key}` is {found}, and the seat has one session with one ride in each condition"
-    )]
-    Repeats {
-        /// The key of the design.
-        key: &'static str,
-        /// What it says.
-        found: u32,
-    },
     /// A consent that names a day which the study does not have.
     #[error("the consent says {{withdraw_until}}, and [protocol] has no `withdraw_until`")]
     NoLastDay,
@@ -184,9 +174,6 @@ impl Hindrance {
                 "name a scale of one item, such as probe = { scale = \"misc\", every_s = 60 }".to_owned()
             }
             Self::Rule { .. } => "write SCALE.NUMBER, or SCALE.SUBSCALE of one item".to_owned(),
-            Self::Repeats { key, .. } => {
-                format!("leave `{key}` out of [protocol]; of logs from elsewhere, and of made-up people, `maveric run` takes it")
-            }
             Self::NoLastDay => {
                 "write withdraw_until = \"2027-01-31\" there, or leave it out of the text".to_owned()
             }

@@ -44,6 +44,7 @@ fn what(step: &Step) -> &'static str {
         Step::Practice { .. } => "lab_practice",
         Step::Drive { .. } => "lab_driving",
         Step::Ride { .. } => "lab_riding",
+        Step::Between { .. } => "lab_between",
         Step::Aftercare { .. } => "lab_aftercare",
         Step::Thanks { .. } => "lab_thanks",
     }

@@ -78,7 +78,9 @@ fn hindrance(person: &Person, act: Act) -> Option<&'static str> {
         (Act::Skip, Some(step)) if first(step) => {
             Some("nobody goes on who was not admitted and has not agreed")
         }
-        (Act::Skip, Some(Step::Drive { .. })) if person.fit.is_none() && ahead.any(own) => {
+        (Act::Skip, Some(step))
+            if step.is_learned_of() && person.fit.is_none() && ahead.any(own) =>
+        {
             Some("the rides need the style that is learned of this drive")
         }
         (Act::Skip, _) => None,

@@ -1,7 +1,7 @@
 //! Whose styles were lent to whom, as it is kept: in the steps of those who ride them.
 
 use crate::{books::Books, error::SeatError, listed::Listed, person::Person, steps::Step};
-use maveric_domain::{ConditionId, DriveId, Embedding, Lent, ParticipantId};
+use maveric_domain::{ConditionId, DriveId, Embedding, Lent, Occasion, ParticipantId};
 use maveric_seat_page::RideStyle;
 use maveric_study::{StudyError, tables::collected::LentRow};
 
@@ -11,16 +11,17 @@ const FORGOTTEN: &str = "forgotten";
 /// The name of the drive by hand that somebody's style is learned of.
 pub(crate) fn by_hand(person: &Person) -> Option<DriveId> {
     let mut drives = person.steps.iter().filter_map(Step::drives);
-    let (condition, _) = drives.find(|(_, by_hand)| *by_hand)?;
+    let (drive, _) = drives.find(|(_, by_hand)| *by_hand)?;
     let who = ParticipantId::new(&*person.participant).ok()?;
-    DriveId::in_condition(&who, condition).ok()
+    DriveId::in_condition(&who, drive).ok()
 }
 
-/// The styles that were lent to somebody, each with its condition and as it is ridden.
+/// The styles that were lent to somebody, each with its condition and as it is ridden: the same in each ride of the condition.
 pub(crate) fn lent_to(person: &Person) -> impl Iterator<Item = (ConditionId, &Lent, &Embedding)> {
     person.steps.iter().filter_map(|step| match step {
         Step::Ride {
             condition,
+            occasion: Occasion::FIRST,
             style: RideStyle::Given(style),
             lent: Some(lent),
             ..

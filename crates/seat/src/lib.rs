@@ -7,6 +7,7 @@ mod above;
 mod among_others;
 mod asked_first;
 mod assets;
+mod between;
 mod books;
 pub mod carried;
 mod collected;

@@ -1,7 +1,7 @@
 //! Somebody with a link: their steps, and how far they have come.
 
 use crate::{listed::Listed, steps::Step};
-use maveric_domain::{BeyondWhy, survey::Kind};
+use maveric_domain::{BeyondWhy, Occasion, survey::Kind};
 use maveric_seat_page::Fit;
 use serde_json::{Value, json};
 
@@ -76,12 +76,12 @@ impl Person {
         !self.was_refused() && !ahead.into_iter().any(|step| step.rules().is_some())
     }
 
-    /// The conditions that they ride, in their order.
+    /// The conditions that they ride, in their order: that of each round of rides.
     pub(crate) fn rides(&self) -> Vec<String> {
         let drives = self.steps.iter().filter_map(Step::drives);
         drives
-            .filter(|(_, by_hand)| !by_hand)
-            .map(|(condition, _)| condition.to_string())
+            .filter(|(ride, by_hand)| !by_hand && ride.occasion == Occasion::FIRST)
+            .map(|(ride, _)| ride.condition.to_string())
             .collect()
     }
 

@@ -9,8 +9,9 @@ use crate::{
     withdrawal,
 };
 use maveric_domain::{
-    ConditionId, Design, EmbeddingRow, Moment, ParticipantId, Scale,
+    ConditionId, Design, EmbeddingRow, Moment, Occasion, ParticipantId, Ride, Scale,
     design::{Car, Condition, Protocol, ProtocolStep, WHICH, World},
+    occasion::is_first,
     stream_seed,
 };
 use maveric_seat_page::{RideStyle, Seed};
@@ -90,54 +91,73 @@ pub fn of_design(
         .map(|needs| Step::Computer { needs })
         .into_iter()
         .collect();
-    for step in &protocol.steps {
-        match step {
-            ProtocolStep::Screen => steps.extend(moments::screen(protocol, scales)?),
-            ProtocolStep::Consent => {
-                if let Some(text) = &texts.consent {
-                    steps.push(Step::Text {
-                        title: design.title().to_owned(),
-                        text: withdrawal::in_consent(
-                            text,
-                            protocol.withdraw_until.as_deref(),
-                            &texts.words,
-                        )?,
-                        agree: true,
+    let (sessions, asked) = (Sessions::of(protocol), (scales, probe.as_ref()));
+    for session in 1..=protocol.session_count() {
+        let Some(occasion) = Occasion::new(session, 1) else {
+            continue;
+        };
+        steps.extend(sessions.before(occasion));
+        for step in &protocol.steps {
+            if !sessions.have(*step, session) {
+                continue;
+            }
+            match step {
+                ProtocolStep::Screen => steps.extend(moments::screen(protocol, scales)?),
+                ProtocolStep::Consent => {
+                    if let Some(text) = &texts.consent {
+                        steps.push(Step::Text {
+                            title: design.title().to_owned(),
+                            text: withdrawal::in_consent(
+                                text,
+                                protocol.withdraw_until.as_deref(),
+                                &texts.words,
+                            )?,
+                            agree: true,
+                        });
+                    }
+                }
+                ProtocolStep::Before => {
+                    for id in &protocol.before {
+                        steps.push(sheet(scales, id, Moment::Pre, &protocol.language)?);
+                    }
+                }
+                ProtocolStep::Controls => steps.push(Step::Controls),
+                ProtocolStep::Practice => steps.push(Step::Practice {
+                    seconds: protocol.practice.at_most_s,
+                    lane_kept_s: protocol.practice.lane_kept_s,
+                    passes: protocol.practice.passes,
+                    seed: whose.world(protocol.seed, "practice"),
+                    probe: stops.clone(),
+                }),
+                ProtocolStep::Drive => {
+                    let condition = own;
+                    let ride = Ride {
+                        condition,
+                        occasion,
+                    };
+                    steps.push(Step::Drive {
+                        condition,
+                        occasion,
+                        seconds: protocol.drive_s,
+                        seed: world(protocol, whose, (0, ride)),
+                        probe: stops.clone(),
                     });
                 }
-            }
-            ProtocolStep::Before => {
-                for id in &protocol.before {
-                    steps.push(sheet(scales, id, Moment::Pre, &protocol.language)?);
+                ProtocolStep::Rides => {
+                    if let Some(riding) = riding {
+                        rides(design, asked, (whose, session), riding, &mut steps)?;
+                    }
                 }
-            }
-            ProtocolStep::Controls => steps.push(Step::Controls),
-            ProtocolStep::Practice => steps.push(Step::Practice {
-                seconds: protocol.practice.at_most_s,
-                lane_kept_s: protocol.practice.lane_kept_s,
-                passes: protocol.practice.passes,
-                seed: whose.world(protocol.seed, "practice"),
-                probe: stops.clone(),
-            }),
-            ProtocolStep::Drive => steps.push(Step::Drive {
-                condition: own,
-                seconds: protocol.drive_s,
-                seed: world(protocol, whose, (0, own)),
-                probe: stops.clone(),
-            }),
-            ProtocolStep::Rides => {
-                if let Some(riding) = riding {
-                    rides(design, (scales, probe.as_ref()), whose, riding, &mut steps)?;
+                ProtocolStep::Which => {
+                    let asked = protocol.which.zip(riding);
+                    let asked =
+                        asked.map(|(pair, riding)| which(design, scales, pair, riding.order));
+                    steps.extend(asked.transpose()?);
                 }
-            }
-            ProtocolStep::Which => {
-                let asked = protocol.which.zip(riding);
-                let asked = asked.map(|(pair, riding)| which(design, scales, pair, riding.order));
-                steps.extend(asked.transpose()?);
-            }
-            ProtocolStep::Post => {
-                for id in &protocol.post {
-                    steps.push(sheet(scales, id, Moment::Post, &protocol.language)?);
+                ProtocolStep::Post => {
+                    for id in &protocol.post {
+                        steps.push(sheet(scales, id, Moment::Post, &protocol.language)?);
+                    }
                 }
             }
         }
@@ -160,6 +180,45 @@ pub fn of_design(
         code: protocol.code.clone(),
     });
     Ok(steps)
+}
+
+/// The sessions of a person: the first has everything that comes before the drives, the last what is asked at the end.
+struct Sessions {
+    last: u32,
+    days: [u32; 2],
+}
+
+impl Sessions {
+    fn of(protocol: &Protocol) -> Self {
+        Self {
+            last: protocol.session_count(),
+            days: protocol
+                .sessions
+                .as_ref()
+                .map_or([0, 0], |s| s.days_between),
+        }
+    }
+
+    /// What comes before a session that is not the first.
+    fn before(&self, occasion: Occasion) -> Option<Step> {
+        let again = occasion != Occasion::FIRST;
+        again.then_some(Step::Between {
+            session: occasion.session,
+            days: self.days,
+        })
+    }
+
+    /// Whether a session has a part of the protocol.
+    fn have(&self, step: ProtocolStep, session: u32) -> bool {
+        match step {
+            ProtocolStep::Screen
+            | ProtocolStep::Consent
+            | ProtocolStep::Before
+            | ProtocolStep::Practice => session == 1,
+            ProtocolStep::Controls | ProtocolStep::Drive | ProtocolStep::Rides => true,
+            ProtocolStep::Which | ProtocolStep::Post => session == self.last,
+        }
+    }
 }
 
 /// Which of two rides was in the own style: the numbers that these rides had for the person stand in what is asked.
@@ -186,33 +245,51 @@ fn which(
     Ok(asked)
 }
 
-/// Root of the world of a ride by its number, or of the drive by hand, which is 0.
-fn world(protocol: &Protocol, whose: Whose<'_>, (ride, condition): (usize, ConditionId)) -> String {
+/// Root of the world of a ride by its number through all sessions, or of the drive by hand, which is 0 in each.
+fn world(protocol: &Protocol, whose: Whose<'_>, (ride, what): (usize, Ride)) -> String {
     let number = match protocol.world {
         World::ByRide => ride,
         World::Same => ride.min(1),
-        World::Own => return whose.world(protocol.seed, condition.as_str()),
+        World::Own => return whose.world(protocol.seed, &what.to_string()),
     };
-    stream_seed(protocol.seed, &["world", &number.to_string()]).to_string()
+    let number = number.to_string();
+    let mut named = vec!["world", &number];
+    // Nothing is met twice: the drive by hand of a further session is in a world of its own.
+    let session = what.occasion.session.to_string();
+    let again = ride == 0 && !is_first(&what.occasion.session);
+    if protocol.world == World::ByRide && again {
+        named.extend(["session", &session]);
+    }
+    stream_seed(protocol.seed, &named).to_string()
 }
 
 fn rides(
     design: &Design,
     (scales, probe): (&[Scale], Option<&AskedProbe>),
-    whose: Whose<'_>,
+    (whose, session): (Whose<'_>, u32),
     riding: Riding<'_>,
     steps: &mut Vec<Step>,
 ) -> Result<(), SeatError> {
     let protocol: &Protocol = design.protocol();
     let conditions = design.conditions();
-    for (number, &place) in riding.order.iter().enumerate() {
+    let trials = 1..=protocol.rides_per_condition;
+    let ridden = trials.flat_map(|trial| riding.order.iter().map(move |place| (trial, *place)));
+    let a_session = riding.order.len() * protocol.rides_per_condition as usize;
+    for (number, (trial, place)) in (1..).zip(ridden) {
         let condition = &conditions[place];
+        let ride = Ride {
+            condition: condition.id,
+            // Both are counted from 1.
+            occasion: Occasion::new(session, trial).unwrap_or_default(),
+        };
         let (style, points, turns) = driven(design, condition, whose, riding.styles)?;
+        let among_all = (session as usize - 1) * a_session + number;
         steps.push(Step::Ride {
             condition: condition.id,
-            number: number + 1,
+            occasion: ride.occasion,
+            number,
             seconds: protocol.ride_s,
-            seed: world(protocol, whose, (number + 1, condition.id)),
+            seed: world(protocol, whose, (among_all, ride)),
             style,
             points,
             stretch: riding.stretch,
@@ -221,8 +298,7 @@ fn rides(
             probe: probe.cloned(),
         });
         for id in &protocol.after {
-            let moment = Moment::after(condition.id);
-            steps.push(sheet(scales, id, moment, &protocol.language)?);
+            steps.push(sheet(scales, id, Moment::After(ride), &protocol.language)?);
         }
     }
     Ok(())

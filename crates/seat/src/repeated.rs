@@ -106,7 +106,7 @@ fn last_driven(
             return Ok(Err("what is asked after it was answered already"));
         }
         let lent = |step: &Step| matches!(step, Step::Ride { lent: Some(_), .. });
-        if matches!(driven, Step::Drive { .. }) && person.steps.iter().any(lent) {
+        if driven.is_learned_of() && person.steps.iter().any(lent) {
             return Ok(Err(
                 "somebody else’s style was lent by what was learned of it",
             ));
@@ -152,11 +152,11 @@ impl Seat {
             b.set_aside(participant, (step, attempt), &what)?;
             b.event(Some(participant), &format!("step {}: {what}", step + 1))?;
             b.go_back(&person, step)?;
-            let Some((condition, _)) = person.steps.get(step).and_then(Step::drives) else {
+            let Some((ride, _)) = person.steps.get(step).and_then(Step::drives) else {
                 return Ok(());
             };
             let id = ParticipantId::new(participant).map_err(StudyError::from)?;
-            let name = DriveId::in_condition(&id, condition).map_err(StudyError::from)?;
+            let name = DriveId::in_condition(&id, ride).map_err(StudyError::from)?;
             for begun in b.begun(participant, step)? {
                 let lines = b.record(participant, (step, begun.attempt))?;
                 let files = &self.settings.files;

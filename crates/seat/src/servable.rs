@@ -29,12 +29,6 @@ pub(crate) fn hindrances(
     if software != Software::Table {
         found.push(Hindrance::Software { software });
     }
-    let repeats = [
-        ("rides_per_condition", protocol.rides_per_condition),
-        ("sessions.count", protocol.session_count()),
-    ];
-    let repeats = repeats.into_iter().filter(|(_, found)| *found > 1);
-    found.extend(repeats.map(|(key, found)| Hindrance::Repeats { key, found }));
     let consent = texts
         .consent
         .as_ref()
@@ -224,34 +218,6 @@ after = ["mood"]
             assert!(said.contains(part), "{said}");
         }
         assert_eq!(said.lines().count(), 7);
-    }
-
-    #[test]
-    fn several_sessions_and_rides_are_refused_by_key_and_one_of_each_is_not() {
-        let repeats = "[protocol]\nrides_per_condition = 2\nsessions = { count = 3, days_between = [1, 7] }\n";
-        let several = SOUND.replace("[protocol]\n", repeats);
-        let found = of(&several, WORDED, None);
-        assert_eq!(
-            found,
-            [
-                Hindrance::Repeats {
-                    key: "rides_per_condition",
-                    found: 2
-                },
-                Hindrance::Repeats {
-                    key: "sessions.count",
-                    found: 3
-                },
-            ]
-        );
-        let told = crate::SeatError::Unfit(found).to_string();
-        assert!(
-            told.contains("`sessions.count` is 3")
-                && told.contains("leave `rides_per_condition` out"),
-            "{told}"
-        );
-        let one = SOUND.replace("[protocol]\n", "[protocol]\nrides_per_condition = 1\n");
-        assert_eq!(of(&one, WORDED, None), []);
     }
 
     #[test]

@@ -2,7 +2,9 @@
 
 use crate::{
     among_others::AmongOthers,
-    assets, connections,
+    assets,
+    between::Between,
+    connections,
     drives::Begun,
     error::SeatError,
     guard, intake, lab, markup,
@@ -192,6 +194,8 @@ struct PageState<'a> {
     whole: bool,
     /// Whether the experimenter ended the driving.
     aborted: bool,
+    /// When the next session is, of who is between two.
+    between: Option<Between>,
     scenario: &'a str,
     view: &'a SeatView,
     /// Their style beside the others', once they are through.
@@ -204,17 +208,18 @@ async fn state(State(shared): State<Shared>, Path(token): Path<String>) -> Answe
 }
 
 fn state_of(seat: &Seat, token: &str) -> Answered<Response> {
-    let (person, ended, begun, aborted) = seat.store.look(|b| {
+    let (person, ended, begun, aborted, between) = seat.store.look(|b| {
         let Some(person) = b.person(token)? else {
             if !b.link_forgotten(token)? {
                 return Err(Refused::NoSuchPerson);
             }
             let nobody = Person::new(String::new(), String::new(), Vec::new());
-            return Ok((nobody, Some(DELETED), Vec::new(), false));
+            return Ok((nobody, Some(DELETED), Vec::new(), false, None));
         };
         let begun = b.begun(&person.participant, person.at)?;
         let aborted = b.is_aborted(&person.participant)?;
-        Ok((person, None, begun, aborted))
+        let between = seat.between(b, &person)?;
+        Ok((person, None, begun, aborted, between))
     })?;
     let design = &seat.settings.design;
     let rides = steps::coded_rides(&person.steps);
@@ -230,6 +235,7 @@ fn state_of(seat: &Seat, token: &str) -> Answered<Response> {
         attempts: begun.last().map_or(0, |b| b.attempt),
         whole: begun.last().is_some_and(Begun::is_whole),
         aborted,
+        between,
         scenario: &seat.scenario_json,
         view: &design.protocol().view,
         styles: seat.among_others(&person)?,
@@ -261,7 +267,7 @@ async fn answer(
     body: Bytes,
 ) -> Answered<Response> {
     let kept = shared.blocking(move |seat| {
-        let (at, judged) = seat.store.within(|b| {
+        let (person, judged) = seat.store.within(|b| {
             let (person, found) = b.at(&token, step)?;
             let sheet: Sheet = read(&body)?;
             let refused = sheet.refused;
@@ -273,12 +279,12 @@ async fn answer(
                 b.answer(&person, step, &kept)?;
                 false
             };
-            Ok::<_, Refused>((b.somebody(&token)?.at, judged))
+            Ok::<_, Refused>((b.somebody(&token)?, judged))
         })?;
-        if judged {
+        if judged || person.waits() {
             seat.write_files()?;
         }
-        Ok::<_, Refused>(at)
+        Ok::<_, Refused>(person.at)
     });
     Ok(json(&kept.await?))
 }
@@ -291,8 +297,8 @@ async fn fit(
     let kept = shared.blocking(move |seat| {
         seat.store.within(|b| {
             let person = b.somebody(&token)?;
-            let drives = matches!(person.steps.get(person.at), Some(Step::Drive { .. }));
-            if person.ended.is_some() || !drives {
+            let at = person.steps.get(person.at);
+            if person.ended.is_some() || !at.is_some_and(Step::is_learned_of) {
                 return Err(Refused::NotThis("nothing is learned here".to_owned()));
             }
             let fit: Fit = read(&body)?;
@@ -328,6 +334,7 @@ async fn done(
             | Step::Text { agree: true, .. } => {
                 return Err(Refused::NotThis("answers are asked here".to_owned()));
             }
+            Step::Between { .. } if step == person.at => seat.comes_again(&person, &found)?,
             Step::Drive { .. } | Step::Ride { .. }
                 if step == person.at && !seat.finish_drive(&person, step, &found)? =>
             {
@@ -336,18 +343,18 @@ async fn done(
             _ => {}
         }
         let ends = matches!(found, Step::Thanks { .. });
-        let at = seat.store.within(|b| {
+        let person = seat.store.within(|b| {
             let person = b.somebody(&token)?;
             if ends {
                 b.ended(&person, "done")?;
             }
             b.go_on(&person, step)?;
-            Ok::<_, Refused>(b.somebody(&token)?.at)
+            b.somebody(&token)
         })?;
-        if ends {
+        if ends || person.waits() {
             seat.write_files()?;
         }
-        Ok(at)
+        Ok(person.at)
     });
     Ok(json(&at.await?))
 }

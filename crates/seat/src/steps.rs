@@ -2,13 +2,14 @@
 
 use crate::{hindrance::Hindrance, needs::Need, words::Words};
 use maveric_domain::{
-    ConditionId, Lent, Moment, Scale,
+    ConditionId, Lent, Moment, Occasion, Ride, Scale,
     design::Than,
     nearest,
     survey::{Item, ItemWords},
 };
 use maveric_seat_page::{Event, RideStyle};
 use serde::{Deserialize, Serialize};
+use std::num::NonZeroU32;
 
 /// Steps of a drive in a second.
 pub(crate) const TICKS_PER_S: f64 = 100.0;
@@ -97,6 +98,9 @@ pub enum Step {
     Drive {
         /// The label of the drive.
         condition: ConditionId,
+        /// Of which session it is.
+        #[serde(flatten)]
+        occasion: Occasion,
         /// How long, in s.
         seconds: f64,
         /// Root of the world's random choices.
@@ -109,7 +113,10 @@ pub enum Step {
     Ride {
         /// The condition.
         condition: ConditionId,
-        /// Its number, as the person is told.
+        /// Which ride of the condition it is.
+        #[serde(flatten)]
+        occasion: Occasion,
+        /// Its number within its session, as the person is told.
         number: usize,
         /// How long, in s.
         seconds: f64,
@@ -129,6 +136,13 @@ pub enum Step {
         /// What is asked on the way.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         probe: Option<AskedProbe>,
+    },
+    /// Between two sessions: nobody goes on before the day.
+    Between {
+        /// The session that comes.
+        session: NonZeroU32,
+        /// Fewest and most days from the one before.
+        days: [u32; 2],
     },
     /// What somebody is told who stopped; whoever did not goes past it.
     Aftercare {
@@ -227,13 +241,11 @@ impl AskedProbe {
 }
 
 /// Each ride of these steps, and what the page calls it.
-pub(crate) fn coded_rides(steps: &[Step]) -> Vec<(ConditionId, ConditionId)> {
+pub(crate) fn coded_rides(steps: &[Step]) -> Vec<(Ride, ConditionId)> {
     let coded = |step: &Step| match step {
-        Step::Ride {
-            condition, number, ..
-        } => {
-            let number = ConditionId::new(&format!("ride-{number}"));
-            Some((*condition, number.ok()?))
+        Step::Ride { number, .. } => {
+            let (ride, _) = step.drives()?;
+            Some((ride, ConditionId::new(&format!("ride-{number}")).ok()?))
         }
         _ => None,
     };
@@ -241,30 +253,61 @@ pub(crate) fn coded_rides(steps: &[Step]) -> Vec<(ConditionId, ConditionId)> {
 }
 
 impl Step {
-    /// The drive that this step makes: its label and whether a person drives.
-    pub fn drives(&self) -> Option<(ConditionId, bool)> {
+    /// The drive that this step makes: its label, of which session, and whether a person drives.
+    pub fn drives(&self) -> Option<(Ride, bool)> {
         match self {
-            Self::Drive { condition, .. } => Some((*condition, true)),
-            Self::Ride { condition, .. } => Some((*condition, false)),
+            Self::Drive {
+                condition,
+                occasion,
+                ..
+            }
+            | Self::Ride {
+                condition,
+                occasion,
+                ..
+            } => {
+                let ride = Ride {
+                    condition: *condition,
+                    occasion: *occasion,
+                };
+                Some((ride, matches!(self, Self::Drive { .. })))
+            }
             _ => None,
         }
     }
 
+    /// Whether this is the drive by hand that a style is learned of: that of the first session.
+    pub(crate) fn is_learned_of(&self) -> bool {
+        matches!(self, Self::Drive { occasion, .. } if *occasion == Occasion::FIRST)
+    }
+
     /// This step as the page is told it: a ride is known by its number, since who rides is not to read the condition.
-    pub(crate) fn for_page(&self, rides: &[(ConditionId, ConditionId)]) -> Self {
-        let coded = |id: ConditionId| rides.iter().find(|(c, _)| *c == id).map(|(_, n)| *n);
+    pub(crate) fn for_page(&self, rides: &[(Ride, ConditionId)]) -> Self {
+        let coded = |ride: Ride| rides.iter().find(|(r, _)| *r == ride).map(|(_, n)| *n);
         let mut step = self.clone();
         match &mut step {
             Self::Ride {
-                condition, lent, ..
+                condition,
+                occasion,
+                lent,
+                ..
             } => {
-                *condition = coded(*condition).unwrap_or(*condition);
+                let ride = Ride {
+                    condition: *condition,
+                    occasion: *occasion,
+                };
+                *condition = coded(ride).unwrap_or(*condition);
+                // A number is a ride's alone within its session; a trial would say which condition comes again.
+                occasion.trial = Occasion::FIRST.trial;
                 *lent = None;
             }
             Self::Scale {
                 moment: Moment::After(ride),
                 ..
-            } => ride.condition = coded(ride.condition).unwrap_or(ride.condition),
+            } => {
+                ride.condition = coded(*ride).unwrap_or(ride.condition);
+                ride.occasion.trial = Occasion::FIRST.trial;
+            }
             _ => {}
         }
         step

@@ -7,7 +7,7 @@ use crate::{
     sheet::Sheet,
     steps::Step,
 };
-use maveric_domain::{Design, Moment, occasion::OCCASION};
+use maveric_domain::{Design, Moment, Occasion, occasion::OCCASION};
 use maveric_study::tables::{
     Table, TableBuilder, TableName,
     surveys::{moment_word, moments},
@@ -97,13 +97,16 @@ pub(crate) fn write_answers(
     }
     // Beside its condition a moment stands where a word alone would not do.
     let steps = given.iter().flat_map(|(person, _)| &person.steps);
-    let moments = steps.filter_map(asked).map(|(_, moment)| moment);
+    let moments: Vec<Moment> = steps.filter_map(asked).map(|(_, moment)| moment).collect();
     let beside = moments
-        .into_iter()
+        .iter()
         .any(|moment| matches!(moment, Moment::Probe(_) | Moment::Post));
     let beside = beside || path.is_file() && Table::read(path)?.has(CONDITION);
-    // The seat has one session, and one ride in a condition.
-    let once = |column: &&str| !OCCASION.contains(column);
+    let repeats = moments
+        .iter()
+        .filter_map(|moment| moment.ride())
+        .any(|ride| ride.occasion != Occasion::FIRST);
+    let once = |column: &&str| repeats || !OCCASION.contains(column);
     let alone = |column: &&str| once(column) && (beside || ![CONDITION, AT_S].contains(column));
     let columns = TableName::Answers.entry().columns.iter();
     let written = rows.iter().any(|row: &Row| row.contains_key("text"));
@@ -129,10 +132,11 @@ fn asked(step: &Step) -> Option<(&str, Moment)> {
     match step {
         Step::Scale { scale, moment, .. } => Some((scale, *moment)),
         Step::Ride {
-            condition,
-            probe: Some(probe),
-            ..
-        } => Some((&probe.scale, Moment::probe(*condition))),
+            probe: Some(probe), ..
+        } => {
+            let (ride, _) = step.drives()?;
+            Some((&probe.scale, Moment::probe(ride)))
+        }
         _ => None,
     }
 }
@@ -158,10 +162,13 @@ fn sheets_in(path: &Path) -> Result<Option<BTreeSet<SheetPlace>>, SeatError> {
 }
 
 fn rows_of((who, moment, scale): (&str, Moment, &str), sheet: &Sheet) -> Vec<Row> {
+    let occasion = moment.ride().map_or(Occasion::FIRST, |ride| ride.occasion);
     let row = |item: usize, answer: Option<i32>, more: (&str, String)| {
         let cells = [
             ("participant", who.to_owned()),
-            ("moment", moment.to_string()),
+            ("moment", moment.on(Occasion::FIRST).to_string()),
+            ("session", occasion.session.to_string()),
+            ("trial", occasion.trial.to_string()),
             (
                 CONDITION,
                 moment

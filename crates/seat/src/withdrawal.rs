@@ -1,6 +1,6 @@
 //! Until when somebody can take back what they gave, and how they are told.
 
-use crate::{hindrance::Hindrance, words::Words};
+use crate::{between::today, hindrance::Hindrance, words::Words};
 use serde::Serialize;
 
 /// Where a consent names the day.
@@ -18,7 +18,7 @@ pub(crate) struct Withdrawal {
 impl Withdrawal {
     /// Of a study with this last day, which is looked at today.
     pub(crate) fn of(until: Option<&str>) -> Self {
-        Self::on(&today(), until)
+        Self::on(&today().to_string(), until)
     }
 
     fn on(day: &str, until: Option<&str>) -> Self {
@@ -36,14 +36,6 @@ impl Withdrawal {
             "what was given in this study could be taken back until {until}; ask whoever runs the study"
         ))
     }
-}
-
-/// Today in Greenwich, as `2026-11-23`.
-fn today() -> String {
-    let now = std::time::SystemTime::now().duration_since(std::time::UNIX_EPOCH);
-    let seconds = now.map_or(0, |since| since.as_secs().cast_signed());
-    let now = chrono::DateTime::from_timestamp(seconds, 0).unwrap_or_default();
-    now.date_naive().to_string()
 }
 
 /// A consent with the last day in it: where it says so, or in a sentence of its own.

@@ -25,8 +25,9 @@ export type Step =
   | { kind: "scale"; scale: string; moment: string } & Asked
   | { kind: "controls" }
   | { kind: "practice"; seconds: number; lane_kept_s: number; passes: number; seed: string; probe?: Probe }
-  | { kind: "drive"; condition: string; seconds: number; seed: string; probe?: Probe }
-  | { kind: "ride"; condition: string; number: number; seconds: number; seed: string; style: RideStyle; points: number; stretch: number; turns: number | null; probe?: Probe }
+  | { kind: "drive"; condition: string; session?: number; seconds: number; seed: string; probe?: Probe }
+  | { kind: "ride"; condition: string; session?: number; trial?: number; number: number; seconds: number; seed: string; style: RideStyle; points: number; stretch: number; turns: number | null; probe?: Probe }
+  | { kind: "between"; session: number; days: [number, number] }
   | { kind: "aftercare"; text: string }
   | { kind: "thanks"; text: string; code: string | null };
 
@@ -48,9 +49,14 @@ export interface Styles { own: number | null; others: number[]; sportier_up: boo
 /// Until when (`2026-12-31`; null: always) somebody can take back what they gave, and whether it is so today.
 export interface Withdrawal { until: string | null; open: boolean }
 
+/// From which day on the next session is, until when it should be, and whether that day has come.
+export interface Between { from: string; until: string; open: boolean }
+
 export interface State {
   title: string; synthetic: boolean; made_up_model: boolean; mph: boolean;
   at: number; ended: string | null; steps: Step[]; fit: Fit | null; attempts: number; whole: boolean; aborted: boolean; scenario: string; view: ViewSettings; styles: Styles | null;
+  /// Null but between two sessions.
+  between: Between | null;
   /// Null where no server could delete anything.
   withdraw: Withdrawal | null;
 }

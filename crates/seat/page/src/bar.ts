@@ -17,9 +17,10 @@ export function sayHowFar({ steps, at, ended }: State): void {
   element("far").replaceChildren(say("far", { step: place + 1, of: path.length }), ...left);
 }
 
-/// How long is driven at most, in s; nothing once somebody stopped.
+/// How long is driven at most in this session, in s; nothing once somebody stopped.
 function drivenFrom(ahead: State["steps"]): number {
-  return ahead.reduce((sum, step) => sum + ("seconds" in step ? step.seconds : 0), 0);
+  const next = ahead.findIndex((step, i) => i > 0 && step.kind === "between");
+  return ahead.slice(0, next < 0 ? ahead.length : next).reduce((sum, step) => sum + ("seconds" in step ? step.seconds : 0), 0);
 }
 
 /// The button that fills the screen, where the browser can and it is not filled.

@@ -1,12 +1,12 @@
 // A study without a server: this browser keeps everything, and hands it over as one file at the end.
 
 import { world } from "../built/seat";
-import { token, type Keeper, type State, type Step } from "./api";
+import { token, type Between, type Keeper, type State, type Step } from "./api";
 import { say } from "./say";
 import { make } from "./words";
 
 /// The study, as `maveric seat export` wrote it.
-interface Study extends Omit<State, "at" | "ended" | "steps" | "fit" | "attempts" | "whole" | "withdraw" | "aborted"> {
+interface Study extends Omit<State, "at" | "ended" | "steps" | "fit" | "attempts" | "whole" | "withdraw" | "aborted" | "between"> {
   /// Whether there is a model, and where what was given is sent.
   model: boolean; post: string | null;
   /// Orders of conditions, one of which is drawn.
@@ -21,6 +21,8 @@ interface Kept {
   row: number; at: number; ended: string | null; sheets: { step: number; sheet: unknown }[]; drives: Drive[]; fit: string | null; sent: boolean;
   /// Which rule of the screening held them back.
   refused?: number;
+  /// When they came to the step at which they are, in ms.
+  since?: number;
 }
 
 /// A table of values by their names, in this browser.
@@ -52,6 +54,16 @@ class Shelf {
 const lineName = (step: number, attempt: number, tick: number): string =>
   `line ${String(step).padStart(4, "0")} ${String(attempt).padStart(4, "0")} ${String(tick).padStart(9, "0")}`;
 
+/// A drive or a ride as a study names it: by its condition, and which of several.
+const named = ({ condition, session, trial }: { condition: string; session?: number; trial?: number }): string =>
+  (session ?? 1) === 1 && (trial ?? 1) === 1 ? condition : `${condition}:s${session ?? 1}:t${trial ?? 1}`;
+
+/// When the next session is, by Greenwich's days, as a server would say it.
+function between([least, most]: [number, number], since: number): Between {
+  const day = (days: number): string => new Date(since + days * 86_400_000).toISOString().slice(0, 10);
+  return { from: day(least), until: day(most), open: new Date().toISOString().slice(0, 10) >= day(least) };
+}
+
 export class Browser implements Keeper {
   private shelf = new Shelf();
   private study: Promise<Study>;
@@ -81,7 +93,9 @@ export class Browser implements Keeper {
   private change(change: (kept: Kept) => void): Promise<void> {
     return this.alone(async () => {
       const kept = await this.kept();
+      const before = kept.at;
       change(kept);
+      if (kept.at !== before) kept.since = Date.now();
       await this.shelf.put("person", kept);
     });
   }
@@ -99,12 +113,13 @@ export class Browser implements Keeper {
       }
       // A world that everybody meets is drawn by the study.
       if (!("seed" in step) || step.seed !== "") return step;
-      return { ...step, seed: world(token, step.kind === "practice" ? "practice" : step.condition) };
+      return { ...step, seed: world(token, step.kind === "practice" ? "practice" : named(step)) };
     });
     const begun = kept.drives.filter((d) => d.step === kept.at);
     const fit = kept.fit === null ? null : JSON.parse(kept.fit) as State["fit"];
+    const now = steps[kept.at];
     return {
-      ...told, styles: null, withdraw: null, aborted: false, at: kept.at, ended: kept.ended, steps, fit,
+      ...told, between: now?.kind === "between" ? between(now.days, kept.since ?? Date.now()) : null, styles: null, withdraw: null, aborted: false, at: kept.at, ended: kept.ended, steps, fit,
       attempts: begun.reduce((most, d) => Math.max(most, d.attempt), 0), whole: begun.some((d) => d.ended),
     };
   }

@@ -62,7 +62,8 @@ async function drives(state: api.State, step: api.Step & { kind: "practice" | "d
     const beyond = (theirs && state.fit?.beyond) || null;
     wanted.ride = { model: learned, own: fitted ?? new Float64Array(), style: JSON.stringify(step.style), beyond, points: step.points, stretch: step.stretch, turns: step.turns };
   }
-  const fit = await run(wanted, step.kind === "drive" ? learned : null);
+  // All rides are in the style of the first session's drive.
+  const fit = await run(wanted, step.kind === "drive" && (step.session ?? 1) === 1 ? learned : null);
   practised.textContent = "";
   if (fit) await keeper.keepFit(fit);
   await keeper.done(state.at);
@@ -141,6 +142,7 @@ async function once(state: api.State): Promise<boolean> {
       break;
     case "controls": await choose(deviceOf(state.steps)); await keeper.done(state.at); break;
     case "practice": case "drive": case "ride": await drives(state, step); break;
+    case "between": return comesAgain(state, step);
     case "aftercare":
       await (state.aborted ? text(say("aborted_title"), say("aborted"), say("continue")) : text(say("aftercare_title"), step.text, say("continue")));
       await keeper.done(state.at);
@@ -149,6 +151,18 @@ async function once(state: api.State): Promise<boolean> {
       await keeper.done(state.at);
       break;
   }
+  return true;
+}
+
+/// Whether the next session goes on now; says when it does where it does not.
+async function comesAgain(state: api.State, { session }: api.Step & { kind: "between" }): Promise<boolean> {
+  const of = 1 + state.steps.filter((step) => step.kind === "between").length;
+  if (!state.between?.open) {
+    show(make("h1", [say("see_you")]), make("p", [say("see_you_help", { before: session - 1, of, from: state.between?.from ?? "", until: state.between?.until ?? "" })]));
+    return false;
+  }
+  await text(say("welcome_back"), say("welcome_back_help", { session, of }), say("continue"));
+  await keeper.done(state.at);
   return true;
 }
 

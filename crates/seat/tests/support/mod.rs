@@ -381,7 +381,8 @@ impl Script {
                         &(part.join("\n") + "\n"),
                     );
                 }
-                if let Some(style) = style {
+                // Nothing is learned of a further session's drive.
+                if let Some(style) = style.filter(|_| step["session"].is_null()) {
                     sent(format!("/api/{token}/fit"), &style);
                 }
                 sent(format!("/api/{token}/done/{at}"), "null");

@@ -1,0 +1,136 @@
+//! Between two sessions: from which day on somebody goes on with the same link.
+
+use crate::{
+    books::{Books, now},
+    error::SeatError,
+    person::Person,
+    request::Refused,
+    seat::Seat,
+    steps::Step,
+};
+use chrono::{DateTime, Days, NaiveDate};
+use rusqlite::OptionalExtension as _;
+use serde::Serialize;
+
+/// Today in Greenwich.
+pub(crate) fn today() -> NaiveDate {
+    let now = DateTime::from_timestamp(now(), 0).unwrap_or_default();
+    now.date_naive()
+}
+
+/// When the next session is.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+pub(crate) struct Between {
+    /// The first day of it.
+    pub(crate) from: String,
+    /// The last day on which it is as the study asks for.
+    pub(crate) until: String,
+    /// Whether the first day has come.
+    pub(crate) open: bool,
+    /// Days since the session before.
+    #[serde(skip)]
+    days: i64,
+}
+
+impl Between {
+    /// Of a session before that ended at `since`, in s since 1970; days are Greenwich's, as all of the seat's are.
+    fn of(since: i64, today: NaiveDate, [least, most]: [u32; 2]) -> Self {
+        let ended = DateTime::from_timestamp(since, 0).unwrap_or_default();
+        let ended = ended.date_naive();
+        let after = |days: u32| ended.checked_add_days(Days::new(u64::from(days)));
+        let [from, until] = [least, most].map(|days| after(days).unwrap_or(NaiveDate::MAX));
+        Self {
+            open: today >= from,
+            from: from.to_string(),
+            until: until.to_string(),
+            days: (today - ended).num_days(),
+        }
+    }
+
+    /// What is written down of somebody who comes later than the study asks for.
+    pub(crate) fn late(&self, step: &Step) -> Option<String> {
+        let Step::Between { session, days } = step else {
+            return None;
+        };
+        let (found, most) = (self.days, days[1]);
+        (found > i64::from(most)).then(|| {
+            format!("session {session}: {found} days after the one before, at most {most} were asked for")
+        })
+    }
+}
+
+impl Books<'_> {
+    /// When somebody came to the step at which they are, in s since 1970.
+    fn since(&self, token: &str) -> Result<i64, SeatError> {
+        self.ask(|c| {
+            c.prepare_cached("SELECT since FROM person WHERE token = ?1")?
+                .query_row([token], |row| row.get::<_, Option<i64>>(0))
+                .optional()
+        })
+        .map(|since| since.flatten().unwrap_or_default())
+    }
+}
+
+impl Person {
+    /// Whether they are between two sessions.
+    pub(crate) fn waits(&self) -> bool {
+        matches!(self.steps.get(self.at), Some(Step::Between { .. }))
+    }
+}
+
+impl Seat {
+    /// Refuses who comes before the day, and writes down who comes late.
+    pub(crate) fn comes_again(&self, person: &Person, step: &Step) -> Result<(), Refused> {
+        let between = self.store.look(|b| self.between(b, person))?;
+        let Some(between) = between.filter(|between| between.open) else {
+            return Err(Refused::NotThis("it is not the day yet".to_owned()));
+        };
+        match between.late(step) {
+            Some(late) => Ok(self
+                .store
+                .within(|b| b.event(Some(&person.participant), &late))?),
+            None => Ok(()),
+        }
+    }
+
+    /// When somebody's next session is; none of who is not between two.
+    pub(crate) fn between(
+        &self,
+        b: &Books<'_>,
+        person: &Person,
+    ) -> Result<Option<Between>, SeatError> {
+        match person.steps.get(person.at) {
+            Some(Step::Between { days, .. }) => {
+                let since = b.since(&person.token)?;
+                Ok(Some(Between::of(since, today(), *days)))
+            }
+            _ => Ok(None),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_next_session_opens_on_its_first_day_and_late_is_after_its_last() {
+        // 25 November 2026, ten minutes to midnight.
+        let ended = 1795650600;
+        let on = |day: &str| Between::of(ended, day.parse().unwrap(), [2, 14]);
+        let step = Step::Between {
+            session: 2.try_into().unwrap(),
+            days: [2, 14],
+        };
+        let early = on("2026-11-26");
+        assert_eq!(
+            (early.from.as_str(), early.until.as_str()),
+            ("2026-11-27", "2026-12-09")
+        );
+        assert!(!early.open && on("2026-11-27").open);
+        assert_eq!(on("2026-12-09").late(&step), None);
+        let late = on("2026-12-10").late(&step).unwrap();
+        assert!(late.contains("15 days") && late.contains("14"), "{late}");
+        assert!(on("2026-12-10").open);
+    }
+}
