@@ -12,7 +12,7 @@ use crate::{
     steps::{STOPPED, Step},
     token,
 };
-use maveric_domain::design::SeatView;
+use maveric_domain::design::{Redirect, SeatView};
 use maveric_seat_page::Fit;
 use maveric_study::atomic_write::atomic_write_bytes;
 use path_slash::PathExt as _;
@@ -41,6 +41,8 @@ struct Static<'a> {
     model: bool,
     /// Where what was given is sent; none where the person hands it over.
     post: Option<&'a str>,
+    /// Where the platform is that pays.
+    redirect: Option<&'a Redirect>,
     /// A row of the square each; the page draws one.
     rows: Vec<Vec<Step>>,
 }
@@ -103,6 +105,7 @@ pub fn export(seat: &Seat, folder: &Path, post: Option<&str>) -> Result<Exported
         view: &settings.design.protocol().view,
         model: settings.model.is_some(),
         post,
+        redirect: settings.design.protocol().redirect.as_ref(),
         rows,
     };
     let told = serde_json::to_vec(&told).map_err(|e| refused(e.to_string(), "report this"))?;

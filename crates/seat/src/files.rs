@@ -20,8 +20,8 @@ use maveric_study::{
     tables::{
         TableName,
         collected::{
-            CONSENTS, EVENTS, EventRow, LENT, LentRow, NOT_ADMITTED, NOTES, NotAdmitted, STOPPED,
-            write_lent,
+            CONSENTS, EVENTS, EventRow, LENT, LentRow, NOT_ADMITTED, NOTES, NotAdmitted, PAYMENT,
+            PaymentRow, STOPPED, write_lent,
         },
         dial::{ENDING, Turn},
         embeddings::read_styles,
@@ -254,6 +254,25 @@ impl Files {
         };
         let id = ParticipantId::new(participant).map_err(StudyError::from)?;
         Ok(Some(forget_person(&place.study, &id)?))
+    }
+
+    /// Whom a platform pays; nobody where no file says so.
+    pub(crate) fn payment(&self) -> Result<Vec<PaymentRow>, SeatError> {
+        let path = self.0.as_ref().map(|place| place.records.join(PAYMENT));
+        let path = path.filter(|path| path.is_file());
+        Ok(path.map_or(Ok(Vec::new()), |path| read_rows(&path))?)
+    }
+
+    /// Writes whom a platform pays, into the folder that is its owner's alone.
+    pub(crate) fn write_payment(&self, rows: &[PaymentRow]) -> Result<(), SeatError> {
+        match &self.0 {
+            Some(place) => Ok(write_rows(
+                TableName::Payment,
+                &place.records.join(PAYMENT),
+                rows,
+            )?),
+            None => Ok(()),
+        }
     }
 
     /// What the table of events has already; nothing where it is not there, or cannot be read as one: it is made anew.

@@ -267,6 +267,7 @@ impl Seat {
         let given = given.into_iter().map(|(answers, person)| (person, answers));
         let given: Vec<_> = given.collect();
         self.settings.files.not_admitted(&not_admitted)?;
+        self.store.look(|b| self.settings.files.ended(b))?;
         if !given.is_empty() {
             let listed = self.settings.files.write(&given)?;
             self.store

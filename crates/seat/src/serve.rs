@@ -21,10 +21,10 @@ use crate::{
 use axum::{
     Router,
     body::{Body, Bytes},
-    extract::{DefaultBodyLimit, Path, State},
+    extract::{DefaultBodyLimit, Path, RawQuery, State},
     http::{HeaderMap, header},
     middleware,
-    response::{IntoResponse, Response},
+    response::{IntoResponse, Redirect, Response},
     routing::{get, post},
 };
 use maveric_domain::design::SeatView;
@@ -136,6 +136,7 @@ impl Serving {
 fn router(shared: Shared) -> Router {
     Router::new()
         .route("/", get(front))
+        .route("/join", get(join))
         .route("/p/{token}", get(person))
         .route("/page/{version}/{file}", get(file))
         .route("/api/{token}", get(state))
@@ -169,6 +170,27 @@ async fn person(State(shared): State<Shared>) -> Response {
     assets::page(&shared.seat.settings.texts.words)
 }
 
+/// Whoever comes from a platform, with their id on it in the address: sent on to their own link.
+async fn join(State(shared): State<Shared>, RawQuery(query): RawQuery) -> Answered<Response> {
+    let name = shared.seat.settings.design.protocol().platform.clone();
+    let given = url::form_urlencoded::parse(query.as_deref().unwrap_or_default().as_bytes());
+    let id = given
+        .into_iter()
+        .find(|(key, _)| Some(key.as_ref()) == name.as_deref());
+    let id = id.map(|(_, id)| id.into_owned()).unwrap_or_default();
+    let token = shared.blocking(move |seat| seat.join(&id)).await?;
+    let token = token.ok_or_else(|| {
+        let expected = name.map_or_else(
+            || "this study gives links to nobody who comes by this address".to_owned(),
+            |name| {
+                format!("the platform did not say who you are: expected {name}=… in the address")
+            },
+        );
+        Refused::NotThis(expected)
+    })?;
+    Ok(Redirect::to(&format!("/p/{token}")).into_response())
+}
+
 async fn file(Path((version, name)): Path<(String, String)>, headers: HeaderMap) -> Response {
     assets::answer((&version, &name), &headers)
 }
@@ -194,6 +216,8 @@ struct PageState<'a> {
     whole: bool,
     /// Whether the experimenter ended the driving.
     aborted: bool,
+    /// Where the platform is that pays them.
+    redirect: Option<&'a str>,
     /// When the next session is, of who is between two.
     between: Option<Between>,
     scenario: &'a str,
@@ -208,20 +232,29 @@ async fn state(State(shared): State<Shared>, Path(token): Path<String>) -> Answe
 }
 
 fn state_of(seat: &Seat, token: &str) -> Answered<Response> {
-    let (person, ended, begun, aborted, between) = seat.store.look(|b| {
+    let design = &seat.settings.design;
+    let leads = design.protocol().redirect.as_ref();
+    let (person, ended, begun, aborted, between, redirect) = seat.store.look(|b| {
         let Some(person) = b.person(token)? else {
             if !b.link_forgotten(token)? {
                 return Err(Refused::NoSuchPerson);
             }
             let nobody = Person::new(String::new(), String::new(), Vec::new());
-            return Ok((nobody, Some(DELETED), Vec::new(), false, None));
+            return Ok((
+                nobody,
+                Some(DELETED),
+                Vec::new(),
+                false,
+                None,
+                leads.and_then(|leads| leads.stopped.as_deref()),
+            ));
         };
         let begun = b.begun(&person.participant, person.at)?;
         let aborted = b.is_aborted(&person.participant)?;
         let between = seat.between(b, &person)?;
-        Ok((person, None, begun, aborted, between))
+        let redirect = b.leads_to(leads, &person)?;
+        Ok((person, None, begun, aborted, between, redirect))
     })?;
-    let design = &seat.settings.design;
     let rides = steps::coded_rides(&person.steps);
     Ok(json(&PageState {
         title: design.title(),
@@ -235,6 +268,7 @@ fn state_of(seat: &Seat, token: &str) -> Answered<Response> {
         attempts: begun.last().map_or(0, |b| b.attempt),
         whole: begun.last().is_some_and(Begun::is_whole),
         aborted,
+        redirect,
         between,
         scenario: &seat.scenario_json,
         view: &design.protocol().view,

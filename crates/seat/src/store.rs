@@ -46,6 +46,8 @@ CREATE TABLE IF NOT EXISTS forgotten (
     participant TEXT PRIMARY KEY, link TEXT UNIQUE, swept INTEGER NOT NULL DEFAULT 0) STRICT;
 CREATE TABLE IF NOT EXISTS not_admitted (rule TEXT PRIMARY KEY, people INTEGER NOT NULL) STRICT;
 CREATE TABLE IF NOT EXISTS judged (link TEXT PRIMARY KEY) STRICT;
+CREATE TABLE IF NOT EXISTS platform (id TEXT PRIMARY KEY, token TEXT NOT NULL) STRICT;
+CREATE TABLE IF NOT EXISTS secret (name TEXT PRIMARY KEY, value TEXT NOT NULL) STRICT;
 ";
 
 /// What the first version had not. Who was through then had been written into the study's tables.

@@ -32,6 +32,7 @@ const STATE: &str = "seat.db";
 Examples: maveric seat --demo             drive three minutes, ride in your own style, turn the dial
           maveric seat my_study           the study of that folder: links for people at /lab
           maveric seat forget P007 --study my_study
+          maveric seat paid --study my_study
           maveric seat replay my_study/logs/seat/P001-own.mcap
           maveric seat export online --study my_study --post https://example.org/answers
           maveric seat import --study my_study handed_over/*.jsonl"
@@ -109,6 +110,15 @@ enum Part {
         #[arg(long, value_enum, default_value_t)]
         format: Format,
     },
+    /// Delete the ids on a platform of whoever is through, once they are paid
+    Paid {
+        /// Folder of the study
+        #[arg(long, default_value = ".")]
+        study: PathBuf,
+        /// How to print the result
+        #[arg(long, value_enum, default_value_t)]
+        format: Format,
+    },
     /// Drive a recorded drive again, and say whether it went through the same states to the byte
     Replay {
         /// The log of a drive in the seat, or its record (seat/PERSON-CONDITION.jsonl)
@@ -149,6 +159,7 @@ impl Seat {
                 study,
                 format,
             }) => forget(&study, &person, format),
+            Some(Part::Paid { study, format }) => paid(&study, format),
             None if self.demo => self.demonstrate(),
             None => self.study(),
         }
@@ -319,6 +330,20 @@ fn forget(folder: &Path, person: &str, format: Format) -> Result<(), Failure> {
     }
     lines.push(gone.lasting.to_owned());
     print_lines(&lines)
+}
+
+fn paid(folder: &Path, format: Format) -> Result<(), Failure> {
+    let doing = "could not delete whom the platform pays";
+    let study = DesignFile::read(&folder.join(DESIGN_FILE)).map_err(Failure::study(doing))?;
+    let state = folder.join(RECORDS).join(STATE);
+    let paid = maveric_seat::paid(&study, &state).map_err(failure(doing))?;
+    if matches!(format, Format::Json) {
+        return print_json(&paid);
+    }
+    print_lines(&[format!(
+        "{} ids on the platform were deleted; {} are left, of people whose part goes on",
+        paid.deleted, paid.left
+    )])
 }
 
 /// A file that was not taken in, and why.

@@ -90,6 +90,31 @@ pub struct Sessions {
     pub days_between: [u32; 2],
 }
 
+/// Addresses of a platform that pays, by how somebody's part ended.
+#[derive(Debug, Clone, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct Redirect {
+    /// Of who went through.
+    pub done: Option<String>,
+    /// Of who was not admitted.
+    pub screened_out: Option<String>,
+    /// Of who stopped, left, or took back what was given: they are paid, too.
+    pub stopped: Option<String>,
+}
+
+impl Redirect {
+    /// Its keys and addresses.
+    fn addresses(&self) -> impl Iterator<Item = (&'static str, &str)> {
+        let all = [
+            ("done", &self.done),
+            ("screened_out", &self.screened_out),
+            ("stopped", &self.stopped),
+        ];
+        all.into_iter()
+            .filter_map(|(key, address)| Some((key, address.as_deref()?)))
+    }
+}
+
 /// What the person in the seat sees of the road.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
@@ -197,6 +222,12 @@ pub struct Protocol {
     pub thanks: Option<PathBuf>,
     /// A code for the platform that pays.
     pub code: Option<String>,
+    /// How the address of whoever a platform sends names their id on it, such as `PROLIFIC_PID`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub platform: Option<String>,
+    /// Where the page leads back to at the end.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub redirect: Option<Redirect>,
     /// Whether people see their own style beside those of the others at the end.
     pub show_style: bool,
     /// Last day on which people can take back what they gave, such as `2026-12-31`; none where they always can.
@@ -239,6 +270,8 @@ impl Default for Protocol {
             debrief: None,
             thanks: None,
             code: None,
+            platform: None,
+            redirect: None,
             show_style: false,
             withdraw_until: None,
             seed: 1,
@@ -307,6 +340,7 @@ impl Protocol {
             let expected = "a day such as 2026-12-31";
             return Err(DesignError::key("protocol.withdraw_until", day, expected));
         }
+        self.check_platform()?;
         if ![1, 3].contains(&self.view.screens) {
             let found = self.view.screens;
             return Err(DesignError::key("protocol.view.screens", found, "1 or 3"));
@@ -351,6 +385,26 @@ impl Protocol {
     /// How many sessions a person has.
     pub fn session_count(&self) -> u32 {
         self.sessions.as_ref().map_or(1, |s| s.count)
+    }
+
+    /// Whether a platform can name ids so, and be gone back to.
+    fn check_platform(&self) -> Result<(), DesignError> {
+        let named = |name: &&String| {
+            let of_address = |b: u8| b.is_ascii_alphanumeric() || b == b'_';
+            (1..=64).contains(&name.len()) && name.bytes().all(of_address)
+        };
+        if let Some(name) = self.platform.as_ref().filter(|name| !named(name)) {
+            let expected = "letters, digits and `_`, such as PROLIFIC_PID";
+            return Err(DesignError::key("protocol.platform", name, expected));
+        }
+        let elsewhere = self.redirect.iter().flat_map(Redirect::addresses);
+        for (key, address) in elsewhere {
+            if !address.starts_with("https://") || address.contains(char::is_whitespace) {
+                let key = format!("protocol.redirect.{key}");
+                return Err(DesignError::key(key, address, "an address, https://…"));
+            }
+        }
+        Ok(())
     }
 
     /// Whether there is a number of rides and sessions that somebody can come to, and a time between these.
@@ -579,6 +633,26 @@ mod tests {
         let one = design("");
         assert_eq!(of(&one, "a"), [(1, 1)]);
         assert!(!one.repeats());
+    }
+
+    #[test]
+    fn a_platform_is_named_as_an_address_can_and_gone_back_to_encrypted() {
+        refused(
+            "platform = \"my id\"",
+            &["protocol.platform", "my id", "PROLIFIC_PID"],
+        );
+        refused(
+            "redirect = { stopped = \"http://example.org\" }",
+            &[
+                "protocol.redirect.stopped",
+                "http://example.org",
+                "https://",
+            ],
+        );
+        refused("redirect = { left = \"https://example.org\" }", &["left"]);
+        let text = "[study]\ntitle = \"x\"\n[[condition]]\nid = \"a\"\n[protocol]\nplatform = \"PROLIFIC_PID\"\n\
+                    redirect = { done = \"https://example.org/?cc=C1\" }";
+        assert!(crate::Design::from_toml(text).is_ok());
     }
 
     #[test]

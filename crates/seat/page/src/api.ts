@@ -55,6 +55,8 @@ export interface Between { from: string; until: string; open: boolean }
 export interface State {
   title: string; synthetic: boolean; made_up_model: boolean; mph: boolean;
   at: number; ended: string | null; steps: Step[]; fit: Fit | null; attempts: number; whole: boolean; aborted: boolean; scenario: string; view: ViewSettings; styles: Styles | null;
+  /// Where the platform is that pays; null before the end, and where there is none.
+  redirect: string | null;
   /// Null but between two sessions.
   between: Between | null;
   /// Null where no server could delete anything.

@@ -6,9 +6,9 @@ import { say } from "./say";
 import { make } from "./words";
 
 /// The study, as `maveric seat export` wrote it.
-interface Study extends Omit<State, "at" | "ended" | "steps" | "fit" | "attempts" | "whole" | "withdraw" | "aborted" | "between"> {
+interface Study extends Omit<State, "at" | "ended" | "steps" | "fit" | "attempts" | "whole" | "withdraw" | "aborted" | "between" | "redirect"> {
   /// Whether there is a model, and where what was given is sent.
-  model: boolean; post: string | null;
+  model: boolean; post: string | null; redirect: { done: string | null; screened_out: string | null; stopped: string | null } | null;
   /// Orders of conditions, one of which is drawn.
   rows: Step[][];
 }
@@ -21,6 +21,8 @@ interface Kept {
   row: number; at: number; ended: string | null; sheets: { step: number; sheet: unknown }[]; drives: Drive[]; fit: string | null; sent: boolean;
   /// Which rule of the screening held them back.
   refused?: number;
+  /// Whether they stopped in a drive.
+  stopped?: boolean;
   /// When they came to the step at which they are, in ms.
   since?: number;
 }
@@ -57,6 +59,13 @@ const lineName = (step: number, attempt: number, tick: number): string =>
 /// A drive or a ride as a study names it: by its condition, and which of several.
 const named = ({ condition, session, trial }: { condition: string; session?: number; trial?: number }): string =>
   (session ?? 1) === 1 && (trial ?? 1) === 1 ? condition : `${condition}:s${session ?? 1}:t${trial ?? 1}`;
+
+/// Where the page leads back to at the end: whoever stops or leaves is paid, too.
+function leadsTo(redirect: Study["redirect"], kept: Kept): string | null {
+  if (!redirect || !kept.ended) return null;
+  if (kept.ended === "not admitted") return redirect.screened_out;
+  return kept.ended === "done" && !kept.stopped ? redirect.done : redirect.stopped;
+}
 
 /// When the next session is, by Greenwich's days, as a server would say it.
 function between([least, most]: [number, number], since: number): Between {
@@ -104,7 +113,7 @@ export class Browser implements Keeper {
 
   async state(): Promise<State> {
     const [study, kept] = [await this.study, await this.kept()];
-    const { rows, model: _model, post: _post, ...told } = study;
+    const { rows, model: _model, post: _post, redirect, ...told } = study;
     const steps = (rows[kept.row] as Step[]).map((step): Step => {
       if (step.kind === "ride" && typeof step.style === "object") {
         const seed = world(token, `${step.condition} across`);
@@ -119,7 +128,7 @@ export class Browser implements Keeper {
     const fit = kept.fit === null ? null : JSON.parse(kept.fit) as State["fit"];
     const now = steps[kept.at];
     return {
-      ...told, between: now?.kind === "between" ? between(now.days, kept.since ?? Date.now()) : null, styles: null, withdraw: null, aborted: false, at: kept.at, ended: kept.ended, steps, fit,
+      ...told, redirect: leadsTo(redirect, kept), between: now?.kind === "between" ? between(now.days, kept.since ?? Date.now()) : null, styles: null, withdraw: null, aborted: false, at: kept.at, ended: kept.ended, steps, fit,
       attempts: begun.reduce((most, d) => Math.max(most, d.attempt), 0), whole: begun.some((d) => d.ended),
     };
   }
@@ -155,6 +164,7 @@ export class Browser implements Keeper {
       if (steps[step]?.kind === "thanks") kept.ended ??= "done";
       if (kept.at > step) return;
       // Whoever stopped drives no more; whoever did not goes past what is told then.
+      kept.stopped ||= stopped;
       if (stopped && aftercare > step) kept.at = aftercare;
       else kept.at = step + (aftercare === step + 1 ? 2 : 1);
     });

@@ -125,6 +125,7 @@ async function once(state: api.State): Promise<boolean> {
     const why = state.ended === "not admitted" && step?.kind === "computer" ? "other_computer" : told;
     show(make("h1", [say(title)]), ...(why ? [make("p", [say(why)])] : []),
       ...code(state), ...(state.styles ? styles(state.styles) : []), ...await keeper.handOver(),
+      ...(state.redirect ? [make("p", [make("a", [say("to_platform")], { href: state.redirect, className: "button" })])] : []),
       make("p", [say(state.ended === "deleted" ? "was_deleted" : "close_page")]), ...takingBack(state));
     return false;
   }

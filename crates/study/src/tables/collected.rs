@@ -94,12 +94,25 @@ pub fn read_lent(path: &Path) -> Result<Vec<LentRow>, StudyError> {
     Ok(ridden.into_iter().zip(table.records()?).map(row).collect())
 }
 
+/// Whom a platform pays.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub struct PaymentRow {
+    /// Who.
+    pub participant: ParticipantId,
+    /// Their id on the platform.
+    pub platform_id: String,
+    /// How their part ended; none while it goes on.
+    pub ended: Option<String>,
+}
+
 /// Their files in the seat's folder.
 pub const EVENTS: &str = "events.csv";
 /// As [`EVENTS`].
 pub const CONSENTS: &str = "consents.csv";
 /// As [`EVENTS`].
 pub const NOTES: &str = "notes.csv";
+/// As [`EVENTS`]; of its owner alone.
+pub const PAYMENT: &str = "payment.csv";
 /// The drives and rides that people stopped, from the study's folder.
 pub const STOPPED: &str = "seat/stopped.csv";
 /// How many people were not admitted, from the study's folder.

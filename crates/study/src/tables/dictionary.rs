@@ -39,6 +39,7 @@ pub enum TableName {
     OutcomesWide,
     OwnMeasurements,
     Participants,
+    Payment,
     PressMoments,
     Presses,
     Reliabilities,
