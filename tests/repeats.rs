@@ -198,7 +198,10 @@ fn made_up_people_come_twice_and_ride_twice_in_each_condition_each_time_in_anoth
     let outcomes = "[[outcome]]\nmeasure = \"mean_velocity_mps\"\n[[outcome]]\nscale = \"jian_trust.overall\"\nlabel = \"Trust\"\n\n";
     let declared = format!("{outcomes}[contrasts]");
     change(&study, "mine/study.toml", "[contrasts]", &declared);
-    change(&study, "mine/study.toml", PROTOCOL, REPEATS);
+    let probed = format!("{REPEATS}\nprobe = {{ scale = \"misc\", every_s = 30 }}");
+    change(&study, "mine/study.toml", PROTOCOL, &probed);
+    let misc = include_str!("../study_data/further_scales/misc.toml");
+    study.write("mine/scales/misc.toml", misc);
     let generate = "generate --design mine/study.toml --duration 120 --learn 4 --test 3";
     let words: Vec<&str> = generate.split(' ').collect();
     study.maveric(&words).ok();
@@ -228,10 +231,21 @@ fn made_up_people_come_twice_and_ride_twice_in_each_condition_each_time_in_anoth
     assert_eq!(speeds.len(), measured.rows(), "no two drives are the same");
     let ratings = read(&study, "mine/results/ratings.csv");
     assert!(
-        ratings.starts_with("participant,moment,session,trial,scale,item,answer\n")
-            && ratings.contains("S2P01,calm,2,2,jian_trust,"),
+        ratings.starts_with("participant,moment,session,trial,scale,item,answer,condition,at_s\n")
+            && ratings.contains("S2P01,after,2,2,jian_trust,"),
         "{ratings}"
     );
+    // During each ride of two minutes three questions are asked whose answers can come in time.
+    let asked: Vec<&str> = ratings
+        .lines()
+        .filter(|row| row.contains(",probe,"))
+        .collect();
+    assert_eq!(asked.len(), 3 * 2 * 4 * 3);
+    let at: BTreeSet<&str> = asked
+        .iter()
+        .map(|row| row.rsplit(',').next().unwrap())
+        .collect();
+    assert_eq!(at, BTreeSet::from(["30", "60", "90"]));
     Page::read(&study.path("mine/report/index.html")).says(&["Trust", "Calm and Sporty"]);
     // What is given away says the same, under pseudonyms.
     study.write("mine/key.txt", "a secret of more than sixteen letters");

@@ -338,23 +338,35 @@ impl StudyData {
         self
     }
 
-    /// The same, with what people pressed in their rides.
+    /// The same, with what people pressed in those of their rides that count: in the first session, and not left out.
     #[must_use]
-    pub fn with_presses(mut self, rides: Vec<PressedRide>, moments: Vec<PressMoment>) -> Self {
+    pub fn with_presses(
+        mut self,
+        mut rides: Vec<PressedRide>,
+        mut moments: Vec<PressMoment>,
+    ) -> Self {
+        let first = |d: &&MeasuredDrive| d.meta.session == FIRST && self.takes_part(d);
+        let counted = self.measurements.iter().filter(first);
+        let counted: BTreeSet<&DriveId> = counted.map(|d| &d.meta.drive).collect();
+        rides.retain(|ride| counted.contains(&ride.drive));
+        moments.retain(|moment| counted.contains(&moment.drive));
         self.pressed = (rides, moments);
         self
     }
 
-    /// Rides in which people could press, of whoever is not left out.
+    fn takes_part(&self, drive: &MeasuredDrive) -> bool {
+        self.cell(&drive.meta.participant, drive.meta.condition)
+            .is_some()
+    }
+
+    /// Rides in which people could press.
     pub(crate) fn pressed_rides(&self) -> impl Iterator<Item = &PressedRide> {
-        let rides = self.pressed.0.iter();
-        rides.filter(|ride| self.drive(&ride.participant, ride.condition).is_some())
+        self.pressed.0.iter()
     }
 
     /// The moments of these rides.
     pub(crate) fn press_moments(&self) -> impl Iterator<Item = &PressMoment> {
-        let moments = self.pressed.1.iter();
-        moments.filter(|m| self.drive(&m.participant, m.condition).is_some())
+        self.pressed.1.iter()
     }
 
     /// Where somebody left the dial, a ride each.

@@ -154,7 +154,7 @@ fn before(moments: &[&PressMoment]) -> Vec<BeforePress> {
                     missing += 1;
                     continue;
                 };
-                let key = (&moment.participant, moment.condition, moment.minute);
+                let key = (&moment.participant, &moment.drive, moment.minute);
                 let stratum = strata.entry(key).or_insert_with(|| CaseStratum {
                     person: moment.participant.to_string(),
                     events: Vec::new(),

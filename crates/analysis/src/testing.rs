@@ -255,6 +255,7 @@ pub(crate) fn pressing(
                     moments.push(PressMoment {
                         participant: person(i),
                         condition: id(condition),
+                        drive: rides[rides.len() - 1].drive.clone(),
                         minute,
                         time_s: f64::from(60 * minute + second),
                         pressed,

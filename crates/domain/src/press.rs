@@ -25,6 +25,8 @@ pub struct PressMoment {
     pub participant: ParticipantId,
     /// In which condition.
     pub condition: ConditionId,
+    /// The ride.
+    pub drive: DriveId,
     /// Minute of the ride, from 0: a press is held against other moments of its own minute.
     pub minute: u32,
     /// Time since the start of the ride, in s.

@@ -112,6 +112,7 @@ impl<'a> Exposures<'a> {
         PressMoment {
             participant: drive.meta().participant.clone(),
             condition: drive.meta().condition,
+            drive: drive.meta().drive.clone(),
             minute,
             time_s,
             pressed,

@@ -18,7 +18,7 @@ pub mod settings;
 mod trait_mixing;
 
 pub use answers::answer_before;
-pub use at_random::answer_at_random;
+pub use at_random::{answer_at_random, probes_at_random};
 pub use cohort::{Cohort, PlannedDrive};
 pub use effects::Effects;
 pub use error::ParticipantError;

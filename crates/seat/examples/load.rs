@@ -111,6 +111,7 @@ fn settings() -> Result<SeatSettings, Failed> {
         design: Design::from_toml(DESIGN)?,
         scales: Vec::new(),
         // As long as the steps of a whole study are.
+        in_others: Vec::new(),
         texts: Texts {
             thanks: Some("Thanks. ".repeat(2_500)),
             ..Texts::default()

@@ -81,6 +81,13 @@ pub fn export(seat: &Seat, folder: &Path, post: Option<&str>) -> Result<Exported
             ));
         }
     };
+    if !settings.in_others.is_empty() {
+        return Err(refused(
+            "[protocol] `languages` lets people choose, and static files speak one language"
+                .to_owned(),
+            "write `language` alone, and export once a language",
+        ));
+    }
     let holds = |name: &str| folder.join(name).exists();
     let empty = std::fs::read_dir(folder).map_or(true, |mut found| found.next().is_none());
     if !empty && !holds(STUDY) {

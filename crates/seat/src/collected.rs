@@ -128,6 +128,13 @@ impl Books<'_> {
                 value: None,
                 at: None,
             };
+            if let Step::Language {
+                chosen: Some(language),
+                ..
+            } = found
+            {
+                events.push(row(language));
+            }
             for kept in sheets.iter().filter(|kept| kept.step == step) {
                 // Only what was checked was kept.
                 let sheet = serde_json::from_str::<Sheet>(&kept.body).ok();
@@ -295,6 +302,7 @@ fn consents_of<'a>(
 /// What a step is called in the tables, and the moment of a scale.
 fn place(step: &Step) -> (String, Option<String>) {
     match step {
+        Step::Language { .. } => ("language".to_owned(), None),
         Step::Computer { .. } => ("computer".to_owned(), None),
         Step::Screen { .. } => ("screening".to_owned(), None),
         Step::Text { .. } => ("consent".to_owned(), None),

@@ -64,6 +64,7 @@ pub fn settings(cache: &Path, jobs: usize, watch: Watch<'_>) -> Result<SeatSetti
     Ok(SeatSettings {
         design,
         scales: Vec::new(),
+        in_others: Vec::new(),
         texts: Texts {
             thanks: Some(THANKS.to_owned()),
             ..Texts::default()

@@ -7,7 +7,7 @@ use crate::{
     plan::Styles,
     steps::Texts,
     tables::{self, Given, Standing},
-    words::Words,
+    words::{Words, in_language},
 };
 use maveric_domain::{DriveId, DriveMeta, ParticipantId, Ride, design::Car};
 use maveric_ingest::{Beside, write_mcap_with};
@@ -347,21 +347,37 @@ impl Files {
     }
 }
 
-/// The texts of a protocol, read from the study's folder.
+/// The texts of a protocol, read from the study's folder: in the study's language first, then in the others among which people choose, whose
+/// files are named by them (`consent.de.md`).
 ///
 /// # Errors
 /// [`SeatError::Study`] naming the file; [`SeatError::Protocol`] for sentences that cannot be said.
-pub fn texts(study: &DesignFile) -> Result<Texts, SeatError> {
+pub fn texts(study: &DesignFile) -> Result<(Texts, Vec<Texts>), SeatError> {
+    let protocol = study.design.protocol();
+    let others = protocol.languages.iter();
+    let others = others.filter(|language| **language != protocol.language);
+    let others = others.map(|language| texts_in(study, language));
+    Ok((
+        texts_in(study, &protocol.language)?,
+        others.collect::<Result<_, _>>()?,
+    ))
+}
+
+fn texts_in(study: &DesignFile, language: &str) -> Result<Texts, SeatError> {
+    let protocol = study.design.protocol();
     let read = |path: &Option<PathBuf>| {
-        let path = path.as_ref().map(|p| study.resolve(p));
+        let path = path.as_ref().map(|path| study.resolve(path));
+        let path = path.map(|path| match language == protocol.language {
+            true => path,
+            false => in_language(&path, language),
+        });
         path.as_deref().map(read_text).transpose()
     };
-    let protocol = study.design.protocol();
     Ok(Texts {
         consent: read(&protocol.consent)?,
         aftercare: read(&protocol.aftercare)?,
         debrief: read(&protocol.debrief)?,
         thanks: read(&protocol.thanks)?,
-        words: Words::of_study(study)?,
+        words: Words::of_study(study, language)?,
     })
 }

@@ -391,6 +391,7 @@ mod tests {
     fn a_ride_in_the_own_style_is_marked_where_the_drive_is_beyond_and_no_other_is() {
         let ride = |style| Step::Ride {
             condition: "mimic".parse().unwrap(),
+            occasion: maveric_domain::Occasion::FIRST,
             number: 1,
             seconds: 10.0,
             seed: "1".to_owned(),

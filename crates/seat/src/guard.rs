@@ -24,7 +24,9 @@ const BODY_WITHIN: Duration = Duration::from_secs(30);
 const MOST_UNANSWERED: usize = 8;
 
 /// What a page asks of its server.
-const PARTS: [&str; 7] = ["answer", "done", "drive", "fit", "leave", "model", "open"];
+const PARTS: [&str; 8] = [
+    "answer", "done", "drive", "fit", "language", "leave", "model", "open",
+];
 
 /// What a reply says to the browser, each once: what a page of ours may do, and that nothing of a person is kept by it.
 const HEADERS: [(HeaderName, &str); 4] = [

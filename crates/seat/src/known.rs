@@ -18,6 +18,8 @@ pub(crate) struct Known {
     /// The conditions that they ride, in their order.
     pub(crate) rides: Vec<String>,
     pub(crate) steps: Vec<KnownStep>,
+    /// The language that they chose; none where nobody was asked.
+    pub(crate) language: Option<String>,
 }
 
 impl Known {
@@ -29,6 +31,7 @@ impl Known {
         Self {
             participant: person.participant.clone(),
             rides: person.rides(),
+            language: person.language().map(str::to_owned),
             steps: person.steps.iter().map(step).collect(),
         }
     }
@@ -36,6 +39,7 @@ impl Known {
 
 fn what(step: &Step) -> &'static str {
     match step {
+        Step::Language { .. } => "lab_language",
         Step::Computer { .. } => "lab_computer",
         Step::Screen { .. } => "lab_screening",
         Step::Text { .. } => "lab_reading",

@@ -86,12 +86,14 @@ mod tests {
     fn person(id: &str, donor: Option<&str>) -> Person {
         let drive = Step::Drive {
             condition: "own".parse().unwrap(),
+            occasion: maveric_domain::Occasion::FIRST,
             seconds: 60.0,
             seed: "1".to_owned(),
             probe: None,
         };
         let ride = Step::Ride {
             condition: "other".parse().unwrap(),
+            occasion: maveric_domain::Occasion::FIRST,
             number: 1,
             seconds: 60.0,
             seed: "1".to_owned(),

@@ -98,7 +98,7 @@ impl Seat {
     }
 
     /// The places of conditions that were named in an order, each of the study's once.
-    fn order_by_hand(&self, text: &str) -> Result<Vec<usize>, SeatError> {
+    pub(crate) fn order_by_hand(&self, text: &str) -> Result<Vec<usize>, SeatError> {
         let conditions = self.settings.design.conditions();
         let ids = || conditions.iter().map(|condition| condition.id.as_str());
         let help = format!(

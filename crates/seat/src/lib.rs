@@ -25,6 +25,7 @@ mod hindrance;
 mod intake;
 mod known;
 mod lab;
+mod language;
 mod left_out;
 mod lending;
 mod lent;

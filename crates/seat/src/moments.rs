@@ -10,12 +10,16 @@ use maveric_domain::{
 };
 
 /// The screening, if there is one.
-pub(crate) fn screen(protocol: &Protocol, scales: &[Scale]) -> Result<Option<Step>, Hindrance> {
+pub(crate) fn screen(
+    protocol: &Protocol,
+    scales: &[Scale],
+    language: &str,
+) -> Result<Option<Step>, Hindrance> {
     if protocol.screen.is_empty() {
         return Ok(None);
     }
     let asked = protocol.screen.iter();
-    let sheets = asked.map(|id| sheet(scales, id, Moment::Pre, &protocol.language));
+    let sheets = asked.map(|id| sheet(scales, id, Moment::Pre, language));
     let sheets = sheets.collect::<Result<_, _>>()?;
     let rules = protocol.admit_if.iter();
     let rules = rules.map(|rule| judged(rule, &protocol.screen, scales));
@@ -109,16 +113,17 @@ fn stop_rule(protocol: &Protocol, scale: &Scale) -> Result<Option<StopRule>, Hin
 pub(crate) fn probe(
     protocol: &Protocol,
     scales: &[Scale],
+    language: &str,
 ) -> Result<Option<AskedProbe>, Hindrance> {
     let Some(probe) = &protocol.probe else {
         return Ok(None);
     };
     // Of its kind, with its wording.
-    sheet(scales, &probe.scale, Moment::Post, &protocol.language)?;
+    sheet(scales, &probe.scale, Moment::Post, language)?;
     let scale = scales.iter().find(|scale| scale.id == probe.scale);
     let one = scale.filter(|scale| scale.items.len() == 1);
     let worded = |scale: &Scale| {
-        let wording = scale.wording_in(&protocol.language)?;
+        let wording = scale.wording_in(language)?;
         Some(wording.items.first()?.text.clone())
     };
     let (scale, question) = one

@@ -10,12 +10,10 @@ use crate::{
     store::Store,
     token,
 };
-use hmac::{Hmac, KeyInit as _, Mac as _};
 use maveric_domain::{ParticipantId, design::Redirect};
 use maveric_study::{DesignFile, StudyError, tables::collected::PaymentRow};
 use rusqlite::{OptionalExtension as _, params};
 use serde::Serialize;
-use sha2::Sha256;
 use std::path::Path;
 
 /// How somebody's part ended who stopped in a drive, or was stopped.
@@ -46,13 +44,9 @@ impl Books<'_> {
                 key
             }
         };
-        // A key of any length is one.
-        let mut mac =
-            Hmac::<Sha256>::new_from_slice(key.as_bytes()).map_err(|e| SeatError::Random {
-                problem: e.to_string(),
-            })?;
-        mac.update(id.as_bytes());
-        Ok(token::hex(&mac.finalize().into_bytes()))
+        let key = blake3::derive_key("maveric seat ids of a platform v1", key.as_bytes());
+        let digest = blake3::keyed_hash(&key, id.as_bytes());
+        Ok(digest.to_hex().to_string())
     }
 
     /// The link of who came with this digest before.

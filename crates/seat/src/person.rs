@@ -85,6 +85,14 @@ impl Person {
             .collect()
     }
 
+    /// The language that they chose; none where nobody was asked, or has not answered.
+    pub(crate) fn language(&self) -> Option<&str> {
+        self.steps.iter().find_map(|step| match step {
+            Step::Language { chosen, .. } => chosen.as_deref(),
+            _ => None,
+        })
+    }
+
     /// Their style.
     pub(crate) fn style(&self) -> Option<Fit> {
         style_kept(self.fit.as_deref())

@@ -75,7 +75,7 @@ pub fn of_design(
     whose: Whose<'_>,
     riding: Option<Riding<'_>>,
 ) -> Result<Vec<Step>, SeatError> {
-    let protocol = design.protocol();
+    let (protocol, language) = (design.protocol(), texts.words.language.as_str());
     let own = design
         .baseline_id()
         .map_or_else(|| ConditionId::new("own"), Ok);
@@ -83,15 +83,17 @@ pub fn of_design(
         problem: e.to_string(),
         help: None,
     })?;
-    let probe = moments::probe(protocol, scales)?;
+    let probe = moments::probe(protocol, scales, language)?;
     // Where it may stop somebody it is asked in every drive.
     let stops = probe.clone().filter(|probe| probe.stop.is_some());
     let needs = protocol.needs.as_ref().map(Need::of_study);
-    let mut steps: Vec<Step> = needs
-        .map(|needs| Step::Computer { needs })
-        .into_iter()
-        .collect();
-    let (sessions, asked) = (Sessions::of(protocol), (scales, probe.as_ref()));
+    let chooses = (!protocol.languages.is_empty()).then(|| Step::Language {
+        languages: protocol.languages.clone(),
+        chosen: None,
+    });
+    let needs = needs.map(|needs| Step::Computer { needs });
+    let mut steps: Vec<Step> = chooses.into_iter().chain(needs).collect();
+    let (sessions, asked) = (Sessions::of(protocol), (scales, language, probe.as_ref()));
     for session in 1..=protocol.session_count() {
         let Some(occasion) = Occasion::new(session, 1) else {
             continue;
@@ -102,7 +104,7 @@ pub fn of_design(
                 continue;
             }
             match step {
-                ProtocolStep::Screen => steps.extend(moments::screen(protocol, scales)?),
+                ProtocolStep::Screen => steps.extend(moments::screen(protocol, scales, language)?),
                 ProtocolStep::Consent => {
                     if let Some(text) = &texts.consent {
                         steps.push(Step::Text {
@@ -118,7 +120,7 @@ pub fn of_design(
                 }
                 ProtocolStep::Before => {
                     for id in &protocol.before {
-                        steps.push(sheet(scales, id, Moment::Pre, &protocol.language)?);
+                        steps.push(sheet(scales, id, Moment::Pre, language)?);
                     }
                 }
                 ProtocolStep::Controls => steps.push(Step::Controls),
@@ -150,13 +152,14 @@ pub fn of_design(
                 }
                 ProtocolStep::Which => {
                     let asked = protocol.which.zip(riding);
-                    let asked =
-                        asked.map(|(pair, riding)| which(design, scales, pair, riding.order));
+                    let asked = asked.map(|(pair, riding)| {
+                        which(design, (scales, language), pair, riding.order)
+                    });
                     steps.extend(asked.transpose()?);
                 }
                 ProtocolStep::Post => {
                     for id in &protocol.post {
-                        steps.push(sheet(scales, id, Moment::Post, &protocol.language)?);
+                        steps.push(sheet(scales, id, Moment::Post, language)?);
                     }
                 }
             }
@@ -224,11 +227,11 @@ impl Sessions {
 /// Which of two rides was in the own style: the numbers that these rides had for the person stand in what is asked.
 fn which(
     design: &Design,
-    scales: &[Scale],
+    (scales, language): (&[Scale], &str),
     pair: [ConditionId; 2],
     order: &[usize],
 ) -> Result<Step, Hindrance> {
-    let mut asked = sheet(scales, WHICH, Moment::Post, &design.protocol().language)?;
+    let mut asked = sheet(scales, WHICH, Moment::Post, language)?;
     let is_one = |place: &usize| pair.contains(&design.conditions()[*place].id);
     let numbers = (1..).zip(order).filter(|(_, place)| is_one(place));
     let numbers: Vec<String> = numbers.map(|(number, _)| number.to_string()).collect();
@@ -265,7 +268,7 @@ fn world(protocol: &Protocol, whose: Whose<'_>, (ride, what): (usize, Ride)) -> 
 
 fn rides(
     design: &Design,
-    (scales, probe): (&[Scale], Option<&AskedProbe>),
+    (scales, language, probe): (&[Scale], &str, Option<&AskedProbe>),
     (whose, session): (Whose<'_>, u32),
     riding: Riding<'_>,
     steps: &mut Vec<Step>,
@@ -298,7 +301,7 @@ fn rides(
             probe: probe.cloned(),
         });
         for id in &protocol.after {
-            steps.push(sheet(scales, id, Moment::After(ride), &protocol.language)?);
+            steps.push(sheet(scales, id, Moment::After(ride), language)?);
         }
     }
     Ok(())

@@ -34,8 +34,10 @@ pub struct SeatSettings {
     pub design: Design,
     /// Its scales.
     pub scales: Vec<Scale>,
-    /// Its texts.
+    /// Its texts, in the study's language and in the others among which people choose.
     pub texts: Texts,
+    /// As `texts`.
+    pub in_others: Vec<Texts>,
     /// Its world.
     pub scenario: Scenario,
     /// The model that rides, as in its file; none in a phase in which people only drive by hand.
@@ -100,8 +102,16 @@ impl Seat {
         }
         let model = settings.model.as_deref().map(model_file::from_bytes);
         let model = model.transpose()?;
-        let words = (&settings.scales[..], &settings.texts);
-        let mut hindrances = hindrances(&settings.design, words, model.as_ref());
+        let mut found = Vec::new();
+        for texts in [&settings.texts].into_iter().chain(&settings.in_others) {
+            let words = (&settings.scales[..], texts);
+            for hindrance in hindrances(&settings.design, words, model.as_ref()) {
+                if !found.contains(&hindrance) {
+                    found.push(hindrance);
+                }
+            }
+        }
+        let mut hindrances = found;
         let styles = settings.files.styles(model.as_ref(), &mut hindrances);
         if !hindrances.is_empty() {
             return Err(SeatError::Unfit(hindrances));
@@ -214,9 +224,28 @@ impl Seat {
         self.settings.design.protocol().steps.contains(&step)
     }
 
+    /// What is said in a language; in the study's where nobody chose, or it is not spoken any more.
+    pub(crate) fn texts_in(&self, language: Option<&str>) -> &Texts {
+        let others = self.settings.in_others.iter();
+        let chosen = others
+            .filter(|texts| Some(texts.words.language.as_str()) == language)
+            .last();
+        chosen.unwrap_or(&self.settings.texts)
+    }
+
     /// The steps of `whose`, who rides in this order of the conditions.
     pub(crate) fn steps_of(
         &self,
+        whose: Whose<'_>,
+        order: &[usize],
+    ) -> Result<Vec<Step>, SeatError> {
+        self.steps_in(None, whose, order)
+    }
+
+    /// As [`Seat::steps_of`], in a language.
+    pub(crate) fn steps_in(
+        &self,
+        language: Option<&str>,
         whose: Whose<'_>,
         order: &[usize],
     ) -> Result<Vec<Step>, SeatError> {
@@ -226,7 +255,7 @@ impl Seat {
             stretch: s.stretch,
             styles: &self.styles,
         });
-        plan::of_design(&s.design, &s.scales, &s.texts, whose, riding)
+        plan::of_design(&s.design, &s.scales, self.texts_in(language), whose, riding)
     }
 
     /// Does something to the study's files while nobody writes answers and people into them.

@@ -46,12 +46,12 @@ pub(crate) fn hindrances(
     let scales_asked = screen.iter().chain(before).chain(after).chain(post);
     let which = protocol.which.map(|_| WHICH);
     for id in scales_asked.map(String::as_str).chain(which) {
-        let missing = sheet(scales, id, Moment::Pre, &protocol.language).err();
+        let missing = sheet(scales, id, Moment::Pre, &texts.words.language).err();
         found.extend(missing.filter(|hindrance| !found.contains(hindrance)));
     }
     let asked = [
-        moments::screen(protocol, scales).err(),
-        moments::probe(protocol, scales).err(),
+        moments::screen(protocol, scales, &texts.words.language).err(),
+        moments::probe(protocol, scales, &texts.words.language).err(),
     ];
     for hindrance in asked.into_iter().flatten() {
         if !found.contains(&hindrance) {

@@ -147,6 +147,7 @@ fn router(shared: Shared) -> Router {
             "/api/{token}/drive/{step}/{attempt}/{tab}",
             post(intake::drive),
         )
+        .route("/api/{token}/language/{step}/{wanted}", post(language))
         .route("/api/{token}/fit", post(fit))
         .route("/api/{token}/done/{step}", post(done))
         .route("/api/{token}/leave", post(leave))
@@ -166,8 +167,10 @@ async fn front(State(shared): State<Shared>) -> Response {
 }
 
 /// The page that everybody with a link opens.
-async fn person(State(shared): State<Shared>) -> Response {
-    assets::page(&shared.seat.settings.texts.words)
+async fn person(State(shared): State<Shared>, Path(token): Path<String>) -> Response {
+    let known = shared.seat.known(&token);
+    let language = known.as_ref().and_then(|known| known.language.as_deref());
+    assets::page(&shared.seat.texts_in(language).words)
 }
 
 /// Whoever comes from a platform, with their id on it in the address: sent on to their own link.
@@ -323,6 +326,14 @@ async fn answer(
     Ok(json(&kept.await?))
 }
 
+async fn language(
+    State(shared): State<Shared>,
+    Path((token, step, wanted)): Path<(String, usize, String)>,
+) -> Answered<Response> {
+    let at = shared.blocking(move |seat| seat.choose(&token, step, &wanted));
+    Ok(json(&at.await?))
+}
+
 async fn fit(
     State(shared): State<Shared>,
     Path(token): Path<String>,
@@ -362,7 +373,8 @@ async fn done(
                 .look(|b| Ok::<_, Refused>(b.somebody(&token)?.at));
         }
         match &found {
-            Step::Computer { .. }
+            Step::Language { .. }
+            | Step::Computer { .. }
             | Step::Screen { .. }
             | Step::Scale { .. }
             | Step::Text { agree: true, .. } => {

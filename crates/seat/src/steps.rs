@@ -44,6 +44,14 @@ impl Act {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(tag = "kind", rename_all = "snake_case")]
 pub enum Step {
+    /// In which language somebody goes on.
+    Language {
+        /// Those among which they choose.
+        languages: Vec<String>,
+        /// What they chose.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        chosen: Option<String>,
+    },
     /// What the computer must have; the page judges, and no number leaves it.
     Computer {
         /// All of it.

@@ -38,8 +38,7 @@ pub(crate) fn same_secret(given: &str, expected: &str) -> bool {
     sha256(given) == sha256(expected)
 }
 
-/// Bytes as hexadecimal digits.
-pub(crate) fn hex(bytes: &[u8]) -> String {
+fn hex(bytes: &[u8]) -> String {
     use std::fmt::Write as _;
     bytes.iter().fold(String::new(), |mut text, byte| {
         let _ = write!(text, "{byte:02x}");

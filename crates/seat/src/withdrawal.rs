@@ -70,7 +70,7 @@ mod tests {
         assert!(!on("2027-01-01").open);
         assert!(on("2027-01-01").too_late().unwrap().contains("2026-12-31"));
         assert!(Withdrawal::on("2999-01-01", None).open);
-        assert_eq!(today().len(), 10);
+        assert_eq!(today().to_string().len(), 10);
     }
 
     #[test]

@@ -7,6 +7,7 @@ use maveric_study::{DesignFile, atomic_write::read_text};
 use path_slash::PathExt as _;
 use std::{
     collections::{BTreeMap, BTreeSet},
+    path::{Path, PathBuf},
     sync::LazyLock,
 };
 
@@ -53,19 +54,26 @@ impl Default for Words {
 }
 
 impl Words {
-    /// Those of a study: its language's, with its own in their place.
+    /// Those of a study in a language, with its own in their place: of another language than the study's in a file named by it, where
+    /// that is there (`words.de.toml`).
     ///
     /// # Errors
     /// [`SeatError::Protocol`] for a language in which a sentence is missing, a sentence that the seat does not say, or one with other parts to
     /// be filled in; [`SeatError::Study`] for a file that cannot be read.
-    pub fn of_study(study: &DesignFile) -> Result<Self, SeatError> {
+    pub fn of_study(study: &DesignFile, language: &str) -> Result<Self, SeatError> {
         let protocol = study.design.protocol();
         let file = protocol.words.as_ref().map(|path| study.resolve(path));
+        let file = if language == protocol.language {
+            file
+        } else {
+            file.map(|path| in_language(&path, language))
+                .filter(|path| path.is_file())
+        };
         let text = file.as_deref().map(read_text).transpose()?;
-        Self::of(protocol, text.as_deref())
+        Self::of((protocol, language), text.as_deref())
     }
 
-    fn of(protocol: &Protocol, own: Option<&str>) -> Result<Self, SeatError> {
+    fn of((protocol, language): (&Protocol, &str), own: Option<&str>) -> Result<Self, SeatError> {
         let file = protocol.words.clone().unwrap_or_default();
         let refused = |problem: String, help: String| SeatError::Protocol {
             problem,
@@ -97,7 +105,6 @@ impl Words {
                 ));
             }
         }
-        let language = &protocol.language;
         let spoken = shipped(language);
         let speaks = spoken.is_some();
         let mut sentences = spoken.unwrap_or_default();
@@ -122,7 +129,7 @@ impl Words {
             ));
         }
         Ok(Self {
-            language: language.clone(),
+            language: language.to_owned(),
             sentences,
         })
     }
@@ -163,6 +170,12 @@ impl Words {
     }
 }
 
+/// The file of a language beside another: `consent.de.md` beside `consent.md`.
+pub(crate) fn in_language(path: &Path, language: &str) -> PathBuf {
+    let ending = path.extension().unwrap_or_default().to_string_lossy();
+    path.with_extension(format!("{language}.{ending}"))
+}
+
 /// What is filled in, in a sentence.
 fn parts(sentence: &str) -> BTreeSet<&str> {
     let after = sentence.split('{').skip(1);
@@ -174,15 +187,13 @@ fn parts(sentence: &str) -> BTreeSet<&str> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use std::path::{Path, PathBuf};
-
     fn of(language: &str, own: Option<&str>) -> Result<Words, SeatError> {
         let protocol = Protocol {
             language: language.to_owned(),
             words: own.map(|_| PathBuf::from("words.toml")),
             ..Protocol::default()
         };
-        Words::of(&protocol, own)
+        Words::of((&protocol, language), own)
     }
 
     fn refused(language: &str, own: Option<&str>) -> String {

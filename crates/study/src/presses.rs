@@ -11,7 +11,7 @@ use crate::{
     },
 };
 use maveric_domain::{
-    ConditionId, Drive, DrivenBy, ParticipantId,
+    Drive, DrivenBy, ParticipantId,
     press::{PressMoment, PressedRide},
 };
 use maveric_measures::press_moments;
@@ -74,10 +74,9 @@ impl Presses {
     /// The presses of a ride; none for a drive in which nothing could be pressed.
     fn during(&self, drive: &Drive) -> Option<&[f64]> {
         let meta = drive.meta();
-        let ride = meta.driven_by == DrivenBy::Automated;
-        let condition: ConditionId = meta.condition;
-        let key = (meta.participant.clone(), condition.to_string());
-        self.0.get(&key).filter(|_| ride).map(Vec::as_slice)
+        let ridden = meta.driven_by == DrivenBy::Automated;
+        let key = (meta.participant.clone(), meta.ride().to_string());
+        self.0.get(&key).filter(|_| ridden).map(Vec::as_slice)
     }
 }
 

@@ -261,10 +261,12 @@ fn open(folder: &Path, password: Option<String>) -> Result<(Open, Option<String>
     let bytes = model.as_deref().map(std::fs::read).transpose();
     let world = study.resolve(&named.scenario);
     let world = world.is_file().then_some(world);
+    let (texts, in_others) = maveric_seat::files::texts(&study).map_err(failure(OPENING))?;
     let settings = SeatSettings {
         scales: run_folder::read_scales(&study.resolve(&named.scales))
             .map_err(Failure::study(OPENING))?,
-        texts: maveric_seat::files::texts(&study).map_err(failure(OPENING))?,
+        texts,
+        in_others,
         scenario: run_folder::read_scenario(world.as_deref(), None)
             .map_err(Failure::study(OPENING))?,
         model: bytes.map_err(|e| Failure::io(OPENING, e))?,

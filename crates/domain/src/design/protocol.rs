@@ -168,6 +168,9 @@ pub struct Protocol {
     pub steps: Vec<ProtocolStep>,
     /// In which language people are spoken to, such as `en` or `de`.
     pub language: String,
+    /// Languages among which the person chooses, `language` among them; none where nobody is asked.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub languages: Vec<String>,
     /// The study's own sentences in the place of the seat's, from the folder of the design's file.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub words: Option<PathBuf>,
@@ -247,6 +250,7 @@ impl Default for Protocol {
                 Screen, Consent, Before, Controls, Practises, Drive, Rides, Which, Post,
             ],
             language: "en".to_owned(),
+            languages: Vec::new(),
             words: None,
             needs: None,
             consent: None,
@@ -328,14 +332,7 @@ impl Protocol {
                 ));
             }
         }
-        if !is_language(&self.language) {
-            let expected = "a language as the web writes it, such as en, de or pt-br";
-            return Err(DesignError::key(
-                "protocol.language",
-                &self.language,
-                expected,
-            ));
-        }
+        self.check_languages()?;
         if let Some(day) = self.withdraw_until.as_ref().filter(|day| !is_day(day)) {
             let expected = "a day such as 2026-12-31";
             return Err(DesignError::key("protocol.withdraw_until", day, expected));
@@ -385,6 +382,33 @@ impl Protocol {
     /// How many sessions a person has.
     pub fn session_count(&self) -> u32 {
         self.sessions.as_ref().map_or(1, |s| s.count)
+    }
+
+    /// Whether languages are such, each once, and those to choose among have the study's.
+    fn check_languages(&self) -> Result<(), DesignError> {
+        let expected = "a language as the web writes it, such as en, de or pt-br";
+        if !is_language(&self.language) {
+            let key = "protocol.language";
+            return Err(DesignError::key(key, &self.language, expected));
+        }
+        let key = "protocol.languages";
+        for (at, language) in self.languages.iter().enumerate() {
+            if !is_language(language) {
+                return Err(DesignError::key(key, language, expected));
+            }
+            if self.languages[..at].contains(language) {
+                return Err(DesignError::key(
+                    key,
+                    format!("{language} twice"),
+                    "each once",
+                ));
+            }
+        }
+        if !self.languages.is_empty() && !self.languages.contains(&self.language) {
+            let expected = format!("`{}` among them, which is `language`", self.language);
+            return Err(DesignError::key(key, self.languages.join(", "), expected));
+        }
+        Ok(())
     }
 
     /// Whether a platform can name ids so, and be gone back to.
@@ -633,6 +657,24 @@ mod tests {
         let one = design("");
         assert_eq!(of(&one, "a"), [(1, 1)]);
         assert!(!one.repeats());
+    }
+
+    #[test]
+    fn people_choose_among_languages_of_which_the_studys_is_one() {
+        refused(
+            "languages = [\"de\"]",
+            &["protocol.languages", "`en` among them"],
+        );
+        refused(
+            "languages = [\"en\", \"German\"]",
+            &["protocol.languages", "German"],
+        );
+        refused(
+            "languages = [\"en\", \"en\"]",
+            &["protocol.languages", "en twice"],
+        );
+        let text = "[study]\ntitle = \"x\"\n[[condition]]\nid = \"a\"\n[protocol]\nlanguages = [\"en\", \"de\"]";
+        assert!(crate::Design::from_toml(text).is_ok());
     }
 
     #[test]

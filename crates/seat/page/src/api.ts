@@ -19,6 +19,7 @@ export type Need =
   | { what: "device"; device: "keyboard" | "wheel" };
 
 export type Step =
+  | { kind: "language"; languages: string[] }
   | { kind: "computer"; needs: Need[] }
   | { kind: "screen"; sheets: Sheet[]; rules: Judged[] }
   | { kind: "text"; title: string; text: string; agree: boolean }
@@ -140,6 +141,8 @@ export interface Keeper {
   answer(step: number, sheet: unknown): Promise<unknown>;
   /// Says whether a rule of a screening holds somebody back, and which; the answers stay in the page.
   judged(step: number, refused: number | null, seconds: number): Promise<unknown>;
+  /// Goes on in a language: the page is to be loaded anew.
+  choose(step: number, language: string): Promise<unknown>;
   done(step: number): Promise<unknown>;
   keepFit(fit: string): Promise<unknown>;
   leave(keep: boolean): Promise<unknown>;
@@ -155,6 +158,7 @@ export const server: Keeper = {
   model: () => surely(async () => new Uint8Array(await (await ask("/model")).arrayBuffer())),
   answer: (step, sheet) => json(`/answer/${step}`, post(sheet)),
   judged: (step, refused, seconds) => json(`/answer/${step}`, post({ refused, seconds })),
+  choose: (step, language) => json(`/language/${step}/${language}`, post(null)),
   done: (step) => json(`/done/${step}`, post(null)),
   keepFit: (fit) => json("/fit", { method: "POST", body: fit }),
   leave: (keep) => json("/leave", post({ keep })),

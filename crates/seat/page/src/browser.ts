@@ -154,6 +154,9 @@ export class Browser implements Keeper {
     });
   }
 
+  // Static files speak one language.
+  choose(): Promise<void> { return Promise.resolve(); }
+
   async done(step: number): Promise<void> {
     const { rows } = await this.study;
     const kept = await this.kept();

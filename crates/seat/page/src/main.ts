@@ -99,6 +99,21 @@ async function screens(at: number, step: api.Step & { kind: "screen" }): Promise
   await keeper.judged(at, broken < 0 ? null : broken, (performance.now() - begun) / 1000);
 }
 
+/// Asks for a language, each by its own name; the page comes anew in it.
+async function chooseLanguage(at: number, languages: string[]): Promise<void> {
+  const named = (language: string): string => new Intl.DisplayNames([language], { type: "language" }).of(language) ?? language;
+  const chosen = await new Promise<string>((done) => {
+    const buttons = languages.map((language) => {
+      const button = make("button", [named(language)], { className: "main", type: "button", lang: language });
+      button.addEventListener("click", () => done(language));
+      return button;
+    });
+    show(make("h1", [document.title]), make("p", buttons.flatMap((button) => [button, " "])));
+  });
+  await keeper.choose(at, chosen);
+  location.reload();
+}
+
 /// Judges here whether the computer has what the study needs.
 async function looksAtComputer(state: api.State, step: api.Step & { kind: "computer" }): Promise<void> {
   const begun = performance.now();
@@ -130,6 +145,7 @@ async function once(state: api.State): Promise<boolean> {
     return false;
   }
   switch (step.kind) {
+    case "language": await chooseLanguage(state.at, step.languages); return false;
     case "computer": await looksAtComputer(state, step); break;
     case "screen": await screens(state.at, step); break;
     case "text": {

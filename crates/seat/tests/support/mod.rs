@@ -92,9 +92,11 @@ pub(crate) fn folder_of(design: &str) -> tempfile::TempDir {
 pub(crate) fn settings(folder: &Path) -> SeatSettings {
     let study = DesignFile::read(&folder.join("study.toml")).unwrap();
     let files = files::Files::of(&study, folder.join("seat"));
+    let (texts, in_others) = files::texts(&study).unwrap();
     SeatSettings {
         scales: read_scales(&folder.join("scales")).unwrap(),
-        texts: files::texts(&study).unwrap(),
+        texts,
+        in_others,
         scenario: Scenario::paper(),
         model: Some(fs::read(folder.join("lab.maveric")).unwrap()),
         made_up_model: true,

@@ -13,8 +13,11 @@ use crate::{
         surveys::write_answers,
     },
 };
-use maveric_domain::{ConditionId, MeasureValues, Moment, Ride, Scale, occasion::is_first, spread};
-use maveric_participants::answer_at_random;
+use maveric_domain::{
+    ConditionId, MeasureValues, Moment, Ride, Scale, design::Probe, occasion::is_first, spread,
+};
+use maveric_measures::survey::ProbeAnswer;
+use maveric_participants::{answer_at_random, probes_at_random};
 use path_slash::PathExt as _;
 use serde::Serialize;
 use std::path::{Path, PathBuf};
@@ -104,6 +107,22 @@ impl Stage for Rate {
         let own = |d: &&MeasuredDrive| d.meta.condition == baseline && is_first(&d.meta.session);
         let by_hand: Vec<&MeasureValues> = drives.iter().filter(own).map(|d| &d.values).collect();
         let spread = spread(&by_hand);
+        let probe = design.protocol().probe.as_ref();
+        let probe = probe.map(|probe| {
+            let scale = scales.iter().find(|scale| scale.id == probe.scale);
+            let no_scale = || {
+                study.wrong(
+                    format!(
+                        "`protocol.probe.scale`: `{}`, and no scale has that id",
+                        probe.scale
+                    ),
+                    Some("write it into the folder of --scales".to_owned()),
+                )
+            };
+            Ok::<_, StudyError>((scale.ok_or_else(no_scale)?, probe.every_s))
+        });
+        let probe = probe.transpose()?;
+        let mut probes = Vec::new();
         let mut answers = Vec::new();
         let mut warnings = Vec::new();
         let mut raters = 0;
@@ -137,6 +156,28 @@ impl Stage for Rate {
                 .collect();
             // Each session and each round of rides in the person's order.
             asked.sort_by_key(|ride| ride.occasion);
+            let ridden = mine.iter().filter(|d| asked.contains(&d.meta.ride()));
+            for (ridden, (scale, every_s)) in ridden.zip(probe.into_iter().cycle()) {
+                let ride = ridden.meta.ride();
+                let length_s = ridden.counted_s.unwrap_or(design.protocol().ride_s);
+                let asked = (1..).map(|n| f64::from(n) * every_s);
+                let asked = asked.take_while(|at_s| at_s + Probe::ANSWERED_WITHIN_S <= length_s);
+                let given = probes_at_random(
+                    &person.id,
+                    ride,
+                    scale,
+                    asked,
+                    effects.missing_rate,
+                    self.seed,
+                );
+                probes.extend(given.into_iter().map(|(at_s, answer)| ProbeAnswer {
+                    participant: person.id.clone(),
+                    ride,
+                    scale: scale.id.clone(),
+                    at_s,
+                    answer,
+                }));
+            }
             let trials: Vec<(Ride, MeasureValues)> = asked.iter().filter_map(trial).collect();
             if trials.len() < asked.len() {
                 let missing = asked.len() - trials.len();
@@ -184,7 +225,7 @@ impl Stage for Rate {
             ),
         });
         }
-        write_answers(&self.out, &answers, &[])?;
+        write_answers(&self.out, &answers, &probes)?;
         let summary = vec![format!(
             "{raters} synthetic participants rated their conditions: {}",
             self.out.to_slash_lossy()

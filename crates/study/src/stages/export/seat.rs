@@ -8,21 +8,23 @@ use crate::{
         TableName,
         collected::{
             CONSENTS, ConsentRow, EVENTS, EventRow, LENT, LentRow, NOT_ADMITTED, NOTES,
-            NotAdmitted, NoteRow, read_lent, write_lent,
+            NotAdmitted, NoteRow, STOPPED, Stopped, read_lent, write_lent,
         },
         read_rows, write_rows,
     },
 };
 use maveric_domain::{DriveId, ParticipantId};
+use serde::de::DeserializeOwned;
 use std::{collections::BTreeSet, path::Path};
 
-/// The three tables of a seat's folder.
+/// The tables of a seat's folder.
 #[derive(Default)]
 pub(super) struct Collected {
     events: Vec<EventRow>,
     consents: Vec<ConsentRow>,
     notes: Option<Vec<NoteRow>>,
     not_admitted: Vec<NotAdmitted>,
+    stopped: Vec<Stopped>,
     lent: Vec<LentRow>,
 }
 
@@ -42,17 +44,13 @@ impl Collected {
                 ),
             });
         }
-        let held_back = folder.with_file_name(NOT_ADMITTED);
         let lent = folder.with_file_name(LENT);
         Ok(Self {
             events: read_rows(&folder.join(EVENTS))?,
             consents: read_rows(&folder.join(CONSENTS))?,
             notes: notes.then(|| read_rows(&folder.join(NOTES))).transpose()?,
-            not_admitted: if held_back.is_file() {
-                read_rows(&held_back)?
-            } else {
-                Vec::new()
-            },
+            not_admitted: once_there(&folder.with_file_name(NOT_ADMITTED))?,
+            stopped: once_there(&folder.with_file_name(STOPPED))?,
             lent: if lent.is_file() {
                 read_lent(&lent)?
             } else {
@@ -77,6 +75,7 @@ impl Collected {
         self.events.retain(|row| keeps(&row.participant));
         self.consents.retain(|row| keeps(&row.participant));
         self.lent.retain(|row| keeps(&row.participant));
+        self.stopped.retain(|row| keeps(&row.participant));
         if let Some(notes) = &mut self.notes {
             notes.retain(|row| row.participant.as_ref().is_none_or(&mut keeps));
         }
@@ -110,9 +109,28 @@ impl Collected {
         if self.is_empty() {
             return Ok(None);
         }
+        let with_notes = self.notes.is_some();
+        let said = |text: &str| match text.split_once(": ") {
+            // Words of the experimenter's are notes.
+            Some((act, _)) if !with_notes || named_in(text, left_out) => act.to_owned(),
+            _ => names.rename(text),
+        };
         for row in &mut self.events {
             row.participant = names.of(&row.participant);
-            row.at = None;
+            // What a page says has no time of day, but for answers.
+            if row.at.take().is_some() {
+                row.what = said(&row.what);
+            }
+        }
+        for row in &mut self.stopped {
+            row.participant = names.of(&row.participant);
+            row.reason = said(&row.reason);
+        }
+        if !self.stopped.is_empty() {
+            let ride = |row: &Stopped| (row.condition, row.session, row.trial);
+            self.stopped
+                .sort_by(|a, b| (&a.participant, ride(a)).cmp(&(&b.participant, ride(b))));
+            write_rows(TableName::Stopped, &out.join(STOPPED), &self.stopped)?;
         }
         for row in &mut self.consents {
             row.participant = names.of(&row.participant);
@@ -145,7 +163,7 @@ impl Collected {
             return Ok(None);
         };
         let all = notes.len();
-        notes.retain(|row| !left_out.iter().any(|id| named::names(&row.text, id)));
+        notes.retain(|row| !named_in(&row.text, left_out));
         let withheld = all - notes.len();
         for row in &mut notes {
             row.text = names.rename(&row.text);
@@ -167,6 +185,20 @@ impl Collected {
     }
 }
 
+/// The rows of a table that is written once there is something.
+fn once_there<T: DeserializeOwned>(path: &Path) -> Result<Vec<T>, StudyError> {
+    if path.is_file() {
+        read_rows(path)
+    } else {
+        Ok(Vec::new())
+    }
+}
+
+/// Whether a text names anybody of these.
+fn named_in(text: &str, people: &BTreeSet<String>) -> bool {
+    people.iter().any(|id| named::names(text, id))
+}
+
 /// The donor of a style by their pseudonym; of whoever is not in the export nothing is said.
 fn donor_given_away(donor: &DriveId, names: &Pseudonyms) -> Result<DriveId, StudyError> {
     let renamed = names.rename(donor.as_str());
@@ -176,4 +208,80 @@ fn donor_given_away(donor: &DriveId, names: &Pseudonyms) -> Result<DriveId, Stud
         &renamed
     };
     Ok(DriveId::new(name)?)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn collected(notes: Option<Vec<NoteRow>>) -> Collected {
+        let event = |what: &str, at: Option<&str>| EventRow {
+            participant: ParticipantId::new("P1").unwrap(),
+            step: 3,
+            page: "calm".to_owned(),
+            moment: None,
+            attempt: Some(1),
+            time_s: Some(4.0),
+            what: what.to_owned(),
+            value: None,
+            at: at.map(str::to_owned),
+        };
+        let stop = |reason: &str| Stopped {
+            participant: ParticipantId::new("P1").unwrap(),
+            condition: "calm".parse().unwrap(),
+            session: maveric_domain::occasion::first(),
+            trial: maveric_domain::occasion::first(),
+            time_s: 4.0,
+            reason: reason.to_owned(),
+        };
+        Collected {
+            events: vec![
+                event("stopped: misc >= 6", None),
+                event("skipped: P1 was ill", Some("2026-11-26T10:00:00Z")),
+                event("aborted: as P9 said", Some("2026-11-26T10:00:00Z")),
+            ],
+            stopped: vec![stop("misc >= 6"), stop("skipped: P1 was ill")],
+            notes,
+            ..Collected::default()
+        }
+    }
+
+    /// What is given away of the events and of what was stopped, where P9 is left out.
+    fn given(notes: Option<Vec<NoteRow>>) -> (String, String) {
+        let folder = tempfile::tempdir().unwrap();
+        let key = folder.path().join("study.key");
+        std::fs::write(&key, "0123456789abcdef0123456789abcdef").unwrap();
+        let out = folder.path().join("shared");
+        let mut names = Pseudonyms::read(&key, &out).unwrap();
+        names
+            .add_all([&ParticipantId::new("P1").unwrap()].into_iter())
+            .unwrap();
+        let left_out = BTreeSet::from(["P9".to_owned()]);
+        collected(notes).write(&out, &names, &left_out).unwrap();
+        let read = |name: &str| std::fs::read_to_string(out.join(name)).unwrap();
+        (read("seat/events.csv"), read(STOPPED))
+    }
+
+    #[test]
+    fn what_the_experimenter_said_of_a_step_is_given_away_with_the_notes_alone() {
+        let (events, stopped) = given(None);
+        for table in [&events, &stopped] {
+            assert!(
+                table.contains("misc >= 6") && table.contains("skipped"),
+                "{table}"
+            );
+            assert!(!table.contains("ill") && !table.contains("P1"), "{table}");
+        }
+        let (events, stopped) = given(Some(Vec::new()));
+        for table in [&events, &stopped] {
+            assert!(
+                table.contains("was ill") && !table.contains("P1"),
+                "{table}"
+            );
+        }
+        assert!(
+            events.contains("aborted") && !events.contains("P9"),
+            "{events}"
+        );
+    }
 }

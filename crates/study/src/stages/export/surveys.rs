@@ -13,7 +13,7 @@ use std::{
     path::Path,
 };
 
-/// Writes `surveys.csv` and, without what was asked during rides and at the end, `surveys_wide.csv`; the answers have pseudonyms then, and stand in their order.
+/// Writes `surveys.csv` and, without what was asked during rides, `surveys_wide.csv`; the answers have pseudonyms then, and stand in their order.
 ///
 /// # Errors
 /// As [`write_rows`].
@@ -47,7 +47,7 @@ pub(super) fn write(
     write_wide(&out.join("surveys_wide.csv"), answers, &orders.collect())
 }
 
-/// Writes `participant.label`, `pre.1.player.SCALE_ITEM`, and for the n-th condition that a person sat through
+/// Writes `participant.label`, `pre.1.player.SCALE_ITEM`, `post.1.player.SCALE_ITEM`, and for the n-th condition that a person sat through
 /// `trial.n.player.condition` and `trial.n.player.SCALE_ITEM`: what `maveric import --from otree` reads.
 ///
 /// Conditions stand in the person's own order where it is known, else as everywhere; of several rides in a condition each is a trial, called
@@ -61,6 +61,7 @@ fn write_wide(
     let mut rated: BTreeMap<&ParticipantId, BTreeSet<Ride>> = BTreeMap::new();
     let mut before: BTreeSet<(&str, u32)> = BTreeSet::new();
     let mut after: BTreeSet<(&str, u32)> = BTreeSet::new();
+    let mut at_end: BTreeSet<(&str, u32)> = BTreeSet::new();
     for answer in answers {
         let (who, item) = (&answer.participant, (answer.scale.as_str(), answer.item));
         cells.insert((who, answer.moment, item.0, item.1), answer.answer);
@@ -69,8 +70,11 @@ fn write_wide(
             Moment::Pre => {
                 before.insert(item);
             }
+            Moment::Post => {
+                at_end.insert(item);
+            }
             // oTree's layout has no page for them.
-            Moment::Probe(_) | Moment::Post => {}
+            Moment::Probe(_) => {}
             Moment::After(ride) => {
                 conditions.insert(ride);
                 after.insert(item);
@@ -108,7 +112,43 @@ fn write_wide(
                 columns.push((format!("{page}.{}_{}", item.0, item.1), answer));
             }
         }
+        if !at_end.is_empty() {
+            // By this word an import knows when it was.
+            columns.push(("post.1.player.condition".to_owned(), "post".into()));
+        }
+        for item in &at_end {
+            let name = format!("post.1.player.{}_{}", item.0, item.1);
+            columns.push((name, cell(Moment::Post, *item)));
+        }
         (("participant.label", who.as_str()), columns)
     });
     write_rows(TableName::SurveysWide, path, rows)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_asked_at_the_end_is_told_from_what_was_asked_before() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("surveys_wide.csv");
+        let answer = |moment, answer| Answer {
+            participant: ParticipantId::new("P1").unwrap(),
+            moment,
+            scale: "mood".to_owned(),
+            item: 1,
+            answer: Some(answer),
+        };
+        let write = |answers: &[Answer]| {
+            write_wide(&path, answers, &BTreeMap::new()).unwrap();
+            std::fs::read_to_string(&path).unwrap()
+        };
+        let both = [answer(Moment::Pre, 2), answer(Moment::Post, 5)];
+        assert_eq!(
+            write(&both),
+            "participant.label,pre.1.player.mood_1,post.1.player.condition,post.1.player.mood_1\nP1,2,post,5\n"
+        );
+        assert!(!write(&both[..1]).contains("post"));
+    }
 }
