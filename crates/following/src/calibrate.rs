@@ -1,12 +1,13 @@
 //! Fitting a law to drives, by the gap of whole closed-loop runs.
 
 use crate::{
-    closed_loop::gap_rmse_within,
+    abreast::{gap_rmse_each, products},
     error::FollowingError,
     law::{Gains, Gipps, Helly, Idm, Law, Newell},
     run::Stretch,
-    search::{SearchSettings, search},
+    search::{Cost, SearchSettings, search},
 };
+use nalgebra::DMatrix;
 use serde::{Deserialize, Serialize};
 
 /// A law and how well it fits what it was fitted to.
@@ -103,7 +104,7 @@ impl Family {
     /// [`FollowingError::TooFewDrivers`] without stretches.
     ///
     /// # Source
-    /// Differential evolution on the closed-loop RMSE of the gap, then Nelder-Mead.
+    /// Differential evolution on the closed-loop RMSE of the gap, then Levenberg-Marquardt.
     pub fn calibrate(
         self,
         stretches: &[Stretch<'_>],
@@ -116,23 +117,56 @@ impl Family {
                 expected: 1,
             });
         }
-        let cost = |parameters: &[f64], limit: f64| {
-            let law = self.law(parameters);
-            let most = limit * stretches.len() as f64;
-            let mut sum = 0.0;
-            for stretch in stretches {
-                match gap_rmse_within(stretch, law.driving(stretch), most - sum) {
-                    Some(found) => sum += found,
-                    None => return f64::INFINITY,
-                }
-            }
-            sum / stretches.len() as f64
+        let cost = GapError {
+            family: self,
+            stretches,
         };
-        let found = search(self.bounds(), settings, seed, cost);
+        let found = search(self.bounds(), settings, seed, &cost);
         Ok(Calibrated {
             law: self.law(&found.point),
             fit_gap_rmse_m: found.cost,
         })
+    }
+}
+
+/// Least RMSE by which a stretch is weighed, in m: one that is fitted exactly would outweigh all others.
+const LEAST_RMSE_M: f64 = 1e-6;
+
+/// The mean over stretches of the RMSE of the gap, of the laws of a family.
+struct GapError<'a> {
+    family: Family,
+    stretches: &'a [Stretch<'a>],
+}
+
+impl Cost for GapError<'_> {
+    fn costs(&self, points: &[Vec<f64>], limits: &[f64]) -> Vec<f64> {
+        let count = self.stretches.len() as f64;
+        let mut left: Vec<usize> = (0..points.len()).collect();
+        let mut sums = vec![0.0; points.len()];
+        for stretch in self.stretches {
+            let laws: Vec<Law> = left.iter().map(|&i| self.family.law(&points[i])).collect();
+            let most: Vec<f64> = left.iter().map(|&i| limits[i] * count - sums[i]).collect();
+            for (&i, found) in left.iter().zip(gap_rmse_each(stretch, &laws, &most)) {
+                sums[i] += found;
+            }
+            left.retain(|&i| sums[i].is_finite());
+        }
+        sums.iter().map(|sum| sum / count).collect()
+    }
+
+    /// An error of a stretch weighs by one over its RMSE: so the squares add up to the mean of the RMSEs.
+    fn products(&self, points: &[Vec<f64>]) -> DMatrix<f64> {
+        let n = points.len();
+        let laws: Vec<Law> = points.iter().map(|p| self.family.law(p)).collect();
+        let mut sum = DMatrix::zeros(n, n);
+        for stretch in self.stretches {
+            let found = products(stretch, &laws);
+            let rows = (stretch.rows.len() - 1) as f64;
+            let rmse = (found[0][0] / rows).sqrt().max(LEAST_RMSE_M);
+            let weight = 1.0 / (rows * rmse * self.stretches.len() as f64);
+            sum += DMatrix::from_fn(n, n, |k, l| weight * found[k][l]);
+        }
+        sum
     }
 }
 

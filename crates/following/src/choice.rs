@@ -191,7 +191,7 @@ mod tests {
             search: SearchSettings {
                 members_per_parameter: 4,
                 generations: 10,
-                simplex_steps: 20,
+                ..SearchSettings::default()
             },
             closed_loop_seeds: 1,
             closed_loop: ClosedLoopSettings {

@@ -236,7 +236,7 @@ mod tests {
             search: SearchSettings {
                 members_per_parameter: 4,
                 generations: 15,
-                simplex_steps: 40,
+                ..SearchSettings::default()
             },
             closed_loop_seeds,
             closed_loop: ClosedLoopSettings {

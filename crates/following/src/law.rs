@@ -64,7 +64,14 @@ impl Law {
 
 impl Newell {
     /// Acceleration that ends at `row`, in m/s².
-    fn accel_mps2(self, stretch: &Stretch<'_>, row: usize, gap_m: f64, ego_mps: f64) -> f64 {
+    #[inline]
+    pub(crate) fn accel_mps2(
+        self,
+        stretch: &Stretch<'_>,
+        row: usize,
+        gap_m: f64,
+        ego_mps: f64,
+    ) -> f64 {
         let ego_x_m = stretch.run.columns().leader_x_m[row - 1] - gap_m;
         let to_go_m = self.leader_x_m(stretch, row) - self.distance_m - ego_x_m;
         maveric_laws::newell_accel_mps2(to_go_m, ego_mps, 1.0 / stretch.run.rate_hz())

@@ -1,5 +1,6 @@
 #![doc = include_str!("../README.md")]
 
+mod abreast;
 pub mod calibrate;
 pub mod choice;
 pub mod closed_loop;

@@ -25,16 +25,37 @@ impl Idm {
     /// s*: the gap wanted at these speeds, in m.
     #[inline]
     pub fn desired_gap_m(&self, ego_speed_mps: f64, lead_speed_mps: f64) -> f64 {
-        let v = ego_speed_mps;
-        let braking = 2.0 * (self.max_accel_mps2 * self.comfortable_braking_mps2).sqrt();
-        let dynamic = v * self.time_gap_s + v * (v - lead_speed_mps) / braking;
+        self.desired_gap_braking_by_m(self.braking_mps2(), ego_speed_mps, lead_speed_mps)
+    }
+
+    #[inline]
+    fn desired_gap_braking_by_m(&self, braking_mps2: f64, v: f64, lead_speed_mps: f64) -> f64 {
+        let dynamic = v * self.time_gap_s + v * (v - lead_speed_mps) / braking_mps2;
         self.standstill_gap_m + dynamic.max(0.0)
+    }
+
+    /// 2√(a·b): what closing in is divided by, in m/s².
+    #[inline]
+    pub fn braking_mps2(&self) -> f64 {
+        2.0 * (self.max_accel_mps2 * self.comfortable_braking_mps2).sqrt()
     }
 
     /// Acceleration, in m/s².
     #[inline]
     pub fn accel_mps2(&self, gap_m: f64, ego_speed_mps: f64, lead_speed_mps: f64) -> f64 {
-        let desired = self.desired_gap_m(ego_speed_mps, lead_speed_mps);
+        self.accel_braking_by_mps2(self.braking_mps2(), gap_m, ego_speed_mps, lead_speed_mps)
+    }
+
+    /// [`Idm::accel_mps2`] with what [`Idm::braking_mps2`] gives, for who asks many times.
+    #[inline]
+    pub fn accel_braking_by_mps2(
+        &self,
+        braking_mps2: f64,
+        gap_m: f64,
+        ego_speed_mps: f64,
+        lead_speed_mps: f64,
+    ) -> f64 {
+        let desired = self.desired_gap_braking_by_m(braking_mps2, ego_speed_mps, lead_speed_mps);
         let free = (ego_speed_mps / self.desired_speed_mps).powi(4);
         self.max_accel_mps2 * (1.0 - free - (desired / gap_m.max(LEAST_GAP_M)).powi(2))
     }

@@ -69,11 +69,6 @@ impl Parameters {
         if steering > most { most } else { steering }
     }
 
-    #[inline(always)]
-    fn moving_m(&self, v: f64, lead: f64) -> f64 {
-        v * (self.time_gap_s + self.closing_s2_per_m * (v - lead))
-    }
-
     /// From the derivative by the acceleration to those by gap, speed and the network's outputs.
     #[inline(always)]
     pub(super) fn back(
@@ -88,15 +83,10 @@ impl Parameters {
         let seen = gap.max(LEAST_GAP_M);
         let ratio = wanted / seen;
         let steering = self.accel_mps2 * (1.0 - ratio * ratio);
-        if steering > safety.most_accel_mps2(gap, v, lead) {
-            let by_gap = safety.safe_speed_slope_per_s(gap, lead) / safety.reaction_s;
-            return Back {
-                gap: d_accel * by_gap,
-                speed: -d_accel / safety.reaction_s,
-                outputs: [0.0; OUTPUTS],
-            };
-        }
-        let d_ratio = -2.0 * self.accel_mps2 * ratio * d_accel;
+        // Where the safety bound drives, nothing that the network says does.
+        let bound = steering > safety.most_accel_mps2(gap, v, lead);
+        let steered = if bound { 0.0 } else { d_accel };
+        let d_ratio = -2.0 * self.accel_mps2 * ratio * steered;
         let d_wanted = d_ratio / seen;
         let d_gap = if gap > LEAST_GAP_M {
             -d_ratio * ratio / seen
@@ -108,23 +98,34 @@ impl Parameters {
         let d = [
             d_moving * v,
             d_wanted,
-            d_accel * (1.0 - ratio * ratio),
+            steered * (1.0 - ratio * ratio),
             d_moving * v * (v - lead),
         ];
+        let by_gap = safety.safe_speed_slope_per_s(gap, lead) / safety.reaction_s;
+        let (gap, speed) = if bound {
+            (d_accel * by_gap, -d_accel / safety.reaction_s)
+        } else {
+            (d_gap, d_moving * (self.time_gap_s + c * (2.0 * v - lead)))
+        };
         Back {
-            gap: d_gap,
-            speed: d_moving * (self.time_gap_s + c * (2.0 * v - lead)),
+            gap,
+            speed,
             outputs: std::array::from_fn(|k| d[k] * USUAL[k] * positive_slope(outputs[k])),
         }
+    }
+
+    #[inline(always)]
+    fn moving_m(&self, v: f64, lead: f64) -> f64 {
+        v * (self.time_gap_s + self.closing_s2_per_m * (v - lead))
     }
 }
 
 /// x + √(1 + x²): above 0, 1 at 0, and like an exponential but for its growth.
 #[inline(always)]
 fn positive(x: f64) -> f64 {
-    let root = (1.0 + x * x).sqrt();
     // The two are equal; the sum loses its digits below 0.
-    if x < 0.0 { 1.0 / (root - x) } else { x + root }
+    let sum = x.abs() + (1.0 + x * x).sqrt();
+    if x < 0.0 { 1.0 / sum } else { sum }
 }
 
 #[inline(always)]

@@ -6,7 +6,7 @@ use super::{
     layout::Layout,
     unrolled::{Batch, Gradient, LANES, World, gradient},
 };
-use crate::{FollowingError, Stretch};
+use crate::{FollowingColumns, FollowingError, Stretch};
 use maveric_laws::Rss;
 use maveric_model::{
     bfgs::{Evaluated, minimise},
@@ -214,25 +214,29 @@ fn batch(drivers: &[Stretch<'_>], segments: &[(usize, usize, f64)], steps: usize
             .copied()
             .unwrap_or((segments[0].0, segments[0].1, 0.0))
     };
-    let rows = |column: &dyn Fn(&Stretch<'_>, usize) -> f64| {
-        let at = |step: usize| {
-            std::array::from_fn(|l| {
-                let (driver, start, _) = lane(l);
-                column(&drivers[driver], start + step)
-            })
-        };
-        (0..=steps).map(at).collect()
+    // Lane by lane: each reads its rows one after the other.
+    let rows = |column: fn(&FollowingColumns) -> &Vec<f64>, of: fn(&[f64], usize) -> f64| {
+        let mut rows = vec![[0.0; LANES]; steps + 1];
+        for l in 0..LANES {
+            let (driver, start, _) = lane(l);
+            let values = column(drivers[driver].run.columns());
+            for (step, row) in rows.iter_mut().enumerate() {
+                row[l] = of(values, start + step);
+            }
+        }
+        rows
     };
+    let recorded = |values: &[f64], row: usize| values[row];
     Batch {
         drivers: std::array::from_fn(|l| lane(l).0),
         weights: std::array::from_fn(|l| lane(l).2),
-        gap_m: rows(&|s, row| s.run.columns().gap_m[row]),
-        speed_mps: rows(&|s, row| s.run.columns().ego_speed_mps[row].max(0.0)),
-        lead_mps: rows(&|s, row| s.run.columns().lead_speed_mps[row]),
-        lead_moved_m: rows(&|s, row| {
-            let x = &s.run.columns().leader_x_m;
-            if row == 0 { 0.0 } else { x[row] - x[row - 1] }
-        }),
+        gap_m: rows(|c| &c.gap_m, recorded),
+        speed_mps: rows(|c| &c.ego_speed_mps, |v, row| v[row].max(0.0)),
+        lead_mps: rows(|c| &c.lead_speed_mps, recorded),
+        lead_moved_m: rows(
+            |c| &c.leader_x_m,
+            |x, row| if row == 0 { 0.0 } else { x[row] - x[row - 1] },
+        ),
     }
 }
 

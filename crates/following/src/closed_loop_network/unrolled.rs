@@ -11,7 +11,8 @@ use super::{
 };
 use crate::closed_loop::{MAX_ACCEL_MPS2, MIN_ACCEL_MPS2};
 use maveric_laws::Rss;
-use pulp::Arch;
+use pulp::{Arch, NullaryFnOnce};
+use std::cell::Cell;
 
 /// Segments simulated abreast.
 pub(super) const LANES: usize = 8;
@@ -81,15 +82,24 @@ struct Step<'a> {
     speed_mps: &'a mut Lanes,
     first: &'a mut [Lanes],
     second: &'a mut [Lanes],
-    outputs: &'a mut [Lanes],
+    outputs: &'a mut [Lanes; OUTPUTS],
 }
 
+/// Numbers of a step: gap and speed, both layers and the outputs.
+fn step_size(layout: Layout) -> usize {
+    2 + 2 * layout.hidden + OUTPUTS
+}
+
+#[inline(always)]
 fn step_of(tape: &mut [Lanes], layout: Layout, at: usize) -> Step<'_> {
-    let size = 2 + 2 * layout.hidden + OUTPUTS;
+    let size = step_size(layout);
     let (state, rest) = tape[at * size..(at + 1) * size].split_at_mut(2);
     let (gap_m, speed_mps) = state.split_at_mut(1);
     let (first, rest) = rest.split_at_mut(layout.hidden);
     let (second, outputs) = rest.split_at_mut(layout.hidden);
+    let Some(outputs) = outputs.first_chunk_mut() else {
+        unreachable!("a step ends in the outputs")
+    };
     Step {
         gap_m: &mut gap_m[0],
         speed_mps: &mut speed_mps[0],
@@ -170,63 +180,117 @@ pub(super) fn gradient(
     embeddings: &[f64],
     batch: &Batch,
 ) -> Gradient {
-    Arch::new().dispatch(
-        #[inline(always)]
-        || there_and_back(world, weights, embeddings, batch),
-    )
+    let mut room = ROOM.take();
+    let found = Arch::new().dispatch(ThereAndBack {
+        world,
+        weights,
+        embeddings,
+        batch,
+        room: &mut room,
+    });
+    ROOM.set(room);
+    found
 }
 
-#[inline(always)]
-fn there_and_back(world: &World, weights: &[f64], embeddings: &[f64], batch: &Batch) -> Gradient {
-    let layout = world.layout;
-    let steps = batch.gap_m.len() - 1;
-    let mut out = Gradient::zero(layout.len(), embeddings.len());
-    let mut tape = vec![[0.0; LANES]; steps * (2 + 2 * layout.hidden + OUTPUTS)];
-    let w = |lane: usize, k: usize| embeddings[batch.drivers[lane] * layout.embedding + k];
-    let network = Styled::of(layout, weights, w);
-    let errors = there(world, &network, batch, &mut tape, &mut out.loss);
-    let sums = back(world, &network, batch, &mut tape, &errors);
-    sums.put(layout, weights, w, &batch.drivers, &mut out);
-    out
+/// What a way there leaves for the way back; asked for anew each time, it takes longer than to compute what it holds.
+#[derive(Default)]
+struct Room {
+    /// Each step's state and what the layers made of it: see [`step_of`].
+    tape: Vec<Lanes>,
+    /// Errors of gap and speed after each step.
+    errors: Vec<(Lanes, Lanes)>,
+    /// Gradients of each step: see [`Sums::add_step`].
+    kept: Vec<Lanes>,
 }
 
-/// Simulates the batch onto the tape; the errors of gap and speed after each step.
+thread_local! {
+    static ROOM: Cell<Room> = Cell::default();
+}
+
+/// What is compiled for the processor it runs on: a closure that is called through a reference would not be inlined there.
+struct ThereAndBack<'a> {
+    world: &'a World,
+    weights: &'a [f64],
+    embeddings: &'a [f64],
+    batch: &'a Batch,
+    room: &'a mut Room,
+}
+
+impl NullaryFnOnce for ThereAndBack<'_> {
+    type Output = Gradient;
+
+    #[inline(always)]
+    fn call(self) -> Gradient {
+        let Self {
+            world,
+            weights,
+            embeddings,
+            batch,
+            room,
+        } = self;
+        let layout = world.layout;
+        let steps = batch.gap_m.len() - 1;
+        let nothing = [0.0; LANES];
+        room.tape.resize(steps * step_size(layout), nothing);
+        room.errors.resize(steps, (nothing, nothing));
+        room.kept.resize(steps * (OUTPUTS + layout.hidden), nothing);
+        let mut out = Gradient::zero(layout.len(), embeddings.len());
+        let w = |lane: usize, k: usize| embeddings[batch.drivers[lane] * layout.embedding + k];
+        let network = Styled::of(layout, weights, w);
+        out.loss = there(world, &network, batch, room);
+        let sums = back(world, &network, batch, room);
+        sums.put(layout, weights, w, &batch.drivers, &mut out);
+        out
+    }
+}
+
+/// Simulates the batch onto the tape and gives the loss.
 #[inline(always)]
-fn there(
-    world: &World,
-    network: &Styled<'_>,
-    batch: &Batch,
-    tape: &mut [Lanes],
-    loss: &mut f64,
-) -> Vec<(Lanes, Lanes)> {
+fn there(world: &World, network: &Styled<'_>, batch: &Batch, room: &mut Room) -> f64 {
     let steps = batch.gap_m.len() - 1;
+    let mut loss = 0.0;
     let (mut gap, mut speed) = (batch.gap_m[0], batch.speed_mps[0]);
-    let mut errors = vec![([0.0; LANES], [0.0; LANES]); steps];
-    for at in 0..steps {
-        let step = step_of(tape, world.layout, at);
+    for (at, errors) in room.errors.iter_mut().enumerate() {
+        let step = step_of(&mut room.tape, world.layout, at);
         *step.gap_m = gap;
         *step.speed_mps = speed;
         let inputs = inputs(world, &speed);
         network.forward(&inputs, step.first, step.second, step.outputs);
+        // By value, and the sum on its own: so that the lanes of the loop run abreast.
+        let (outputs, lead, lead_moved) = (
+            *step.outputs,
+            batch.lead_mps[at],
+            batch.lead_moved_m[at + 1],
+        );
+        let (recorded_gap, recorded_speed) = (batch.gap_m[at + 1], batch.speed_mps[at + 1]);
+        let (mut gap_errors, mut speed_errors) = ([0.0; LANES], [0.0; LANES]);
         for l in 0..LANES {
-            let o = std::array::from_fn(|k| step.outputs[k][l]);
-            let (g, v, lead) = (gap[l], speed[l], batch.lead_mps[at][l]);
-            let asked = controller::Parameters::of(o).accel_mps2(&world.safety, g, v, lead);
-            let (moved, next) = advance(v, asked, world.step_s);
-            gap[l] = g + batch.lead_moved_m[at + 1][l] - moved;
-            speed[l] = next;
-            let (gap_error, speed_error) = (
-                gap[l] - batch.gap_m[at + 1][l],
-                next - batch.speed_mps[at + 1][l],
+            let asked = controller::Parameters::of(of_lane(&outputs, l)).accel_mps2(
+                &world.safety,
+                gap[l],
+                speed[l],
+                lead[l],
             );
-            errors[at].0[l] = gap_error;
-            errors[at].1[l] = speed_error;
-            let square = world.gap_weight * gap_error * gap_error
-                + world.speed_weight * speed_error * speed_error;
-            *loss += batch.weights[l] * square / steps as f64;
+            let (moved, next) = advance(speed[l], asked, world.step_s);
+            gap[l] = gap[l] + lead_moved[l] - moved;
+            speed[l] = next;
+            gap_errors[l] = gap[l] - recorded_gap[l];
+            speed_errors[l] = next - recorded_speed[l];
+        }
+        *errors = (gap_errors, speed_errors);
+        for l in 0..LANES {
+            let square = world.gap_weight * gap_errors[l] * gap_errors[l]
+                + world.speed_weight * speed_errors[l] * speed_errors[l];
+            loss += batch.weights[l] * square / steps as f64;
         }
     }
-    errors
+    loss
+}
+
+#[inline(always)]
+fn of_lane(outputs: &[Lanes; OUTPUTS], l: usize) -> [f64; OUTPUTS] {
+    let [a, b, c, d] = outputs;
+    [a[l], b[l], c[l], d[l]]
 }
 
 /// Gradients of a network's layers, lane by lane.
@@ -252,8 +316,7 @@ impl Sums {
         }
     }
 
-    /// Goes back through the layers of one step from the gradients of its outputs, to those of its inputs; `d_first` and
-    /// `d_second` are room for those between.
+    /// Goes back through the layers of one step from the gradients of its outputs, to those of its inputs. `kept` is left with the gradients of the outputs and of the second layer.
     #[inline(always)]
     fn add_step(
         &mut self,
@@ -261,43 +324,57 @@ impl Sums {
         step: &Step<'_>,
         inputs: &[Lanes; INPUTS],
         d_outputs: &[Lanes; OUTPUTS],
-        (d_first, d_second): (&mut [Lanes], &mut [Lanes]),
+        kept: &mut [Lanes],
     ) -> [Lanes; INPUTS] {
-        let h = d_first.len();
+        let h = self.first.len();
         let (first, second, last) = (network.first, network.second, network.last);
-        d_second.fill([0.0; LANES]);
+        let (kept_outputs, d_second) = kept.split_at_mut(OUTPUTS);
+        kept_outputs.copy_from_slice(d_outputs);
         for k in 0..OUTPUTS {
-            let d = &d_outputs[k];
-            add(&mut self.last[k], d);
-            for unit in 0..h {
-                let line = k * h + unit;
-                add_product(&mut self.last_weights[line], d, &step.second[unit]);
-                add_scaled(&mut d_second[unit], last[line], d);
-            }
+            add(&mut self.last[k], &d_outputs[k]);
         }
-        d_first.fill([0.0; LANES]);
         for unit in 0..h {
-            let d = &mut d_second[unit];
-            through_softsign(d, &step.second[unit]);
-            add(&mut self.second[unit], d);
-            for from in 0..h {
-                let line = unit * h + from;
-                add_product(&mut self.second_weights[line], d, &step.first[from]);
-                add_scaled(&mut d_first[from], second[line], d);
+            let mut d = [0.0; LANES];
+            for k in 0..OUTPUTS {
+                add_scaled(&mut d, last[k * h + unit], &d_outputs[k]);
             }
+            through_softsign(&mut d, &step.second[unit]);
+            add(&mut self.second[unit], &d);
+            d_second[unit] = d;
         }
         let mut d_inputs = [[0.0; LANES]; INPUTS];
-        for unit in 0..h {
-            let d = &mut d_first[unit];
-            through_softsign(d, &step.first[unit]);
-            add(&mut self.first[unit], d);
+        for from in 0..h {
+            let mut d = [0.0; LANES];
+            for unit in 0..h {
+                add_scaled(&mut d, second[unit * h + from], &d_second[unit]);
+            }
+            through_softsign(&mut d, &step.first[from]);
+            add(&mut self.first[from], &d);
             for k in 0..INPUTS {
-                let line = unit * INPUTS + k;
-                add_product(&mut self.first_weights[line], d, &inputs[k]);
-                add_scaled(&mut d_inputs[k], first[line], d);
+                let line = from * INPUTS + k;
+                add_product(&mut self.first_weights[line], &d, &inputs[k]);
+                add_scaled(&mut d_inputs[k], first[line], &d);
             }
         }
         d_inputs
+    }
+
+    /// Adds what the weights between layers gather over the steps, of the tape and of what [`Sums::add_step`] kept of each step.
+    #[inline(always)]
+    fn add_between(&mut self, layout: Layout, tape: &[Lanes], kept: &[Lanes]) {
+        let h = layout.hidden;
+        let d = |at| Strided {
+            tape: kept,
+            size: OUTPUTS + h,
+            at,
+        };
+        let x = |at| Strided {
+            tape,
+            size: step_size(layout),
+            at,
+        };
+        add_over_steps(&mut self.last_weights, h, &d(0), &x(2 + h));
+        add_over_steps(&mut self.second_weights, h, &d(OUTPUTS), &x(2));
     }
 
     /// Adds the lanes up: gradients of the weights, and of each driver's embedding.
@@ -340,45 +417,90 @@ impl Sums {
     }
 }
 
+/// Some of the numbers of each step of a tape.
+struct Strided<'a> {
+    tape: &'a [Lanes],
+    /// Numbers of a step.
+    size: usize,
+    /// The first of them that is meant.
+    at: usize,
+}
+
+/// Sums that stay in registers.
+const TILE: usize = 4;
+
+/// Adds up from the last step to the first what each gradient `d` makes with each of the `inputs` numbers `x`; shape `(outputs, inputs)`.
+#[inline(always)]
+fn add_over_steps(sums: &mut [Lanes], inputs: usize, d: &Strided<'_>, x: &Strided<'_>) {
+    for (output, line) in sums.chunks_exact_mut(inputs).enumerate() {
+        let (tiles, rest) = line.as_chunks_mut::<TILE>();
+        let done = TILE * tiles.len();
+        for (i, tile) in tiles.iter_mut().enumerate() {
+            add_tile(tile, (d, d.at + output), (x, x.at + i * TILE));
+        }
+        for (i, sum) in rest.iter_mut().enumerate() {
+            let one = std::array::from_mut(sum);
+            add_tile(one, (d, d.at + output), (x, x.at + done + i));
+        }
+    }
+}
+
+#[inline(always)]
+fn add_tile<const N: usize>(
+    sums: &mut [Lanes; N],
+    (d, output): (&Strided<'_>, usize),
+    (x, input): (&Strided<'_>, usize),
+) {
+    let mut tile = *sums;
+    let steps = d.tape.chunks_exact(d.size).zip(x.tape.chunks_exact(x.size));
+    for (d, x) in steps.rev() {
+        let d = &d[output];
+        for (sum, x) in tile.iter_mut().zip(&x[input..input + N]) {
+            add_product(sum, d, x);
+        }
+    }
+    *sums = tile;
+}
+
 /// Goes back over the tape from the last step to the first.
 #[inline(always)]
-fn back(
-    world: &World,
-    network: &Styled<'_>,
-    batch: &Batch,
-    tape: &mut [Lanes],
-    errors: &[(Lanes, Lanes)],
-) -> Sums {
-    let (h, steps) = (world.layout.hidden, errors.len());
+fn back(world: &World, network: &Styled<'_>, batch: &Batch, room: &mut Room) -> Sums {
+    let (h, steps) = (world.layout.hidden, room.errors.len());
     let mut sums = Sums::zero(h);
-    let (mut d_first, mut d_second) = (vec![[0.0; LANES]; h], vec![[0.0; LANES]; h]);
     let (mut d_gap, mut d_speed) = ([0.0; LANES], [0.0; LANES]);
-    for at in (0..steps).rev() {
-        let step = step_of(tape, world.layout, at);
-        let mut d_outputs = [[0.0; LANES]; OUTPUTS];
+    let kept_steps = room.kept.chunks_exact_mut(OUTPUTS + h).enumerate();
+    for (at, kept) in kept_steps.rev() {
+        let step = step_of(&mut room.tape, world.layout, at);
+        let [mut d_0, mut d_1, mut d_2, mut d_3] = [[0.0; LANES]; OUTPUTS];
+        let (gap_errors, speed_errors) = room.errors[at];
+        let (outputs, gap, speed, lead) = (
+            *step.outputs,
+            *step.gap_m,
+            *step.speed_mps,
+            batch.lead_mps[at],
+        );
         for l in 0..LANES {
             let scale = 2.0 * batch.weights[l] / steps as f64;
-            d_gap[l] += scale * world.gap_weight * errors[at].0[l];
-            d_speed[l] += scale * world.speed_weight * errors[at].1[l];
-            let o = std::array::from_fn(|k| step.outputs[k][l]);
+            d_gap[l] += scale * world.gap_weight * gap_errors[l];
+            d_speed[l] += scale * world.speed_weight * speed_errors[l];
+            let o = of_lane(&outputs, l);
             let parameters = controller::Parameters::of(o);
-            let (g, v, lead) = (step.gap_m[l], step.speed_mps[l], batch.lead_mps[at][l]);
+            let (g, v, lead) = (gap[l], speed[l], lead[l]);
             let asked = parameters.accel_mps2(&world.safety, g, v, lead);
             let (d_v, d_a) = advance_back(v, asked, world.step_s, -d_gap[l], d_speed[l]);
             let back = parameters.back(o, &world.safety, (g, v, lead), d_a);
             d_gap[l] += back.gap;
             d_speed[l] = d_v + back.speed;
-            for k in 0..OUTPUTS {
-                d_outputs[k][l] = back.outputs[k];
-            }
+            [d_0[l], d_1[l], d_2[l], d_3[l]] = back.outputs;
         }
+        let d_outputs = [d_0, d_1, d_2, d_3];
         let inputs = inputs(world, step.speed_mps);
-        let between = (&mut d_first[..], &mut d_second[..]);
-        let d_inputs = sums.add_step(network, &step, &inputs, &d_outputs, between);
+        let d_inputs = sums.add_step(network, &step, &inputs, &d_outputs, kept);
         for l in 0..LANES {
             d_speed[l] += d_inputs[0][l] / world.scaling.speed_sd_mps;
         }
     }
+    sums.add_between(world.layout, &room.tape, &room.kept);
     sums
 }
 
@@ -386,6 +508,13 @@ fn back(
 fn inputs(world: &World, speed: &Lanes) -> [Lanes; INPUTS] {
     let s = &world.scaling;
     [std::array::from_fn(|l| s.input(speed[l]))]
+}
+
+/// What `of` makes of two numbers, lane by lane. All is read before anything is written, so that lanes run abreast wherever they lie.
+#[inline(always)]
+fn lanes(x: &Lanes, y: &Lanes, of: impl Fn(f64, f64) -> f64) -> Lanes {
+    let (x, y) = (*x, *y);
+    std::array::from_fn(|l| of(x[l], y[l]))
 }
 
 #[inline(always)]
@@ -397,40 +526,32 @@ fn multiply_add(sum: &mut Lanes, line: &[f64], x: &[Lanes]) {
 
 #[inline(always)]
 fn add(sum: &mut Lanes, x: &Lanes) {
-    for l in 0..LANES {
-        sum[l] += x[l];
-    }
+    *sum = lanes(sum, x, |sum, x| sum + x);
 }
 
 #[inline(always)]
 fn add_scaled(sum: &mut Lanes, weight: f64, x: &Lanes) {
-    for l in 0..LANES {
-        sum[l] += weight * x[l];
-    }
+    *sum = lanes(sum, x, |sum, x| sum + weight * x);
 }
 
 #[inline(always)]
 fn add_product(sum: &mut Lanes, x: &Lanes, y: &Lanes) {
-    for l in 0..LANES {
-        sum[l] += x[l] * y[l];
-    }
+    let product = lanes(x, y, |x, y| x * y);
+    *sum = lanes(sum, &product, |sum, product| sum + product);
 }
 
 /// x/(1 + |x|): unlike tanh the same few instructions on every machine, and so the same bytes.
 #[inline(always)]
-fn softsign(mut x: Lanes) -> Lanes {
-    for x in &mut x {
-        *x /= 1.0 + x.abs();
-    }
-    x
+fn softsign(x: Lanes) -> Lanes {
+    lanes(&x, &x, |x, _| x / (1.0 + x.abs()))
 }
 
 #[inline(always)]
 fn through_softsign(d: &mut Lanes, y: &Lanes) {
-    for l in 0..LANES {
-        let rest = 1.0 - y[l].abs();
-        d[l] *= rest * rest;
-    }
+    *d = lanes(d, y, |d, y| {
+        let rest = 1.0 - y.abs();
+        d * (rest * rest)
+    });
 }
 
 /// Distance moved and the next speed, as in [`simulate`](crate::simulate).

@@ -1,0 +1,434 @@
+//! Many laws of one kind behind the same leader, driven abreast.
+#![allow(
+    clippy::inline_always,
+    clippy::needless_range_loop,
+    reason = "code for one processor must be inlined into the function compiled for it; lanes of several arrays run abreast"
+)]
+
+use crate::{
+    closed_loop::{MAX_ACCEL_MPS2, MIN_ACCEL_MPS2},
+    law::{Gains, Gipps, Helly, Idm, Law, Newell},
+    run::Stretch,
+};
+use pulp::{Arch, NullaryFnOnce};
+use std::ops::Range;
+
+/// Cars abreast.
+pub(crate) const LANES: usize = 16;
+/// One number of each car.
+pub(crate) type Lanes = [f64; LANES];
+/// Rows after which cars that are out of the race make room for others.
+const BLOCK: usize = 128;
+/// Numbers of a law at most.
+const NUMBERS: usize = 6;
+
+/// A car between two blocks of rows.
+struct Car<'a> {
+    /// Place of its law among those that are driven.
+    place: usize,
+    law: &'a Law,
+    gap_m: f64,
+    speed_mps: f64,
+    /// Sum of squared errors of the gap so far, in m².
+    squares: f64,
+}
+
+/// RMSE of the gap of each law (all of one kind) over the rows after the first, in m, or infinity once it must exceed the limit beside it; as
+/// [`gap_rmse_within`](crate::closed_loop::gap_rmse_within) finds it one by one.
+pub(crate) fn gap_rmse_each(stretch: &Stretch<'_>, laws: &[Law], limits_m: &[f64]) -> Vec<f64> {
+    let n = (stretch.rows.len() - 1) as f64;
+    let most = |car: &Car<'_>| limits_m[car.place].max(0.0).powi(2) * n;
+    let mut cars = cars(stretch, laws);
+    // Below 0 nothing is within the limit, a car without an error neither.
+    cars.retain(|car| limits_m[car.place] >= 0.0);
+    let mut room = [[0.0; LANES]; BLOCK];
+    for rows in blocks(stretch) {
+        for abreast in cars.chunks_mut(LANES) {
+            let errors = &mut room[..rows.len()];
+            drive(stretch, rows.clone(), abreast, errors);
+            let squares = Arch::new().dispatch(Squares { errors });
+            for (car, squares) in abreast.iter_mut().zip(squares) {
+                car.squares += squares;
+            }
+        }
+        // What is no number is within no limit.
+        cars.retain(|car| car.squares <= most(car));
+    }
+    let mut found = vec![f64::INFINITY; laws.len()];
+    for car in cars {
+        found[car.place] = (car.squares / n).sqrt();
+    }
+    found
+}
+
+/// Sums over the rows after the first of products of errors of the gap, in m²: those of the first law, and of how far each other law's lie
+/// from them. At most [`LANES`] laws of one kind.
+pub(crate) fn products(stretch: &Stretch<'_>, laws: &[Law]) -> [Lanes; LANES] {
+    let mut cars = cars(stretch, laws);
+    let mut sums = [[0.0; LANES]; LANES];
+    let mut room = [[0.0; LANES]; BLOCK];
+    for rows in blocks(stretch) {
+        let errors = &mut room[..rows.len()];
+        drive(stretch, rows, &mut cars, errors);
+        Arch::new().dispatch(AddProducts {
+            errors,
+            laws: laws.len(),
+            sums: &mut sums,
+        });
+    }
+    sums
+}
+
+fn cars<'a>(stretch: &Stretch<'_>, laws: &'a [Law]) -> Vec<Car<'a>> {
+    let (columns, first) = (stretch.run.columns(), stretch.rows.start);
+    let car = |(place, law)| Car {
+        place,
+        law,
+        gap_m: columns.gap_m[first],
+        speed_mps: columns.ego_speed_mps[first].max(0.0),
+        squares: 0.0,
+    };
+    laws.iter().enumerate().map(car).collect()
+}
+
+/// The rows of a stretch after its first, block by block.
+fn blocks(stretch: &Stretch<'_>) -> impl Iterator<Item = Range<usize>> {
+    let end = stretch.rows.end;
+    (stretch.rows.start + 1..end)
+        .step_by(BLOCK)
+        .map(move |start| start..(start + BLOCK).min(end))
+}
+
+/// Drives up to [`LANES`] cars through some rows, as many as `errors`: of each one's gap at each of them, in m.
+fn drive(stretch: &Stretch<'_>, rows: Range<usize>, cars: &mut [Car<'_>], errors: &mut [Lanes]) {
+    // A lane without a car repeats the last one.
+    let of = |lane: usize| lane.min(cars.len() - 1);
+    let mut p = [[0.0; LANES]; NUMBERS];
+    for l in 0..LANES {
+        for (lanes, number) in p.iter_mut().zip(numbers(cars[of(l)].law)) {
+            lanes[l] = number;
+        }
+    }
+    let mut state = State {
+        gap_m: std::array::from_fn(|l| cars[of(l)].gap_m),
+        speed_mps: std::array::from_fn(|l| cars[of(l)].speed_mps),
+    };
+    let kind = cars[0].law;
+    Arch::new().dispatch(
+        #[inline(always)]
+        || {
+            let through = Through { stretch, rows };
+            match kind {
+                Law::Newell(_) => through.by(
+                    &mut state,
+                    errors,
+                    #[inline(always)]
+                    |l, row, gap, speed, _| newell(&p, l).accel_mps2(stretch, row, gap, speed),
+                ),
+                Law::Helly(_) => through.by(
+                    &mut state,
+                    errors,
+                    #[inline(always)]
+                    |l, _, gap, speed, lead| helly(&p, l).accel_mps2(gap, speed, lead),
+                ),
+                Law::Gipps(_) => through.by(
+                    &mut state,
+                    errors,
+                    #[inline(always)]
+                    |l, _, gap, speed, lead| gipps(&p, l).accel_mps2(gap, speed, lead),
+                ),
+                Law::Idm(_) => through.by(
+                    &mut state,
+                    errors,
+                    #[inline(always)]
+                    |l, _, gap, speed, lead| {
+                        idm(&p, l).accel_braking_by_mps2(p[5][l], gap, speed, lead)
+                    },
+                ),
+            }
+        },
+    );
+    for (l, car) in cars.iter_mut().enumerate() {
+        (car.gap_m, car.speed_mps) = (state.gap_m[l], state.speed_mps[l]);
+    }
+}
+
+struct State {
+    gap_m: Lanes,
+    speed_mps: Lanes,
+}
+
+struct Through<'a> {
+    stretch: &'a Stretch<'a>,
+    rows: Range<usize>,
+}
+
+impl Through<'_> {
+    /// As [`simulate`](crate::simulate) does, every lane by its own law.
+    #[inline(always)]
+    fn by(
+        self,
+        state: &mut State,
+        errors: &mut [Lanes],
+        law: impl Fn(usize, usize, f64, f64, f64) -> f64,
+    ) {
+        let columns = self.stretch.run.columns();
+        let step_s = 1.0 / self.stretch.run.rate_hz();
+        let (mut gap, mut speed) = (state.gap_m, state.speed_mps);
+        for (row, errors) in self.rows.zip(errors) {
+            let lead_mps = columns.lead_speed_mps[row - 1];
+            let leader_moved_m = columns.leader_x_m[row] - columns.leader_x_m[row - 1];
+            let recorded_m = columns.gap_m[row];
+            let (mut accel, mut next, mut moved) = ([0.0; LANES], [0.0; LANES], [0.0; LANES]);
+            let mut stops = false;
+            for l in 0..LANES {
+                let asked = law(l, row, gap[l], speed[l], lead_mps);
+                accel[l] = asked.clamp(MIN_ACCEL_MPS2, MAX_ACCEL_MPS2);
+                next[l] = speed[l] + accel[l] * step_s;
+                moved[l] = 0.5 * (speed[l] + next[l]) * step_s;
+                stops |= next[l] < 0.0;
+            }
+            if stops {
+                for l in 0..LANES {
+                    if next[l] < 0.0 {
+                        moved[l] = speed[l] * speed[l] / (2.0 * accel[l].abs());
+                        next[l] = 0.0;
+                    }
+                }
+            }
+            for l in 0..LANES {
+                gap[l] = gap[l] + leader_moved_m - moved[l];
+                errors[l] = gap[l] - recorded_m;
+            }
+            speed = next;
+        }
+        (state.gap_m, state.speed_mps) = (gap, speed);
+    }
+}
+
+fn numbers(law: &Law) -> [f64; NUMBERS] {
+    match *law {
+        Law::Newell(l) => [l.delay_s, l.distance_m, 0.0, 0.0, 0.0, 0.0],
+        Law::Helly(l) => [
+            l.gains.speed_per_s,
+            l.gains.gap_per_s2,
+            l.standstill_gap_m,
+            l.time_gap_s,
+            0.0,
+            0.0,
+        ],
+        Law::Gipps(l) => [
+            l.desired_speed_mps,
+            l.reaction_s,
+            l.standstill_gap_m,
+            l.max_accel_mps2,
+            l.ego_braking_mps2,
+            l.lead_braking_mps2,
+        ],
+        Law::Idm(l) => [
+            l.desired_speed_mps,
+            l.time_gap_s,
+            l.standstill_gap_m,
+            l.max_accel_mps2,
+            l.comfortable_braking_mps2,
+            l.braking_mps2(),
+        ],
+    }
+}
+
+#[inline(always)]
+fn newell(p: &[Lanes; NUMBERS], l: usize) -> Newell {
+    Newell {
+        delay_s: p[0][l],
+        distance_m: p[1][l],
+    }
+}
+
+#[inline(always)]
+fn helly(p: &[Lanes; NUMBERS], l: usize) -> Helly {
+    Helly {
+        gains: Gains {
+            speed_per_s: p[0][l],
+            gap_per_s2: p[1][l],
+        },
+        standstill_gap_m: p[2][l],
+        time_gap_s: p[3][l],
+    }
+}
+
+#[inline(always)]
+fn gipps(p: &[Lanes; NUMBERS], l: usize) -> Gipps {
+    Gipps {
+        desired_speed_mps: p[0][l],
+        reaction_s: p[1][l],
+        standstill_gap_m: p[2][l],
+        max_accel_mps2: p[3][l],
+        ego_braking_mps2: p[4][l],
+        lead_braking_mps2: p[5][l],
+    }
+}
+
+#[inline(always)]
+fn idm(p: &[Lanes; NUMBERS], l: usize) -> Idm {
+    Idm {
+        desired_speed_mps: p[0][l],
+        time_gap_s: p[1][l],
+        standstill_gap_m: p[2][l],
+        max_accel_mps2: p[3][l],
+        comfortable_braking_mps2: p[4][l],
+    }
+}
+
+/// Sums over rows of the squared error of each car.
+struct Squares<'a> {
+    errors: &'a [Lanes],
+}
+
+impl NullaryFnOnce for Squares<'_> {
+    type Output = Lanes;
+
+    #[inline(always)]
+    fn call(self) -> Lanes {
+        let mut sums = [0.0; LANES];
+        for of_row in self.errors {
+            for l in 0..LANES {
+                sums[l] += of_row[l] * of_row[l];
+            }
+        }
+        sums
+    }
+}
+
+/// Adds to the sums over rows what [`products`] gives.
+struct AddProducts<'a> {
+    errors: &'a mut [Lanes],
+    laws: usize,
+    sums: &'a mut [Lanes; LANES],
+}
+
+impl NullaryFnOnce for AddProducts<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn call(self) {
+        for of_row in self.errors {
+            let first = of_row[0];
+            for l in 1..LANES {
+                of_row[l] -= first;
+            }
+            let of_row = *of_row;
+            for (sums, by) in self.sums[..self.laws].iter_mut().zip(of_row) {
+                let added: Lanes = std::array::from_fn(|l| sums[l] + by * of_row[l]);
+                *sums = added;
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{closed_loop::gap_rmse_within, testing};
+
+    fn kinds() -> [Vec<Law>; 4] {
+        let shares = || (0..21).map(|i| f64::from(i) / 20.0);
+        [
+            shares()
+                .map(|s| {
+                    Law::Newell(Newell {
+                        delay_s: 0.1 + 3.0 * s,
+                        distance_m: 20.0 * s,
+                    })
+                })
+                .collect(),
+            shares()
+                .map(|s| Law::constant_time_gap(0.3 + 2.5 * s))
+                .collect(),
+            shares()
+                .map(|s| {
+                    Law::Gipps(Gipps {
+                        desired_speed_mps: 35.0,
+                        reaction_s: 0.4 + s,
+                        standstill_gap_m: 3.0,
+                        max_accel_mps2: 1.6,
+                        ego_braking_mps2: 2.5,
+                        lead_braking_mps2: 2.0 + 2.0 * s,
+                    })
+                })
+                .collect(),
+            shares()
+                .map(|s| Law::Idm(testing::DRIVER.with_time_gap_s(0.3 + 2.5 * s)))
+                .collect(),
+        ]
+    }
+
+    /// A run in which the leader stands still for a while.
+    fn stop_and_go() -> crate::FollowingRun {
+        let lead = |t: f64| (9.0 * (t / 9.0).sin() + 4.0).max(0.0);
+        testing::behind("P01", 700, 12.0, 4.0, lead)
+    }
+
+    #[test]
+    fn abreast_every_law_errs_as_it_does_alone() {
+        let run = stop_and_go();
+        for laws in kinds() {
+            let fit = run.fit();
+            let found = gap_rmse_each(&fit, &laws, &[f64::INFINITY; 21]);
+            for (law, found) in laws.iter().zip(found) {
+                let alone = gap_rmse_within(&fit, law.driving(&fit), f64::INFINITY).unwrap();
+                assert!(
+                    (found - alone).abs() <= 1e-9 * alone,
+                    "{law:?}: {found} {alone}"
+                );
+            }
+        }
+    }
+
+    #[test]
+    fn who_exceeds_the_limit_is_out_and_changes_nothing_for_the_others() {
+        let (run, [.., laws]) = (stop_and_go(), kinds());
+        let fit = run.fit();
+        let all = gap_rmse_each(&fit, &laws, &[f64::INFINITY; 21]);
+        let limit = |(i, rmse): (usize, &f64)| if i % 3 == 0 { 1.01 * rmse } else { 0.99 * rmse };
+        let limits: Vec<f64> = all.iter().enumerate().map(limit).collect();
+        let within = gap_rmse_each(&fit, &laws, &limits);
+        for (i, (all, within)) in all.iter().zip(&within).enumerate() {
+            let expected = if i % 3 == 0 { *all } else { f64::INFINITY };
+            assert_eq!(within.to_bits(), expected.to_bits(), "{i}");
+        }
+        let none = gap_rmse_each(&fit, &laws[..2], &[-1.0, f64::NAN]);
+        assert!(none.iter().all(|n| n.is_infinite()));
+    }
+
+    #[test]
+    fn products_are_those_of_the_first_and_of_the_ways_from_it() {
+        let (run, [.., laws]) = (stop_and_go(), kinds());
+        let fit = run.fit();
+        let errors = |law: &Law| -> Vec<f64> {
+            let driven = crate::simulate(&fit, "", law.driving(&fit)).unwrap();
+            let recorded = &run.columns().gap_m[fit.rows()];
+            driven
+                .gap_m
+                .iter()
+                .zip(recorded)
+                .skip(1)
+                .map(|(a, b)| a - b)
+                .collect()
+        };
+        let first = errors(&laws[3]);
+        let way = |law: &Law| -> Vec<f64> {
+            errors(law).iter().zip(&first).map(|(a, b)| a - b).collect()
+        };
+        let lines = [first.clone(), way(&laws[4]), way(&laws[9])];
+        let found = products(&fit, &[laws[3], laws[4], laws[9]]);
+        for (k, a) in lines.iter().enumerate() {
+            for (l, b) in lines.iter().enumerate() {
+                let expected: f64 = a.iter().zip(b).map(|(a, b)| a * b).sum();
+                assert!(
+                    (found[k][l] - expected).abs() <= 1e-9 * expected.abs(),
+                    "{k} {l}"
+                );
+            }
+        }
+    }
+}
