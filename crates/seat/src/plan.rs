@@ -1,6 +1,7 @@
 //! The steps of a person, made of a study's design and fixed when the person is let in.
 
 use crate::{
+    crash,
     error::SeatError,
     hindrance::Hindrance,
     moments,
@@ -97,11 +98,14 @@ pub fn of_design(
                 if let Some(text) = &texts.consent {
                     steps.push(Step::Text {
                         title: design.title().to_owned(),
-                        text: withdrawal::in_consent(
-                            text,
-                            protocol.withdraw_until.as_deref(),
+                        text: crash::in_consent(
+                            &withdrawal::in_consent(
+                                text,
+                                protocol.withdraw_until.as_deref(),
+                                &texts.words,
+                            )?,
                             &texts.words,
-                        )?,
+                        ),
                         agree: true,
                     });
                 }
@@ -135,6 +139,9 @@ pub fn of_design(
                 let asked = asked.map(|(pair, riding)| which(design, scales, pair, riding.order));
                 steps.extend(asked.transpose()?);
             }
+            ProtocolStep::Break => steps.push(Step::Break {
+                seconds: protocol.break_s,
+            }),
             ProtocolStep::Post => {
                 for id in &protocol.post {
                     steps.push(sheet(scales, id, Moment::Post, &protocol.language)?);

@@ -25,7 +25,7 @@ use axum::{
     response::{IntoResponse, Response},
     routing::{get, post},
 };
-use maveric_domain::design::SeatView;
+use maveric_domain::design::{Crash, SeatView};
 use maveric_seat_page::Fit;
 use serde::{Deserialize, Serialize};
 use std::{
@@ -193,6 +193,7 @@ struct PageState<'a> {
     /// Whether the experimenter ended the driving.
     aborted: bool,
     scenario: &'a str,
+    crash: Crash,
     view: &'a SeatView,
     /// Their style beside the others', once they are through.
     styles: Option<AmongOthers>,
@@ -231,6 +232,7 @@ fn state_of(seat: &Seat, token: &str) -> Answered<Response> {
         whole: begun.last().is_some_and(Begun::is_whole),
         aborted,
         scenario: &seat.scenario_json,
+        crash: design.protocol().crash,
         view: &design.protocol().view,
         styles: seat.among_others(&person)?,
         withdraw: seat.withdrawal(),
@@ -325,6 +327,7 @@ async fn done(
             Step::Computer { .. }
             | Step::Screen { .. }
             | Step::Scale { .. }
+            | Step::Break { .. }
             | Step::Text { agree: true, .. } => {
                 return Err(Refused::NotThis("answers are asked here".to_owned()));
             }

@@ -23,6 +23,7 @@ export type Step =
   | { kind: "screen"; sheets: Sheet[]; rules: Judged[] }
   | { kind: "text"; title: string; text: string; agree: boolean }
   | { kind: "scale"; scale: string; moment: string } & Asked
+  | { kind: "break"; at_least_s: number }
   | { kind: "controls" }
   | { kind: "practice"; seconds: number; lane_kept_s: number; passes: number; seed: string; probe?: Probe }
   | { kind: "drive"; condition: string; seconds: number; seed: string; probe?: Probe }
@@ -50,7 +51,7 @@ export interface Withdrawal { until: string | null; open: boolean }
 
 export interface State {
   title: string; synthetic: boolean; made_up_model: boolean; mph: boolean;
-  at: number; ended: string | null; steps: Step[]; fit: Fit | null; attempts: number; whole: boolean; aborted: boolean; scenario: string; view: ViewSettings; styles: Styles | null;
+  at: number; ended: string | null; steps: Step[]; fit: Fit | null; attempts: number; whole: boolean; aborted: boolean; scenario: string; crash: "ends" | "felt"; view: ViewSettings; styles: Styles | null;
   /// Null where no server could delete anything.
   withdraw: Withdrawal | null;
 }

@@ -35,8 +35,14 @@ export interface Practised { keptS: number; passes: number }
 /// A browser that a program drives says so, and so does the record.
 const driver = navigator.webdriver ? "scripted" : "human";
 
-/// Runs a drive to its end and sends it; gives the fitted style where a model is given to learn with.
-export async function run(wanted: Wanted, learn: PageModel | null): Promise<string | null> {
+/// What came of a drive: the fitted style where a model was given to learn with, and whether it ended with a crash.
+export interface Ran { fit: string | null; crashed: boolean }
+
+/// How long a crash is felt, where it is.
+const FELT_MS = 1500;
+
+/// Runs a drive to its end and sends it. A practice that ends with a crash is left as one that was cut short: it begins again.
+export async function run(wanted: Wanted, learn: PageModel | null): Promise<Ran> {
   const { state, ride } = wanted;
   const drive = ride
     ? PageDrive.ride(state.scenario, wanted.seconds, wanted.seed, ride.model, ride.own, ride.style, ride.points, ride.stretch)
@@ -78,7 +84,7 @@ export async function run(wanted: Wanted, learn: PageModel | null): Promise<stri
     button(say("calmer", { key: controls.keyName("C") }), () => turn(-by));
     button(say("sportier", { key: controls.keyName("S") }), () => turn(by));
   }
-  let stopped = false;
+  let stopped = false, crashed = false;
   const stop = (why: string): void => { drive.note(`stopped: ${why}`); stopped = true; };
   button(say("unwell"), () => stop("unwell"));
   const note = (what: string, answer: number | null): void => drive.note(what, answer ?? undefined);
@@ -170,7 +176,8 @@ export async function run(wanted: Wanted, learn: PageModel | null): Promise<stri
       element("right").classList.toggle("on", turning < 0 && blink);
       element("speed").textContent = `${Math.round(speed * unit.factor)} ${unit.name}`;
       const contacts = get(7) + get(8);
-      if (contacts > touched) { touched = contacts; element("said").textContent = say(get(7) > 0 ? "contact_vehicle" : "contact_barrier"); }
+      if (contacts > touched) { touched = contacts; element("said").textContent = say("contact_barrier"); }
+      if (get(7) > 0 && !crashed) { crashed = true; drive.note("crash"); goesOn = false; }
       sound.set(speed, get(12));
       view.draw({ x: x + speed * owed / 1000, y, heading, wheel, others }, now);
       if (pressedAt !== null) input = Math.max(input, performance.now() - pressedAt);
@@ -194,13 +201,20 @@ export async function run(wanted: Wanted, learn: PageModel | null): Promise<stri
     requestAnimationFrame((now) => { before = now; frame(now); });
   });
   asking?.close();
+  if (crashed && state.crash === "felt") {
+    sound.bang();
+    panel.classList.add("felt");
+    await new Promise((done) => setTimeout(done, FELT_MS));
+    panel.classList.remove("felt");
+  }
   const rest = drive.ticks();
   document.removeEventListener("visibilitychange", hidden);
   removeEventListener("gamepadconnected", plugged);
   removeEventListener("gamepaddisconnected", plugged);
   await piece();
   const driven = drive.finish();
-  await outbox.add(driven.end(), rest);
+  // What has no end is begun again.
+  if (!crashed || !wanted.enough) await outbox.add(driven.end(), rest);
   controls.drives(false);
   forget();
   removeEventListener("resize", resized);
@@ -217,5 +231,5 @@ export async function run(wanted: Wanted, learn: PageModel | null): Promise<stri
   }
   if (outbox.refused?.reason === "over") await outbox.drop();
   if (outbox.refused) throw outbox.refused;
-  return fit;
+  return { fit, crashed };
 }
