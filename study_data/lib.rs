@@ -90,6 +90,7 @@ files! {
     SCENARIOS_HARD_BRAKING_LEAD = "study_data/scenarios/hard_braking_lead.toml";
     SCENARIOS_MOTORWAY_120 = "study_data/scenarios/motorway_120.toml";
     SCENARIOS_PAPER = "study_data/scenarios/paper.toml";
+    SCENARIOS_SEAT = "study_data/scenarios/seat.toml";
     SCENARIOS_STOP_AND_GO = "study_data/scenarios/stop_and_go.toml";
     PIPELINES_ABLATION = "pipelines/ablation.toml";
     PIPELINES_DIAL = "pipelines/dial.toml";

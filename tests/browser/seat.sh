@@ -1,7 +1,8 @@
 #!/usr/bin/env bash
 # The seat in headless Chromium: three scripted people at the keyboard, a whole study of short drives each, one of them with everything cut
 # in every step; then `maveric run`; before them, all that goes wrong around a person (`trouble.mjs`), and a study with every kind of sheet in
-# German (`instruments.mjs`). Ten minutes. `tests/browser/seat.sh instruments` runs that one alone.
+# German (`instruments.mjs`), and the seat's own road beside a straight one (`road.mjs`). Eleven minutes. `tests/browser/seat.sh road` and
+# `tests/browser/seat.sh instruments` run one of them alone.
 #
 # MAVERIC_BIN: the program; otherwise the debug build of this checkout. SHOTS: a folder for pictures of every step.
 # Needs what `tests/browser/run.sh` installs.
@@ -16,6 +17,31 @@ if [ -z "$chromium" ] || [ ! -d "$here/node_modules/playwright-core" ]; then
 fi
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
+export CHROMIUM="$chromium"
+
+# The seat's own road, and a straight one.
+mkdir -p "$work"/{bends,straight}/scales
+cp "$root/study_data/scenarios/paper.toml" "$work/straight/scenario.toml"
+for road in bends straight; do
+  cp "$root/study_data/scales/adb.toml" "$work/$road/scales/"
+  cat >"$work/$road/study.toml" <<'TOML'
+[study]
+title = "By hand"
+[baseline]
+id = "own"
+[[condition]]
+id = "x"
+car = { recorded = true }
+[protocol]
+steps = ["controls", "practice", "drive"]
+practice = { lane_kept_s = 3, passes = 0, at_most_s = 15 }
+drive_s = 15
+TOML
+done
+if [ "${1:-road}" = road ]; then
+  node "$here/road.mjs" "$(realpath "$bin")" "$work/bends" "$work/straight"
+  [ "${1:-}" != road ] || exit 0
+fi
 
 # The people who are learned from are made up.
 "$bin" init "$work/made-up" --synthetic >/dev/null
@@ -28,6 +54,8 @@ trap 'rm -rf "$work"' EXIT
 )
 study="$work/study"
 mkdir -p "$study/scales"
+# Nobody steers here: on the seat's own road they would be at the barrier.
+cp "$root/study_data/scenarios/paper.toml" "$study/scenario.toml"
 cp "$work/made-up/model.maveric" "$study/lab.maveric"
 cp "$work/made-up/scales/adb.toml" "$study/scales/"
 cat >"$study/scales/comfort.toml" <<'TOML'
@@ -185,7 +213,7 @@ ride_s = 24
 language = "de"
 code = "C1X9"
 TOML
-export PATH="$work/bin:$PATH" CHROMIUM="$chromium"
+export PATH="$work/bin:$PATH"
 node "$here/instruments.mjs" "$work/bin/maveric" "$sheets"
 [ -z "${SHOTS:-}" ] || cp -r "$sheets" "$SHOTS/sheets"
 [ "${1:-}" != instruments ] || exit 0

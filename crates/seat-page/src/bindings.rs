@@ -8,6 +8,7 @@ use crate::{
     error::SeatPageError,
     input::{Input, Signal},
     keyboard::{Keyboard, Keys, Stick},
+    practised::Practised,
     record::{Frames, Record},
     rider::Rider,
 };
@@ -61,6 +62,7 @@ pub struct PageDrive {
     drive: SeatDrive<'static>,
     scenario: &'static Scenario,
     keyboard: Keyboard,
+    practised: Practised,
     dial: Option<Dial>,
     driven_by: DrivenBy,
 }
@@ -81,6 +83,7 @@ impl PageDrive {
             drive: drive.map_err(said)?,
             scenario,
             keyboard: Keyboard::new(scenario),
+            practised: Practised::new(scenario),
             dial: None,
             driven_by,
         })
@@ -128,6 +131,7 @@ impl PageDrive {
             drive,
             scenario,
             keyboard: Keyboard::new(scenario),
+            practised: Practised::new(scenario),
             dial: Some(dial),
             driven_by: DrivenBy::Automated,
         })
@@ -192,7 +196,11 @@ impl PageDrive {
         (0..steps).all(|_| {
             let speed_mps = self.drive.session().car().speed_mps;
             let input = input(&mut self.keyboard, speed_mps);
-            self.drive.tick(input)
+            let goes_on = self.drive.tick(input);
+            if goes_on {
+                self.practised.look(&self.drive);
+            }
+            goes_on
         })
     }
 
@@ -224,6 +232,11 @@ impl PageDrive {
             seen.extend([f64::from(v.id.0), v.x_m, v.y_m, v.speed_mps]);
         }
         seen
+    }
+
+    /// What was practised until now: time for which a lane was kept (s), vehicles passed.
+    pub fn practised(&self) -> Vec<f64> {
+        vec![self.practised.kept_s(), f64::from(self.practised.passes())]
     }
 
     /// Where places of the road lie on the map: for each (x, y) given, (x, y, heading).

@@ -6,8 +6,8 @@ mod support;
 
 use maveric_domain::{DrivenBy, Embedding, MetresPerSecond, Seconds};
 use maveric_seat_page::{
-    Driven, Frames, Input, Keyboard, Keys, Record, RideStyle, Rider, SeatDrive, SeatPageError,
-    Signal, fit, replay,
+    Driven, Frames, Input, Keyboard, Keys, Practised, Record, RideStyle, Rider, SeatDrive,
+    SeatPageError, Signal, fit, replay,
 };
 use maveric_simulator::Scenario;
 use std::rc::Rc;
@@ -15,6 +15,13 @@ use support::model;
 
 fn scenario(seconds: f64) -> Scenario {
     Scenario::paper().with_duration(Seconds(seconds)).unwrap()
+}
+
+/// The seat's own road, which bends all the way.
+fn bending(seconds: f64) -> Scenario {
+    let text = include_str!("../../../study_data/scenarios/seat.toml");
+    let scenario: Scenario = toml::from_str(text).unwrap();
+    scenario.with_duration(Seconds(seconds)).unwrap()
 }
 
 /// Keys as somebody presses them who keeps to the middle of `lane` at `speed`.
@@ -234,4 +241,97 @@ fn a_car_off_the_road_slides_along_the_barrier_and_is_counted_once() {
     assert!(driven.rollout.report.barrier_touches >= 1);
     let slowed = driven.rollout.recording.ego().speed_mps.last().unwrap();
     assert!(*slowed < MetresPerSecond::from_mph(50.0).0);
+}
+
+/// Drives to the end with the keys that `keys` gives; gives the longest time for which a lane was kept, the vehicles passed, and when
+/// the first lane was left, in s.
+fn practises(
+    scenario: &Scenario,
+    keys: impl Fn(&SeatDrive<'_>) -> Keys,
+) -> (f64, u32, Option<f64>) {
+    let mut drive = SeatDrive::by_hand(scenario, 4, DrivenBy::Scripted).unwrap();
+    let mut keyboard = Keyboard::new(scenario);
+    let mut practised = Practised::new(scenario);
+    let (mut longest_s, mut left_s) = (0.0_f64, None);
+    loop {
+        let speed_mps = drive.session().car().speed_mps;
+        if !drive.tick(keyboard.input(keys(&drive), Signal::Off, speed_mps)) {
+            return (longest_s, practised.passes(), left_s);
+        }
+        practised.look(&drive);
+        longest_s = longest_s.max(practised.kept_s());
+        if drive.session().car().y_m.abs() > 0.88 {
+            left_s.get_or_insert(drive.ticks() as f64 * 0.01);
+        }
+    }
+}
+
+#[test]
+fn hands_off_the_car_leaves_its_lane_within_seconds_and_nothing_is_practised() {
+    let nobody = |_: &SeatDrive<'_>| Keys::default();
+    let (kept_s, _, left_s) = practises(&bending(300.0), nobody);
+    let left_s = left_s.unwrap();
+    println!("hands off, the lane is left after {left_s:.1} s");
+    assert!(left_s < 10.0, "{left_s}");
+    assert!(kept_s.abs() < 1e-12, "{kept_s}");
+    // A tap at the start, and then nothing, is no practice either.
+    let taps = |drive: &SeatDrive<'_>| Keys {
+        left: drive.ticks() < 10,
+        ..Keys::default()
+    };
+    let (kept_s, _, _) = practises(&bending(300.0), taps);
+    assert!((0.0..15.0).contains(&kept_s), "{kept_s}");
+    // On a straight road the car stays where it is, and that is nobody's doing.
+    let (kept_s, _, left_s) = practises(&scenario(60.0), nobody);
+    assert!(kept_s.abs() < 1e-12 && left_s.is_none(), "{kept_s}");
+}
+
+#[test]
+fn by_hands_a_lane_is_kept_in_the_bends_and_somebody_is_passed() {
+    let keeps = |drive: &SeatDrive<'_>| pressed(drive, 0.0, 25.0);
+    let (kept_s, _, left_s) = practises(&bending(120.0), keeps);
+    assert!(kept_s > 60.0 && left_s.is_none(), "{kept_s} {left_s:?}");
+    // In the left lane, faster than the first vehicle ahead.
+    let passes = |drive: &SeatDrive<'_>| {
+        let seconds = drive.ticks() as f64 * 0.01;
+        pressed(drive, f64::from(u8::from(seconds > 35.0)), 27.0)
+    };
+    let (_, passed, _) = practises(&bending(300.0), passes);
+    assert!(passed >= 1, "{passed}");
+}
+
+#[test]
+fn somebody_is_about_from_the_first_second_on() {
+    let near = |scenario: &Scenario| {
+        let mut drive = SeatDrive::by_hand(scenario, 4, DrivenBy::Scripted).unwrap();
+        for _ in 0..100 {
+            assert!(drive.tick(Input::default()));
+        }
+        let scene = drive.session().scene();
+        let near = |x_m: f64| (x_m - scene.ego.x_m).abs() < 100.0;
+        scene.vehicles.iter().filter(|v| near(v.x_m)).count()
+    };
+    assert_eq!((near(&bending(60.0)), near(&scenario(60.0))), (2, 0));
+}
+
+#[test]
+fn a_ride_keeps_its_lane_in_the_bends_and_both_drive_again_to_the_byte() {
+    let scenario = bending(240.0);
+    let ride = a_ride(&scenario, 5);
+    let again = replay(&ride).unwrap();
+    assert!(again.same());
+    let ego = again.rollout.recording.ego();
+    let beside = |y_m: f64| (y_m - 3.66 * (y_m / 3.66).round()).abs();
+    let off_lane = ego.y_m.iter().filter(|y| beside(**y) > 0.15).count();
+    // What is left is its changes of lane, a few seconds each.
+    let changes = again.rollout.report.started_changes;
+    assert!(off_lane <= 120 * changes as usize, "{off_lane} {changes}");
+    assert_eq!(again.rollout.report.collisions, 0);
+    let (record, driven) = by_keys(&bending(60.0), 11);
+    let again = replay(&record).unwrap();
+    assert!(again.same());
+    assert_eq!(again.rollout.recording, driven.rollout.recording);
+    // Another seed is other traffic on the same road.
+    let (other, _) = by_keys(&bending(60.0), 12);
+    assert_ne!(other.end, record.end);
 }

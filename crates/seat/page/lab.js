@@ -16,7 +16,7 @@ function sayTimes(now) {
 }
 
 const seat = new EventSource("/lab/live");
-for (const part of ["refused", "happened"]) {
+for (const part of ["refused", "happened", "disk"]) {
   seat.addEventListener(part, ({ data }) => { document.getElementById(part).innerHTML = data; });
 }
 // Row by row: one that somebody is about to use stays as it is until then.

@@ -27,6 +27,10 @@ pub(crate) fn routes() -> Router<Shared> {
             get(asks_to_forget).post(forget),
         )
         .route(
+            "/lab/exclude/{participant}",
+            get(asks_to_exclude).post(exclude),
+        )
+        .route(
             "/lab/step/{participant}/{step}",
             get(asks_to_leave_out).post(leave_out),
         )
@@ -120,10 +124,17 @@ async fn asks_to_leave_out(
         ("skip", "lab_skip", "lab_skip_help"),
         ("repeat", "lab_repeat", "lab_repeat_help"),
         ("abort", "lab_abort", "lab_abort_help"),
+        ("extend", "lab_extend", "lab_extend_help"),
     ];
     let buttons = acts.map(|(act, name, help)| {
+        let minutes = match act {
+            "extend" => {
+                "<input name=\"minutes\" type=\"number\" min=\"1\" max=\"120\" value=\"5\"> "
+            }
+            _ => "",
+        };
         format!(
-            "<p><button name=\"act\" value=\"{act}\">{}</button> {}</p>",
+            "<p>{minutes}<button name=\"act\" value=\"{act}\">{}</button> {}</p>",
             say(name),
             say(help)
         )
@@ -147,21 +158,81 @@ async fn leave_out(
     Path((participant, step)): Path<(String, usize)>,
     body: Bytes,
 ) -> Answered<Response> {
-    let reason = form_field(&body, "reason").unwrap_or_default();
-    let reason: String = reason.chars().take(LONGEST_REASON).collect();
+    let reason = reason_of(&body);
     let act = form_field(&body, "act").unwrap_or_default();
+    let minutes = form_field(&body, "minutes").and_then(|text| text.trim().parse().ok());
     let done = shared.blocking(move |seat| {
         let done = match act.as_str() {
             "skip" => seat.leave_out(&participant, step, Act::Skip, &reason),
             "abort" => seat.leave_out(&participant, step, Act::Abort, &reason),
             "repeat" => seat.repeat(&participant, step, &reason),
+            "extend" => {
+                // What is no number of minutes is none.
+                seat.extend(&participant, step, minutes.unwrap_or(0.0), &reason)
+            }
             other => {
-                let why = format!("act `{other}`, expected skip, repeat or abort");
+                let why = format!("act `{other}`, expected skip, repeat, abort or extend");
                 return Err(Refused::NotThis(why));
             }
         };
         done.map_err(with_help)
     });
+    done.await?;
+    Ok(to_lab())
+}
+
+/// The reason that was given, as far as one is kept.
+fn reason_of(body: &Bytes) -> String {
+    let reason = form_field(body, "reason").unwrap_or_default();
+    reason.chars().take(LONGEST_REASON).collect()
+}
+
+async fn asks_to_exclude(
+    State(shared): State<Shared>,
+    Path(participant): Path<String>,
+) -> Answered<Response> {
+    let who = participant.clone();
+    let excluded = shared.blocking(move |seat| {
+        let excluded = seat.store.look(|b| {
+            b.called(&who)?;
+            b.excluded(&who)
+        });
+        excluded.map_err(with_help)
+    });
+    let excluded = excluded.await?;
+    let words = shared.words();
+    let say = |name| words.plain(name, &[("who", &participant)]);
+    let asked = match excluded {
+        Some(what) => format!(
+            "<p>{}</p><form method=\"post\"><button>{}</button></form>",
+            words.plain("lab_excluded_what", &[("what", &what)]),
+            say("lab_counts")
+        ),
+        None => format!(
+            "<p>{}</p><form method=\"post\"><label>{} <input name=\"reason\" maxlength=\"{LONGEST_REASON}\" size=\"60\" required></label> \
+             <button>{}</button></form>",
+            say("lab_exclude_what"),
+            say("lab_reason"),
+            say("lab_exclude_it")
+        ),
+    };
+    Ok(html(
+        words,
+        &format!(
+            "<h1>{}</h1>{asked}<p><a href=\"/lab\">{}</a></p>",
+            say("lab_exclude_title"),
+            say("back")
+        ),
+    ))
+}
+
+async fn exclude(
+    State(shared): State<Shared>,
+    Path(participant): Path<String>,
+    body: Bytes,
+) -> Answered<Response> {
+    let reason = reason_of(&body);
+    let done = shared.blocking(move |seat| seat.exclude(&participant, &reason).map_err(with_help));
     done.await?;
     Ok(to_lab())
 }

@@ -278,7 +278,7 @@ impl Books<'_> {
         })?;
         self.ask(|c| {
             for table in [
-                "person", "answer", "drive", "piece", "event", "left_out", "repeated",
+                "person", "answer", "drive", "piece", "event", "left_out", "repeated", "decided",
             ] {
                 c.execute(
                     &format!("DELETE FROM {table} WHERE participant = ?1"),

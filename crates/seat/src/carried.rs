@@ -12,7 +12,7 @@ use crate::{
     steps::{STOPPED, Step},
     token,
 };
-use maveric_domain::design::{Redirect, SeatView};
+use maveric_domain::design::{Crash, Redirect, SeatView};
 use maveric_seat_page::Fit;
 use maveric_study::atomic_write::atomic_write_bytes;
 use path_slash::PathExt as _;
@@ -36,6 +36,7 @@ struct Static<'a> {
     made_up_model: bool,
     mph: bool,
     scenario: &'a str,
+    crash: Crash,
     view: &'a SeatView,
     /// Whether `model.maveric` is there.
     model: bool,
@@ -109,6 +110,7 @@ pub fn export(seat: &Seat, folder: &Path, post: Option<&str>) -> Result<Exported
         made_up_model: settings.made_up_model,
         mph: seat.mph(),
         scenario: &seat.scenario_json,
+        crash: settings.design.protocol().crash,
         view: &settings.design.protocol().view,
         model: settings.model.is_some(),
         post,
@@ -213,6 +215,7 @@ fn missing(steps: &[Step], given: &Carried) -> Option<String> {
         let (is_there, what) = match step {
             Step::Text { agree: true, .. } => (sheet(at), "was not agreed to"),
             Step::Scale { .. } if through => (sheet(at), "has no answers of its questionnaire"),
+            Step::Break { .. } if through => (sheet(at), "was not rested at"),
             Step::Drive { .. } if through => (driven(at), "has no drive that came to its end"),
             Step::Ride { .. } if through => (driven(at), "has no ride that came to its end"),
             _ => (true, ""),

@@ -56,10 +56,14 @@ impl Books<'_> {
             .filter(|row| row.page == END)
             .map(|row| row.participant.to_string())
             .collect();
-        let mut collected = Collected::default();
+        let (mut collected, mut stopped) = (Collected::default(), Vec::new());
         for (person, sheets) in given.iter().filter(stays) {
             let who = ParticipantId::new(&*person.participant).map_err(StudyError::from)?;
-            if final_rows.contains(&person.participant) || person.ended.is_none() && !unfinished {
+            stopped.extend(self.left_out_with(person, &who)?);
+            // What was decided after the end is not in the rows of before.
+            let is_final = final_rows.contains(&person.participant)
+                && !self.was_excluded(&person.participant)?;
+            if is_final || person.ended.is_none() && !unfinished {
                 let theirs = before.iter().filter(|row| row.participant == who);
                 collected.events.extend(theirs.cloned());
             } else {
@@ -68,7 +72,16 @@ impl Books<'_> {
             collected.consents.extend(consents_of(sheets, &who));
             collected.lent.extend(rows_of(person)?);
         }
-        collected.stopped = collected.events.iter().filter_map(stopped_in).collect();
+        // Whoever is out as a whole has each drive once.
+        let out: BTreeSet<ParticipantId> = stopped
+            .iter()
+            .map(|row: &Stopped| row.participant.clone())
+            .collect();
+        let by_drive = collected
+            .events
+            .iter()
+            .filter(|row| !out.contains(&row.participant));
+        collected.stopped = by_drive.filter_map(stopped_in).chain(stopped).collect();
         let known: BTreeSet<&str> = given
             .iter()
             .filter(stays)
@@ -115,6 +128,7 @@ impl Books<'_> {
     ) -> Result<(), SeatError> {
         let left_out = self.left_out(&person.participant)?;
         let repeated = self.repeated(&person.participant)?;
+        let decided = self.decided(&person.participant)?;
         for (step, found) in person.steps.iter().enumerate() {
             let (page, moment) = place(found);
             let row = |what: &str| EventRow {
@@ -154,6 +168,12 @@ impl Books<'_> {
                     attempt: Some(again.attempt),
                     at: written(again.given),
                     ..row(&again.what)
+                });
+            }
+            for decided in decided.iter().filter(|decided| decided.step == step) {
+                events.push(EventRow {
+                    at: written(decided.given),
+                    ..row(&decided.what)
                 });
             }
             for left in left_out.iter().filter(|left| left.step == step) {
@@ -307,6 +327,7 @@ fn place(step: &Step) -> (String, Option<String>) {
         Step::Screen { .. } => ("screening".to_owned(), None),
         Step::Text { .. } => ("consent".to_owned(), None),
         Step::Scale { scale, moment, .. } => (scale.clone(), Some(moment.to_string())),
+        Step::Break { .. } => ("break".to_owned(), None),
         Step::Controls => ("controls".to_owned(), None),
         Step::Practice { .. } => (PRACTICE.to_owned(), None),
         Step::Drive {

@@ -3,10 +3,10 @@
 use crate::{error::SeatError, files::Files, seat::SeatSettings, steps::Texts};
 use maveric_domain::Design;
 use maveric_model::{FreeSpeed, HeadsKind};
-use maveric_simulator::Scenario;
 use maveric_study::{
     Stage as _, Watch,
     atomic_write::atomic_write_bytes,
+    run_folder::read_seat_scenario,
     stages::{
         generate::Generate,
         ingest::Ingest,
@@ -69,7 +69,7 @@ pub fn settings(cache: &Path, jobs: usize, watch: Watch<'_>) -> Result<SeatSetti
             thanks: Some(THANKS.to_owned()),
             ..Texts::default()
         },
-        scenario: Scenario::paper(),
+        scenario: read_seat_scenario(None)?,
         model: Some(model(cache, jobs, watch)?),
         made_up_model: true,
         stretch: 1.0,

@@ -275,6 +275,11 @@ impl Files {
         }
     }
 
+    /// The folder of records; none where nothing is written.
+    pub(crate) fn folder(&self) -> Option<&Path> {
+        self.0.as_ref().map(|place| place.records.as_path())
+    }
+
     /// What the table of events has already; nothing where it is not there, or cannot be read as one: it is made anew.
     pub(crate) fn events(&self) -> Vec<EventRow> {
         let path = self.0.as_ref().map(|place| place.records.join(EVENTS));

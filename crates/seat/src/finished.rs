@@ -2,6 +2,7 @@
 //! a drive by hand is learned from here too.
 
 use crate::{
+    crash::CRASH,
     drives::Begun,
     error::SeatError,
     person::{Person, on_the_scale},
@@ -10,7 +11,7 @@ use crate::{
     steps::{DEVICE_GONE, Step, TICKS_PER_S},
 };
 use maveric_domain::{DriveId, Embedding, ParticipantId};
-use maveric_seat_page::{Record, Replayed, RideStyle, fit, replay};
+use maveric_seat_page::{Event, Record, Replayed, RideStyle, fit, replay};
 use maveric_study::{StudyError, beyond_in_words};
 use std::fmt;
 
@@ -113,21 +114,15 @@ impl Seat {
                     let seconds = record.ticks() as f64 / TICKS_PER_S;
                     format!("{why} after {seconds:.0} s, and what was driven is kept")
                 });
-                let beyond = mark(person, found);
-                outcome
-                    .told
-                    .extend(beyond.as_ref().map(|text| format!("{name}: {text}")));
-                let gone = gone_note(&record);
-                outcome
-                    .told
-                    .extend(gone.as_ref().map(|text| format!("{name}: {text}")));
-                let note = cut
-                    .into_iter()
-                    .chain(pictures.note())
-                    .chain(gone)
-                    .chain(beyond);
-                let note: Vec<String> = note.collect();
-                let note = (!note.is_empty()).then(|| note.join("; "));
+                // What is said of it here as well as in its log; the rest is said in words of its own, or was before.
+                let said = [crash_note(&record), gone_note(&record), mark(person, found)];
+                let said: Vec<String> = said.into_iter().flatten().collect();
+                for text in &said {
+                    outcome.tell(format!("{name}: {text}"));
+                }
+                let notes: Vec<String> =
+                    cut.into_iter().chain(pictures.note()).chain(said).collect();
+                let note = (!notes.is_empty()).then(|| notes.join("; "));
                 let kept = (&record, lines.as_str(), note.as_deref());
                 files.log(name, (who, ride), kept, &again)?;
                 outcome.tell(format!("{name}: {pictures}"));
@@ -140,9 +135,7 @@ impl Seat {
                     turns: Some(step), ..
                 } = found
                 {
-                    let events = record.chunks.iter().flat_map(|c| &c.events);
-                    let turned: Vec<(f64, f64)> = events
-                        .filter(|e| e.what == "dial")
+                    let turned: Vec<(f64, f64)> = events(&record, "dial")
                         .filter_map(|e| Some((e.tick as f64 / 100.0, e.points?)))
                         .collect();
                     let seconds = record.ticks() as f64 / 100.0;
@@ -270,9 +263,8 @@ fn probes_of(step: &Step, record: &Record) -> Option<String> {
     else {
         return None;
     };
-    let events = record.chunks.iter().flat_map(|chunk| &chunk.events);
     // Only what was checked was kept.
-    let answers = events.filter_map(|event| probe.answer(event)?.ok());
+    let answers = events(record, "").filter_map(|event| probe.answer(event)?.ok());
     let mut sheet = Sheet::default();
     for (at_s, answer) in answers {
         let before = sheet.probes.last().map(|(before_s, _)| *before_s);
@@ -301,11 +293,24 @@ fn mark(person: &Person, step: &Step) -> Option<String> {
     ))
 }
 
+/// What happened in a drive, by how it begins.
+fn events<'a>(record: &'a Record, what: &'a str) -> impl Iterator<Item = &'a Event> {
+    let events = record.chunks.iter().flat_map(|chunk| &chunk.events);
+    events.filter(move |event| event.what.starts_with(what))
+}
+
+/// What is said of a drive that ended with a crash.
+fn crash_note(record: &Record) -> Option<String> {
+    let crash = events(record, CRASH).next()?;
+    let seconds = crash.tick as f64 / TICKS_PER_S;
+    Some(format!(
+        "the car hit another vehicle after {seconds:.0} s, and the drive ended there"
+    ))
+}
+
 /// What is said of a drive during which the device was gone with which somebody drove.
 fn gone_note(record: &Record) -> Option<String> {
-    let events = record.chunks.iter().flat_map(|chunk| &chunk.events);
-    let gone = events.filter(|event| event.what.starts_with(DEVICE_GONE));
-    match gone.count() {
+    match events(record, DEVICE_GONE).count() {
         0 => None,
         1 => Some("the device was gone once, and everything waited for it".to_owned()),
         n => Some(format!(

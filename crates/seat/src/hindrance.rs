@@ -127,6 +127,14 @@ pub enum Hindrance {
     /// A consent that names a day which the study does not have.
     #[error("the consent says {{withdraw_until}}, and [protocol] has no `withdraw_until`")]
     NoLastDay,
+    /// A crash that is heard and seen, and people who are not told so before they agree.
+    #[error("[protocol] `crash` is \"felt\", and the consent does not name it")]
+    CrashNotNamed,
+    /// A consent that names a crash which nobody hears or sees.
+    #[error(
+        "the consent says {{crash}}, and [protocol] `crash` is \"ends\": nobody hears or sees one"
+    )]
+    NoCrash,
 }
 
 impl Hindrance {
@@ -176,6 +184,12 @@ impl Hindrance {
             Self::Rule { .. } => "write SCALE.NUMBER, or SCALE.SUBSCALE of one item".to_owned(),
             Self::NoLastDay => {
                 "write withdraw_until = \"2027-01-31\" there, or leave it out of the text".to_owned()
+            }
+            Self::CrashNotNamed => {
+                "write {crash} where the consent says what happens, and \"consent\" into `steps`: a sentence stands in its place; or leave `crash` out".to_owned()
+            }
+            Self::NoCrash => {
+                "leave {crash} out of the text, or write crash = \"felt\" there".to_owned()
             }
         }
     }

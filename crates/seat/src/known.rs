@@ -44,6 +44,7 @@ fn what(step: &Step) -> &'static str {
         Step::Screen { .. } => "lab_screening",
         Step::Text { .. } => "lab_reading",
         Step::Scale { .. } => "lab_questionnaire",
+        Step::Break { .. } => "lab_break",
         Step::Controls => "lab_controls",
         Step::Practice { .. } => "lab_practice",
         Step::Drive { .. } => "lab_driving",

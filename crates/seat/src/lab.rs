@@ -4,7 +4,7 @@ use crate::{
     above, asked_first, assets, entrance,
     escaped::plain,
     let_in::Invitation,
-    live::{self, HAPPENED, PEOPLE, REFUSED},
+    live::{self, DISK, HAPPENED, PEOPLE, REFUSED},
     markup::{form_field, html, to_lab},
     request::{Answered, Refused, Shared, with_help},
     streamed,
@@ -81,7 +81,7 @@ async fn page(State(shared): State<Shared>) -> Response {
              <button>{}</button></form><div id=\"{REFUSED}\">{}</div>\
              <table><thead><tr>{}<tbody id=\"{PEOPLE}\">{}</table>\
              <h2>{}</h2><table><thead><tr>{}<tbody id=\"{HAPPENED}\">{}</table>\
-             <h2>{}</h2><p><a href=\"/lab/answers.csv\">{}</a></p>\
+             <h2>{}</h2><p id=\"{DISK}\">{}</p><p><a href=\"/lab/answers.csv\">{}</a></p>\
              <p><a href=\"/lab/stop\">{}</a></p><script type=\"module\" src=\"{}\"></script>",
             say("lab_silent"),
             say("lab_id"),
@@ -104,6 +104,7 @@ async fn page(State(shared): State<Shared>) -> Response {
             heads(&["lab_person", "lab_what_newest"]),
             part(HAPPENED),
             say("lab_study"),
+            part(DISK),
             say("lab_answers"),
             say("lab_close"),
             assets::address("lab.js")

@@ -108,13 +108,7 @@ impl Seat {
         reason: &str,
     ) -> Result<(), SeatError> {
         let person = self.store.look(|b| there(b, participant, step))?;
-        let reason = reason.trim();
-        if reason.is_empty() {
-            return Err(SeatError::cannot(
-                "a step is left out for a reason, and none was given",
-                "say why",
-            ));
-        }
+        let reason = said_why(reason)?;
         if let Some(why) = hindrance(&person, act) {
             let number = step + 1;
             return Err(SeatError::cannot(
@@ -141,6 +135,18 @@ impl Seat {
             }
         })
     }
+}
+
+/// A reason, which the experimenter gives for everything that is done with a person's steps.
+pub(crate) fn said_why(reason: &str) -> Result<&str, SeatError> {
+    let reason = reason.trim();
+    if reason.is_empty() {
+        return Err(SeatError::cannot(
+            "this is done for a reason, and none was given",
+            "say why",
+        ));
+    }
+    Ok(reason)
 }
 
 /// Somebody who is at this step.

@@ -2,6 +2,7 @@
 
 use crate::{
     books::Books,
+    disk,
     error::SeatError,
     escaped::plain,
     known::Known,
@@ -22,6 +23,7 @@ const SHOWN: u32 = 200;
 pub(crate) const REFUSED: &str = "refused";
 pub(crate) const PEOPLE: &str = "people";
 pub(crate) const HAPPENED: &str = "happened";
+pub(crate) const DISK: &str = "disk";
 
 /// Where somebody is.
 struct Whereabouts {
@@ -34,6 +36,8 @@ struct Whereabouts {
     fit: Option<String>,
     /// Steps of 0.01 s of what they drive now, and its last piece.
     driven: Option<(u64, Option<String>)>,
+    /// Whether everything that they drove is out of the analysis.
+    excluded: bool,
 }
 
 impl Books<'_> {
@@ -43,7 +47,9 @@ impl Books<'_> {
             let mut rows = c.prepare_cached(
                 "SELECT p.token, p.at, p.ended, p.since, p.fit, d.ticks,
                     (SELECT line FROM piece WHERE participant = d.participant AND step = d.step AND attempt = d.attempt
-                     ORDER BY from_tick DESC LIMIT 1)
+                     ORDER BY from_tick DESC LIMIT 1),
+                    COALESCE((SELECT what LIKE 'excluded: %' FROM decided WHERE participant = p.participant
+                        AND (what LIKE 'excluded: %' OR what LIKE 'counts again: %') ORDER BY rowid DESC LIMIT 1), 0)
                  FROM person p LEFT JOIN drive d ON p.ended IS NULL AND d.participant = p.participant AND d.step = p.at
                     AND d.attempt = (SELECT MAX(attempt) FROM drive WHERE participant = p.participant AND step = p.at)
                  ORDER BY p.rowid",
@@ -58,6 +64,7 @@ impl Books<'_> {
                     since: row.get(3)?,
                     fit: row.get(4)?,
                     driven: ticks.map(|ticks| (ticks.cast_unsigned(), piece)),
+                    excluded: row.get(7)?,
                 })
             };
             rows.query_map([], read)?.collect()
@@ -110,7 +117,30 @@ pub(crate) async fn parts(shared: &Shared) -> Vec<(&'static str, String)> {
         let who = who.map_or_else(String::new, |who| plain(&who));
         let _ = write!(happened, "<tr><td>{who}<td>{}", plain(&what));
     }
-    vec![(REFUSED, refused), (PEOPLE, people), (HAPPENED, happened)]
+    let disk = shared.seat.settings.files.folder().and_then(disk::left);
+    vec![
+        (REFUSED, refused),
+        (PEOPLE, people),
+        (HAPPENED, happened),
+        (
+            DISK,
+            disk.map_or_else(String::new, |bytes| room(bytes, words)),
+        ),
+    ]
+}
+
+/// What the disk has left, and whether that is little.
+fn room(bytes: u64, words: &Words) -> String {
+    let gb = disk::in_gb(bytes);
+    let said = words.plain("lab_disk", &[("gb", &gb)]);
+    if bytes < disk::LITTLE {
+        format!(
+            "<strong role=\"alert\">{said} {}</strong>",
+            words.plain("lab_disk_little", &[])
+        )
+    } else {
+        said
+    }
 }
 
 /// What the server refused or could not keep.
@@ -212,9 +242,14 @@ fn row(known: &Known, there: &Whereabouts, words: &Words) -> String {
     };
     format!(
         "<tr id=\"person-{who}\"><td><a href=\"/lab/above/{who}\">{who}</a><td>{place}<td>{}<td>{pictures}<td>{}<td>{beyond}\
-         <td><a href=\"{link}\">{link}</a><td>{never_came}{step} <a href=\"/lab/forget/{who}\">{}</a>",
+         <td><a href=\"{link}\">{link}</a><td>{never_came}{step} <a href=\"/lab/exclude/{who}\">{}</a> <a href=\"/lab/forget/{who}\">{}</a>",
         there.since.map_or_else(String::new, time),
         rides.join(", "),
+        say(if there.excluded {
+            "lab_excluded"
+        } else {
+            "lab_exclude"
+        }),
         say("lab_forget"),
     )
 }
@@ -244,6 +279,7 @@ mod tests {
             since: Some(0),
             fit: None,
             driven: None,
+            excluded: false,
         }
     }
 

@@ -1,6 +1,7 @@
 //! The steps of a person, made of a study's design and fixed when the person is let in.
 
 use crate::{
+    crash,
     error::SeatError,
     hindrance::Hindrance,
     moments,
@@ -107,13 +108,11 @@ pub fn of_design(
                 ProtocolStep::Screen => steps.extend(moments::screen(protocol, scales, language)?),
                 ProtocolStep::Consent => {
                     if let Some(text) = &texts.consent {
+                        let (until, words) = (protocol.withdraw_until.as_deref(), &texts.words);
+                        let text = withdrawal::in_consent(text, until, words)?;
                         steps.push(Step::Text {
                             title: design.title().to_owned(),
-                            text: withdrawal::in_consent(
-                                text,
-                                protocol.withdraw_until.as_deref(),
-                                &texts.words,
-                            )?,
+                            text: crash::in_consent(&text, words),
                             agree: true,
                         });
                     }
@@ -157,6 +156,9 @@ pub fn of_design(
                     });
                     steps.extend(asked.transpose()?);
                 }
+                ProtocolStep::Break => steps.push(Step::Break {
+                    seconds: protocol.break_s,
+                }),
                 ProtocolStep::Post => {
                     for id in &protocol.post {
                         steps.push(sheet(scales, id, Moment::Post, language)?);
@@ -218,7 +220,10 @@ impl Sessions {
             | ProtocolStep::Consent
             | ProtocolStep::Before
             | ProtocolStep::Practice => session == 1,
-            ProtocolStep::Controls | ProtocolStep::Drive | ProtocolStep::Rides => true,
+            ProtocolStep::Controls
+            | ProtocolStep::Drive
+            | ProtocolStep::Rides
+            | ProtocolStep::Break => true,
             ProtocolStep::Which | ProtocolStep::Post => session == self.last,
         }
     }

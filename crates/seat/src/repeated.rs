@@ -3,7 +3,7 @@
 use crate::{
     books::{Books, now, whole},
     error::SeatError,
-    left_out::there,
+    left_out::{said_why, there},
     listed::Listed,
     person::Person,
     seat::Seat,
@@ -133,13 +133,7 @@ impl Seat {
     /// [`SeatError::Nobody`]; [`SeatError::Protocol`] for somebody who is elsewhere by now or has ended, who has nothing to drive again, or no
     /// reason; [`SeatError::Store`]; [`SeatError::Study`] if a file cannot be written.
     pub fn repeat(&self, participant: &str, at: usize, reason: &str) -> Result<(), SeatError> {
-        let reason = reason.trim();
-        if reason.is_empty() {
-            return Err(SeatError::cannot(
-                "something is driven again for a reason, and none was given",
-                "say why",
-            ));
-        }
+        let reason = said_why(reason)?;
         let what = format!("repeated: {reason}");
         self.store.within(|b| {
             let person = there(b, participant, at)?;

@@ -1,6 +1,7 @@
 //! Whether the seat can run a study: all that it cannot is found before anybody is let in, also what only a later phase needs.
 
 use crate::{
+    crash,
     hindrance::Hindrance,
     moments,
     plan::car,
@@ -37,6 +38,8 @@ pub(crate) fn hindrances(
         let until = protocol.withdraw_until.as_deref();
         found.extend(withdrawal::in_consent(text, until, &texts.words).err());
     }
+    let consent = consent.map(String::as_str);
+    found.extend(crash::named(consent, protocol.crash).err());
     let before = protocol
         .before
         .iter()
@@ -162,6 +165,18 @@ after = ["mood"]
         let hand = "[study]\ntitle = \"By hand\"\n[baseline]\nid = \"own\"\n[[condition]]\nid = \"x\"\ncar = { recorded = true }\n\
                     [protocol]\nsteps = [\"drive\"]\n";
         assert_eq!(of(hand, "", None), []);
+    }
+
+    #[test]
+    fn a_crash_that_is_felt_is_a_hindrance_until_the_consent_names_it() {
+        let felt = SOUND.replace("[protocol]\n", "[protocol]\ncrash = \"felt\"\n");
+        assert_eq!(
+            of(&felt, WORDED, Some("You may leave.")),
+            [Hindrance::CrashNotNamed]
+        );
+        assert_eq!(of(&felt, WORDED, None), [Hindrance::CrashNotNamed]);
+        assert_eq!(of(&felt, WORDED, Some("{crash} You may leave.")), []);
+        assert_eq!(of(SOUND, WORDED, Some("{crash}")), [Hindrance::NoCrash]);
     }
 
     #[test]

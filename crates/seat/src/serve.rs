@@ -27,7 +27,7 @@ use axum::{
     response::{IntoResponse, Redirect, Response},
     routing::{get, post},
 };
-use maveric_domain::design::SeatView;
+use maveric_domain::design::{Crash, SeatView};
 use maveric_seat_page::Fit;
 use serde::{Deserialize, Serialize};
 use std::{
@@ -224,6 +224,7 @@ struct PageState<'a> {
     /// When the next session is, of who is between two.
     between: Option<Between>,
     scenario: &'a str,
+    crash: Crash,
     view: &'a SeatView,
     /// Their style beside the others', once they are through.
     styles: Option<AmongOthers>,
@@ -274,6 +275,7 @@ fn state_of(seat: &Seat, token: &str) -> Answered<Response> {
         redirect,
         between,
         scenario: &seat.scenario_json,
+        crash: design.protocol().crash,
         view: &design.protocol().view,
         styles: seat.among_others(&person)?,
         withdraw: seat.withdrawal(),
@@ -377,6 +379,7 @@ async fn done(
             | Step::Computer { .. }
             | Step::Screen { .. }
             | Step::Scale { .. }
+            | Step::Break { .. }
             | Step::Text { agree: true, .. } => {
                 return Err(Refused::NotThis("answers are asked here".to_owned()));
             }

@@ -55,6 +55,14 @@ impl Sheet {
             } if self.agreed && self.answers.is_empty() => {
                 self.text_sha256 = Some(token::sha256(text));
             }
+            Step::Break { seconds } if self.answers.is_empty() && !self.agreed => {
+                if self.seconds < *seconds {
+                    let rested_s = self.seconds;
+                    return Err(format!(
+                        "a rest of {rested_s} s, expected {seconds} s or more"
+                    ));
+                }
+            }
             _ if rules.is_some_and(|rules| self.refused.is_none_or(|at| at < rules.len()))
                 && self.answers.is_empty()
                 && !self.agreed => {}
@@ -106,6 +114,19 @@ mod tests {
         let step = sheet(&[scale], "all", Moment::Pre, "en").unwrap();
         let sheet: Sheet = serde_json::from_str(body).map_err(|e| e.to_string())?;
         sheet.checked(&step)
+    }
+
+    #[test]
+    fn a_rest_is_over_when_it_was_long_enough_and_asks_nothing() {
+        let rested = |body: &str| {
+            let sheet: Sheet = serde_json::from_str(body).unwrap();
+            sheet.checked(&Step::Break { seconds: 60.0 })
+        };
+        assert!(rested("{\"seconds\":60}").is_ok() && rested("{\"seconds\":400.5}").is_ok());
+        let early = rested("{\"seconds\":59}").unwrap_err();
+        assert!(early.contains("59 s, expected 60 s"), "{early}");
+        assert!(rested("{\"seconds\":60,\"answers\":[1]}").is_err());
+        assert!(rested("{\"seconds\":60,\"agreed\":true}").is_err());
     }
 
     #[test]

@@ -86,6 +86,12 @@ pub enum Step {
         /// `pre`, or the condition it is asked after.
         moment: Moment,
     },
+    /// A rest, until somebody goes on.
+    Break {
+        /// Not before so long, in s.
+        #[serde(rename = "at_least_s")]
+        seconds: f64,
+    },
     /// Choosing and trying keyboard, gamepad or wheel.
     Controls,
     /// Driving until the lane was kept and somebody passed, or the time is over.

@@ -173,7 +173,7 @@ fn what_nobody_goes_on_without_is_not_skipped_and_a_skipped_sheet_takes_no_answe
     };
     refused(0, "skip", "has not agreed");
     refused(0, "abort", "has not agreed yet");
-    refused(0, "again", "expected skip, repeat or abort");
+    refused(0, "again", "expected skip, repeat, abort or extend");
     refused(0, "repeat", "nothing was driven yet");
     let sheet = until(&server, &token, "scale");
     assert_eq!(lab.act(sheet, "skip", "asked+on+paper").0, 303);

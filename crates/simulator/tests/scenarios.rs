@@ -6,8 +6,9 @@ use maveric_simulator::{
 };
 
 const PAPER: &str = maveric_data::SCENARIOS_PAPER;
-const ALL: [(&str, &str); 8] = [
+const ALL: [(&str, &str); 9] = [
     ("paper", PAPER),
+    ("seat", maveric_data::SCENARIOS_SEAT),
     ("curved", maveric_data::SCENARIOS_CURVED),
     ("four_lane", maveric_data::SCENARIOS_FOUR_LANE),
     ("cut_in", maveric_data::SCENARIOS_CUT_IN),

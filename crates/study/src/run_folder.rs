@@ -175,13 +175,27 @@ pub(crate) fn effects_of(path: &Path, text: &str) -> Result<Effects, StudyError>
 pub fn read_scenario(path: Option<&Path>, duration_s: Option<f64>) -> Result<Scenario, StudyError> {
     let scenario = match path {
         None => Scenario::paper(),
-        Some(path) => toml::from_str(&read_text(path)?)
-            .map_err(|e| StudyError::file(path, format!("not a scenario: {e}")))?,
+        Some(path) => scenario_of(path, &read_text(path)?)?,
     };
     match duration_s {
         None => Ok(scenario),
         Some(seconds) => Ok(scenario.with_duration(Seconds(seconds))?),
     }
+}
+
+/// Reads the scenario that people drive and ride in the seat, or takes the seat's own.
+///
+/// # Errors
+/// [`StudyError`] naming the file and the key.
+pub fn read_seat_scenario(path: Option<&Path>) -> Result<Scenario, StudyError> {
+    match path {
+        None => scenario_of(Path::new("seat.toml"), maveric_data::SCENARIOS_SEAT),
+        Some(path) => read_scenario(Some(path), None),
+    }
+}
+
+fn scenario_of(path: &Path, text: &str) -> Result<Scenario, StudyError> {
+    toml::from_str(text).map_err(|e| StudyError::file(path, format!("not a scenario: {e}")))
 }
 
 /// The ADB score that belongs to a drive: the one answered before the drives to the baseline, another to a professional's role.

@@ -267,7 +267,7 @@ fn open(folder: &Path, password: Option<String>) -> Result<(Open, Option<String>
             .map_err(Failure::study(OPENING))?,
         texts,
         in_others,
-        scenario: run_folder::read_scenario(world.as_deref(), None)
+        scenario: run_folder::read_seat_scenario(world.as_deref())
             .map_err(Failure::study(OPENING))?,
         model: bytes.map_err(|e| Failure::io(OPENING, e))?,
         made_up_model: study.design.synthetic() || study.design.model().is_some_and(|m| m.made_up),

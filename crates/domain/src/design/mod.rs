@@ -33,7 +33,9 @@ pub use orders::OrderPlan;
 pub use outcome::{DeclaredTest, Homophily, Outcome, Quantity, ScoreName, Style};
 pub use own_measure::{ABOUT_A_ROW, OwnMeasure};
 pub use people::{CONDITION, Covariate, Factor, People};
-pub use protocol::{Practice, Probe, Protocol, ProtocolStep, Redirect, SeatView, Sessions, World};
+pub use protocol::{
+    Crash, DRIVES_S, Practice, Probe, Protocol, ProtocolStep, Redirect, SeatView, Sessions, World,
+};
 pub use which::WHICH;
 pub use williams::{Square, williams, williams_rows};
 

@@ -27,6 +27,19 @@ pub enum ProtocolStep {
     Which,
     /// The scales asked at the end.
     Post,
+    /// A rest, as often as it stands there.
+    Break,
+}
+
+/// What becomes of a drive in which the car hits another vehicle. A practice begins again either way.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Crash {
+    /// It ends, and nothing is heard or seen of a crash.
+    #[default]
+    Ends,
+    /// It is heard and seen, and then the drive ends: the consent has to name it.
+    Felt,
 }
 
 /// A scale of one item that is asked again and again during a ride.
@@ -209,6 +222,10 @@ pub struct Protocol {
     pub sessions: Option<Sessions>,
     /// Which draw of the scenario each drive meets.
     pub world: World,
+    /// What becomes of a drive in which the car hits another vehicle.
+    pub crash: Crash,
+    /// Shortest rest at the step `break`, in s.
+    pub break_s: f64,
     /// In which unit speeds are shown, where `[study] units` does not say it.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub speed: Option<SpeedUnit>,
@@ -267,6 +284,8 @@ impl Default for Protocol {
             rides_per_condition: 1,
             sessions: None,
             world: World::ByRide,
+            crash: Crash::Ends,
+            break_s: 60.0,
             speed: None,
             view: SeatView::default(),
             stop_if: None,
@@ -292,17 +311,19 @@ fn is_one(number: &u32) -> bool {
 const MOST_REPEATS: u32 = 20;
 
 /// Shortest and longest drive, in s.
-const DRIVES_S: [f64; 2] = [10.0, 7_200.0];
+pub const DRIVES_S: [f64; 2] = [10.0, 7_200.0];
+/// Shortest and longest rest, in s.
+const BREAK_S: [f64; 2] = [1.0, 3_600.0];
 
 impl Protocol {
     pub(super) fn check(&self) -> Result<(), DesignError> {
         let lengths = [
-            ("drive_s", self.drive_s),
-            ("ride_s", self.ride_s),
-            ("practice.at_most_s", self.practice.at_most_s),
+            ("drive_s", self.drive_s, DRIVES_S),
+            ("ride_s", self.ride_s, DRIVES_S),
+            ("practice.at_most_s", self.practice.at_most_s, DRIVES_S),
+            ("break_s", self.break_s, BREAK_S),
         ];
-        let [low, high] = DRIVES_S;
-        for (key, found) in lengths {
+        for (key, found, [low, high]) in lengths {
             if !(low..=high).contains(&found) {
                 let expected = format!("{low} to {high} s");
                 return Err(DesignError::key(format!("protocol.{key}"), found, expected));
@@ -343,9 +364,10 @@ impl Protocol {
             return Err(DesignError::key("protocol.view.screens", found, "1 or 3"));
         }
         for (at, step) in self.steps.iter().enumerate() {
-            if self.steps[..at].contains(step) {
+            if *step != ProtocolStep::Break && self.steps[..at].contains(step) {
                 let found = format!("{step:?} twice").to_lowercase();
-                return Err(DesignError::key("protocol.steps", found, "each once"));
+                let expected = "each once, but for `break`";
+                return Err(DesignError::key("protocol.steps", found, expected));
             }
         }
         let tried = self.steps.contains(&ProtocolStep::Controls);
@@ -609,6 +631,41 @@ mod tests {
             "world = \"by_drive\"",
             &["by_drive", "by_ride", "same", "own"],
         );
+    }
+
+    #[test]
+    fn a_break_may_come_again_and_no_other_step_and_it_has_a_length() {
+        let of = |protocol: &str| {
+            let text = format!(
+                "[study]\ntitle = \"x\"\n[[condition]]\nid = \"a\"\n[protocol]\n{protocol}"
+            );
+            let design = crate::Design::from_toml(&text).unwrap();
+            let protocol = design.protocol();
+            (protocol.steps.len(), protocol.break_s)
+        };
+        let steps = "steps = [\"before\", \"break\", \"drive\", \"break\", \"rides\"]";
+        assert_eq!(of(steps), (5, 60.0));
+        assert_eq!(of(&format!("{steps}\nbreak_s = 90")), (5, 90.0));
+        refused(
+            "steps = [\"drive\", \"drive\"]",
+            &["protocol.steps", "drive twice", "`break`"],
+        );
+        refused(
+            "break_s = 3601",
+            &["protocol.break_s", "3601", "1 to 3600 s"],
+        );
+    }
+
+    #[test]
+    fn a_crash_ends_a_drive_unless_the_study_says_that_it_is_felt() {
+        let of = |line: &str| {
+            let text =
+                format!("[study]\ntitle = \"x\"\n[[condition]]\nid = \"a\"\n[protocol]\n{line}");
+            crate::Design::from_toml(&text).unwrap().protocol().crash
+        };
+        assert_eq!(of(""), Crash::Ends);
+        assert_eq!(of("crash = \"felt\""), Crash::Felt);
+        refused("crash = \"loud\"", &["loud", "ends", "felt"]);
     }
 
     #[test]

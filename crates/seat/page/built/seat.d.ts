@@ -41,6 +41,10 @@ export class PageDrive {
      */
     places(road: Float64Array | number[]): Float64Array;
     /**
+     * What was practised until now: time for which a lane was kept (s), vehicles passed.
+     */
+    practised(): Float64Array;
+    /**
      * A ride in a style (as a step has it, in JSON) of somebody whose own is `own` (empty: nothing was learned), at so many points of the study's on the dial; `stretch`
      * is points of the model for one of them.
      */
@@ -130,6 +134,7 @@ export interface InitOutput {
     readonly pagedrive_note: (a: number, b: number, c: number, d: number, e: number) => void;
     readonly pagedrive_pad: (a: number, b: number, c: number, d: number, e: number, f: number) => number;
     readonly pagedrive_places: (a: number, b: number, c: number) => [number, number];
+    readonly pagedrive_practised: (a: number) => [number, number];
     readonly pagedrive_ride: (a: number, b: number, c: number, d: number, e: number, f: number, g: number, h: number, i: number, j: number, k: number, l: number) => [number, number, number];
     readonly pagedrive_rides: (a: number, b: number) => number;
     readonly pagedrive_road: (a: number) => [number, number];

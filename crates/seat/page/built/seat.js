@@ -158,6 +158,16 @@ export class PageDrive {
         return v2;
     }
     /**
+     * What was practised until now: time for which a lane was kept (s), vehicles passed.
+     * @returns {Float64Array}
+     */
+    practised() {
+        const ret = wasm.pagedrive_practised(this.__wbg_ptr);
+        var v1 = getArrayF64FromWasm0(ret[0], ret[1]).slice();
+        wasm.__wbindgen_free(ret[0], ret[1] * 8, 8);
+        return v1;
+    }
+    /**
      * A ride in a style (as a step has it, in JSON) of somebody whose own is `own` (empty: nothing was learned), at so many points of the study's on the dial; `stretch`
      * is points of the model for one of them.
      * @param {string} json

@@ -24,6 +24,7 @@ export type Step =
   | { kind: "screen"; sheets: Sheet[]; rules: Judged[] }
   | { kind: "text"; title: string; text: string; agree: boolean }
   | { kind: "scale"; scale: string; moment: string } & Asked
+  | { kind: "break"; at_least_s: number }
   | { kind: "controls" }
   | { kind: "practice"; seconds: number; lane_kept_s: number; passes: number; seed: string; probe?: Probe }
   | { kind: "drive"; condition: string; session?: number; seconds: number; seed: string; probe?: Probe }
@@ -55,7 +56,7 @@ export interface Between { from: string; until: string; open: boolean }
 
 export interface State {
   title: string; synthetic: boolean; made_up_model: boolean; mph: boolean;
-  at: number; ended: string | null; steps: Step[]; fit: Fit | null; attempts: number; whole: boolean; aborted: boolean; scenario: string; view: ViewSettings; styles: Styles | null;
+  at: number; ended: string | null; steps: Step[]; fit: Fit | null; attempts: number; whole: boolean; aborted: boolean; scenario: string; crash: "ends" | "felt"; view: ViewSettings; styles: Styles | null;
   /// Where the platform is that pays; null before the end, and where there is none.
   redirect: string | null;
   /// Null but between two sessions.

@@ -14,8 +14,6 @@ import { make } from "./words";
 const STEP_MS = 10;
 /// A picture that comes later than this is counted; more steps than this at once are left out.
 const LATE_MS = 50, MOST_STEPS = 25;
-/// Whoever stands or creeps keeps no lane.
-const SLOW_MPS = 5;
 
 const element = (id: string): HTMLElement => document.getElementById(id) as HTMLElement;
 
@@ -37,8 +35,14 @@ export interface Practised { keptS: number; passes: number }
 /// A browser that a program drives says so, and so does the record.
 const driver = navigator.webdriver ? "scripted" : "human";
 
-/// Runs a drive to its end and sends it; gives the fitted style where a model is given to learn with.
-export async function run(wanted: Wanted, learn: PageModel | null): Promise<string | null> {
+/// What came of a drive: the fitted style where a model was given to learn with, and whether it ended with a crash.
+export interface Ran { fit: string | null; crashed: boolean }
+
+/// How long a crash is felt, where it is.
+const FELT_MS = 1500;
+
+/// Runs a drive to its end and sends it. A practice that ends with a crash is left as one that was cut short: it begins again.
+export async function run(wanted: Wanted, learn: PageModel | null): Promise<Ran> {
   const { state, ride } = wanted;
   const drive = ride
     ? PageDrive.ride(state.scenario, wanted.seconds, wanted.seed, ride.model, ride.own, ride.style, ride.points, ride.stretch)
@@ -80,7 +84,7 @@ export async function run(wanted: Wanted, learn: PageModel | null): Promise<stri
     button(say("calmer", { key: controls.keyName("C") }), () => turn(-by));
     button(say("sportier", { key: controls.keyName("S") }), () => turn(by));
   }
-  let stopped = false;
+  let stopped = false, crashed = false;
   const stop = (why: string): void => { drive.note(`stopped: ${why}`); stopped = true; };
   button(say("unwell"), () => stop("unwell"));
   const note = (what: string, answer: number | null): void => drive.note(what, answer ?? undefined);
@@ -103,8 +107,7 @@ export async function run(wanted: Wanted, learn: PageModel | null): Promise<stri
   addEventListener("gamepaddisconnected", plugged);
 
   let drawn = 0, late = 0, dropped = 0, longest = 0, input = 0, before = performance.now(), owed = 0, sent = before, over = false, touched = 0;
-  const speeds = new Map<number, { row: number; speed: number; braking: boolean; y: number; signal: number; ahead: boolean }>();
-  const practised: Practised = { keptS: 0, passes: 0 };
+  const speeds = new Map<number, { row: number; speed: number; braking: boolean; y: number; signal: number }>();
   let lastTicks = 0, plainness = "", paused: number | null = null, waiting: number | null = null;
   const piece = async (): Promise<void> => {
     const ticks = drive.ticks();
@@ -158,15 +161,12 @@ export async function run(wanted: Wanted, learn: PageModel | null): Promise<stri
       for (let i = 14; i + 3 < seen.length; i += 4) {
         const [id, ox, oy, v] = [get(i), get(i + 1), get(i + 2), get(i + 3)];
         let known = speeds.get(id);
-        if (!known) { known = { row, speed: v, braking: false, y: oy, signal: 0, ahead: ox > x }; speeds.set(id, known); }
+        if (!known) { known = { row, speed: v, braking: false, y: oy, signal: 0 }; speeds.set(id, known); }
         if (row > known.row) {
           const dt = row - known.row, aside = (oy - known.y) / dt;
           known.braking = (v - known.speed) / dt < -0.5;
           known.signal = Math.abs(aside) > 0.1 ? Math.sign(aside) : 0;
           Object.assign(known, { row, speed: v, y: oy });
-          const nowAhead = ox > x;
-          if (known.ahead && !nowAhead && Math.abs(oy - y) > 0.5 * road.laneWidth) practised.passes++;
-          known.ahead = nowAhead;
         }
         others.push({ id, x: ox + v * (since + owed / 1000), y: oy, speed: v, braking: known.braking, signal: known.signal });
       }
@@ -175,18 +175,17 @@ export async function run(wanted: Wanted, learn: PageModel | null): Promise<stri
       element("left").classList.toggle("on", turning > 0 && blink);
       element("right").classList.toggle("on", turning < 0 && blink);
       element("speed").textContent = `${Math.round(speed * unit.factor)} ${unit.name}`;
-      const off = Math.abs(y - Math.round(Math.max(0, Math.min(road.lanes - 1, y / road.laneWidth))) * road.laneWidth);
-      const within = off + 0.5 * road.carWidth < 0.5 * road.laneWidth && speed > SLOW_MPS;
-      practised.keptS = within ? practised.keptS + steps * STEP_MS / 1000 : 0;
       const contacts = get(7) + get(8);
-      if (contacts > touched) { touched = contacts; element("said").textContent = say(get(7) > 0 ? "contact_vehicle" : "contact_barrier"); }
+      if (contacts > touched) { touched = contacts; element("said").textContent = say("contact_barrier"); }
+      if (get(7) > 0 && !crashed) { crashed = true; drive.note("crash"); goesOn = false; }
       sound.set(speed, get(12));
       view.draw({ x: x + speed * owed / 1000, y, heading, wheel, others }, now);
       if (pressedAt !== null) input = Math.max(input, performance.now() - pressedAt);
       if (now - sent >= 1000) {
         sent = now;
         void piece();
-        if (wanted.enough?.(practised)) goesOn = false;
+        const [keptS = 0, passes = 0] = drive.practised();
+        if (wanted.enough?.({ keptS, passes })) goesOn = false;
         asking?.tick(drive.ticks() * STEP_MS / 1000);
         if (outbox.refused) { element("said").textContent = outbox.refused.message; goesOn = false; }
       }
@@ -202,13 +201,20 @@ export async function run(wanted: Wanted, learn: PageModel | null): Promise<stri
     requestAnimationFrame((now) => { before = now; frame(now); });
   });
   asking?.close();
+  if (crashed && state.crash === "felt") {
+    sound.bang();
+    panel.classList.add("felt");
+    await new Promise((done) => setTimeout(done, FELT_MS));
+    panel.classList.remove("felt");
+  }
   const rest = drive.ticks();
   document.removeEventListener("visibilitychange", hidden);
   removeEventListener("gamepadconnected", plugged);
   removeEventListener("gamepaddisconnected", plugged);
   await piece();
   const driven = drive.finish();
-  await outbox.add(driven.end(), rest);
+  // What has no end is begun again.
+  if (!crashed || !wanted.enough) await outbox.add(driven.end(), rest);
   controls.drives(false);
   forget();
   removeEventListener("resize", resized);
@@ -225,5 +231,5 @@ export async function run(wanted: Wanted, learn: PageModel | null): Promise<stri
   }
   if (outbox.refused?.reason === "over") await outbox.drop();
   if (outbox.refused) throw outbox.refused;
-  return fit;
+  return { fit, crashed };
 }

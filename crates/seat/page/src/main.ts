@@ -63,19 +63,38 @@ async function drives(state: api.State, step: api.Step & { kind: "practice" | "d
     wanted.ride = { model: learned, own: fitted ?? new Float64Array(), style: JSON.stringify(step.style), beyond, points: step.points, stretch: step.stretch, turns: step.turns };
   }
   // All rides are in the style of the first session's drive.
-  const fit = await run(wanted, step.kind === "drive" && (step.session ?? 1) === 1 ? learned : null);
+  const { fit, crashed } = await run(wanted, step.kind === "drive" && (step.session ?? 1) === 1 ? learned : null);
   practised.textContent = "";
+  // What is practised is practised again.
+  if (crashed && step.kind === "practice") return;
   if (fit) await keeper.keepFit(fit);
   await keeper.done(state.at);
+  const ended = crashed ? "crash" : step.kind === "practice" ? (passed ? "practice_passed" : "practice_over") : null;
+  if (!ended) return;
   // Whoever stopped is told something else.
-  if (step.kind !== "practice") return;
   const now = await keeper.state();
   if (!now.ended && now.steps[now.at]?.kind !== "aftercare") {
     sayHowFar(now);
-    const on = pressed(say("continue"));
-    show(make("h1", [say(passed ? "practice_passed" : "practice_over")]), make("p", [say(passed ? "practice_passed_help" : "practice_over_help")]), on.all);
-    await on.done;
+    await text(say(crashed ? "crash_title" : ended), say(`${ended}_help`), say("continue"));
   }
+}
+
+/// A rest: the button that goes on can be pressed once it was long enough.
+async function rests(at: number, leastS: number): Promise<void> {
+  const begun = performance.now();
+  const rested = (): number => (performance.now() - begun) / 1000;
+  const go = pressed(say("continue")), left = make("p", [], { role: "status" });
+  const count = (): void => {
+    const seconds = Math.ceil(leastS - rested());
+    go.button.disabled = seconds > 0;
+    left.textContent = seconds > 0 ? say("break_left", { time: duration(seconds) }) : "";
+  };
+  show(make("h1", [say("break_title")]), ...paragraphs(say("break_help", { time: duration(leastS) })), left, go.all);
+  count();
+  const ticking = setInterval(count, 1000);
+  await go.done;
+  clearInterval(ticking);
+  await keeper.answer(at, { seconds: rested() });
 }
 
 function told(state: api.State, step: api.Step & { kind: "practice" | "drive" | "ride" }): [string, string, string] {
@@ -157,6 +176,7 @@ async function once(state: api.State): Promise<boolean> {
       await keeper.answer(state.at, await sheet(step, draft(state.at), (given) => keepDraft(state.at, given)));
       deleteDraft(state.at);
       break;
+    case "break": await rests(state.at, step.at_least_s); break;
     case "controls": await choose(deviceOf(state.steps)); await keeper.done(state.at); break;
     case "practice": case "drive": case "ride": await drives(state, step); break;
     case "between": return comesAgain(state, step);

@@ -34,6 +34,23 @@ export class Sound {
     this.windGain?.gain.setTargetAtTime(this.on ? Math.min(0.25, 1.4e-4 * speed * speed) : 0, now, 0.2);
   }
 
+  /// A dull bang, as of metal on metal.
+  bang(): void {
+    if (!this.context || !this.on) return;
+    const { context } = this, now = context.currentTime;
+    const noise = context.createBuffer(1, context.sampleRate, context.sampleRate);
+    const data = noise.getChannelData(0);
+    for (let i = 0; i < data.length; i++) data[i] = 2 * Math.random() - 1;
+    const low = new BiquadFilterNode(context, { type: "lowpass", frequency: 420 });
+    const gain = new GainNode(context, { gain: 0.8 });
+    gain.gain.setTargetAtTime(0, now + 0.06, 0.22);
+    const bang = new AudioBufferSourceNode(context, { buffer: noise });
+    bang.connect(low).connect(gain).connect(context.destination);
+    bang.start();
+    this.engineGain?.gain.setTargetAtTime(0, now, 0.05);
+    this.windGain?.gain.setTargetAtTime(0, now, 0.05);
+  }
+
   stop(): void {
     void this.context?.close();
     this.context = null;

@@ -360,6 +360,10 @@ impl Script {
                 format!("/api/{token}/answer/{at}"),
                 r#"{"agreed":true,"seconds":4.5}"#,
             ),
+            "break" => {
+                let rested = serde_json::json!({"seconds": step["at_least_s"]});
+                sent(format!("/api/{token}/answer/{at}"), &rested.to_string());
+            }
             "screen" | "computer" => sent(
                 format!("/api/{token}/answer/{at}"),
                 r#"{"refused":null,"seconds":4.5}"#,

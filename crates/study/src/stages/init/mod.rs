@@ -23,13 +23,22 @@ use study_text::{Wanted, study_text};
 const FOLDERS: [&str; 2] = ["logs", "surveys"];
 
 /// Name and text of the files of every study, beside the questionnaires.
-const FILES: [(&str, &str); 5] = [
+const FILES: [(&str, &str); 4] = [
     ("README.md", include_str!("README.md")),
     ("consent.md", include_str!("consent.md")),
     ("mapping.toml", include_str!("mapping.toml")),
     ("surveys/columns.toml", include_str!("columns.toml")),
-    ("scenario.toml", maveric_data::SCENARIOS_PAPER),
 ];
+
+/// The world: that of the seat where people drive, that of the paper where they are made up.
+fn scenario(synthetic: bool) -> (&'static str, &'static str) {
+    let text = if synthetic {
+        maveric_data::SCENARIOS_PAPER
+    } else {
+        maveric_data::SCENARIOS_SEAT
+    };
+    ("scenario.toml", text)
+}
 
 /// Name and text of the questionnaires: all that are shipped.
 fn scales() -> impl Iterator<Item = (&'static str, &'static str)> {
@@ -198,6 +207,7 @@ impl Stage for Init {
 /// The files of a study of one's own.
 fn own_files<'a>(options: &Init, design: &'a str, people: &'a str) -> Vec<(&'a str, &'a str)> {
     let mut files: Vec<(&str, &str)> = FILES.into_iter().chain(scales()).collect();
+    files.push(scenario(options.synthetic));
     files.push((DESIGN_FILE, design));
     files.push(("participants.csv", people));
     if options.synthetic || options.conditions.is_empty() {
