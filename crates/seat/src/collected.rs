@@ -319,9 +319,9 @@ fn place(step: &Step) -> (String, Option<String>) {
         Step::Break { .. } => ("break".to_owned(), None),
         Step::Controls => ("controls".to_owned(), None),
         Step::Practice { .. } => (PRACTICE.to_owned(), None),
-        Step::Drive { condition, .. } | Step::Ride { condition, .. } => {
-            (condition.to_string(), None)
-        }
+        Step::Drive { condition, .. }
+        | Step::Ride { condition, .. }
+        | Step::Elsewhere { condition, .. } => (condition.to_string(), None),
         Step::Aftercare { .. } => ("aftercare".to_owned(), None),
         Step::Thanks { .. } => ("thanks".to_owned(), None),
     }

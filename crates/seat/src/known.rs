@@ -45,6 +45,7 @@ fn what(step: &Step) -> &'static str {
         Step::Practice { .. } => "lab_practice",
         Step::Drive { .. } => "lab_driving",
         Step::Ride { .. } => "lab_riding",
+        Step::Elsewhere { .. } => "lab_elsewhere",
         Step::Aftercare { .. } => "lab_aftercare",
         Step::Thanks { .. } => "lab_thanks",
     }

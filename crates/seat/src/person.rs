@@ -78,11 +78,8 @@ impl Person {
 
     /// The conditions that they ride, in their order.
     pub(crate) fn rides(&self) -> Vec<String> {
-        let drives = self.steps.iter().filter_map(Step::drives);
-        drives
-            .filter(|(_, by_hand)| !by_hand)
-            .map(|(condition, _)| condition.to_string())
-            .collect()
+        let ridden = self.steps.iter().filter_map(Step::ridden);
+        ridden.map(|condition| condition.to_string()).collect()
     }
 
     /// Their style.

@@ -214,6 +214,14 @@ fn rides(
     let conditions = design.conditions();
     for (number, &place) in riding.order.iter().enumerate() {
         let condition = &conditions[place];
+        if ridden_elsewhere(design) {
+            steps.push(Step::Elsewhere {
+                condition: condition.id,
+                number: number + 1,
+            });
+            after(protocol, scales, condition.id, steps)?;
+            continue;
+        }
         let (style, points, turns) = driven(design, condition, whose, riding.styles)?;
         steps.push(Step::Ride {
             condition: condition.id,
@@ -227,12 +235,28 @@ fn rides(
             lent: None,
             probe: probe.cloned(),
         });
-        for id in &protocol.after {
-            let moment = Moment::after(condition.id);
-            steps.push(sheet(scales, id, moment, &protocol.language)?);
-        }
+        after(protocol, scales, condition.id, steps)?;
     }
     Ok(())
+}
+
+/// What is asked after a ride.
+fn after(
+    protocol: &Protocol,
+    scales: &[Scale],
+    condition: ConditionId,
+    steps: &mut Vec<Step>,
+) -> Result<(), Hindrance> {
+    for id in &protocol.after {
+        let moment = Moment::after(condition);
+        steps.push(sheet(scales, id, moment, &protocol.language)?);
+    }
+    Ok(())
+}
+
+/// Whether every ride is in a car that is not the seat's: no condition has a car of ours.
+pub(crate) fn ridden_elsewhere(design: &Design) -> bool {
+    design.conditions().iter().all(|c| c.car.is_none())
 }
 
 /// Points that the dial turns at a press where the design has no step: a third of the paper's 15.

@@ -136,6 +136,13 @@ pub enum Step {
         #[serde(default, skip_serializing_if = "Option::is_none")]
         probe: Option<AskedProbe>,
     },
+    /// A ride in a car that is not the seat's: somebody goes there, and comes back.
+    Elsewhere {
+        /// The condition.
+        condition: ConditionId,
+        /// Its number, as the person is told.
+        number: usize,
+    },
     /// What somebody is told who stopped; whoever did not goes past it.
     Aftercare {
         /// As in [`Step::Text`].
@@ -237,7 +244,8 @@ pub(crate) fn coded_rides(steps: &[Step]) -> Vec<(ConditionId, ConditionId)> {
     let coded = |step: &Step| match step {
         Step::Ride {
             condition, number, ..
-        } => {
+        }
+        | Step::Elsewhere { condition, number } => {
             let number = ConditionId::new(&format!("ride-{number}"));
             Some((*condition, number.ok()?))
         }
@@ -256,6 +264,14 @@ impl Step {
         }
     }
 
+    /// The condition that is ridden here, in the seat or elsewhere.
+    pub(crate) fn ridden(&self) -> Option<ConditionId> {
+        match self {
+            Self::Ride { condition, .. } | Self::Elsewhere { condition, .. } => Some(*condition),
+            _ => None,
+        }
+    }
+
     /// This step as the page is told it: a ride is known by its number, since who rides is not to read the condition.
     pub(crate) fn for_page(&self, rides: &[(ConditionId, ConditionId)]) -> Self {
         let coded = |id: ConditionId| rides.iter().find(|(c, _)| *c == id).map(|(_, n)| *n);
@@ -266,6 +282,9 @@ impl Step {
             } => {
                 *condition = coded(*condition).unwrap_or(*condition);
                 *lent = None;
+            }
+            Self::Elsewhere { condition, .. } => {
+                *condition = coded(*condition).unwrap_or(*condition);
             }
             Self::Scale {
                 moment: Moment::After(ride),
