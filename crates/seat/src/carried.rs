@@ -216,6 +216,7 @@ fn missing(steps: &[Step], given: &Carried) -> Option<String> {
             Step::Text { agree: true, .. } => (sheet(at), "was not agreed to"),
             Step::Scale { .. } if through => (sheet(at), "has no answers of its questionnaire"),
             Step::Break { .. } if through => (sheet(at), "was not rested at"),
+            Step::Elsewhere { .. } if through => (sheet(at), "has no ride that was over"),
             Step::Drive { .. } if through => (driven(at), "has no drive that came to its end"),
             Step::Ride { .. } if through => (driven(at), "has no ride that came to its end"),
             _ => (true, ""),

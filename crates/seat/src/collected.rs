@@ -339,6 +339,11 @@ fn place(step: &Step) -> (String, Option<String>) {
             condition,
             occasion,
             ..
+        }
+        | Step::Elsewhere {
+            condition,
+            occasion,
+            ..
         } => {
             let ride = Ride {
                 condition: *condition,

@@ -127,10 +127,8 @@ impl Seat {
         let reason = said_why(reason)?;
         let person = self.store.within(|b| {
             let mut person = there(b, participant, at)?;
-            let ahead = person.steps.iter_mut().enumerate().skip(at);
-            let next = ahead
-                .filter_map(|(step, found)| Some((step, found.seconds_mut()?)))
-                .next();
+            let mut ahead = person.steps.iter_mut().enumerate().skip(at);
+            let next = ahead.find_map(|(step, found)| Some((step, found.seconds_mut()?)));
             let Some((step, seconds)) = next else {
                 return Err(SeatError::cannot(
                     format!("`{participant}` drives nothing any more"),

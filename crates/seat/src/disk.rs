@@ -9,7 +9,8 @@ pub(crate) const LITTLE: u64 = 2 << 30;
 #[cfg(unix)]
 pub(crate) fn left(path: &Path) -> Option<u64> {
     let disk = nix::sys::statvfs::statvfs(path).ok()?;
-    u64::from(disk.blocks_available()).checked_mul(disk.fragment_size())
+    // Of how many bits these are is the system's.
+    Some((disk.blocks_available() as f64 * disk.fragment_size() as f64) as u64)
 }
 
 /// As on other systems, which say it: nobody knows.

@@ -50,6 +50,7 @@ fn what(step: &Step) -> &'static str {
         Step::Drive { .. } => "lab_driving",
         Step::Ride { .. } => "lab_riding",
         Step::Between { .. } => "lab_between",
+        Step::Elsewhere { .. } => "lab_elsewhere",
         Step::Aftercare { .. } => "lab_aftercare",
         Step::Thanks { .. } => "lab_thanks",
     }

@@ -78,10 +78,10 @@ impl Person {
 
     /// The conditions that they ride, in their order: that of each round of rides.
     pub(crate) fn rides(&self) -> Vec<String> {
-        let drives = self.steps.iter().filter_map(Step::drives);
-        drives
-            .filter(|(ride, by_hand)| !by_hand && ride.occasion == Occasion::FIRST)
-            .map(|(ride, _)| ride.condition.to_string())
+        let ridden = self.steps.iter().filter_map(Step::ridden);
+        ridden
+            .filter(|ride| ride.occasion == Occasion::FIRST)
+            .map(|ride| ride.condition.to_string())
             .collect()
     }
 

@@ -290,6 +290,15 @@ fn rides(
             // Both are counted from 1.
             occasion: Occasion::new(session, trial).unwrap_or_default(),
         };
+        if ridden_elsewhere(design) {
+            steps.push(Step::Elsewhere {
+                condition: condition.id,
+                occasion: ride.occasion,
+                number,
+            });
+            after(protocol, (scales, language), ride, steps)?;
+            continue;
+        }
         let (style, points, turns) = driven(design, condition, whose, riding.styles)?;
         let among_all = (session as usize - 1) * a_session + number;
         steps.push(Step::Ride {
@@ -305,11 +314,27 @@ fn rides(
             lent: None,
             probe: probe.cloned(),
         });
-        for id in &protocol.after {
-            steps.push(sheet(scales, id, Moment::After(ride), language)?);
-        }
+        after(protocol, (scales, language), ride, steps)?;
     }
     Ok(())
+}
+
+/// What is asked after a ride.
+fn after(
+    protocol: &Protocol,
+    (scales, language): (&[Scale], &str),
+    ride: Ride,
+    steps: &mut Vec<Step>,
+) -> Result<(), Hindrance> {
+    for id in &protocol.after {
+        steps.push(sheet(scales, id, Moment::After(ride), language)?);
+    }
+    Ok(())
+}
+
+/// Whether every ride is in a car that is not the seat's: no condition has a car of ours.
+pub(crate) fn ridden_elsewhere(design: &Design) -> bool {
+    design.conditions().iter().all(|c| c.car.is_none())
 }
 
 /// Points that the dial turns at a press where the design has no step: a third of the paper's 15.

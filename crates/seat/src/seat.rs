@@ -217,7 +217,8 @@ impl Seat {
 
     /// Whether people ride, or drive by hand alone so that a model can learn from them.
     pub fn rides(&self) -> bool {
-        self.model.is_some() && self.asks(ProtocolStep::Rides)
+        let elsewhere = plan::ridden_elsewhere(&self.settings.design);
+        (self.model.is_some() || elsewhere) && self.asks(ProtocolStep::Rides)
     }
 
     fn asks(&self, step: ProtocolStep) -> bool {

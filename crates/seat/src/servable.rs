@@ -4,7 +4,7 @@ use crate::{
     crash,
     hindrance::Hindrance,
     moments,
-    plan::car,
+    plan::{car, ridden_elsewhere},
     steps::{Texts, sheet},
     withdrawal,
 };
@@ -72,7 +72,7 @@ pub(crate) fn hindrances(
     if learns && !asks(ProtocolStep::Drive) {
         found.push(Hindrance::NoDrive);
     }
-    if !asks(ProtocolStep::Rides) {
+    if !asks(ProtocolStep::Rides) || ridden_elsewhere(design) {
         return found;
     }
     if model.is_none() && !learns {

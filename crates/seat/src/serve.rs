@@ -380,6 +380,7 @@ async fn done(
             | Step::Screen { .. }
             | Step::Scale { .. }
             | Step::Break { .. }
+            | Step::Elsewhere { .. }
             | Step::Text { agree: true, .. } => {
                 return Err(Refused::NotThis("answers are asked here".to_owned()));
             }

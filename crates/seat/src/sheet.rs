@@ -63,6 +63,7 @@ impl Sheet {
                     ));
                 }
             }
+            Step::Elsewhere { .. } if self.answers.is_empty() && !self.agreed => {}
             _ if rules.is_some_and(|rules| self.refused.is_none_or(|at| at < rules.len()))
                 && self.answers.is_empty()
                 && !self.agreed => {}

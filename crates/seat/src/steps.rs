@@ -151,6 +151,16 @@ pub enum Step {
         #[serde(default, skip_serializing_if = "Option::is_none")]
         probe: Option<AskedProbe>,
     },
+    /// A ride in a car that is not the seat's: somebody goes there, and comes back.
+    Elsewhere {
+        /// The condition.
+        condition: ConditionId,
+        /// Which ride of the condition it is.
+        #[serde(flatten)]
+        occasion: Occasion,
+        /// Its number within its session, as the person is told.
+        number: usize,
+    },
     /// Between two sessions: nobody goes on before the day.
     Between {
         /// The session that comes.
@@ -257,8 +267,8 @@ impl AskedProbe {
 /// Each ride of these steps, and what the page calls it.
 pub(crate) fn coded_rides(steps: &[Step]) -> Vec<(Ride, ConditionId)> {
     let coded = |step: &Step| match step {
-        Step::Ride { number, .. } => {
-            let (ride, _) = step.drives()?;
+        Step::Ride { number, .. } | Step::Elsewhere { number, .. } => {
+            let ride = step.ridden()?;
             Some((ride, ConditionId::new(&format!("ride-{number}")).ok()?))
         }
         _ => None,
@@ -295,6 +305,26 @@ impl Step {
         matches!(self, Self::Drive { occasion, .. } if *occasion == Occasion::FIRST)
     }
 
+    /// What is ridden here, in the seat or elsewhere.
+    pub(crate) fn ridden(&self) -> Option<Ride> {
+        match self {
+            Self::Ride {
+                condition,
+                occasion,
+                ..
+            }
+            | Self::Elsewhere {
+                condition,
+                occasion,
+                ..
+            } => Some(Ride {
+                condition: *condition,
+                occasion: *occasion,
+            }),
+            _ => None,
+        }
+    }
+
     /// This step as the page is told it: a ride is known by its number, since who rides is not to read the condition.
     pub(crate) fn for_page(&self, rides: &[(Ride, ConditionId)]) -> Self {
         let coded = |ride: Ride| rides.iter().find(|(r, _)| *r == ride).map(|(_, n)| *n);
@@ -314,6 +344,18 @@ impl Step {
                 // A number is a ride's alone within its session; a trial would say which condition comes again.
                 occasion.trial = Occasion::FIRST.trial;
                 *lent = None;
+            }
+            Self::Elsewhere {
+                condition,
+                occasion,
+                ..
+            } => {
+                let ride = Ride {
+                    condition: *condition,
+                    occasion: *occasion,
+                };
+                *condition = coded(ride).unwrap_or(*condition);
+                occasion.trial = Occasion::FIRST.trial;
             }
             Self::Scale {
                 moment: Moment::After(ride),

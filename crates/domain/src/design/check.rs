@@ -9,6 +9,7 @@ use super::{
     outcome::Style,
     own_measure::own_measures,
     people::{People, Wanted},
+    ridden::ridden,
     tested::{compare, hypothesis, once, outcomes},
     toml_file::{
         CarToml, CellToml, ConditionToml, DesignToml, DialToml, ModelToml, PeopleToml, RoleToml,
@@ -91,6 +92,7 @@ fn design(raw: DesignToml) -> Checked<Design> {
     factors::products(&raw.covariate, &conditions)?;
     exclude(&raw.exclude)?;
     raw.protocol.check()?;
+    ridden(&raw.protocol, &conditions)?;
     which(&raw.protocol, &conditions)?;
     let speed_unit = match raw.study.units {
         Some(Units::Metric) => SpeedUnit::Kmh,

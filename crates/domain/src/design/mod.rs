@@ -17,6 +17,7 @@ mod outcome;
 mod own_measure;
 mod people;
 mod protocol;
+mod ridden;
 mod tested;
 mod toml_file;
 mod which;

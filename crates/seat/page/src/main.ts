@@ -180,6 +180,11 @@ async function once(state: api.State): Promise<boolean> {
     case "controls": await choose(deviceOf(state.steps)); await keeper.done(state.at); break;
     case "practice": case "drive": case "ride": await drives(state, step); break;
     case "between": return comesAgain(state, step);
+    case "elsewhere": {
+      const seconds = await text(say("ride", { number: step.number }), say("elsewhere_help"), say("elsewhere_over"));
+      await keeper.answer(state.at, { seconds });
+      break;
+    }
     case "aftercare":
       await (state.aborted ? text(say("aborted_title"), say("aborted"), say("continue")) : text(say("aftercare_title"), step.text, say("continue")));
       await keeper.done(state.at);

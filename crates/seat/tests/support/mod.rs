@@ -364,6 +364,7 @@ impl Script {
                 let rested = serde_json::json!({"seconds": step["at_least_s"]});
                 sent(format!("/api/{token}/answer/{at}"), &rested.to_string());
             }
+            "elsewhere" => sent(format!("/api/{token}/answer/{at}"), "{\"seconds\":300}"),
             "screen" | "computer" => sent(
                 format!("/api/{token}/answer/{at}"),
                 r#"{"refused":null,"seconds":4.5}"#,

@@ -1,0 +1,74 @@
+//! Reading a design: whether whoever rides has driven what their style is learned of.
+
+use super::{
+    condition::{Car, Condition},
+    error::DesignError,
+    protocol::{Protocol, ProtocolStep},
+};
+
+/// Whether the car of a condition has the style of whoever rides, or one that is found by it.
+fn needs_own_style(condition: &Condition) -> bool {
+    let elsewhere = matches!(condition.car, Some(Car::Mean | Car::Embedding(_)) | None);
+    !elsewhere
+}
+
+/// Refuses rides in somebody's own style before a drive by hand. Where every car has a style of its own, or none is ours, nobody has to drive.
+pub(super) fn ridden(protocol: &Protocol, conditions: &[Condition]) -> Result<(), DesignError> {
+    let place = |step| protocol.steps.iter().position(|s| *s == step);
+    let Some(rides) = place(ProtocolStep::Rides) else {
+        return Ok(());
+    };
+    let driven = place(ProtocolStep::Drive).is_some_and(|drive| drive < rides);
+    let Some(own) = conditions.iter().find(|c| needs_own_style(c)) else {
+        return Ok(());
+    };
+    if driven {
+        return Ok(());
+    }
+    let expected = format!(
+        "`drive` before `rides`: the style of `{}` is learned from it",
+        own.id
+    );
+    Err(DesignError::key(
+        "protocol.steps",
+        "rides without a drive before them",
+        expected,
+    ))
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::Design;
+
+    fn design(car: &str, steps: &str) -> Result<Design, String> {
+        let text = format!(
+            "[study]\ntitle = \"Rides\"\n[model]\nfile = \"lab.maveric\"\n[style]\nscore = \"adb.total\"\n\
+             [[condition]]\nid = \"average\"\ncar = {{ mean = true, recorded = true }}\n[[condition]]\nid = \"other\"\n{car}\n\
+             [protocol]\nsteps = {steps}\n"
+        );
+        Design::from_toml(&text).map_err(|e| e.to_string())
+    }
+
+    #[test]
+    fn nobody_has_to_drive_whose_rides_have_a_style_of_their_own_or_a_car_that_is_not_ours() {
+        let file = "car = { embedding = \"styles.csv\", recorded = true }";
+        for car in [file, "car = { mean = true, recorded = true }", ""] {
+            assert!(design(car, "[\"rides\"]").is_ok(), "{car}");
+        }
+        for car in [
+            "car = { dial = 0, recorded = true }",
+            "car = { across = true, recorded = true }",
+            "car = { other = \"matched\", recorded = true }",
+            "car = { free = true }",
+        ] {
+            for steps in ["[\"rides\"]", "[\"rides\", \"drive\"]"] {
+                let told = design(car, steps).unwrap_err();
+                assert!(
+                    told.contains("the style of `other` is learned from it"),
+                    "{told}"
+                );
+            }
+            assert!(design(car, "[\"drive\", \"rides\"]").is_ok(), "{car}");
+        }
+    }
+}
