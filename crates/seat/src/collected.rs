@@ -330,27 +330,11 @@ fn place(step: &Step) -> (String, Option<String>) {
         Step::Break { .. } => ("break".to_owned(), None),
         Step::Controls => ("controls".to_owned(), None),
         Step::Practice { .. } => (PRACTICE.to_owned(), None),
-        Step::Drive {
-            condition,
-            occasion,
-            ..
-        }
-        | Step::Ride {
-            condition,
-            occasion,
-            ..
-        }
-        | Step::Elsewhere {
-            condition,
-            occasion,
-            ..
-        } => {
-            let ride = Ride {
-                condition: *condition,
-                occasion: *occasion,
-            };
-            (ride.to_string(), None)
-        }
+        Step::Drive { .. } | Step::Ride { .. } | Step::Elsewhere { .. } => (
+            step.ride()
+                .map_or_else(String::new, |ride| ride.to_string()),
+            None,
+        ),
         Step::Between { .. } => ("between".to_owned(), None),
         Step::Aftercare { .. } => ("aftercare".to_owned(), None),
         Step::Thanks { .. } => ("thanks".to_owned(), None),

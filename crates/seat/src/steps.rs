@@ -277,8 +277,8 @@ pub(crate) fn coded_rides(steps: &[Step]) -> Vec<(Ride, ConditionId)> {
 }
 
 impl Step {
-    /// The drive that this step makes: its label, of which session, and whether a person drives.
-    pub fn drives(&self) -> Option<(Ride, bool)> {
+    /// What is driven or ridden here, also elsewhere.
+    pub(crate) fn ride(&self) -> Option<Ride> {
         match self {
             Self::Drive {
                 condition,
@@ -286,29 +286,6 @@ impl Step {
                 ..
             }
             | Self::Ride {
-                condition,
-                occasion,
-                ..
-            } => {
-                let ride = Ride {
-                    condition: *condition,
-                    occasion: *occasion,
-                };
-                Some((ride, matches!(self, Self::Drive { .. })))
-            }
-            _ => None,
-        }
-    }
-
-    /// Whether this is the drive by hand that a style is learned of: that of the first session.
-    pub(crate) fn is_learned_of(&self) -> bool {
-        matches!(self, Self::Drive { occasion, .. } if *occasion == Occasion::FIRST)
-    }
-
-    /// What is ridden here, in the seat or elsewhere.
-    pub(crate) fn ridden(&self) -> Option<Ride> {
-        match self {
-            Self::Ride {
                 condition,
                 occasion,
                 ..
@@ -325,46 +302,54 @@ impl Step {
         }
     }
 
+    /// The drive that this step makes: its label, of which session, and whether a person drives.
+    pub fn drives(&self) -> Option<(Ride, bool)> {
+        let by_hand = matches!(self, Self::Drive { .. });
+        let here = self.ride()?;
+        (by_hand || matches!(self, Self::Ride { .. })).then_some((here, by_hand))
+    }
+
+    /// Whether this is the drive by hand that a style is learned of: that of the first session.
+    pub(crate) fn is_learned_of(&self) -> bool {
+        matches!(self, Self::Drive { occasion, .. } if *occasion == Occasion::FIRST)
+    }
+
+    /// What is ridden here, in the seat or elsewhere.
+    pub(crate) fn ridden(&self) -> Option<Ride> {
+        self.ride().filter(|_| !matches!(self, Self::Drive { .. }))
+    }
+
     /// This step as the page is told it: a ride is known by its number, since who rides is not to read the condition.
     pub(crate) fn for_page(&self, rides: &[(Ride, ConditionId)]) -> Self {
         let coded = |ride: Ride| rides.iter().find(|(r, _)| *r == ride).map(|(_, n)| *n);
         let mut step = self.clone();
+        // A number is a ride's alone within its session; a trial would say which condition comes again.
+        let first = Occasion::FIRST.trial;
         match &mut step {
             Self::Ride {
                 condition,
                 occasion,
-                lent,
                 ..
-            } => {
-                let ride = Ride {
-                    condition: *condition,
-                    occasion: *occasion,
-                };
-                *condition = coded(ride).unwrap_or(*condition);
-                // A number is a ride's alone within its session; a trial would say which condition comes again.
-                occasion.trial = Occasion::FIRST.trial;
-                *lent = None;
             }
-            Self::Elsewhere {
+            | Self::Elsewhere {
                 condition,
                 occasion,
                 ..
             } => {
-                let ride = Ride {
-                    condition: *condition,
-                    occasion: *occasion,
-                };
-                *condition = coded(ride).unwrap_or(*condition);
-                occasion.trial = Occasion::FIRST.trial;
+                *condition = self.ride().and_then(coded).unwrap_or(*condition);
+                occasion.trial = first;
             }
             Self::Scale {
                 moment: Moment::After(ride),
                 ..
             } => {
                 ride.condition = coded(*ride).unwrap_or(ride.condition);
-                ride.occasion.trial = Occasion::FIRST.trial;
+                ride.occasion.trial = first;
             }
             _ => {}
+        }
+        if let Self::Ride { lent, .. } = &mut step {
+            *lent = None;
         }
         step
     }
