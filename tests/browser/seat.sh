@@ -1,8 +1,8 @@
 #!/usr/bin/env bash
 # The seat in headless Chromium: three scripted people at the keyboard, a whole study of short drives each, one of them with everything cut
 # in every step; then `maveric run`; before them, all that goes wrong around a person (`trouble.mjs`), and a study with every kind of sheet in
-# German (`instruments.mjs`), and the seat's own road beside a straight one (`road.mjs`). Eleven minutes. `tests/browser/seat.sh road` and
-# `tests/browser/seat.sh instruments` run one of them alone.
+# German (`instruments.mjs`), the seat's own road beside a straight one (`road.mjs`), and two sessions in a language that is chosen, ridden in
+# another rig (`sessions.mjs`). Eleven minutes. `tests/browser/seat.sh road`, `sessions` and `instruments` run one of them alone.
 #
 # MAVERIC_BIN: the program; otherwise the debug build of this checkout. SHOTS: a folder for pictures of every step.
 # Needs what `tests/browser/run.sh` installs.
@@ -41,6 +41,48 @@ done
 if [ "${1:-road}" = road ]; then
   node "$here/road.mjs" "$(realpath "$bin")" "$work/bends" "$work/straight"
   [ "${1:-}" != road ] || exit 0
+fi
+
+# Two sessions of somebody whom a platform pays, in one of two languages, ridden elsewhere.
+sessions="$work/sessions"
+mkdir -p "$sessions/scales"
+cat >"$sessions/scales/ride.toml" <<'TOML'
+id = "ride"
+title = "The ride"
+reference = "made for this test"
+items = 1
+min = 1
+max = 5
+scoring = "mean"
+wording = ["I felt safe."]
+[[subscales]]
+id = "total"
+title = "The ride"
+items = [1]
+[translation.de]
+items = ["Ich habe mich sicher gefühlt."]
+TOML
+printf 'An English text.\n' >"$sessions/consent.md"
+printf 'Ein deutscher Text.\n' >"$sessions/consent.de.md"
+cat >"$sessions/study.toml" <<'TOML'
+[study]
+title = "Zwei Sitzungen"
+[[condition]]
+id = "calm"
+[[condition]]
+id = "sporty"
+[protocol]
+steps = ["consent", "rides"]
+consent = "consent.md"
+languages = ["en", "de"]
+after = ["ride"]
+sessions = { count = 2, days_between = [1, 7] }
+platform = "PROLIFIC_PID"
+redirect = { done = "https://pays.example/?cc=DONE" }
+TOML
+if [ "${1:-sessions}" = sessions ]; then
+  node "$here/sessions.mjs" "$(realpath "$bin")" "$sessions"
+  [ "${1:-}" != sessions ] || exit 0
 fi
 
 # The people who are learned from are made up.
