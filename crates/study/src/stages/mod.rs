@@ -45,7 +45,7 @@ pub fn versions() -> BTreeMap<String, String> {
         ("train", 10),
         ("personalize", 9),
         ("steer", 6),
-        ("simulate", 9),
+        ("simulate", 10),
         ("measure", 7),
         ("rate", 3),
         ("evaluate", 7),
@@ -55,7 +55,7 @@ pub fn versions() -> BTreeMap<String, String> {
         ("recommend", 4),
         ("rehearse", 8),
         ("rehearse-dial", 5),
-        ("report", 17),
+        ("report", 18),
     ]
     .map(|(command, version)| (command.to_owned(), version.to_string()))
     .into()

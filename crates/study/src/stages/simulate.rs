@@ -55,7 +55,7 @@ pub struct Simulate {
     /// How people's own drives wander, for the conditions of the design whose car varies: see `personalize --variability`
     #[arg(long, value_name = "FILE")]
     pub variability: Option<PathBuf>,
-    /// Folder to write into: logs (MCAP), drives (Parquet), rollouts.csv
+    /// Folder to write into: drives (Parquet), logs (MCAP) of whom the report shows, rollouts.csv
     #[arg(long)]
     pub out: PathBuf,
     /// World to drive in (TOML); the paper's when not given
@@ -73,7 +73,10 @@ pub struct Simulate {
     /// Log of that participant's own drive, to be shown first
     #[arg(long, value_name = "LOG", requires = "watch")]
     pub watch_own: Option<PathBuf>,
-    /// Add a scene for Foxglove and Lichtblick to the logs: everybody's, or one participant's
+    /// Write logs (MCAP) of everybody, or of one participant; without it only of the one whom the report shows, in the middle of all
+    #[arg(long, value_name = "PARTICIPANT", num_args = 0..=1, default_missing_value = "all")]
+    pub logs: Option<Scenes>,
+    /// Write logs with a scene for Foxglove and Lichtblick: everybody's, or one participant's
     #[arg(long = "scene", value_name = "PARTICIPANT", num_args = 0..=1, default_missing_value = "all")]
     pub scenes: Option<Scenes>,
     /// Root of every random choice
@@ -84,7 +87,7 @@ pub struct Simulate {
     pub jobs: usize,
 }
 
-/// Whose logs get a scene.
+/// Whose logs are written, or get a scene.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Scenes {
     /// Everybody's.
@@ -125,6 +128,49 @@ impl Scenes {
             Self::All => Ok(()),
         }
     }
+}
+
+/// The participants whose drives are written as logs too.
+struct Logged<'a> {
+    asked: [Option<&'a Scenes>; 2],
+    shown: Option<&'a ParticipantId>,
+}
+
+impl<'a> Logged<'a> {
+    /// Those of whom logs or scenes are asked; without such a wish the one whom the report shows: a log takes longer to write than its drive
+    /// to be driven, and nothing else reads it.
+    fn of(options: &'a Simulate, conditions: &'a [ConditionRow]) -> Self {
+        let asked = [options.logs.as_ref(), options.scenes.as_ref()];
+        let shown = (options.logs.is_none()).then(|| in_the_middle(conditions));
+        Self {
+            asked,
+            shown: shown.flatten(),
+        }
+    }
+
+    fn cover(&self, participant: &ParticipantId) -> bool {
+        let asked = self.asked.iter().flatten();
+        self.shown == Some(participant) || asked.into_iter().any(|whose| whose.cover(participant))
+    }
+}
+
+/// Whose own style reads as the middle score of all: both directions of the dial show best there.
+fn in_the_middle(conditions: &[ConditionRow]) -> Option<&ParticipantId> {
+    let own = |row: &&ConditionRow| row.moved_points.is_some_and(|by| by.abs() < 1e-9);
+    let mut rows: Vec<&ConditionRow> = conditions.iter().filter(own).collect();
+    if rows.is_empty() {
+        rows = conditions.iter().collect();
+    }
+    // Who reads as no score comes last.
+    let score = |row: &ConditionRow| row.adb_hat.unwrap_or(f64::INFINITY);
+    rows.sort_by(|a, b| score(a).total_cmp(&score(b)));
+    let scored = rows.iter().filter(|row| row.adb_hat.is_some()).count();
+    Some(&rows.get(scored.saturating_sub(1) / 2)?.participant)
+}
+
+/// Where the log of a drive lies.
+fn log_of(out: &Path, drive: &str) -> PathBuf {
+    out.join("logs").join(format!("{drive}.mcap"))
 }
 
 /// Checks that a participant is among those there are.
@@ -221,9 +267,10 @@ impl Stage for Simulate {
         }
         refuse_foreign(&self.out.join("drives"), names.iter().map(DriveId::as_str))?;
         let people = || conditions.iter().map(|row| &row.participant);
-        if let Some(scenes) = &self.scenes {
-            scenes.check(people())?;
+        for whose in self.scenes.iter().chain(&self.logs) {
+            whose.check(people())?;
         }
+        let logged = Logged::of(self, &conditions);
         let watched = self.watch.as_ref().and_then(|_| {
             let first = || people().next().map(ToString::to_string);
             self.watch_participant.clone().or_else(first)
@@ -245,6 +292,7 @@ impl Stage for Simulate {
                 &model,
                 &scenario,
                 (*row, *on, varying.as_ref()),
+                logged.cover(&row.participant),
                 watched.as_deref() == Some(row.participant.as_str()),
             )
         })?;
@@ -266,9 +314,13 @@ impl Stage for Simulate {
         let list: Vec<(DriveMeta, usize, f64)> =
             driven.iter().map(|d| (d.0.clone(), d.1, d.2)).collect();
         let drives = self.out.join("drives");
-        for gone in former_drives(&drives, list.iter().map(|d| d.0.drive.as_str())) {
-            let log = self.out.join("logs").join(format!("{gone}.mcap"));
-            remove_former(&log)?;
+        let unlogged = list.iter().filter(|d| !logged.cover(&d.0.participant));
+        let unlogged = unlogged.map(|d| d.0.drive.clone());
+        for gone in former_drives(&drives, list.iter().map(|d| d.0.drive.as_str()))
+            .into_iter()
+            .chain(unlogged)
+        {
+            remove_former(&log_of(&self.out, gone.as_str()))?;
         }
         write_drive_list(&drives, &list)?;
         let rollouts = driven.iter().map(|d| (("drive", &d.0.drive), &d.3));
@@ -440,6 +492,7 @@ fn drive(
     model: &Model,
     scenario: &Scenario,
     (row, occasion, varying): (&ConditionRow, Occasion, Option<&Variability>),
+    logged: bool,
     watched: bool,
 ) -> Result<Result<Driven, Stopped>, StudyError> {
     let id = row.drive_on(occasion)?;
@@ -455,19 +508,16 @@ fn drive(
         DrivenBy::Automated,
     )
     .on(occasion);
-    let log = options
-        .out
-        .join("logs")
-        .join(format!("{}.mcap", meta.drive));
-    let beside = Beside {
-        trace: &driven.trace,
-        scene: options
-            .scenes
-            .as_ref()
-            .is_some_and(|s| s.cover(&meta.participant)),
-        ..Beside::default()
-    };
-    write_recording(&log, &driven.recording, &meta, &beside)?;
+    if logged {
+        let scenes = options.scenes.as_ref();
+        let beside = Beside {
+            trace: &driven.trace,
+            scene: scenes.is_some_and(|s| s.cover(&meta.participant)),
+            ..Beside::default()
+        };
+        let log = log_of(&options.out, meta.drive.as_str());
+        write_recording(&log, &driven.recording, &meta, &beside)?;
+    }
     let made = Drive::from_recording(meta.clone(), &driven.recording)?;
     write_drive(&options.out.join("drives"), &made)?;
     let duration = made.rows().time_s.last().copied().unwrap_or(0.0);
@@ -531,6 +581,52 @@ mod tests {
             sweep: None,
             embedding: Embedding::new(vec![0.0]).unwrap(),
         }
+    }
+
+    #[test]
+    fn without_a_wish_the_one_in_the_middle_has_logs_and_otherwise_those_who_are_asked_for() {
+        let mut rows = Vec::new();
+        for (who, score) in [
+            ("P01", Some(50.0)),
+            ("P02", None),
+            ("P03", Some(20.0)),
+            ("P04", Some(30.0)),
+        ] {
+            for (condition, moved) in [("mimic", 0.0), ("wild", 15.0)] {
+                rows.push(ConditionRow {
+                    adb_hat: score.map(|s| s + moved),
+                    moved_points: Some(moved),
+                    ..row(who, condition)
+                });
+            }
+        }
+        let logged = |more: &[&str]| -> Vec<String> {
+            let fixed = [
+                "simulate",
+                "--model",
+                "m",
+                "--conditions",
+                "c",
+                "--out",
+                "o",
+            ];
+            let asked = Asked::parse_from(fixed.iter().chain(more)).simulate;
+            let logged = Logged::of(&asked, &rows);
+            let people = rows.iter().step_by(2).map(|row| &row.participant);
+            people
+                .filter(|who| logged.cover(who))
+                .map(ToString::to_string)
+                .collect()
+        };
+        assert_eq!(logged(&[]), ["P04"]);
+        assert_eq!(logged(&["--scene", "P01"]), ["P01", "P04"]);
+        assert_eq!(logged(&["--logs", "P02"]), ["P02"]);
+        assert_eq!(logged(&["--logs"]).len(), 4);
+        assert_eq!(
+            in_the_middle(&rows[2..4]).map(ParticipantId::as_str),
+            Some("P02")
+        );
+        assert_eq!(in_the_middle(&[]), None);
     }
 
     #[test]

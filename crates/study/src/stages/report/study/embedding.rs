@@ -10,7 +10,7 @@ use crate::{
         embeddings::{EmbeddingRow, read_embeddings},
     },
 };
-use maveric_domain::{ConditionId, DriveId};
+use maveric_domain::{ConditionId, DriveId, ParticipantId};
 use maveric_model::Model;
 use maveric_model::style_space::{LinearHead, PerpendicularEllipse};
 use maveric_pages::study::{StudyPage, line_panels};
@@ -22,7 +22,7 @@ use maveric_report::{
     html::{Live, LiveContent, Section, SpaceDrive, SpacePerson, StyleSpace},
 };
 use serde::Serialize;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// Number of points in which an ellipse is drawn.
 const ELLIPSE_POINTS: usize = 72;
@@ -53,7 +53,7 @@ pub(super) fn section_embedding(
         gradient: axis.gradient().to_vec(),
         score_range: run.score_range().unwrap_or((0.0, 1.0)),
         score: run.style_label().to_owned(),
-        example: example(run, model)?,
+        example: example(folder, run, model)?,
     };
     let lines = line_panels(line);
     let values = SpaceValues {
@@ -187,8 +187,9 @@ fn along_the_dial(run: &Run) -> Vec<ConditionId> {
 }
 
 /// The row at 0 on the dial of the participant whose conditions are shown: the one nearest to the middle of the line shows both directions
-/// best; without such a condition the first row there is.
-pub(super) fn shown_participant(run: &Run) -> Option<&ConditionRow> {
+/// best; without such a condition the first row there is. Of those with a log of it, where anybody has one: drives of others cannot be
+/// played.
+pub(super) fn shown_participant<'a>(folder: &Path, run: &'a Run) -> Option<&'a ConditionRow> {
     let (low, high) = run.score_range().unwrap_or_default();
     let middle = f64::midpoint(low, high);
     let from_middle = |row: &ConditionRow| {
@@ -197,12 +198,26 @@ pub(super) fn shown_participant(run: &Run) -> Option<&ConditionRow> {
     };
     let own = run.own_style();
     let rows = run.conditions.iter();
-    let rows = rows.filter(|c| own.is_none_or(|own| c.condition == own));
+    let rows: Vec<&ConditionRow> = rows
+        .filter(|c| own.is_none_or(|own| c.condition == own))
+        .collect();
+    let logged = |c: &&&ConditionRow| av_log(folder, &c.participant, c.condition).is_file();
+    let any = rows.iter().any(|c| logged(&c));
+    let rows = rows.iter().filter(|c| !any || logged(c)).copied();
     rows.min_by(|a, b| from_middle(a).total_cmp(&from_middle(b)))
 }
 
-fn example(run: &Run, model: &Model) -> Result<Option<ExampleConditions>, StudyError> {
-    let Some(own) = shown_participant(run) else {
+/// Where `simulate` writes the log of a participant's drive.
+pub(super) fn av_log(folder: &Path, who: &ParticipantId, condition: ConditionId) -> PathBuf {
+    folder.join(format!("av/logs/{who}-{condition}.mcap"))
+}
+
+fn example(
+    folder: &Path,
+    run: &Run,
+    model: &Model,
+) -> Result<Option<ExampleConditions>, StudyError> {
+    let Some(own) = shown_participant(folder, run) else {
         return Ok(None);
     };
     let mine = run

@@ -1,6 +1,9 @@
 //! One participant's drives: played side by side, and one of them as a time-space diagram.
 
-use super::{Run, embedding::shown_participant};
+use super::{
+    Run,
+    embedding::{av_log, shown_participant},
+};
 use crate::{
     design::DesignFile,
     error::StudyError,
@@ -16,7 +19,7 @@ use std::path::{Path, PathBuf};
 
 /// The logs of the shown participant that are there: the own drive, then the conditions.
 pub(super) fn logs(folder: &Path, study: &DesignFile, run: &Run) -> Vec<PathBuf> {
-    let Some(shown) = shown_participant(run) else {
+    let Some(shown) = shown_participant(folder, run) else {
         return Vec::new();
     };
     let who = &shown.participant;
@@ -34,7 +37,7 @@ pub(super) fn logs(folder: &Path, study: &DesignFile, run: &Run) -> Vec<PathBuf>
     });
     let own = own.find(|log| log.is_file()).into_iter();
     let conditions = run.design.conditions().iter();
-    let driven = conditions.map(|c| folder.join(format!("av/logs/{who}-{}.mcap", c.id)));
+    let driven = conditions.map(|c| av_log(folder, who, c.id));
     let mut logs: Vec<PathBuf> = own.chain(driven).collect();
     logs.retain(|log| log.is_file());
     logs
