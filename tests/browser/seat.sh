@@ -155,6 +155,7 @@ ln -s "$(cd "$(dirname "$bin")" && pwd)/$(basename "$bin")" "$work/bin/maveric"
 sheets="$work/sheets"
 "$bin" init "$sheets" --conditions mimic,aggressive,cautious,perpendicular --scales demographics,attention,purpose >/dev/null
 rm -r "$sheets/participants.csv" "$sheets/surveys"
+cp "$root/study_data/scenarios/paper.toml" "$sheets/scenario.toml"
 cp "$work/made-up/model.maveric" "$sheets/lab.maveric"
 cat >"$sheets/scales/feeling.toml" <<'TOML'
 language = "de"

@@ -69,13 +69,13 @@ async function drives(state: api.State, step: api.Step & { kind: "practice" | "d
   if (crashed && step.kind === "practice") return;
   if (fit) await keeper.keepFit(fit);
   await keeper.done(state.at);
-  const ended = crashed ? "crash" : step.kind === "practice" ? (passed ? "practice_passed" : "practice_over") : null;
-  if (!ended) return;
+  const ended: [string, string] = crashed ? ["crash_title", "crash_help"] : passed ? ["practice_passed", "practice_passed_help"] : ["practice_over", "practice_over_help"];
+  if (!crashed && step.kind !== "practice") return;
   // Whoever stopped is told something else.
   const now = await keeper.state();
   if (!now.ended && now.steps[now.at]?.kind !== "aftercare") {
     sayHowFar(now);
-    await text(say(crashed ? "crash_title" : ended), say(`${ended}_help`), say("continue"));
+    await text(say(ended[0]), say(ended[1]), say("continue"));
   }
 }
 
