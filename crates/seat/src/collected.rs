@@ -152,6 +152,19 @@ impl Books<'_> {
             for kept in sheets.iter().filter(|kept| kept.step == step) {
                 // Only what was checked was kept.
                 let sheet = serde_json::from_str::<Sheet>(&kept.body).ok();
+                if let (
+                    Step::Aftercare {
+                        again: Some(asked), ..
+                    },
+                    Some(sheet),
+                ) = (found, &sheet)
+                {
+                    let felt = sheet.answers.iter().flatten();
+                    events.extend(felt.map(|answer| EventRow {
+                        value: Some(f64::from(*answer)),
+                        ..row(&format!("felt:{}", asked.scale))
+                    }));
+                }
                 events.push(EventRow {
                     value: sheet.as_ref().map(|sheet| sheet.seconds),
                     at: written(kept.given),
@@ -261,6 +274,31 @@ impl Books<'_> {
         // Only what was checked was kept.
         let mut reasons = events.filter_map(|event| found.stopped(&event)?.ok());
         Ok(reasons.next())
+    }
+
+    /// Tells whoever runs the study of somebody who feels unwell still, some time after they stopped.
+    pub(crate) fn feels_again(
+        &self,
+        person: &Person,
+        found: &Step,
+        kept: &str,
+    ) -> Result<(), SeatError> {
+        let Step::Aftercare {
+            again: Some(asked), ..
+        } = found
+        else {
+            return Ok(());
+        };
+        // Only what was checked is kept.
+        let sheet = serde_json::from_str::<Sheet>(kept).unwrap_or_default();
+        let still = sheet.answers.iter().flatten();
+        for answer in still.filter(|answer| asked.stops(**answer)) {
+            let (scale, minutes) = (&asked.scale, sheet.seconds / 60.0);
+            let text =
+                format!("still unwell {minutes:.0} min after they stopped: {scale} {answer}");
+            self.event(Some(&person.participant), &text)?;
+        }
+        Ok(())
     }
 
     /// When a drive was begun, and those of its pieces in which something happened.

@@ -6,7 +6,7 @@ use crate::{
     hindrance::Hindrance,
     moments,
     needs::Need,
-    steps::{AskedProbe, Step, Texts, sheet},
+    steps::{ASKED_AGAIN_S, AskedProbe, Step, Texts, sheet},
     withdrawal,
 };
 use maveric_domain::{
@@ -171,7 +171,11 @@ pub fn of_design(
     if steps.iter().any(|step| step.world().is_some()) {
         let told = || words.sentence("aftercare").to_owned();
         let text = texts.aftercare.clone().unwrap_or_else(told);
-        steps.push(Step::Aftercare { text });
+        let again = stops.map(|probe| AskedProbe {
+            every_s: ASKED_AGAIN_S,
+            ..probe
+        });
+        steps.push(Step::Aftercare { text, again });
     }
     if let Some(text) = &texts.debrief {
         steps.push(Step::Text {

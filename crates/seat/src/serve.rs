@@ -316,6 +316,7 @@ async fn answer(
                 true
             } else {
                 b.answer(&person, step, &kept)?;
+                b.feels_again(&person, &found, &kept)?;
                 false
             };
             Ok::<_, Refused>((b.somebody(&token)?, judged))

@@ -63,6 +63,9 @@ impl Sheet {
                     ));
                 }
             }
+            Step::Aftercare {
+                again: Some(probe), ..
+            } if matches!(self.answers[..], [Some(answer)] if probe.takes(answer)) => {}
             Step::Elsewhere { .. } if self.answers.is_empty() && !self.agreed => {}
             _ if rules.is_some_and(|rules| self.refused.is_none_or(|at| at < rules.len()))
                 && self.answers.is_empty()

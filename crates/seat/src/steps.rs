@@ -18,6 +18,9 @@ pub(crate) const TICKS_PER_S: f64 = 100.0;
 pub(crate) const STOPPED: &str = "stopped: ";
 const UNWELL: &str = "unwell";
 
+/// So long after somebody stopped they are asked once more how they feel, in s.
+pub(crate) const ASKED_AGAIN_S: f64 = 600.0;
+
 /// How an event of a drive begins that says that the device is gone with which somebody drives.
 pub(crate) const DEVICE_GONE: &str = "device gone: ";
 
@@ -172,6 +175,9 @@ pub enum Step {
     Aftercare {
         /// As in [`Step::Text`].
         text: String,
+        /// What is asked once more, so long after they came here.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        again: Option<AskedProbe>,
     },
     /// The end.
     Thanks {
@@ -256,6 +262,17 @@ impl AskedProbe {
             )));
         }
         Some(Ok((asked * self.every_s, event.points.map(|a| a as i32))))
+    }
+
+    /// Whether this is an answer of it.
+    pub(crate) fn takes(&self, answer: i32) -> bool {
+        (self.min..=self.max).contains(&answer)
+    }
+
+    /// Whether nobody goes on after this answer.
+    pub(crate) fn stops(&self, answer: i32) -> bool {
+        let rule = self.stop.as_ref();
+        rule.is_some_and(|rule| rule.than.holds(answer, rule.value))
     }
 
     /// Whether an event of a drive answers a probe.

@@ -170,3 +170,44 @@ fn online_who_stopped_hands_over_what_there_is() {
         "participant,condition,time_s,reason\nP001,calm,7.0,unwell\n"
     );
 }
+
+#[test]
+fn who_stopped_is_asked_once_more_how_they_feel_and_who_is_unwell_still_is_named() {
+    let folder = folder();
+    let server = Server::open(folder.path());
+    let unwell = Script {
+        stops: Some((1_500, "misc >= 6")),
+        ..Script::default()
+    };
+    for (felt, named) in [(7, true), (2, false)] {
+        let token = opened(&server);
+        let at = loop {
+            let state = server.state(&token);
+            let at = state["at"].as_u64().unwrap() as usize;
+            let step = &state["steps"][at];
+            if step["kind"] == "aftercare" {
+                assert_eq!(step["again"]["every_s"], 600.0);
+                break at;
+            }
+            assert!(unwell.go_on(&server, &token));
+        };
+        let sent = |body: &str| server.post(&format!("/api/{token}/answer/{at}"), body).0;
+        assert_eq!(sent("{\"answers\":[11],\"seconds\":600}"), 400);
+        assert_eq!(
+            sent(&format!("{{\"answers\":[{felt}],\"seconds\":603}}")),
+            200
+        );
+        while unwell.go_on(&server, &token) {}
+        let who = if named { "P001" } else { "P002" };
+        let notes = read(folder.path(), "seat/notes.csv");
+        let told = notes
+            .lines()
+            .any(|row| row.contains(who) && row.contains("still unwell 10 min"));
+        assert_eq!(told, named, "{notes}");
+        let events = read(folder.path(), "seat/events.csv");
+        assert!(
+            events.contains(&format!("{who},")) && events.contains(&format!("felt:misc,{felt}")),
+            "{events}"
+        );
+    }
+}

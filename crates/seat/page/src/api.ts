@@ -31,7 +31,7 @@ export type Step =
   | { kind: "ride"; condition: string; session?: number; trial?: number; number: number; seconds: number; seed: string; style: RideStyle; points: number; stretch: number; turns: number | null; probe?: Probe }
   | { kind: "elsewhere"; condition: string; number: number }
   | { kind: "between"; session: number; days: [number, number] }
-  | { kind: "aftercare"; text: string }
+  | { kind: "aftercare"; text: string; again?: Probe }
   | { kind: "thanks"; text: string; code: string | null };
 
 /// Whose style drives: the person's own, the average driver's, the own one moved across the dial as a seed says, somebody else's of whom

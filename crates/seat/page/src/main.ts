@@ -12,7 +12,7 @@ import { run, type Wanted } from "./drive";
 import { deleteForgotten } from "./forgotten";
 import { askWhetherToLeave, takingBack } from "./leave";
 import { sendLeftovers } from "./outbox";
-import { holds } from "./probe";
+import { holds, type Probe } from "./probe";
 import { duration, say, sayWhatStands } from "./say";
 import { sheet } from "./sheet";
 import { styles } from "./styles";
@@ -133,6 +133,26 @@ async function chooseLanguage(at: number, languages: string[]): Promise<void> {
   location.reload();
 }
 
+/// Cares for somebody who stopped: asks once more how they feel after a while, unless they go on before.
+async function caresFor(at: number, body: string, again: Probe): Promise<void> {
+  const begun = performance.now();
+  const asked = make("div", [make("p", [say("felt_again", { time: duration(again.every_s) })])], { role: "status" } as Partial<HTMLDivElement>);
+  const go = pressed(say("continue"));
+  const felt = new Promise<number>((done) => {
+    setTimeout(() => {
+      const buttons = Array.from({ length: again.max - again.min + 1 }, (_, i) => {
+        const button = make("button", [String(again.min + i)], { type: "button" });
+        button.addEventListener("click", () => done(again.min + i));
+        return button;
+      });
+      asked.replaceChildren(make("p", [again.question]), make("p", buttons));
+    }, 1000 * again.every_s);
+  });
+  show(make("h1", [say("aftercare_title")]), ...paragraphs(body), asked, go.all);
+  const answer = await Promise.race([felt, go.done.then(() => null)]);
+  if (answer === null) await keeper.done(at); else await keeper.answer(at, { answers: [answer], seconds: (performance.now() - begun) / 1000 });
+}
+
 /// Judges here whether the computer has what the study needs.
 async function looksAtComputer(state: api.State, step: api.Step & { kind: "computer" }): Promise<void> {
   const begun = performance.now();
@@ -186,6 +206,7 @@ async function once(state: api.State): Promise<boolean> {
       break;
     }
     case "aftercare":
+      if (!state.aborted && step.again) { await caresFor(state.at, step.text, step.again); break; }
       await (state.aborted ? text(say("aborted_title"), say("aborted"), say("continue")) : text(say("aftercare_title"), step.text, say("continue")));
       await keeper.done(state.at);
       break;
