@@ -174,8 +174,7 @@ fn polish(bounds: &[(f64, f64)], start: Minimum, steps: usize, cost: &impl Cost)
                 cost: costs[best],
             };
         }
-        // Not a number is no gain.
-        if !(gained > CLOSED * here.cost.abs()) {
+        if gained.is_nan() || gained <= CLOSED * here.cost.abs() {
             break;
         }
     }
