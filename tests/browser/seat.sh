@@ -1,8 +1,9 @@
 #!/usr/bin/env bash
 # The seat in headless Chromium: three scripted people at the keyboard, a whole study of short drives each, one of them with everything cut
 # in every step; then `maveric run`; before them, all that goes wrong around a person (`trouble.mjs`), and a study with every kind of sheet in
-# German (`instruments.mjs`), the seat's own road beside a straight one (`road.mjs`), and two sessions in a language that is chosen, ridden in
-# another rig (`sessions.mjs`). Eleven minutes. `tests/browser/seat.sh road`, `sessions` and `instruments` run one of them alone.
+# German (`instruments.mjs`), the seat's own road beside a straight one with a crash (`road.mjs`, `crash.mjs`), and two sessions in a language
+# that is chosen, ridden in another rig (`sessions.mjs`). Twelve minutes. `tests/browser/seat.sh road`, `sessions` and `instruments` run one
+# of them alone.
 #
 # MAVERIC_BIN: the program; otherwise the debug build of this checkout. SHOTS: a folder for pictures of every step.
 # Needs what `tests/browser/run.sh` installs.
@@ -38,7 +39,15 @@ practice = { lane_kept_s = 3, passes = 0, at_most_s = 15 }
 drive_s = 15
 TOML
 done
+# A car that stands in the lane, and a crash that is felt.
+mkdir -p "$work/crash/scales"
+cp "$root/study_data/scales/adb.toml" "$work/crash/scales/"
+echo 'vehicles = [{ ahead_m = 90.0, lane = 0, speed_mps = 0.0 }]' >"$work/crash/scenario.toml"
+printf '# A crash\n\nYou drive. {crash}\n' >"$work/crash/consent.md"
+sed -e 's/^steps = .*/steps = ["consent", "break", "controls", "drive"]\nbreak_s = 3\ncrash = "felt"\nconsent = "consent.md"/' \
+  "$work/bends/study.toml" >"$work/crash/study.toml"
 if [ "${1:-road}" = road ]; then
+  node "$here/crash.mjs" "$(realpath "$bin")" "$work/crash"
   node "$here/road.mjs" "$(realpath "$bin")" "$work/bends" "$work/straight"
   [ "${1:-}" != road ] || exit 0
 fi

@@ -175,8 +175,7 @@ export async function run(wanted: Wanted, learn: PageModel | null): Promise<Ran>
       element("left").classList.toggle("on", turning > 0 && blink);
       element("right").classList.toggle("on", turning < 0 && blink);
       element("speed").textContent = `${Math.round(speed * unit.factor)} ${unit.name}`;
-      const contacts = get(7) + get(8);
-      if (contacts > touched) { touched = contacts; element("said").textContent = say("contact_barrier"); }
+      if (get(8) > touched) { touched = get(8); element("said").textContent = say("contact_barrier"); }
       if (get(7) > 0 && !crashed) { crashed = true; drive.note("crash"); goesOn = false; }
       sound.set(speed, get(12));
       view.draw({ x: x + speed * owed / 1000, y, heading, wheel, others }, now);
