@@ -191,7 +191,7 @@ impl Seat {
 
 impl Step {
     /// How long is driven here, practice included, to be changed.
-    fn seconds_mut(&mut self) -> Option<&mut f64> {
+    pub(crate) fn seconds_mut(&mut self) -> Option<&mut f64> {
         match self {
             Self::Practice { seconds, .. }
             | Self::Drive { seconds, .. }

@@ -1,6 +1,8 @@
 //! In which language somebody goes on.
 
-use crate::{error::SeatError, plan::Whose, request::Refused, seat::Seat, steps::Step};
+use crate::{
+    error::SeatError, person::Person, plan::Whose, request::Refused, seat::Seat, steps::Step,
+};
 
 impl Seat {
     /// Keeps the language that somebody chose, and says all that comes in it.
@@ -19,6 +21,12 @@ impl Seat {
         let order = self.order_of(&person)?;
         let whose = Whose::Person(&person.participant);
         let mut steps = self.steps_in(Some(wanted), whose, &order)?;
+        // What was made longer before stays so.
+        for (new, old) in steps.iter_mut().zip(&person.steps) {
+            if let (Some(seconds), Some((_, kept))) = (new.seconds_mut(), old.world()) {
+                *seconds = kept;
+            }
+        }
         if let Some(Step::Language { chosen, .. }) = steps.get_mut(step) {
             *chosen = Some(wanted.to_owned());
         }
@@ -32,7 +40,7 @@ impl Seat {
     }
 
     /// The places of the conditions in the order in which somebody rides; none where they do not.
-    fn order_of(&self, person: &crate::person::Person) -> Result<Vec<usize>, SeatError> {
+    fn order_of(&self, person: &Person) -> Result<Vec<usize>, SeatError> {
         let rides = person.rides();
         if rides.is_empty() {
             return Ok(Vec::new());

@@ -59,6 +59,8 @@ fn everything_after_the_choice_is_in_the_language_that_was_chosen() {
             other.0 == 400 && other.1.contains("expected en, de"),
             "{other:?}"
         );
+        let who = if language == "de" { "P001" } else { "P002" };
+        server.seat.extend(who, 0, 0.1, "to be sure").unwrap();
         assert_eq!(
             server
                 .post(&format!("/api/{token}/language/0/{language}"), "null")
@@ -74,6 +76,10 @@ fn everything_after_the_choice_is_in_the_language_that_was_chosen() {
         );
         let state = server.state(token);
         assert_eq!(state["at"], 1);
+        // What was made longer before stays so.
+        let steps = state["steps"].as_array().unwrap();
+        let practice = steps.iter().find(|step| step["kind"] == "practice");
+        assert_eq!(practice.unwrap()["seconds"], 16.0);
         let told = state["steps"].to_string();
         assert!(told.contains(said[0]) && told.contains(said[1]), "{told}");
         assert!(page(token).contains(said[2]), "{language}");
