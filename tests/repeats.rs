@@ -198,7 +198,7 @@ fn made_up_people_come_twice_and_ride_twice_in_each_condition_each_time_in_anoth
     let outcomes = "[[outcome]]\nmeasure = \"mean_velocity_mps\"\n[[outcome]]\nscale = \"jian_trust.overall\"\nlabel = \"Trust\"\n\n";
     let declared = format!("{outcomes}[contrasts]");
     change(&study, "mine/study.toml", "[contrasts]", &declared);
-    let probed = format!("{REPEATS}\nprobe = {{ scale = \"misc\", every_s = 30 }}");
+    let probed = format!("{REPEATS}\nride_s = 120\nprobe = {{ scale = \"misc\", every_s = 30 }}");
     change(&study, "mine/study.toml", PROTOCOL, &probed);
     let misc = include_str!("../study_data/further_scales/misc.toml");
     study.write("mine/scales/misc.toml", misc);
@@ -245,7 +245,7 @@ fn made_up_people_come_twice_and_ride_twice_in_each_condition_each_time_in_anoth
         .iter()
         .map(|row| row.rsplit(',').next().unwrap())
         .collect();
-    assert_eq!(at, BTreeSet::from(["30", "60", "90"]));
+    assert_eq!(at, BTreeSet::from(["30.0", "60.0", "90.0"]));
     Page::read(&study.path("mine/report/index.html")).says(&["Trust", "Calm and Sporty"]);
     // What is given away says the same, under pseudonyms.
     study.write("mine/key.txt", "a secret of more than sixteen letters");

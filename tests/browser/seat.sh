@@ -2,8 +2,8 @@
 # The seat in headless Chromium: three scripted people at the keyboard, a whole study of short drives each, one of them with everything cut
 # in every step; then `maveric run`; before them, all that goes wrong around a person (`trouble.mjs`), and a study with every kind of sheet in
 # German (`instruments.mjs`), the seat's own road beside a straight one with a crash (`road.mjs`, `crash.mjs`), and two sessions in a language
-# that is chosen, ridden in another rig (`sessions.mjs`). Twelve minutes. `tests/browser/seat.sh road`, `sessions` and `instruments` run one
-# of them alone.
+# that is chosen, ridden in another rig (`sessions.mjs`), an experimenter who does each thing once (`experimenter.mjs`). Fourteen minutes.
+# `tests/browser/seat.sh road`, `sessions`, `experimenter` and `instruments` run one of them alone.
 #
 # MAVERIC_BIN: the program; otherwise the debug build of this checkout. SHOTS: a folder for pictures of every step.
 # Needs what `tests/browser/run.sh` installs.
@@ -92,6 +92,31 @@ TOML
 if [ "${1:-sessions}" = sessions ]; then
   node "$here/sessions.mjs" "$(realpath "$bin")" "$sessions"
   [ "${1:-}" != sessions ] || exit 0
+fi
+
+# An experimenter with four people, who drive by hand and ride elsewhere.
+experimenter="$work/experimenter"
+mkdir -p "$experimenter/scales"
+cp "$sessions/scales/ride.toml" "$experimenter/scales/"
+printf 'You may leave at any time.\n' >"$experimenter/consent.md"
+cat >"$experimenter/study.toml" <<'TOML'
+[study]
+title = "The experimenter"
+[baseline]
+id = "own"
+[[condition]]
+id = "calm"
+[[condition]]
+id = "sporty"
+[protocol]
+steps = ["consent", "controls", "drive", "rides"]
+consent = "consent.md"
+after = ["ride"]
+drive_s = 10
+TOML
+if [ "${1:-experimenter}" = experimenter ]; then
+  node "$here/experimenter.mjs" "$(realpath "$bin")" "$experimenter"
+  [ "${1:-}" != experimenter ] || exit 0
 fi
 
 # The people who are learned from are made up.

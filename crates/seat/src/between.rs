@@ -1,22 +1,12 @@
 //! Between two sessions: from which day on somebody goes on with the same link.
 
 use crate::{
-    books::{Books, now},
-    error::SeatError,
-    person::Person,
-    request::Refused,
-    seat::Seat,
-    steps::Step,
+    books::Books, error::SeatError, person::Person, request::Refused, seat::Seat, steps::Step,
+    withdrawal::today,
 };
 use chrono::{DateTime, Days, NaiveDate};
 use rusqlite::OptionalExtension as _;
 use serde::Serialize;
-
-/// Today in Greenwich.
-pub(crate) fn today() -> NaiveDate {
-    let now = DateTime::from_timestamp(now(), 0).unwrap_or_default();
-    now.date_naive()
-}
 
 /// When the next session is.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]

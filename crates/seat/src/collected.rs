@@ -190,7 +190,7 @@ impl Books<'_> {
                 });
             }
             for left in left_out.iter().filter(|left| left.step == step) {
-                let drives = found.drives().is_some();
+                let drives = found.ride().is_some();
                 let begun = self.begun(&person.participant, step)?;
                 let ticks = begun.last().map_or(0, |begun| begun.ticks);
                 events.push(EventRow {

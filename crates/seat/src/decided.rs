@@ -81,7 +81,7 @@ impl Books<'_> {
         Ok(decided.iter().any(|decided| decided.excludes().is_some()))
     }
 
-    /// What somebody drove, each left out with the reason why everything is; nothing where it is not.
+    /// What somebody drove and rode, also elsewhere, each left out with the reason why everything is; nothing where it is not.
     pub(crate) fn left_out_with(
         &self,
         person: &Person,
@@ -92,16 +92,18 @@ impl Books<'_> {
         };
         let mut rows = Vec::new();
         for (step, found) in person.steps.iter().enumerate() {
-            let Some((ride, _)) = found.drives() else {
+            let Some(ride) = found.ride() else {
                 continue;
             };
-            if let Some(begun) = self.begun(&person.participant, step)?.pop() {
+            let last = self.begun(&person.participant, step)?.pop();
+            let elsewhere = found.drives().is_none() && step < person.at;
+            if last.is_some() || elsewhere {
                 rows.push(Stopped {
                     participant: who.clone(),
                     condition: ride.condition,
                     session: ride.occasion.session,
                     trial: ride.occasion.trial,
-                    time_s: begun.ticks as f64 / TICKS_PER_S,
+                    time_s: last.map_or(0, |begun| begun.ticks) as f64 / TICKS_PER_S,
                     reason: reason.clone(),
                 });
             }

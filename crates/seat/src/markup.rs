@@ -9,7 +9,7 @@ use axum::{
 /// A page in the study's language.
 pub(crate) fn html(words: &Words, body: &str) -> Response {
     let page = format!(
-        "<!doctype html><html lang=\"{}\"><meta charset=\"utf-8\"><link rel=\"icon\" href=\"data:,\"><title>{}</title>\
+        "<!doctype html><html lang=\"{}\"><meta charset=\"utf-8\"><title>{}</title>\
          <link rel=\"stylesheet\" href=\"{}\"><main>{body}</main></html>",
         words.language,
         words.plain("lab_title", &[]),

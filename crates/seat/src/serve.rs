@@ -22,7 +22,7 @@ use axum::{
     Router,
     body::{Body, Bytes},
     extract::{DefaultBodyLimit, Path, RawQuery, State},
-    http::{HeaderMap, header},
+    http::{HeaderMap, StatusCode, header},
     middleware,
     response::{IntoResponse, Redirect, Response},
     routing::{get, post},
@@ -136,6 +136,8 @@ impl Serving {
 fn router(shared: Shared) -> Router {
     Router::new()
         .route("/", get(front))
+        // Browsers ask for it by themselves.
+        .route("/favicon.ico", get(|| async { StatusCode::NO_CONTENT }))
         .route("/join", get(join))
         .route("/p/{token}", get(person))
         .route("/page/{version}/{file}", get(file))

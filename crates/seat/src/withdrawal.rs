@@ -1,6 +1,7 @@
 //! Until when somebody can take back what they gave, and how they are told.
 
-use crate::{between::today, hindrance::Hindrance, words::Words};
+use crate::{books::now, hindrance::Hindrance, words::Words};
+use chrono::{DateTime, NaiveDate};
 use serde::Serialize;
 
 /// Where a consent names the day.
@@ -36,6 +37,12 @@ impl Withdrawal {
             "what was given in this study could be taken back until {until}; ask whoever runs the study"
         ))
     }
+}
+
+/// Today in Greenwich.
+pub(crate) fn today() -> NaiveDate {
+    let now = DateTime::from_timestamp(now(), 0).unwrap_or_default();
+    now.date_naive()
 }
 
 /// A consent with the last day in it: where it says so, or in a sentence of its own.

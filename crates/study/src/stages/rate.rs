@@ -159,6 +159,7 @@ impl Stage for Rate {
             let ridden = mine.iter().filter(|d| asked.contains(&d.meta.ride()));
             for (ridden, (scale, every_s)) in ridden.zip(probe.into_iter().cycle()) {
                 let ride = ridden.meta.ride();
+                // Made-up rides are as long as the design says that a ride is.
                 let length_s = ridden.counted_s.unwrap_or(design.protocol().ride_s);
                 let asked = (1..).map(|n| f64::from(n) * every_s);
                 let asked = asked.take_while(|at_s| at_s + Probe::ANSWERED_WITHIN_S <= length_s);
