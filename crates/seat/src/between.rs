@@ -37,6 +37,17 @@ impl Between {
         }
     }
 
+    /// When somebody's next session is; none of who is not between two.
+    pub(crate) fn at(b: &Books<'_>, person: &Person) -> Result<Option<Self>, SeatError> {
+        match person.steps.get(person.at) {
+            Some(Step::Between { days, .. }) => {
+                let since = b.since(&person.token)?;
+                Ok(Some(Self::of(since, today(), *days)))
+            }
+            _ => Ok(None),
+        }
+    }
+
     /// What is written down of somebody who comes later than the study asks for.
     pub(crate) fn late(&self, step: &Step) -> Option<String> {
         let Step::Between { session, days } = step else {
@@ -71,7 +82,7 @@ impl Person {
 impl Seat {
     /// Refuses who comes before the day, and writes down who comes late.
     pub(crate) fn comes_again(&self, person: &Person, step: &Step) -> Result<(), Refused> {
-        let between = self.store.look(|b| self.between(b, person))?;
+        let between = self.store.look(|b| Between::at(b, person))?;
         let Some(between) = between.filter(|between| between.open) else {
             return Err(Refused::NotThis("it is not the day yet".to_owned()));
         };
@@ -80,21 +91,6 @@ impl Seat {
                 .store
                 .within(|b| b.event(Some(&person.participant), &late))?),
             None => Ok(()),
-        }
-    }
-
-    /// When somebody's next session is; none of who is not between two.
-    pub(crate) fn between(
-        &self,
-        b: &Books<'_>,
-        person: &Person,
-    ) -> Result<Option<Between>, SeatError> {
-        match person.steps.get(person.at) {
-            Some(Step::Between { days, .. }) => {
-                let since = b.since(&person.token)?;
-                Ok(Some(Between::of(since, today(), *days)))
-            }
-            _ => Ok(None),
         }
     }
 }
@@ -106,7 +102,7 @@ mod tests {
     #[test]
     fn the_next_session_opens_on_its_first_day_and_late_is_after_its_last() {
         // 25 November 2026, ten minutes to midnight.
-        let ended = 1795650600;
+        let ended = 1_795_650_600;
         let on = |day: &str| Between::of(ended, day.parse().unwrap(), [2, 14]);
         let step = Step::Between {
             session: 2.try_into().unwrap(),

@@ -372,9 +372,12 @@ fn texts_in(study: &DesignFile, language: &str) -> Result<Texts, SeatError> {
     let protocol = study.design.protocol();
     let read = |path: &Option<PathBuf>| {
         let path = path.as_ref().map(|path| study.resolve(path));
-        let path = path.map(|path| match language == protocol.language {
-            true => path,
-            false => in_language(&path, language),
+        let path = path.map(|path| {
+            if language == protocol.language {
+                path
+            } else {
+                in_language(&path, language)
+            }
         });
         path.as_deref().map(read_text).transpose()
     };

@@ -36,13 +36,12 @@ impl Books<'_> {
                 .query_row([KEY], |row| row.get::<_, String>(0))
                 .optional()
         })?;
-        let key = match kept {
-            Some(key) => key,
-            None => {
-                let key = token::new()? + &token::new()?;
-                self.ask(|c| c.execute("INSERT INTO secret VALUES (?1, ?2)", params![KEY, key]))?;
-                key
-            }
+        let key = if let Some(key) = kept {
+            key
+        } else {
+            let key = token::new()? + &token::new()?;
+            self.ask(|c| c.execute("INSERT INTO secret VALUES (?1, ?2)", params![KEY, key]))?;
+            key
         };
         let key = blake3::derive_key("maveric seat ids of a platform v1", key.as_bytes());
         let digest = blake3::keyed_hash(&key, id.as_bytes());
@@ -110,17 +109,14 @@ impl Seat {
         self.without_writing(|files| {
             let digest = self.store.within(|b| b.platform_digest(id))?;
             let before = self.store.look(|b| b.joined(&digest))?;
-            let token = match before {
-                Some(token) => token,
-                None => {
-                    let token = self.invite(&Invitation::default())?;
-                    self.store.within(|b| {
-                        b.ask(|c| {
-                            c.execute("INSERT INTO platform VALUES (?1, ?2)", [&digest, &token])
-                        })
-                    })?;
-                    token
-                }
+            let token = if let Some(token) = before {
+                token
+            } else {
+                let token = self.invite(&Invitation::default())?;
+                self.store.within(|b| {
+                    b.ask(|c| c.execute("INSERT INTO platform VALUES (?1, ?2)", [&digest, &token]))
+                })?;
+                token
             };
             // Of who is forgotten since, nothing is written down again.
             if let Some(participant) = self.whose(&token) {

@@ -227,10 +227,8 @@ impl Seat {
 
     /// What is said in a language; in the study's where nobody chose, or it is not spoken any more.
     pub(crate) fn texts_in(&self, language: Option<&str>) -> &Texts {
-        let others = self.settings.in_others.iter();
-        let chosen = others
-            .filter(|texts| Some(texts.words.language.as_str()) == language)
-            .last();
+        let mut others = self.settings.in_others.iter();
+        let chosen = others.find(|texts| Some(texts.words.language.as_str()) == language);
         chosen.unwrap_or(&self.settings.texts)
     }
 

@@ -257,7 +257,7 @@ fn state_of(seat: &Seat, token: &str) -> Answered<Response> {
         };
         let begun = b.begun(&person.participant, person.at)?;
         let aborted = b.is_aborted(&person.participant)?;
-        let between = seat.between(b, &person)?;
+        let between = Between::at(b, &person)?;
         let redirect = b.leads_to(leads, &person)?;
         Ok((person, None, begun, aborted, between, redirect))
     })?;
