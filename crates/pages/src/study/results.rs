@@ -5,8 +5,8 @@ use super::{
     tested::{contrast, tested},
     titled,
 };
-use crate::{manuscript::Block, texts::value};
-use maveric_analysis::{Described, Panel, Reproduction};
+use crate::{manuscript::Block, page_texts::PageTexts, texts::value};
+use maveric_analysis::{Described, Panel, Presses, Reproduction};
 use maveric_report::{ReportError, apa, markup};
 use maveric_stats::Adjustment;
 use minijinja::{Value, context};
@@ -16,6 +16,21 @@ fn headed(heading: String, paragraphs: Vec<String>) -> Vec<Block> {
     let heading = (!paragraphs.is_empty()).then_some(Block::Heading(2, heading));
     let paragraphs = paragraphs.into_iter().map(Block::Paragraph);
     heading.into_iter().chain(paragraphs).collect()
+}
+
+/// What people pressed: whether the rates differ, and what came before a press.
+fn pressed(texts: &PageTexts, presses: &Presses) -> Result<Vec<String>, ReportError> {
+    let mut said = Vec::new();
+    if let Some(rates) = &presses.rates {
+        said.push(texts.with(rates).text("press_rates")?);
+    }
+    for row in &presses.before {
+        let values = context! {
+            title => row.title.as_str(), p_holm => row.p_holm, ..value(&row.test)
+        };
+        said.push(texts.with(&values).text("press_before")?);
+    }
+    Ok(said)
 }
 
 impl StudyPage<'_> {
@@ -65,6 +80,10 @@ impl StudyPage<'_> {
         ));
         blocks.extend(headed(self.results.text("line")?, line));
         blocks.extend(headed(self.results.text("people")?, self.preferences()?));
+        if let Some(presses) = &a.presses {
+            let pressed = pressed(&self.results, presses)?;
+            blocks.extend(headed(self.results.text("presses")?, pressed));
+        }
         Ok(blocks)
     }
 
@@ -141,4 +160,68 @@ fn biased_row(row: &Reproduction) -> Value {
         Some(said.markup().to_owned())
     });
     context! { test, ..value(row) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::page_texts::RESULTS;
+    use maveric_analysis::BeforePress;
+    use maveric_domain::Design;
+    use maveric_stats::{CaseStratum, Exposed, case_crossover, event_rates};
+
+    #[test]
+    fn what_was_pressed_stands_in_the_results_with_its_tests_and_what_was_not_tested_does_not() {
+        let design = "[study]\ntitle = \"t\"\n[[condition]]\nid = \"calm\"\n[[condition]]\nid = \"sporty\"\nlabel = \"Sporty *car*\"";
+        let design = Design::from_toml(design).unwrap();
+        let texts = PageTexts::new(RESULTS, &context! {}).unwrap();
+        let texts = texts.labelled(&design);
+        let ridden = |events| Exposed { events, time: 10.0 };
+        let rows: Vec<Vec<Exposed>> = (0..12)
+            .map(|i| vec![ridden(1), ridden(4 + i % 3)])
+            .collect();
+        let names = ["calm".to_owned(), "sporty".to_owned()];
+        let strata: Vec<CaseStratum> = (0..12)
+            .map(|i| CaseStratum {
+                person: format!("P{i}"),
+                events: vec![2.0 + f64::from(i % 4)],
+                others: vec![1.0, 2.0, f64::from(i % 3)],
+            })
+            .collect();
+        let presses = Presses {
+            rates: Some(event_rates(&names, &rows, 999, 1).unwrap()),
+            incomplete: Vec::new(),
+            people: 12,
+            presses: 12,
+            before: vec![BeforePress {
+                precursor: "braking_mps2".to_owned(),
+                title: "Strongest braking".to_owned(),
+                unit: "m/s²".to_owned(),
+                test: case_crossover(&strata),
+                p_holm: Some(0.02),
+                missing: 0,
+            }],
+            course: Vec::new(),
+        };
+        let said = pressed(&texts, &presses).unwrap();
+        assert_eq!(said.len(), 2, "{said:?}");
+        assert!(
+            said[0].contains("calm 0.10; Sporty \\*car\\* 0.50") && said[0].contains("*n* = 12"),
+            "{}",
+            said[0]
+        );
+        assert!(
+            said[1].starts_with("Strongest braking before a press")
+                && said[1].contains("*OR* = ")
+                && said[1].contains("12 people, 12 presses"),
+            "{}",
+            said[1]
+        );
+        let nothing = Presses {
+            rates: None,
+            before: Vec::new(),
+            ..presses
+        };
+        assert!(pressed(&texts, &nothing).unwrap().is_empty());
+    }
 }
