@@ -1,13 +1,14 @@
 // The seat's own road: whoever lets go of the keys leaves the lane and has practised nothing, whoever steers has; and how many pictures a
 // second the bends cost, against the straight road, in one run.
 //
-// usage: node road.mjs MAVERIC FOLDER STRAIGHT   (two studies that differ by their road; CHROMIUM: the browser; SHOTS: a folder for pictures)
+// usage: node road.mjs MAVERIC FOLDER STRAIGHT   (two studies that differ by their road; CHROMIUM: the browser; SIZE: of the window, 1280x800; SHOTS: a folder for pictures)
 import { readFileSync } from "node:fs";
 import { join } from "node:path";
 import { Seat, check, end, launch, pause, picture } from "./room.mjs";
 
 const [maveric, bends, straight] = process.argv.slice(2);
-const viewport = { width: 1280, height: 800 };
+const [width, height] = (process.env.SIZE ?? "1280x800").split("x").map(Number);
+const viewport = { width, height };
 const browser = await launch();
 const heading = (page, text) => page.waitForFunction((t) => document.querySelector("#drive").hidden && document.querySelector("main h1")?.textContent.includes(t), text, { timeout: 60000 });
 const onTheRoad = (page) => page.waitForFunction(() => !document.querySelector("#drive").hidden && /\d/.test(document.querySelector("#speed").textContent), null, { timeout: 60000 });

@@ -345,18 +345,16 @@ impl StudyData {
         mut rides: Vec<PressedRide>,
         mut moments: Vec<PressMoment>,
     ) -> Self {
-        let first = |d: &&MeasuredDrive| d.meta.session == FIRST && self.takes_part(d);
-        let counted = self.measurements.iter().filter(first);
+        let in_cell = |d: &&MeasuredDrive| {
+            let meta = &d.meta;
+            meta.session == FIRST && self.cell(&meta.participant, meta.condition).is_some()
+        };
+        let counted = self.measurements.iter().filter(in_cell);
         let counted: BTreeSet<&DriveId> = counted.map(|d| &d.meta.drive).collect();
         rides.retain(|ride| counted.contains(&ride.drive));
         moments.retain(|moment| counted.contains(&moment.drive));
         self.pressed = (rides, moments);
         self
-    }
-
-    fn takes_part(&self, drive: &MeasuredDrive) -> bool {
-        self.cell(&drive.meta.participant, drive.meta.condition)
-            .is_some()
     }
 
     /// Rides in which people could press.

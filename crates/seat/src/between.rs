@@ -7,6 +7,7 @@ use crate::{
 use chrono::{DateTime, Days, NaiveDate};
 use rusqlite::OptionalExtension as _;
 use serde::Serialize;
+use std::num::NonZeroU32;
 
 /// When the next session is.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
@@ -17,46 +18,41 @@ pub(crate) struct Between {
     pub(crate) until: String,
     /// Whether the first day has come.
     pub(crate) open: bool,
-    /// Days since the session before.
+    /// What is written down of somebody who comes today, which is later than the study asks for; none where it is not.
     #[serde(skip)]
-    days: i64,
+    late: Option<String>,
 }
 
 impl Between {
     /// Of a session before that ended at `since`, in s since 1970; days are Greenwich's, as all of the seat's are.
-    fn of(since: i64, today: NaiveDate, [least, most]: [u32; 2]) -> Self {
+    fn of(since: i64, today: NaiveDate, session: NonZeroU32, [least, most]: [u32; 2]) -> Self {
         let ended = DateTime::from_timestamp(since, 0).unwrap_or_default();
         let ended = ended.date_naive();
         let after = |days: u32| ended.checked_add_days(Days::new(u64::from(days)));
         let [from, until] = [least, most].map(|days| after(days).unwrap_or(NaiveDate::MAX));
+        let days = (today - ended).num_days();
+        let late = || {
+            format!(
+                "session {session}: {days} days after the one before, at most {most} were asked for"
+            )
+        };
         Self {
             open: today >= from,
+            late: (today > until).then(late),
             from: from.to_string(),
             until: until.to_string(),
-            days: (today - ended).num_days(),
         }
     }
 
     /// When somebody's next session is; none of who is not between two.
     pub(crate) fn at(b: &Books<'_>, person: &Person) -> Result<Option<Self>, SeatError> {
         match person.steps.get(person.at) {
-            Some(Step::Between { days, .. }) => {
+            Some(Step::Between { session, days }) => {
                 let since = b.since(&person.token)?;
-                Ok(Some(Self::of(since, today(), *days)))
+                Ok(Some(Self::of(since, today(), *session, *days)))
             }
             _ => Ok(None),
         }
-    }
-
-    /// What is written down of somebody who comes later than the study asks for.
-    pub(crate) fn late(&self, step: &Step) -> Option<String> {
-        let Step::Between { session, days } = step else {
-            return None;
-        };
-        let (found, most) = (self.days, days[1]);
-        (found > i64::from(most)).then(|| {
-            format!("session {session}: {found} days after the one before, at most {most} were asked for")
-        })
     }
 }
 
@@ -81,12 +77,12 @@ impl Person {
 
 impl Seat {
     /// Refuses who comes before the day, and writes down who comes late.
-    pub(crate) fn comes_again(&self, person: &Person, step: &Step) -> Result<(), Refused> {
+    pub(crate) fn comes_again(&self, person: &Person) -> Result<(), Refused> {
         let between = self.store.look(|b| Between::at(b, person))?;
         let Some(between) = between.filter(|between| between.open) else {
             return Err(Refused::NotThis("it is not the day yet".to_owned()));
         };
-        match between.late(step) {
+        match between.late {
             Some(late) => Ok(self
                 .store
                 .within(|b| b.event(Some(&person.participant), &late))?),
@@ -103,19 +99,16 @@ mod tests {
     fn the_next_session_opens_on_its_first_day_and_late_is_after_its_last() {
         // 25 November 2026, ten minutes to midnight.
         let ended = 1_795_650_600;
-        let on = |day: &str| Between::of(ended, day.parse().unwrap(), [2, 14]);
-        let step = Step::Between {
-            session: 2.try_into().unwrap(),
-            days: [2, 14],
-        };
+        let second = NonZeroU32::new(2).unwrap();
+        let on = |day: &str| Between::of(ended, day.parse().unwrap(), second, [2, 14]);
         let early = on("2026-11-26");
         assert_eq!(
             (early.from.as_str(), early.until.as_str()),
             ("2026-11-27", "2026-12-09")
         );
         assert!(!early.open && on("2026-11-27").open);
-        assert_eq!(on("2026-12-09").late(&step), None);
-        let late = on("2026-12-10").late(&step).unwrap();
+        assert_eq!(on("2026-12-09").late, None);
+        let late = on("2026-12-10").late.unwrap();
         assert!(late.contains("15 days") && late.contains("14"), "{late}");
         assert!(on("2026-12-10").open);
     }

@@ -4,7 +4,7 @@
 use crate::{
     books::{Books, now, whole},
     error::SeatError,
-    left_out::{said_why, there},
+    left_out::{Done, said_why, there},
     person::Person,
     seat::Seat,
     steps::{Step, TICKS_PER_S},
@@ -18,17 +18,7 @@ const EXTENDED: &str = "extended by ";
 const EXCLUDED: &str = "excluded: ";
 const COUNTS_AGAIN: &str = "counts again: was left out of the analysis";
 
-/// Something that was decided, and why.
-pub(crate) struct Decided {
-    /// The step that it is about, or at which somebody was then.
-    pub(crate) step: usize,
-    /// Such as `extended by 5 min: the lead was late` or `excluded: wore no glasses`.
-    pub(crate) what: String,
-    /// In s since 1970.
-    pub(crate) given: i64,
-}
-
-impl Decided {
+impl Done {
     /// Whether everything that somebody drove is out of the analysis by it, or counts again; none where it is about something else.
     fn excludes(&self) -> Option<bool> {
         let excluded = self.what.starts_with(EXCLUDED);
@@ -38,20 +28,8 @@ impl Decided {
 
 impl Books<'_> {
     /// What was decided of somebody, the oldest first.
-    pub(crate) fn decided(&self, participant: &str) -> Result<Vec<Decided>, SeatError> {
-        self.ask(|c| {
-            let question =
-                "SELECT step, what, given FROM decided WHERE participant = ?1 ORDER BY rowid";
-            let mut rows = c.prepare_cached(question)?;
-            let read = |row: &rusqlite::Row<'_>| {
-                Ok(Decided {
-                    step: row.get::<_, i64>(0)? as usize,
-                    what: row.get(1)?,
-                    given: row.get(2)?,
-                })
-            };
-            rows.query_map([participant], read)?.collect()
-        })
+    pub(crate) fn decided(&self, participant: &str) -> Result<Vec<Done>, SeatError> {
+        self.done_with("decided", participant)
     }
 
     fn decide(&self, participant: &str, step: usize, what: &str) -> Result<(), SeatError> {

@@ -15,7 +15,7 @@ use maveric_model::Model;
 use maveric_seat_page::{Record, Replayed};
 use maveric_study::{
     DesignFile, StudyError,
-    atomic_write::{atomic_write, atomic_write_bytes, read_text},
+    atomic_write::{atomic_write, atomic_write_bytes, if_there, read_text},
     forget::{Forgotten, forget_person},
     tables::{
         TableName,
@@ -259,8 +259,7 @@ impl Files {
     /// Whom a platform pays; nobody where no file says so.
     pub(crate) fn payment(&self) -> Result<Vec<PaymentRow>, SeatError> {
         let path = self.0.as_ref().map(|place| place.records.join(PAYMENT));
-        let path = path.filter(|path| path.is_file());
-        Ok(path.map_or(Ok(Vec::new()), |path| read_rows(&path))?)
+        Ok(path.map_or(Ok(Vec::new()), |path| if_there(&path, read_rows))?)
     }
 
     /// Writes whom a platform pays, into the folder that is its owner's alone.
@@ -371,14 +370,8 @@ pub fn texts(study: &DesignFile) -> Result<(Texts, Vec<Texts>), SeatError> {
 fn texts_in(study: &DesignFile, language: &str) -> Result<Texts, SeatError> {
     let protocol = study.design.protocol();
     let read = |path: &Option<PathBuf>| {
-        let path = path.as_ref().map(|path| study.resolve(path));
-        let path = path.map(|path| {
-            if language == protocol.language {
-                path
-            } else {
-                in_language(&path, language)
-            }
-        });
+        let path = path.as_ref();
+        let path = path.map(|path| study.resolve(&in_language(protocol, path, language)));
         path.as_deref().map(read_text).transpose()
     };
     Ok(Texts {

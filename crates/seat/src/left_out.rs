@@ -10,10 +10,11 @@ use crate::{
 use maveric_seat_page::RideStyle;
 use rusqlite::params;
 
-/// A step that was left out, and why.
-pub(crate) struct LeftOut {
+/// What the experimenter did with a step, and why.
+pub(crate) struct Done {
+    /// The step that it is about, or at which somebody was then.
     pub(crate) step: usize,
-    /// Such as `skipped: the wheel came loose`.
+    /// Such as `skipped: the wheel came loose` or `extended by 5 min: the lead was late`.
     pub(crate) what: String,
     /// In s since 1970.
     pub(crate) given: i64,
@@ -29,13 +30,19 @@ impl Books<'_> {
     }
 
     /// The steps of somebody that were left out.
-    pub(crate) fn left_out(&self, participant: &str) -> Result<Vec<LeftOut>, SeatError> {
+    pub(crate) fn left_out(&self, participant: &str) -> Result<Vec<Done>, SeatError> {
+        self.done_with("left_out", participant)
+    }
+
+    /// What a table has of somebody, the oldest first.
+    pub(crate) fn done_with(&self, table: &str, participant: &str) -> Result<Vec<Done>, SeatError> {
         self.ask(|c| {
-            let question =
-                "SELECT step, what, given FROM left_out WHERE participant = ?1 ORDER BY step";
-            let mut rows = c.prepare_cached(question)?;
+            let question = format!(
+                "SELECT step, what, given FROM {table} WHERE participant = ?1 ORDER BY rowid"
+            );
+            let mut rows = c.prepare_cached(&question)?;
             let read = |row: &rusqlite::Row<'_>| {
-                Ok(LeftOut {
+                Ok(Done {
                     step: row.get::<_, i64>(0)? as usize,
                     what: row.get(1)?,
                     given: row.get(2)?,

@@ -59,20 +59,23 @@ impl Books<'_> {
 
     /// How somebody's part ended, as it is paid: none while it goes on.
     fn paid_as(&self, person: &Person) -> Result<Option<String>, SeatError> {
+        let early = person.ended.as_deref() == Some("done") && self.stopped_early(person)?;
+        Ok(if early {
+            Some(STOPPED.to_owned())
+        } else {
+            person.ended.clone()
+        })
+    }
+
+    /// Whether somebody stopped in a drive, or the experimenter ended their driving.
+    fn stopped_early(&self, person: &Person) -> Result<bool, SeatError> {
         let who = &person.participant;
-        let Some(how) = person.ended.clone() else {
-            return Ok(None);
-        };
-        if how != "done" || self.is_aborted(who)? {
-            let stopped = how == "done";
-            return Ok(Some(if stopped { STOPPED.to_owned() } else { how }));
+        let mut early = self.is_aborted(who)?;
+        let driven = person.steps.iter().enumerate();
+        for (step, found) in driven.filter(|(_, found)| found.world().is_some()) {
+            early = early || self.stopped(who, (step, found))?.is_some();
         }
-        for (step, found) in person.steps.iter().enumerate() {
-            if found.world().is_some() && self.stopped(who, (step, found))?.is_some() {
-                return Ok(Some(STOPPED.to_owned()));
-            }
-        }
-        Ok(Some(how))
+        Ok(early)
     }
 
     /// Where somebody's page leads back to, once their part has ended.

@@ -387,7 +387,7 @@ async fn done(
             | Step::Text { agree: true, .. } => {
                 return Err(Refused::NotThis("answers are asked here".to_owned()));
             }
-            Step::Between { .. } if step == person.at => seat.comes_again(&person, &found)?,
+            Step::Between { .. } if step == person.at => seat.comes_again(&person)?,
             Step::Drive { .. } | Step::Ride { .. }
                 if step == person.at && !seat.finish_drive(&person, step, &found)? =>
             {

@@ -62,25 +62,25 @@ impl Words {
     /// be filled in; [`SeatError::Study`] for a file that cannot be read.
     pub fn of_study(study: &DesignFile, language: &str) -> Result<Self, SeatError> {
         let protocol = study.design.protocol();
-        let file = protocol.words.as_ref().map(|path| study.resolve(path));
-        let file = if language == protocol.language {
-            file
-        } else {
-            file.map(|path| in_language(&path, language))
-                .filter(|path| path.is_file())
+        let file = protocol.words.as_ref();
+        let file = file.map(|path| in_language(protocol, path, language));
+        let asked = |path: &PathBuf| language == protocol.language || study.resolve(path).is_file();
+        let Some(file) = file.filter(asked) else {
+            return Self::of(language, None);
         };
-        let text = file.as_deref().map(read_text).transpose()?;
-        Self::of((protocol, language), text.as_deref())
+        let text = read_text(&study.resolve(&file))?;
+        Self::of(language, Some((&file, &text)))
     }
 
-    fn of((protocol, language): (&Protocol, &str), own: Option<&str>) -> Result<Self, SeatError> {
-        let file = protocol.words.clone().unwrap_or_default();
+    /// Those of a language, with those of a file in their place.
+    fn of(language: &str, own: Option<(&Path, &str)>) -> Result<Self, SeatError> {
         let refused = |problem: String, help: String| SeatError::Protocol {
             problem,
             help: Some(help),
         };
-        let name = file.to_slash_lossy();
-        let own = own.map(toml::from_str::<Sentences>).transpose();
+        let name = own.map_or_else(String::new, |(file, _)| file.to_slash_lossy().into_owned());
+        let own = own.map(|(_, text)| toml::from_str::<Sentences>(text));
+        let own = own.transpose();
         let own = own.map_err(|e| {
             let help = "expected lines such as begin = \"Start\"".to_owned();
             refused(format!("{name}: {}", e.message()), help)
@@ -170,8 +170,11 @@ impl Words {
     }
 }
 
-/// The file of a language beside another: `consent.de.md` beside `consent.md`.
-pub(crate) fn in_language(path: &Path, language: &str) -> PathBuf {
+/// The file of a language: `consent.de.md` beside `consent.md`, which is the study's language's.
+pub(crate) fn in_language(protocol: &Protocol, path: &Path, language: &str) -> PathBuf {
+    if language == protocol.language {
+        return path.to_owned();
+    }
     let ending = path.extension().unwrap_or_default().to_string_lossy();
     path.with_extension(format!("{language}.{ending}"))
 }
@@ -188,17 +191,24 @@ fn parts(sentence: &str) -> BTreeSet<&str> {
 mod tests {
     use super::*;
     fn of(language: &str, own: Option<&str>) -> Result<Words, SeatError> {
-        let protocol = Protocol {
-            language: language.to_owned(),
-            words: own.map(|_| PathBuf::from("words.toml")),
-            ..Protocol::default()
-        };
-        Words::of((&protocol, language), own)
+        let file = Path::new("words.toml");
+        Words::of(language, own.map(|text| (file, text)))
     }
 
     fn refused(language: &str, own: Option<&str>) -> String {
         let error = of(language, own).unwrap_err();
         format!("{error}; {}", error.suggestion().unwrap_or_default())
+    }
+
+    #[test]
+    fn a_file_of_another_language_is_named_by_it_and_so_is_its_fault() {
+        let protocol = Protocol::default();
+        let named = |language| in_language(&protocol, Path::new("texts/words.toml"), language);
+        assert_eq!(named("en"), Path::new("texts/words.toml"));
+        assert_eq!(named("de"), Path::new("texts/words.de.toml"));
+        let wrong = Words::of("de", Some((&named("de"), "beginn = \"Los\"")));
+        let told = wrong.unwrap_err().to_string();
+        assert!(told.contains("words.de.toml"), "{told}");
     }
 
     #[test]

@@ -98,7 +98,7 @@ pub fn read_text(path: &Path) -> Result<String, StudyError> {
 ///
 /// # Errors
 /// As the reader.
-pub(crate) fn if_there<T: Default>(
+pub fn if_there<T: Default>(
     path: &Path,
     read: impl FnOnce(&Path) -> Result<T, StudyError>,
 ) -> Result<T, StudyError> {

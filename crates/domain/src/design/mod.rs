@@ -17,6 +17,7 @@ mod outcome;
 mod own_measure;
 mod people;
 mod protocol;
+mod protocol_check;
 mod ridden;
 mod tested;
 mod toml_file;
@@ -35,8 +36,9 @@ pub use outcome::{DeclaredTest, Homophily, Outcome, Quantity, ScoreName, Style};
 pub use own_measure::{ABOUT_A_ROW, OwnMeasure};
 pub use people::{CONDITION, Covariate, Factor, People};
 pub use protocol::{
-    Crash, DRIVES_S, Practice, Probe, Protocol, ProtocolStep, Redirect, SeatView, Sessions, World,
+    Crash, Practice, Probe, Protocol, ProtocolStep, Redirect, SeatView, Sessions, World,
 };
+pub use protocol_check::DRIVES_S;
 pub use which::WHICH;
 pub use williams::{Square, williams, williams_rows};
 

@@ -156,28 +156,23 @@ impl Stage for Rate {
                 .collect();
             // Each session and each round of rides in the person's order.
             asked.sort_by_key(|ride| ride.occasion);
-            let ridden = mine.iter().filter(|d| asked.contains(&d.meta.ride()));
-            for (ridden, (scale, every_s)) in ridden.zip(probe.into_iter().cycle()) {
-                let ride = ridden.meta.ride();
-                // Made-up rides are as long as the design says that a ride is.
-                let length_s = ridden.counted_s.unwrap_or(design.protocol().ride_s);
-                let asked = (1..).map(|n| f64::from(n) * every_s);
-                let asked = asked.take_while(|at_s| at_s + Probe::ANSWERED_WITHIN_S <= length_s);
-                let given = probes_at_random(
-                    &person.id,
-                    ride,
-                    scale,
-                    asked,
-                    effects.missing_rate,
-                    self.seed,
-                );
-                probes.extend(given.into_iter().map(|(at_s, answer)| ProbeAnswer {
-                    participant: person.id.clone(),
-                    ride,
-                    scale: scale.id.clone(),
-                    at_s,
-                    answer,
-                }));
+            if let Some((scale, every_s)) = probe {
+                let ridden = mine.iter().filter(|d| asked.contains(&d.meta.ride()));
+                for ridden in ridden {
+                    // Made-up rides are as long as the design says that a ride is.
+                    let length_s = ridden.counted_s.unwrap_or(design.protocol().ride_s);
+                    let (who, missing) = (&person.id, effects.missing_rate);
+                    let asked = Probe::asked_s(every_s, length_s);
+                    let ride = ridden.meta.ride();
+                    let given = probes_at_random(who, ride, scale, asked, missing, self.seed);
+                    probes.extend(given.into_iter().map(|(at_s, answer)| ProbeAnswer {
+                        participant: who.clone(),
+                        ride,
+                        scale: scale.id.clone(),
+                        at_s,
+                        answer,
+                    }));
+                }
             }
             let trials: Vec<(Ride, MeasureValues)> = asked.iter().filter_map(trial).collect();
             if trials.len() < asked.len() {

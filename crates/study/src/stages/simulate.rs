@@ -566,6 +566,11 @@ mod tests {
         simulate: Simulate,
     }
 
+    fn asked(more: &[&str]) -> Simulate {
+        let fixed = "simulate --model m --conditions c --out o".split(' ');
+        Asked::parse_from(fixed.chain(more.iter().copied())).simulate
+    }
+
     fn row(participant: &str, condition: &str) -> ConditionRow {
         ConditionRow {
             participant: ParticipantId::new(participant).unwrap(),
@@ -601,16 +606,7 @@ mod tests {
             }
         }
         let logged = |more: &[&str]| -> Vec<String> {
-            let fixed = [
-                "simulate",
-                "--model",
-                "m",
-                "--conditions",
-                "c",
-                "--out",
-                "o",
-            ];
-            let asked = Asked::parse_from(fixed.iter().chain(more)).simulate;
+            let asked = asked(more);
             let logged = Logged::of(&asked, &rows);
             let people = rows.iter().step_by(2).map(|row| &row.participant);
             people
@@ -654,19 +650,6 @@ mod tests {
         };
         let drives = [drive("other", Some(0.9)), drive("own", Some(0.4))];
         write_rows(TableName::Variability, &path, drives).unwrap();
-        let asked = |more: &[&str]| {
-            let fixed = [
-                "simulate",
-                "--model",
-                "m",
-                "--conditions",
-                "c",
-                "--out",
-                "o",
-            ];
-            let args = fixed.iter().chain(more);
-            Asked::parse_from(args).simulate
-        };
         let given = ["--variability", path.to_str().unwrap()];
         let rows = [row("P01", "alive"), row("P01", "still")];
         let found = asked(&given).varying(Some(&study), &rows).unwrap();

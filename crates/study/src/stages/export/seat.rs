@@ -2,6 +2,7 @@
 
 use super::pseudonym::Pseudonyms;
 use crate::{
+    atomic_write::if_there,
     error::StudyError,
     named,
     tables::{
@@ -14,7 +15,6 @@ use crate::{
     },
 };
 use maveric_domain::{DriveId, ParticipantId};
-use serde::de::DeserializeOwned;
 use std::{collections::BTreeSet, path::Path};
 
 /// The tables of a seat's folder.
@@ -44,18 +44,13 @@ impl Collected {
                 ),
             });
         }
-        let lent = folder.with_file_name(LENT);
         Ok(Self {
             events: read_rows(&folder.join(EVENTS))?,
             consents: read_rows(&folder.join(CONSENTS))?,
             notes: notes.then(|| read_rows(&folder.join(NOTES))).transpose()?,
-            not_admitted: once_there(&folder.with_file_name(NOT_ADMITTED))?,
-            stopped: once_there(&folder.with_file_name(STOPPED))?,
-            lent: if lent.is_file() {
-                read_lent(&lent)?
-            } else {
-                Vec::new()
-            },
+            not_admitted: if_there(&folder.with_file_name(NOT_ADMITTED), read_rows)?,
+            stopped: if_there(&folder.with_file_name(STOPPED), read_rows)?,
+            lent: if_there(&folder.with_file_name(LENT), read_lent)?,
         })
     }
 
@@ -182,15 +177,6 @@ impl Collected {
              somebody who is left out are not"
         );
         Ok((by_hand + withheld > 0).then_some(warning))
-    }
-}
-
-/// The rows of a table that is written once there is something.
-fn once_there<T: DeserializeOwned>(path: &Path) -> Result<Vec<T>, StudyError> {
-    if path.is_file() {
-        read_rows(path)
-    } else {
-        Ok(Vec::new())
     }
 }
 
