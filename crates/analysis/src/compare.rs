@@ -88,155 +88,215 @@ fn panel(
     group: Option<Group>,
     people: &[ParticipantId],
 ) -> Result<Panel, AnalysisError> {
-    let mut conditions: Vec<ConditionId> = data.design.conditions().iter().map(|c| c.id).collect();
-    let baseline = data.design.baseline_id();
-    let mut contrasts = contrasts(data, &asked.id);
-    // One condition is held against the baseline itself.
-    if let (&[one], Some(baseline)) = (conditions.as_slice(), baseline)
-        && one != baseline
-    {
-        contrasts = vec![[one, baseline]];
-        conditions.push(baseline);
-    }
-    let from = baseline
-        .filter(|b| asked.column().is_some() && !conditions.contains(b))
-        .filter(|b| has_baseline(data, asked, *b, people));
-    let value = |p, c| match from {
-        Some(b) => difference_from_own(asked.value(data, p, c), asked.value(data, p, b)),
-        None => asked.value(data, p, c),
-    };
-    let period = Period::of(data, asked, (&conditions, people), group.is_some());
-    let placed = |p: &ParticipantId| conditions.iter().all(|c| data.period(p, *c).is_some());
-    let unplaced = |p: &&ParticipantId| period == Period::Taken && !placed(p);
-    let without_order = people
-        .iter()
-        .filter(unplaced)
-        .map(ToString::to_string)
-        .collect();
-    let rows: Vec<Vec<Option<f64>>> = people
-        .iter()
-        .map(|p| {
-            if unplaced(&p) {
-                return vec![None; conditions.len()];
-            }
-            let shown = |c: &ConditionId| value(p, *c).map(|v| v * asked.factor);
-            conditions.iter().map(shown).collect()
-        })
-        .collect();
-    let mut panel = Panel {
-        outcome: asked.id.clone(),
-        title: asked.title.clone(),
-        unit: asked.unit.clone(),
-        measured: asked.column().is_some(),
-        same: from.map(|_| 0.0).or(asked.same),
-        range: asked.range.filter(|_| from.is_none()),
-        differences_from: from,
-        group,
-        participants: people.iter().map(ToString::to_string).collect(),
-        conditions,
-        rows,
-        n: 0,
-        dropped: Vec::new(),
-        without_order,
-        test: None,
-        reasons: Vec::new(),
-        comparison: None,
-        balance: None,
-        carry_over: None,
-        contrasts: Vec::new(),
-        by_factor: None,
-    };
-    let (mut subjects, mut values) = (Vec::new(), Vec::new());
-    for (who, row) in panel.participants.iter().zip(&panel.rows) {
-        match row.iter().copied().collect::<Option<Vec<f64>>>() {
-            Some(full) => {
-                subjects.push(who.clone());
-                values.push(full);
-            }
-            None => panel.dropped.push(who.clone()),
+    let mut plan = Plan::of(data, asked, group, people);
+    let (subjects, values) = plan.whole_rows();
+    plan.judge(purpose)?;
+    plan.contrast(&subjects, &values)?;
+    Ok(plan.panel)
+}
+
+/// A panel on its way, with what it is made of.
+struct Plan<'a> {
+    data: &'a StudyData,
+    asked: &'a Asked,
+    people: &'a [ParticipantId],
+    /// The pairs that are compared.
+    pairs: Vec<[ConditionId; 2]>,
+    period: Period,
+    panel: Panel,
+}
+
+impl<'a> Plan<'a> {
+    /// Who has what in which condition, before anything is tested.
+    fn of(
+        data: &'a StudyData,
+        asked: &'a Asked,
+        group: Option<Group>,
+        people: &'a [ParticipantId],
+    ) -> Self {
+        let mut conditions: Vec<ConditionId> =
+            data.design.conditions().iter().map(|c| c.id).collect();
+        let baseline = data.design.baseline_id();
+        let mut pairs = contrasts(data, &asked.id);
+        // One condition is held against the baseline itself.
+        if let (&[one], Some(baseline)) = (conditions.as_slice(), baseline)
+            && one != baseline
+        {
+            pairs = vec![[one, baseline]];
+            conditions.push(baseline);
         }
-    }
-    panel.n = subjects.len();
-    if period == Period::Taken {
-        let tested = people
-            .iter()
-            .filter(|p| !panel.dropped.contains(&p.to_string()));
-        let orders = OrderBalance::of(&data.design, tested.map(|p| data.order(p)));
-        panel.balance = orders.map(|orders| orders.balance);
-    }
-    let expected = |[first, second]: [ConditionId; 2]| asked.expected(data, first, second);
-    let tested = Tested {
-        data,
-        asked,
-        panel: &panel,
-        people,
-        purpose,
-        period,
-    };
-    match by_design(&tested)? {
-        Ok(Compared {
-            found,
-            by_factor,
-            carry_over,
-        }) => {
-            panel.reasons = found.reasons().to_vec();
-            panel.carry_over = carry_over;
-            if let Some((by_factor, untested)) = by_factor {
-                panel.reasons.extend(untested);
-                panel.by_factor = Some(by_factor);
-            } else if panel.group.is_none() && !data.design.level_contrasts().is_empty() {
-                let why = "the declared contrasts of factors have no test: this test is not one of several factors";
-                panel.reasons.push(why.to_owned());
-            }
-            panel.comparison = Some(found);
-        }
-        Err(why) => panel.reasons.push(why),
-    }
-    panel.reasons.extend(period.reason().map(str::to_owned));
-    panel.reasons.extend(cut_drives(data, asked, people));
-    // No other test steps in for one that was declared, or that takes the period, and has no result.
-    let declared = period == Period::Taken || asked.test.is_some_and(|t| t != DeclaredTest::Auto);
-    let no_result = declared && panel.comparison.is_none();
-    if panel.n < 2 || panel.conditions.len() < 2 || no_result {
-        let untested = |pair: [ConditionId; 2]| Contrast::untested(pair, expected(pair));
-        panel.contrasts = contrasts.into_iter().map(untested).collect();
-        return Ok(panel);
-    }
-    if let Some(pairs) = model_pairs(data, asked, &panel, period) {
-        let of_model = |pair| {
-            let contrast = pairs.contrast(pair, mean_difference(&panel, pair), expected(pair));
-            let people = counted(&panel, &contrast);
-            Contrast { people, ..contrast }
+        let from = baseline
+            .filter(|b| asked.column().is_some() && !conditions.contains(b))
+            .filter(|b| has_baseline(data, asked, *b, people));
+        let value = |p, c| match from {
+            Some(b) => difference_from_own(asked.value(data, p, c), asked.value(data, p, b)),
+            None => asked.value(data, p, c),
         };
-        let found = contrasts.into_iter().map(of_model).collect();
-        (panel.test, panel.contrasts) = (Some(pairs.test), found);
-        return Ok(panel);
+        let period = Period::of(data, asked, (&conditions, people), group.is_some());
+        let placed = |p: &ParticipantId| conditions.iter().all(|c| data.period(p, *c).is_some());
+        let unplaced = |p: &&ParticipantId| period == Period::Taken && !placed(p);
+        let without_order = people
+            .iter()
+            .filter(unplaced)
+            .map(ToString::to_string)
+            .collect();
+        let rows: Vec<Vec<Option<f64>>> = people
+            .iter()
+            .map(|p| {
+                if unplaced(&p) {
+                    return vec![None; conditions.len()];
+                }
+                let shown = |c: &ConditionId| value(p, *c).map(|v| v * asked.factor);
+                conditions.iter().map(shown).collect()
+            })
+            .collect();
+        let panel = Panel {
+            outcome: asked.id.clone(),
+            title: asked.title.clone(),
+            unit: asked.unit.clone(),
+            measured: asked.column().is_some(),
+            same: from.map(|_| 0.0).or(asked.same),
+            range: asked.range.filter(|_| from.is_none()),
+            differences_from: from,
+            group,
+            participants: people.iter().map(ToString::to_string).collect(),
+            conditions,
+            rows,
+            n: 0,
+            dropped: Vec::new(),
+            without_order,
+            test: None,
+            reasons: Vec::new(),
+            comparison: None,
+            balance: None,
+            carry_over: None,
+            contrasts: Vec::new(),
+            by_factor: None,
+        };
+        Self {
+            data,
+            asked,
+            people,
+            pairs,
+            period,
+            panel,
+        }
     }
-    let names: Vec<String> = panel.conditions.iter().map(ToString::to_string).collect();
-    let tested = WithinSubjects::from_rows(&names, &subjects, &values)?;
-    let test = test_of_pairs(panel.comparison.as_ref());
-    let pairs = match panel.comparison.as_ref().and_then(ByDesign::one_factor) {
-        Some(found) => found.posthoc.clone(),
-        None => posthoc(&tested, test, Adjustment::None, ALPHA)?,
-    };
-    panel.test = Some(match pairs.test {
-        PosthocTest::Wilcoxon => ContrastTest::Wilcoxon,
-        _ => ContrastTest::T,
-    });
-    for pair in contrasts {
-        let against = |b| pair.contains(&b);
-        panel.contrasts.push(match from.filter(|b| against(*b)) {
-            Some(baseline) => {
-                from_zero(&panel.conditions, &values, baseline, pair, expected(pair))?
+
+    /// The people with a value in every condition, and their values; the others are named in the panel.
+    fn whole_rows(&mut self) -> (Vec<String>, Vec<Vec<f64>>) {
+        let panel = &mut self.panel;
+        let (mut subjects, mut values) = (Vec::new(), Vec::new());
+        for (who, row) in panel.participants.iter().zip(&panel.rows) {
+            match row.iter().copied().collect::<Option<Vec<f64>>>() {
+                Some(full) => {
+                    subjects.push(who.clone());
+                    values.push(full);
+                }
+                None => panel.dropped.push(who.clone()),
             }
-            None => Contrast::of(&pairs, pair, expected(pair)),
+        }
+        panel.n = subjects.len();
+        if self.period == Period::Taken {
+            let dropped = |p: &&ParticipantId| panel.dropped.contains(&p.to_string());
+            let tested = self.people.iter().filter(|p| !dropped(p));
+            let orders = OrderBalance::of(&self.data.design, tested.map(|p| self.data.order(p)));
+            panel.balance = orders.map(|orders| orders.balance);
+        }
+        (subjects, values)
+    }
+
+    /// Tests all conditions at once.
+    fn judge(&mut self, purpose: Purpose) -> Result<(), AnalysisError> {
+        let tested = Tested {
+            data: self.data,
+            asked: self.asked,
+            panel: &self.panel,
+            people: self.people,
+            purpose,
+            period: self.period,
+        };
+        let compared = by_design(&tested)?;
+        let panel = &mut self.panel;
+        match compared {
+            Ok(Compared {
+                found,
+                by_factor,
+                carry_over,
+            }) => {
+                panel.reasons = found.reasons().to_vec();
+                panel.carry_over = carry_over;
+                if let Some((by_factor, untested)) = by_factor {
+                    panel.reasons.extend(untested);
+                    panel.by_factor = Some(by_factor);
+                } else if panel.group.is_none() && !self.data.design.level_contrasts().is_empty() {
+                    let why = "the declared contrasts of factors have no test: this test is not one of several factors";
+                    panel.reasons.push(why.to_owned());
+                }
+                panel.comparison = Some(found);
+            }
+            Err(why) => panel.reasons.push(why),
+        }
+        panel
+            .reasons
+            .extend(self.period.reason().map(str::to_owned));
+        panel
+            .reasons
+            .extend(cut_drives(self.data, self.asked, self.people));
+        Ok(())
+    }
+
+    /// Compares the pairs, by the values of the people who have all.
+    fn contrast(&mut self, subjects: &[String], values: &[Vec<f64>]) -> Result<(), AnalysisError> {
+        let (data, asked, period) = (self.data, self.asked, self.period);
+        let expected = |[first, second]: [ConditionId; 2]| asked.expected(data, first, second);
+        let contrasts = std::mem::take(&mut self.pairs);
+        let panel = &mut self.panel;
+        // No other test steps in for one that was declared, or that takes the period, and has no result.
+        let declared = asked.test.is_some_and(|t| t != DeclaredTest::Auto);
+        let no_result = (period == Period::Taken || declared) && panel.comparison.is_none();
+        if panel.n < 2 || panel.conditions.len() < 2 || no_result {
+            let untested = |pair: [ConditionId; 2]| Contrast::untested(pair, expected(pair));
+            panel.contrasts = contrasts.into_iter().map(untested).collect();
+            return Ok(());
+        }
+        if let Some(pairs) = model_pairs(data, asked, panel, period) {
+            let of_model = |pair| {
+                let contrast = pairs.contrast(pair, mean_difference(panel, pair), expected(pair));
+                let people = counted(panel, &contrast);
+                Contrast { people, ..contrast }
+            };
+            let compared = contrasts.into_iter().map(of_model).collect();
+            (panel.test, panel.contrasts) = (Some(pairs.test), compared);
+            return Ok(());
+        }
+        let names: Vec<String> = panel.conditions.iter().map(ToString::to_string).collect();
+        let tested = WithinSubjects::from_rows(&names, subjects, values)?;
+        let test = test_of_pairs(panel.comparison.as_ref());
+        let pairs = match panel.comparison.as_ref().and_then(ByDesign::one_factor) {
+            Some(one_factor) => one_factor.posthoc.clone(),
+            None => posthoc(&tested, test, Adjustment::None, ALPHA)?,
+        };
+        panel.test = Some(match pairs.test {
+            PosthocTest::Wilcoxon => ContrastTest::Wilcoxon,
+            _ => ContrastTest::T,
         });
+        let from = panel.differences_from;
+        for pair in contrasts {
+            let against = |b| pair.contains(&b);
+            panel.contrasts.push(match from.filter(|b| against(*b)) {
+                Some(baseline) => {
+                    from_zero(&panel.conditions, values, baseline, pair, expected(pair))?
+                }
+                None => Contrast::of(&pairs, pair, expected(pair)),
+            });
+        }
+        let people: Vec<[usize; 3]> = panel.contrasts.iter().map(|c| counted(panel, c)).collect();
+        for (contrast, people) in panel.contrasts.iter_mut().zip(people) {
+            contrast.people = people;
+        }
+        Ok(())
     }
-    let people: Vec<[usize; 3]> = panel.contrasts.iter().map(|c| counted(&panel, c)).collect();
-    for (contrast, people) in panel.contrasts.iter_mut().zip(people) {
-        contrast.people = people;
-    }
-    Ok(panel)
 }
 
 /// Whether differences from the baseline can be taken: a measure of the study's own may exist in the conditions alone, as the time to take

@@ -1,138 +1,30 @@
 //! The tables of a study, side by side.
 
+mod cells;
+mod tables;
+
+pub use tables::Tables;
+
 use crate::{
     AnalysisError,
     balance::OrderBalance,
-    exclusions::{Driven, LeftOut, Stopped},
-    flow::{self, Flow, NotAdmitted},
+    exclusions::Rule,
+    flow::Flow,
     person::Person,
     turned::{Settled, Turns},
 };
+use cells::{Cell, FIRST, OwnValues, Sat, Scores};
 use maveric_domain::{
-    Answer, ConditionId, ConditionRow, Design, DriveId, DrivenBy, EmbeddingRow, MeasureValues,
-    MeasuredDrive, Moment, Occasion, OwnMeasurement, ParticipantId, Ride, Scale, Score,
-    design::{Condition, ScoreName, Sign},
-    occasion::first,
+    ConditionId, ConditionRow, Design, DriveId, DrivenBy, EmbeddingRow, MeasureValues,
+    MeasuredDrive, Moment, Occasion, ParticipantId, Scale, Score,
+    design::{Condition, Quantity, ScoreName, Sign},
     press::{PressMoment, PressedRide},
 };
-use maveric_stats::mean;
 use std::{
     collections::{BTreeMap, BTreeSet},
     num::NonZeroU32,
 };
-
-/// Scores by scale, subscale, moment and participant; a moment is that of a session's first ride, and has a score a ride.
-#[derive(Debug, Clone, Default)]
-struct Scores(BTreeMap<String, BTreeMap<String, ByMoment>>);
-
-/// Scores of one subscale.
-type ByMoment = BTreeMap<Moment, BTreeMap<ParticipantId, BTreeMap<NonZeroU32, f64>>>;
-
-/// The first session.
-const FIRST: NonZeroU32 = first();
-
-/// A condition in a session.
-type Sat = (ConditionId, NonZeroU32);
-
-/// A condition in the session of a ride, and which ride of it.
-fn sat(ride: Ride) -> (Sat, NonZeroU32) {
-    let Occasion { session, trial } = ride.occasion;
-    ((ride.condition, session), trial)
-}
-
-/// What was measured of a person in a condition of a session: the mean over its rides that stayed.
-#[derive(Debug, Clone, PartialEq)]
-struct Cell {
-    values: MeasureValues,
-    counted_s: Option<f64>,
-    rides: usize,
-}
-
-impl Cell {
-    /// Means of the rides that have a value, measure by measure.
-    fn of(rides: &BTreeMap<NonZeroU32, &MeasuredDrive>) -> Self {
-        let mut values: BTreeMap<String, Vec<f64>> = BTreeMap::new();
-        for (measure, value) in rides.values().flat_map(|ride| &ride.values) {
-            values.entry(measure.clone()).or_default().extend(*value);
-        }
-        let counted: Vec<f64> = rides.values().filter_map(|ride| ride.counted_s).collect();
-        Self {
-            values: values
-                .into_iter()
-                .map(|(measure, values)| (measure, mean(&values)))
-                .collect(),
-            counted_s: mean(&counted),
-            rides: rides.len(),
-        }
-    }
-}
-
-impl Scores {
-    fn of(scores: &[Score]) -> Self {
-        let mut sorted = Self::default();
-        for score in scores {
-            if let Some(value) = score.value {
-                let ride = score.moment.ride().map(|ride| ride.occasion);
-                let Occasion { session, trial } = ride.unwrap_or_default();
-                let moment = score.moment.on(Occasion {
-                    session,
-                    trial: FIRST,
-                });
-                sorted
-                    .0
-                    .entry(score.scale.clone())
-                    .or_default()
-                    .entry(score.subscale.clone())
-                    .or_default()
-                    .entry(moment)
-                    .or_default()
-                    .entry(score.participant.clone())
-                    .or_default()
-                    .entry(trial)
-                    // The first of several, as a reader of the table would find it.
-                    .or_insert(value);
-            }
-        }
-        sorted
-    }
-
-    /// The score of a moment, of several rides in the condition their mean.
-    fn get(&self, p: &ParticipantId, moment: Moment, scale: &str, subscale: &str) -> Option<f64> {
-        let rides = self.0.get(scale)?.get(subscale)?.get(&moment)?.get(p)?;
-        mean(&rides.values().copied().collect::<Vec<f64>>())
-    }
-}
-
-/// The tables of a study, as stages write them: made by a run, or in memory.
-#[derive(Debug, Clone, Default)]
-pub struct Tables {
-    /// Who takes part; where it is empty, everybody who drove was tested.
-    pub people: Vec<Person>,
-    /// What was measured, a row a drive.
-    pub measurements: Vec<MeasuredDrive>,
-    /// What the study's own measures say of people in conditions.
-    pub own: Vec<OwnMeasurement>,
-    /// Fitted embeddings; empty without a model.
-    pub embeddings: Vec<EmbeddingRow>,
-    /// Where in style space each condition lies; empty without a learned car.
-    pub conditions: Vec<ConditionRow>,
-    /// Scores of the questionnaires before the drives.
-    pub pre: Vec<Score>,
-    /// Scores of the ratings after the conditions.
-    pub post: Vec<Score>,
-    /// The questionnaires.
-    pub scales: Vec<Scale>,
-    /// Answers, by which the design's rules judge sheets.
-    pub answers: Vec<Answer>,
-    /// How long each drive took, in s, where it is known.
-    pub durations_s: BTreeMap<DriveId, f64>,
-    /// Drives that the design kept from being measured.
-    pub kept_out: Vec<Driven>,
-    /// Drives and rides that people stopped.
-    pub stopped: Vec<Stopped>,
-    /// People who wanted to take part and were not admitted.
-    pub not_admitted: Vec<NotAdmitted>,
-}
+use tables::Who;
 
 /// What the analyses of a study read: whoever is left out by the design is not in it.
 #[derive(Debug, Clone)]
@@ -156,7 +48,7 @@ pub struct StudyData {
     /// What was pressed in the rides, and when.
     pressed: (Vec<PressedRide>, Vec<PressMoment>),
     /// The study's own measures by condition and participant.
-    own: BTreeMap<ConditionId, BTreeMap<ParticipantId, BTreeMap<String, f64>>>,
+    own: BTreeMap<ConditionId, BTreeMap<ParticipantId, OwnValues>>,
     /// What was measured of tested people, by condition in a session and participant.
     cells: BTreeMap<Sat, BTreeMap<ParticipantId, Cell>>,
     /// Subscales answered before the drives and after a condition, in the order in which they were scored.
@@ -164,6 +56,8 @@ pub struct StudyData {
     after: Vec<ScoreName>,
     pre: Scores,
     post: Scores,
+    /// Scores of rides that are left out, since people stopped them.
+    of_stopped: Vec<Score>,
 }
 
 impl StudyData {
@@ -173,96 +67,34 @@ impl StudyData {
     /// [`AnalysisError::TooFewPeople`] for fewer than three who drove or rated a condition, or were measured in it;
     /// [`AnalysisError::NobodyThere`] for a condition in which nobody is there so.
     pub fn new(design: &Design, tables: Tables) -> Result<Self, AnalysisError> {
-        let driven: Vec<Driven> = tables
-            .measurements
-            .iter()
-            .map(|d| Driven {
-                drive: d.meta.drive.clone(),
-                participant: d.meta.participant.clone(),
-                ride: d.meta.ride(),
-                duration_s: tables.durations_s.get(&d.meta.drive).copied(),
-            })
-            .collect();
-        let judged: Vec<Driven> = driven.iter().cloned().chain(tables.kept_out).collect();
-        let in_study = |c| design.baseline_id() == Some(c) || design.condition(c).is_some();
-        let tested = |p: &ParticipantId| {
-            tables.people.is_empty() || tables.people.iter().any(|q| q.id == *p && q.tested)
-        };
-        let rated = tables.post.iter().filter_map(|s| match s.moment {
-            Moment::After(r) | Moment::Probe(r) if s.value.is_some() => Some((&s.participant, r)),
-            _ => None,
-        });
-        let own = tables.own.iter();
-        let own = own.map(|m| (&m.participant, Ride::from(m.condition)));
-        let without_drive = rated.chain(own);
-        let came = judged.iter().map(|d| (&d.participant, d.ride));
-        let came = came.chain(without_drive.clone());
-        let first_session = |ride: &Ride| ride.occasion.session == FIRST;
-        let mut left_out = LeftOut::named(design)
-            .with_stopped(&tables.stopped)
-            .with_careless(design, &tables.scales, &tables.answers)
-            .with_short(design, &judged)
-            .with_few_conditions(design, came.clone().filter(|(_, ride)| first_session(ride)));
-        let there: BTreeSet<ParticipantId> = came
-            .filter(|(p, ride)| in_study(ride.condition) && tested(p))
-            .map(|(p, _)| p.clone())
-            .collect();
-        let kept: BTreeSet<ParticipantId> = driven
-            .iter()
-            .map(|d| (&d.participant, d.ride))
-            .chain(without_drive)
-            .filter(|(p, ride)| in_study(ride.condition) && left_out.keeps(p, *ride))
-            .map(|(p, _)| p.clone())
-            .collect();
-        left_out.and_without_drives(&judged, &kept);
-        let flow = flow::flow(
-            design,
-            &tables.people,
-            &there,
-            (&left_out, &tables.not_admitted),
-        );
+        let Who {
+            there,
+            left_out,
+            flow,
+        } = Who::of(design, &tables);
         let mut measurements = tables.measurements;
         measurements.retain(|d| left_out.keeps(&d.meta.participant, d.meta.ride()));
         let (mut pre, mut post) = (tables.pre, tables.post);
+        let unwell = |who: &ParticipantId, ride| {
+            let mut stopped = tables.stopped.iter();
+            let theirs =
+                stopped.any(|s| s.by_the_person() && s.participant == *who && s.ride() == ride);
+            let why = left_out.about(who, ride);
+            theirs && why.is_some_and(|why| why.rule == Rule::Stopped)
+        };
+        let stopped = |score: &&Score| {
+            let ride = score.moment.ride();
+            score.value.is_some() && ride.is_some_and(|ride| unwell(&score.participant, ride))
+        };
+        let of_stopped: Vec<Score> = post.iter().filter(stopped).cloned().collect();
         for scores in [&mut pre, &mut post] {
             scores.retain(|s| match s.moment.ride() {
                 Some(ride) => left_out.keeps(&s.participant, ride),
                 None => left_out.keeps_person(&s.participant),
             });
         }
-        let mut rides: BTreeMap<Sat, BTreeMap<ParticipantId, BTreeMap<_, _>>> = BTreeMap::new();
-        for drive in &measurements {
-            if there.contains(&drive.meta.participant) {
-                let (sat, trial) = sat(drive.meta.ride());
-                let of = rides.entry(sat).or_default();
-                let of = of.entry(drive.meta.participant.clone()).or_default();
-                of.entry(trial).or_insert(drive);
-            }
-        }
-        let cells = rides.into_iter().map(|(sat, people)| {
-            let cells = people.into_iter().map(|(who, of)| (who, Cell::of(&of)));
-            (sat, cells.collect())
-        });
-        let cells: BTreeMap<Sat, BTreeMap<ParticipantId, Cell>> = cells.collect();
-        let mut own: BTreeMap<ConditionId, BTreeMap<ParticipantId, BTreeMap<String, f64>>> =
-            BTreeMap::new();
-        for row in tables.own {
-            // A mean over rides stays as long as one of them does.
-            let keeps = |occasion| {
-                let condition = row.condition;
-                let ride = Ride {
-                    condition,
-                    occasion,
-                };
-                left_out.keeps(&row.participant, ride)
-            };
-            let mut occasions = design.occasions(row.condition).into_iter();
-            if there.contains(&row.participant) && occasions.any(keeps) {
-                let people = own.entry(row.condition).or_default();
-                let values = people.entry(row.participant).or_default();
-                values.insert(row.measure, row.value);
-            }
-        }
+        let cells = cells::cells(&measurements, &there);
+        let own = cells::own(design, tables.own, (&there, &left_out));
         let participants: Vec<ParticipantId> = there
             .into_iter()
             .filter(|p| left_out.keeps_person(p))
@@ -272,19 +104,6 @@ impl StudyData {
                 found: participants.len(),
             });
         }
-        let subscales = |scores: &[Score]| {
-            let mut found: Vec<ScoreName> = Vec::new();
-            for score in scores {
-                let name = ScoreName {
-                    scale: score.scale.clone(),
-                    subscale: score.subscale.clone(),
-                };
-                if !found.contains(&name) {
-                    found.push(name);
-                }
-            }
-            found
-        };
         let data = Self {
             design: design.clone(),
             participants,
@@ -293,10 +112,11 @@ impl StudyData {
             pressed: Default::default(),
             own,
             cells,
-            before: subscales(&pre),
-            after: subscales(&post),
+            before: cells::subscales(&pre),
+            after: cells::subscales(&post),
             pre: Scores::of(&pre),
             post: Scores::of(&post),
+            of_stopped,
             measurements,
             embeddings: tables.embeddings,
             conditions: tables.conditions,
@@ -307,23 +127,50 @@ impl StudyData {
                 .collect(),
             scales: design.with_dropped_items(tables.scales),
         };
-        for condition in data.design.conditions() {
+        data.somebody_in_each()?;
+        Ok(data)
+    }
+
+    /// Refuses a condition in which nobody drove, rated or was measured.
+    fn somebody_in_each(&self) -> Result<(), AnalysisError> {
+        for condition in self.design.conditions() {
             let id = condition.id;
-            let driven = data
-                .cells
-                .get(&(id, FIRST))
-                .is_some_and(|of| !of.is_empty());
-            let measured = data.own.contains_key(&id);
+            let cells = self.cells.get(&(id, FIRST));
+            let driven = cells.is_some_and(|of| !of.is_empty());
+            let measured = self.own.contains_key(&id);
             let rated = |p| {
-                data.after
+                self.after
                     .iter()
-                    .any(|name| data.rated(p, id, name).is_some())
+                    .any(|name| self.rated(p, id, name).is_some())
             };
-            if !driven && !measured && !data.participants.iter().any(rated) {
+            if !driven && !measured && !self.participants.iter().any(rated) {
                 return Err(AnalysisError::NobodyThere { condition: id });
             }
         }
-        Ok(data)
+        Ok(())
+    }
+
+    /// The same, with what was said of rides that people stopped.
+    pub(crate) fn with_stopped(&self) -> Self {
+        let post = self.post.clone().and(&self.of_stopped);
+        Self {
+            post,
+            of_stopped: Vec::new(),
+            ..self.clone()
+        }
+    }
+
+    /// Rides that somebody rated by this score and that are left out, since they stopped them.
+    pub(crate) fn stopped_rides(&self, quantity: &Quantity) -> usize {
+        let Quantity::Score(name) = quantity else {
+            return 0;
+        };
+        let of_score = |score: &&Score| {
+            let known = self.participants.contains(&score.participant);
+            let same = score.scale == name.scale && score.subscale == name.subscale;
+            known && same
+        };
+        self.of_stopped.iter().filter(of_score).count()
     }
 
     /// The same, with how people turned the dial who could.

@@ -47,6 +47,24 @@ pub struct Stopped {
     pub reason: String,
 }
 
+impl Stopped {
+    /// The ride, or the drive.
+    pub fn ride(&self) -> Ride {
+        Ride {
+            condition: self.condition,
+            occasion: Occasion {
+                session: self.session,
+                trial: self.trial,
+            },
+        }
+    }
+
+    /// Whether the person stopped it; what the experimenter left out has what they did before a colon.
+    pub fn by_the_person(&self) -> bool {
+        !self.reason.contains(": ")
+    }
+}
+
 /// What somebody or something is left out by.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 pub enum Rule {
@@ -200,29 +218,13 @@ impl LeftOut {
     #[must_use]
     pub fn with_stopped(mut self, stopped: &[Stopped]) -> Self {
         for ride in stopped {
-            let Stopped {
-                participant,
-                condition,
-                session,
-                trial,
-                reason,
-                ..
-            } = ride;
-            let why = Why::by(
-                Rule::Stopped,
-                format!("`{condition}` was stopped: {reason}"),
-            );
-            let ride = Ride {
-                condition: *condition,
-                occasion: Occasion {
-                    session: *session,
-                    trial: *trial,
-                },
-            };
-            let cell = (participant.clone(), ride);
+            let (who, condition) = (&ride.participant, ride.condition);
+            let reason = format!("`{condition}` was stopped: {}", ride.reason);
+            let why = Why::by(Rule::Stopped, reason);
+            let cell = (who.clone(), ride.ride());
             self.cells.entry(cell).or_insert(why.clone());
             // The ids of the two may be too long for one: then no drive has their name.
-            if let Ok(drive) = DriveId::in_condition(participant, ride) {
+            if let Ok(drive) = DriveId::in_condition(who, ride.ride()) {
                 self.and_drive(drive, why);
             }
         }

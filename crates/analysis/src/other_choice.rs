@@ -29,6 +29,11 @@ pub enum OtherChoice {
         /// Numbers of the items.
         items: Vec<u32>,
     },
+    /// With what was said of rides that people stopped.
+    WithStopped {
+        /// Stopped rides that somebody rated.
+        rides: usize,
+    },
 }
 
 /// A contrast as it is decided, and by the other choice. Both p are of the primary contrast as it is, of others after Holm.

@@ -6,13 +6,13 @@ use crate::{
     data::StudyData,
     design_test::Purpose,
     other_choice::{OtherChoice, Sensitivity, SensitivityRow},
-    outcomes::Asked,
+    outcomes::{Asked, outcomes},
     result::{Contrast, Panel, PrimaryOutcome},
     verdict::{Verdict, directed, significant},
 };
-use maveric_domain::design::{Outcome, Sign};
+use maveric_domain::design::Sign;
 
-/// Each outcome that the design asks for by another choice too, against the panels over everybody.
+/// Each outcome that the design asks for by another choice too, and each rating of rides of which some were stopped, against the panels over everybody.
 pub(crate) fn sensitivity(
     data: &StudyData,
     purpose: Purpose,
@@ -25,7 +25,16 @@ pub(crate) fn sensitivity(
             let other = whole(data, purpose, &asked)?;
             let items = outcome.drop_items.clone();
             let choice = OtherChoice::WithoutItems { items };
-            found.extend(beside(outcome, choice, &other, panels, primary));
+            found.extend(beside(choice, &other, panels, primary));
+        }
+    }
+    let with_stopped = data.with_stopped();
+    for asked in outcomes(data) {
+        let rides = data.stopped_rides(&asked.quantity);
+        if rides > 0 {
+            let other = whole(&with_stopped, purpose, &asked)?;
+            let choice = OtherChoice::WithStopped { rides };
+            found.extend(beside(choice, &other, panels, primary));
         }
     }
     Ok(found)
@@ -33,13 +42,12 @@ pub(crate) fn sensitivity(
 
 /// A panel by another choice beside the one that decides; none where that is not there.
 fn beside(
-    outcome: &Outcome,
     choice: OtherChoice,
     other: &Panel,
     panels: &[Panel],
     primary: &[PrimaryOutcome],
 ) -> Option<Sensitivity> {
-    let id = outcome.id();
+    let id = other.outcome.clone();
     let decides = panels
         .iter()
         .find(|panel| panel.outcome == id && panel.group.is_none())?;

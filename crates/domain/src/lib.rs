@@ -39,7 +39,9 @@ pub use seed::stream_seed;
 pub use sees::Sees;
 pub use setpoints::{LaneWish, Setpoints, When};
 pub use steered::{ConditionRow, Lent, SweepPoint};
-pub use survey::{AdbScore, Answer, Moment, NormCorrelation, Norms, Scale, Score, Subscale};
+pub use survey::{
+    AdbScore, Answer, Moment, NormCorrelation, Norms, ProbeAnswer, Scale, Score, Subscale,
+};
 pub use trace::{LaneActivity, TraceRow};
 pub use traits::LatentTraits;
 pub use units::{Metres, MetresPerSecond, MetresPerSecond2, Seconds, SpeedUnit};

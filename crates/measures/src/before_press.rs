@@ -61,6 +61,20 @@ pub fn press_moments(drive: &Drive, presses_s: &[f64]) -> Vec<PressMoment> {
     moments
 }
 
+/// Every second of a ride, with what came before its middle, as somebody may press in it.
+pub fn seconds_of(drive: &Drive) -> Vec<PressMoment> {
+    let time_s = &drive.rows().time_s;
+    let ends = time_s.first().zip(time_s.last());
+    let seconds = ends.map_or(0.0, |(first, last)| last - first).floor() as u32;
+    let exposures = Exposures::of(drive);
+    let second = |second| {
+        let middle_s = f64::from(second) + 0.5;
+        let minute = (middle_s / MINUTE_S) as u32;
+        exposures.at(middle_s, minute, (false, true), None)
+    };
+    (0..seconds).map(second).collect()
+}
+
 /// The signals of a ride from which exposures are taken, a value a row.
 struct Exposures<'a> {
     drive: &'a Drive,

@@ -8,7 +8,7 @@ pub mod objective;
 pub mod survey;
 
 pub use accuracy::{Accuracy, difference_from_own, drive_accuracy, mean_accuracy};
-pub use before_press::press_moments;
+pub use before_press::{press_moments, seconds_of};
 pub use error::MeasureError;
 pub use objective::Measure;
 pub use survey::{ItemMatrix, ScoreWarning, Scored, score};

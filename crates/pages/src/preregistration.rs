@@ -128,6 +128,7 @@ pub(crate) fn condition(c: &Condition) -> Value {
         Some(Car::Mean) => ("mean", None, None),
         Some(Car::Embedding(path)) => ("embedding", None, Some(path.to_slash_lossy().into_owned())),
         Some(Car::Matched(_)) => ("matched", None, None),
+        Some(Car::Replay) => ("replay", None, None),
         Some(_) => ("turned", None, None),
     };
     let levels = c.levels.iter().map(|(f, l)| format!("{f}: {l}"));

@@ -170,6 +170,8 @@ pub(crate) fn other_choice(choice: &OtherChoice) -> String {
             let noun = if items.len() == 1 { "item" } else { "items" };
             format!("without {noun} {}", listed(&numbers))
         }
+        OtherChoice::WithStopped { rides: 1 } => "with the ride that was stopped".to_owned(),
+        OtherChoice::WithStopped { rides } => format!("with the {rides} rides that were stopped"),
     }
 }
 

@@ -2,7 +2,7 @@
 
 use crate::response::{maybe_left_out, stream};
 use maveric_domain::{
-    Answer, Moment, ParticipantId, Ride, Scale,
+    Answer, Moment, ParticipantId, ProbeAnswer, Ride, Scale,
     survey::{Item, Kind},
 };
 use rand::RngExt as _;
@@ -35,7 +35,7 @@ pub fn answer_at_random<'a>(
     answers
 }
 
-/// The answers of one person to the probes of a ride, a scale of one item: when each is asked, in s, and the answer. Each ride depends on the
+/// The answers of one person to the probes of a ride, a scale of one item that is asked at these times, in s. Each ride depends on the
 /// seed, the person, the ride and the scale alone.
 pub fn probes_at_random(
     participant: &ParticipantId,
@@ -44,16 +44,21 @@ pub fn probes_at_random(
     asked_s: impl IntoIterator<Item = f64>,
     missing_rate: f64,
     seed: u64,
-) -> Vec<(f64, Option<i32>)> {
+) -> Vec<ProbeAnswer> {
     let when = Moment::Probe(ride).to_string();
     let mut rng = stream(seed, &[participant.as_str(), "at random", &when, &scale.id]);
     let Some(item) = scale.items.first() else {
         return Vec::new();
     };
     let asked = asked_s.into_iter();
-    asked
-        .map(|at_s| (at_s, answer(item, missing_rate, &mut rng)))
-        .collect()
+    let given = |at_s| ProbeAnswer {
+        participant: participant.clone(),
+        ride,
+        scale: scale.id.clone(),
+        at_s,
+        answer: answer(item, missing_rate, &mut rng),
+    };
+    asked.map(given).collect()
 }
 
 fn answer(item: &Item, missing_rate: f64, rng: &mut Pcg64) -> Option<i32> {

@@ -1,6 +1,6 @@
 //! How strongly things hang together: one file.
 
-use crate::{error::ParticipantError, person::Trait};
+use crate::{error::ParticipantError, person::Trait, presses::PressModel};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
@@ -28,6 +28,9 @@ pub struct Effects {
     pub homophily: Homophily,
     /// The scales answered after each condition: scale → subscale → model.
     pub ratings: BTreeMap<String, BTreeMap<String, RatingModel>>,
+    /// When people press "uncomfortable" on a ride; nobody does without.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub presses: Option<PressModel>,
 }
 
 /// The ADB total: `mean + sd · (loading · a + √(1 − loading²) · noise)`, rounded and clamped to the scale.
@@ -166,6 +169,9 @@ impl Effects {
             model.carry_over = 0.0;
             (model.halo_person, model.halo_condition) = (0.0, 0.0);
         }
+        if let Some(presses) = &mut null.presses {
+            presses.causes.clear();
+        }
         null
     }
 
@@ -185,6 +191,11 @@ impl Effects {
                 *effect *= factor;
             }
         }
+        let causes = scaled
+            .presses
+            .iter_mut()
+            .flat_map(|p| p.causes.values_mut());
+        causes.for_each(|effect| *effect *= factor);
         scaled
     }
 
@@ -232,7 +243,7 @@ impl Effects {
                 model.check(&format!("ratings.{scale}.{subscale}"))?;
             }
         }
-        Ok(())
+        self.presses.as_ref().map_or(Ok(()), PressModel::check)
     }
 }
 

@@ -11,6 +11,7 @@ mod item_model;
 mod linear;
 mod part;
 pub mod person;
+pub mod presses;
 pub mod ratings;
 mod response;
 mod scale_model;
@@ -25,6 +26,7 @@ pub use error::ParticipantError;
 pub use impression::preferred_shift;
 pub use part::Part;
 pub use person::{Gender, Participant, Personality, Population, Trait};
+pub use presses::{PressModel, presses_during};
 pub use ratings::{Rated, RatingWarning, rate, rate_trial};
 pub use settings::{CohortSettings, Group};
 #[cfg(test)]

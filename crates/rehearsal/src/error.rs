@@ -15,6 +15,12 @@ pub enum RehearsalError {
         /// The condition.
         condition: maveric_domain::ConditionId,
     },
+    /// A probe whose scale no file has.
+    #[error("`protocol.probe.scale`: `{scale}`, and no scale has that id")]
+    NoProbeScale {
+        /// The scale.
+        scale: String,
+    },
     /// A design without a drive by hand to compare with.
     #[error("a rehearsal needs a design with a baseline")]
     NoBaseline,

@@ -99,6 +99,18 @@ pub fn found_in(a: &Analysis) -> Studied {
 }
 
 fn tests_in(a: &Analysis) -> Vec<Found> {
+    let mut tests = alone(a);
+    tests.extend(in_families(a));
+    tests
+}
+
+/// r and p.
+fn r_and_p(c: &Correlation) -> (Option<f64>, Option<f64>) {
+    (c.r, c.p)
+}
+
+/// Tests of which each stands for itself.
+fn alone(a: &Analysis) -> Vec<Found> {
     let mut found = Vec::new();
     let mut add = |part, key: String, estimate, p| {
         found.push(Found {
@@ -110,7 +122,6 @@ fn tests_in(a: &Analysis) -> Vec<Found> {
             p_holm: None,
         });
     };
-    let of = |c: &Correlation| (c.r, c.p);
     for line in [&a.line, &a.line_without_adb].into_iter().flatten() {
         let fit = if line.adb_used {
             "with_score"
@@ -118,7 +129,7 @@ fn tests_in(a: &Analysis) -> Vec<Found> {
             "without_score"
         };
         for row in &line.rows {
-            let (r, p) = of(&row.correlation);
+            let (r, p) = r_and_p(&row.correlation);
             add(Part::Line, format!("line.{fit}.{}", row.measure), r, p);
         }
     }
@@ -135,13 +146,14 @@ fn tests_in(a: &Analysis) -> Vec<Found> {
     }
     for row in &a.kept {
         let key = |what: &str| format!("kept.{}.{what}", row.measure);
-        let ((line_r, line_p), (angle_r, angle_p)) = (of(&row.line), of(&row.angle));
+        let ((line_r, line_p), (angle_r, angle_p)) = (r_and_p(&row.line), r_and_p(&row.angle));
         add(Part::Kept, key("line"), line_r, line_p);
         add(Part::Kept, key("angle"), angle_r, angle_p);
         add(Part::Kept, key("circle"), row.circular_r, row.circular_p);
     }
     for row in &a.similarity {
-        let ((pooled_r, pooled_p), (within_r, within_p)) = (of(&row.pooled), of(&row.within));
+        let ((pooled_r, pooled_p), (within_r, within_p)) =
+            (r_and_p(&row.pooled), r_and_p(&row.within));
         add(
             Part::SimilarityPooled,
             format!("similarity.{}", row.rating),
@@ -173,6 +185,12 @@ fn tests_in(a: &Analysis) -> Vec<Found> {
         let key = format!("congruence.{}.curvature", row.rating);
         add(Part::Congruence, key, estimate, p);
     }
+    found
+}
+
+/// Tests that are corrected together with others.
+fn in_families(a: &Analysis) -> Vec<Found> {
+    let mut found = Vec::new();
     let mut corrected = |part, key: String, family: String, estimate, p, p_holm| {
         found.push(Found {
             part,
@@ -209,7 +227,7 @@ fn tests_in(a: &Analysis) -> Vec<Found> {
     }
     for row in &a.homophily {
         let key = row.key();
-        let (r, p) = of(&row.correlation);
+        let (r, p) = r_and_p(&row.correlation);
         corrected(
             Part::Homophily,
             key,

@@ -132,6 +132,8 @@ pub enum CarSetting {
     Shift(f64),
     /// A move to this angle round the ellipse.
     Round(f64),
+    /// None: the person drives by hand once more, as far from the first drive as a ride in their own style is, but without a car's bias.
+    ByHand,
 }
 
 impl CarSetting {
@@ -285,7 +287,11 @@ impl PopulationModel {
                 let error =
                     self.shared.sqrt() * common + (1.0 - self.shared).sqrt() * normal(&mut rng);
                 let moved = m.moved(*setting, differs, &mut rng);
-                let value = m.shown(own + m.bias + moved + m.error_sd * error, &mut rng);
+                let bias = match setting {
+                    CarSetting::ByHand => 0.0,
+                    CarSetting::Shift(_) | CarSetting::Round(_) => m.bias,
+                };
+                let value = m.shown(own + bias + moved + m.error_sd * error, &mut rng);
                 values.insert(name.clone(), value);
             }
         }
@@ -341,6 +347,7 @@ impl DrawnMeasure {
                 shift * (self.up.step + self.up.sd * differs[0])
             }
             CarSetting::Shift(shift) => -shift * (self.down.step + self.down.sd * differs[1]),
+            CarSetting::ByHand => 0.0,
             CarSetting::Round(angle) => {
                 let Round { cosine, sine, sd } = self.across;
                 cosine * libm::cos(angle) + sine * libm::sin(angle) + sd * normal(rng)

@@ -8,12 +8,16 @@ use crate::{
 use maveric_analysis::{StudyData, Tables};
 use maveric_domain::{
     ConditionId, ConditionRow, Design, DriveId, DriveMeta, DrivenBy, Embedding, EmbeddingRow,
-    MeasureValues, MeasuredDrive, Moment, Scale, Score,
-    design::{Car, Condition, ScoreName},
+    MeasureValues, MeasuredDrive, Moment, ParticipantId, ProbeAnswer, Ride, Scale, Score,
+    design::{Car, Condition, Probe, ScoreName},
     occasion::first,
     spread,
 };
-use maveric_participants::{Cohort, CohortSettings, Effects, Participant, answer_before, rate};
+use maveric_measures::survey::score_probes;
+use maveric_participants::{
+    Cohort, CohortSettings, Effects, Participant, answer_at_random, answer_before,
+    probes_at_random, rate,
+};
 
 /// Points of the ADB score in one step of the population model.
 const POINTS: f64 = 15.0;
@@ -60,6 +64,12 @@ impl World {
                 condition: condition.id,
             });
         }
+        if let Some(probe) = &design.protocol().probe
+            && !scales.iter().any(|scale| scale.id == probe.scale)
+        {
+            let scale = probe.scale.clone();
+            return Err(RehearsalError::NoProbeScale { scale });
+        }
         // What is not asked is not answered.
         let is_asked = |id: &String| scales.iter().any(|s| s.id == *id);
         effects.ratings.retain(|id, _| is_asked(id));
@@ -96,55 +106,28 @@ impl World {
     pub fn study(&self, n: usize, seed: u64) -> Result<Rehearsed, RehearsalError> {
         let cohort = Cohort::draw(0, n, seed, &CohortSettings::default(), &self.design)?;
         let answers = answer_before(&cohort, &self.scales, &self.effects, seed)?;
-        let pre = maveric_measures::score(&self.scales, &answers, None)?.scores;
         let people = cohort.participants;
-        let conditions = self.design.conditions();
         let Some(baseline) = self.design.baseline_id() else {
             return Err(RehearsalError::NoBaseline);
         };
-        let mut own = Vec::with_capacity(n);
-        let mut trials = Vec::with_capacity(n);
-        let mut angles = Vec::with_capacity(n);
-        for person in &people {
-            let angle = PopulationModel::angle(person, seed);
-            let settings: Vec<(&str, CarSetting)> = conditions
-                .iter()
-                .map(|c| (c.id.as_str(), CarSetting::of(c, angle, self.points)))
-                .collect();
-            let drives = self.population.drives(person, &settings, seed);
-            own.push(drives.own);
-            let by_condition = conditions.iter().map(|c| c.id).zip(drives.trials);
-            trials.push(by_condition.collect::<Vec<(ConditionId, MeasureValues)>>());
-            angles.push(angle);
-        }
-        let unit = spread(&own.iter().collect::<Vec<_>>());
-        let mut ratings = Vec::new();
-        for (i, person) in people.iter().enumerate() {
-            let rated = rate(
-                person,
-                &own[i],
-                &trials[i],
-                &unit,
-                &self.scales,
-                &self.effects,
-                seed,
-            )?;
-            ratings.extend(rated.answers);
-        }
-        let post = maveric_measures::score(&self.scales, &ratings, None)?.scores;
+        let drives: Vec<Driven> = people
+            .iter()
+            .map(|person| self.drives(person, baseline, seed))
+            .collect();
         let mut tables = Tables {
             scales: self.scales.clone(),
-            pre,
-            post,
+            pre: maveric_measures::score(&self.scales, &answers, None)?.scores,
+            post: self.ratings(&people, &drives, seed)?,
             people: groups::rows(&self.design, &people),
             ..Tables::default()
         };
         let style = self.style_of(&tables.pre);
-        for (i, person) in people.iter().enumerate() {
-            let drives = std::iter::once((baseline, &own[i]));
-            for (condition, values) in drives.chain(trials[i].iter().map(|(c, v)| (*c, v))) {
+        for (person, driven) in people.iter().zip(&drives) {
+            let first = std::iter::once((Ride::from(baseline), &driven.own));
+            let others = driven.again.iter().chain(&driven.trials);
+            for (ride, values) in first.chain(others.map(|(ride, v)| (*ride, v))) {
                 tables.measurements.push(MeasuredDrive {
-                    meta: meta(person, condition, condition == baseline)?,
+                    meta: meta(person, ride, ride.condition == baseline)?,
                     values: values.clone(),
                     counted_s: None,
                 });
@@ -158,8 +141,8 @@ impl World {
                     .push(embedding((person, baseline), adb_used, score, position)?);
             }
             let own = style.points(with);
-            for condition in conditions {
-                let row = condition_row(person, condition, angles[i], own)?;
+            for condition in self.design.conditions() {
+                let row = condition_row(person, condition, driven.angle, own)?;
                 tables.conditions.push(row);
             }
         }
@@ -167,6 +150,101 @@ impl World {
             people,
             data: StudyData::new(&self.design, tables)?,
         })
+    }
+}
+
+/// What one person drove and rode.
+struct Driven {
+    /// The first drive by hand.
+    own: MeasureValues,
+    /// Those of further sessions.
+    again: Vec<(Ride, MeasureValues)>,
+    /// The rides.
+    trials: Vec<(Ride, MeasureValues)>,
+    /// Of a move across the dial, in rad.
+    angle: f64,
+}
+
+impl World {
+    /// Every drive and ride that the design asks of a person.
+    fn drives(&self, person: &Participant, baseline: ConditionId, seed: u64) -> Driven {
+        let rides = |condition: ConditionId| {
+            let occasions = self.design.occasions(condition).into_iter();
+            occasions.map(move |occasion| Ride {
+                condition,
+                occasion,
+            })
+        };
+        let angle = PopulationModel::angle(person, seed);
+        let by_hand = rides(baseline).skip(1);
+        let by_hand = by_hand.map(|ride| (ride, CarSetting::ByHand));
+        let ridden = self.design.conditions().iter().flat_map(|condition| {
+            let setting = CarSetting::of(condition, angle, self.points);
+            rides(condition.id).map(move |ride| (ride, setting))
+        });
+        let settings: Vec<(Ride, CarSetting)> = by_hand.chain(ridden).collect();
+        let labels: Vec<String> = settings.iter().map(|(ride, _)| ride.to_string()).collect();
+        let labelled: Vec<(&str, CarSetting)> = labels
+            .iter()
+            .zip(&settings)
+            .map(|(label, (_, setting))| (label.as_str(), *setting))
+            .collect();
+        let drives = self.population.drives(person, &labelled, seed);
+        let values = settings.iter().map(|(ride, _)| *ride).zip(drives.trials);
+        let (again, trials) = values.partition(|(ride, _)| ride.condition == baseline);
+        Driven {
+            own: drives.own,
+            again,
+            trials,
+            angle,
+        }
+    }
+
+    /// Scores of what people say of their rides: afterwards, and on the way.
+    fn ratings(
+        &self,
+        people: &[Participant],
+        drives: &[Driven],
+        seed: u64,
+    ) -> Result<Vec<Score>, RehearsalError> {
+        let unit = spread(&drives.iter().map(|driven| &driven.own).collect::<Vec<_>>());
+        let (scales, effects) = (&self.scales, &self.effects);
+        let (mut answers, mut probes) = (Vec::new(), Vec::new());
+        for (person, driven) in people.iter().zip(drives) {
+            let (own, trials) = (&driven.own, &driven.trials);
+            let rated = rate(person, own, trials, &unit, scales, effects, seed)?;
+            answers.extend(rated.answers);
+            for (ride, _) in trials {
+                let (moment, missing) = (Moment::After(*ride), effects.missing_rate);
+                let scales = self.asked_without_effects();
+                answers.extend(answer_at_random(&person.id, moment, scales, missing, seed));
+                probes.extend(self.probes(&person.id, *ride, seed));
+            }
+        }
+        let mut scores = maveric_measures::score(scales, &answers, None)?.scores;
+        scores.extend(score_probes(scales, &probes)?);
+        Ok(scores)
+    }
+
+    /// What is asked after the rides and of which no effect is known: answered at random, as `maveric rate` does.
+    fn asked_without_effects(&self) -> impl Iterator<Item = &Scale> {
+        let after = &self.design.protocol().after;
+        let known = |scale: &Scale| self.effects.ratings.contains_key(&scale.id);
+        let scales = self.scales.iter();
+        scales.filter(move |scale| after.contains(&scale.id) && !known(scale))
+    }
+
+    /// What is answered on the way, at random; nothing where nothing is asked.
+    fn probes(&self, who: &ParticipantId, ride: Ride, seed: u64) -> Vec<ProbeAnswer> {
+        let protocol = self.design.protocol();
+        let Some(probe) = &protocol.probe else {
+            return Vec::new();
+        };
+        let Some(scale) = self.scales.iter().find(|scale| scale.id == probe.scale) else {
+            return Vec::new();
+        };
+        let asked = Probe::asked_s(probe.every_s, protocol.ride_s);
+        probes_at_random(who, ride, scale, asked, self.effects.missing_rate, seed)
     }
 }
 
@@ -235,23 +313,15 @@ impl World {
     }
 }
 
-fn meta(
-    person: &Participant,
-    condition: ConditionId,
-    by_hand: bool,
-) -> Result<DriveMeta, RehearsalError> {
+fn meta(person: &Participant, ride: Ride, by_hand: bool) -> Result<DriveMeta, RehearsalError> {
     let driven_by = if by_hand {
         DrivenBy::Synthetic
     } else {
         DrivenBy::Automated
     };
-    let drive = DriveId::in_condition(&person.id, condition)?;
-    Ok(DriveMeta::new(
-        drive,
-        person.id.clone(),
-        condition,
-        driven_by,
-    ))
+    let drive = DriveId::in_condition(&person.id, ride)?;
+    let meta = DriveMeta::new(drive, person.id.clone(), ride.condition, driven_by);
+    Ok(meta.on(ride.occasion))
 }
 
 fn embedding(
@@ -335,6 +405,75 @@ mod tests {
             r(&scores, &people().map(position).collect::<Vec<f64>>())
         });
         with - without
+    }
+
+    #[test]
+    fn people_come_again_and_what_is_asked_on_the_way_is_answered_without_changing_their_first_session()
+     {
+        let paper = include_str!("../../../study_data/designs/paper.toml");
+        let repeated = format!(
+            "{paper}\n[protocol]\nprobe = {{ scale = \"misc\", every_s = 30 }}\nride_s = 120\nrides_per_condition = 2\nsessions = {{ count = 2, days_between = [2, 14] }}\n"
+        );
+        let design = Design::from_toml(&repeated).unwrap();
+        let misc = Scale::from_toml(maveric_data::scale("misc").unwrap()).unwrap();
+        let once = world();
+        let bare = World::new(
+            design.clone(),
+            once.population.clone(),
+            once.effects.clone(),
+            once.scales.clone(),
+            1.0,
+        );
+        assert!(matches!(bare, Err(RehearsalError::NoProbeScale { scale }) if scale == "misc"));
+        let scales = [once.scales.clone(), vec![misc]].concat();
+        let twice = World::new(
+            design,
+            once.population.clone(),
+            once.effects.clone(),
+            scales,
+            1.0,
+        )
+        .unwrap();
+        let (once, twice) = (
+            once.study(40, 3).unwrap().data,
+            twice.study(40, 3).unwrap().data,
+        );
+        // Four conditions with two rides and a drive by hand, in each of two sessions.
+        assert_eq!(twice.measurements.len(), 40 * 2 * (4 * 2 + 1));
+        let first = |data: &StudyData| {
+            let first = data
+                .measurements
+                .iter()
+                .filter(|d| d.meta.ride().occasion == maveric_domain::Occasion::FIRST);
+            first.cloned().collect::<Vec<_>>()
+        };
+        assert_eq!(first(&twice), first(&once));
+        let name: ScoreName = "misc.sickness".parse().unwrap();
+        let mimic: ConditionId = "mimic".parse().unwrap();
+        let sick = twice
+            .participants
+            .iter()
+            .filter_map(|p| twice.rated(p, mimic, &name));
+        // Three probes in each of two rides, evenly among 0 to 10.
+        let sick: Vec<f64> = sick.collect();
+        let mean = sick.iter().sum::<f64>() / sick.len() as f64;
+        assert!(sick.len() == 40 && (mean - 5.0).abs() < 1.0, "{mean}");
+        let found =
+            maveric_analysis::analyse(&twice, maveric_analysis::Purpose::Simulation).unwrap();
+        let repeats = found.repeats.unwrap();
+        assert_eq!((repeats.back, repeats.gone), (40, 0));
+        let speed = repeats
+            .retest
+            .iter()
+            .find(|r| r.outcome == "mean_velocity_mps" && r.condition.as_str() == "own");
+        assert!(
+            speed
+                .unwrap()
+                .icc
+                .as_ref()
+                .is_some_and(|icc| icc.icc.is_some_and(|r| r > 0.5)),
+            "{speed:?}"
+        );
     }
 
     #[test]

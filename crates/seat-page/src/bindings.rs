@@ -65,6 +65,8 @@ pub struct PageDrive {
     practised: Practised,
     dial: Option<Dial>,
     driven_by: DrivenBy,
+    /// What is shown again, the first last; empty where somebody drives, or a model.
+    shown: Vec<Input>,
 }
 
 #[wasm_bindgen]
@@ -86,6 +88,28 @@ impl PageDrive {
             practised: Practised::new(scenario),
             dial: None,
             driven_by,
+            shown: Vec::new(),
+        })
+    }
+
+    /// A drive by hand once more, as a ride: `lines` is its record.
+    pub fn shown(json: &str, seconds: f64, seed: &str, lines: &str) -> Result<PageDrive, String> {
+        let scenario = scenario(json, seconds)?;
+        let record = Record::from_lines(lines).map_err(said)?;
+        let given = record.held();
+        let mut shown: Vec<Input> = given
+            .flat_map(|held| std::iter::repeat_n(held.input, held.steps as usize))
+            .collect();
+        shown.reverse();
+        let drive = SeatDrive::shown(scenario, seed.parse().map_err(said)?).map_err(said)?;
+        Ok(Self {
+            drive,
+            scenario,
+            keyboard: Keyboard::new(scenario),
+            practised: Practised::new(scenario),
+            dial: None,
+            driven_by: DrivenBy::Automated,
+            shown,
         })
     }
 
@@ -134,6 +158,7 @@ impl PageDrive {
             practised: Practised::new(scenario),
             dial: Some(dial),
             driven_by: DrivenBy::Automated,
+            shown: Vec::new(),
         })
     }
 
@@ -187,9 +212,16 @@ impl PageDrive {
         })
     }
 
-    /// Rides so many steps.
+    /// Rides so many steps. What is shown again is over where it was.
     pub fn rides(&mut self, steps: u32) -> bool {
-        self.drive_on(steps, |_, _| Input::default())
+        if self.dial.is_some() {
+            return self.drive_on(steps, |_, _| Input::default());
+        }
+        let mut shown = std::mem::take(&mut self.shown);
+        let there = steps.min(u32::try_from(shown.len()).unwrap_or(u32::MAX));
+        let goes_on = self.drive_on(there, |_, _| shown.pop().unwrap_or_default());
+        self.shown = shown;
+        goes_on && there == steps
     }
 
     fn drive_on(&mut self, steps: u32, mut input: impl FnMut(&mut Keyboard, f64) -> Input) -> bool {

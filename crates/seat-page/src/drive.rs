@@ -69,6 +69,21 @@ impl<'a> SeatDrive<'a> {
         Ok(Self::new(session, scenario, seed, driven_by, None))
     }
 
+    /// Shows a drive by hand again, as a ride: [`SeatDrive::tick`] is given its inputs.
+    ///
+    /// # Errors
+    /// [`SeatPageError::Simulator`] if the scenario cannot be driven.
+    pub fn shown(scenario: &'a Scenario, seed: u64) -> Result<Self, SeatPageError> {
+        let session = Session::new(scenario, Driver::Hands, seed)?;
+        Ok(Self::new(
+            session,
+            scenario,
+            seed,
+            DrivenBy::Automated,
+            None,
+        ))
+    }
+
     /// Lets `planner` drive.
     ///
     /// # Errors
@@ -149,20 +164,20 @@ impl<'a> SeatDrive<'a> {
         self.input
     }
 
-    /// Drives one step on; false, and nothing done, once the drive is over. In a ride the input is not looked at.
+    /// Drives one step on; false, and nothing done, once the drive is over. In a ride by a planner the input is not looked at.
     pub fn tick(&mut self, input: Input) -> bool {
         if !self.session.tick(input.hands()) {
             return false;
         }
         self.tick += 1;
         self.input = input;
-        if self.header.driven_by == DrivenBy::Automated {
-            self.note_asked();
-        } else {
+        if self.header.holds_inputs() {
             match self.held.last_mut() {
                 Some(last) if last.input == input => last.steps += 1,
                 _ => self.held.push(Held { steps: 1, input }),
             }
+        } else {
+            self.note_asked();
         }
         let car = self.session.car();
         for number in [car.x_m, car.y_m, car.heading_rad, car.speed_mps] {

@@ -20,7 +20,7 @@ pub struct Header {
     pub seed: u64,
     /// The world.
     pub scenario: Scenario,
-    /// The controllers of a ride.
+    /// The controllers of a ride; none of one that shows a drive by hand again.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub controllers: Option<ControllerSettings>,
     /// The style in which a ride begins; records of before have none.
@@ -31,6 +31,11 @@ pub struct Header {
 impl Header {
     /// Version of records.
     pub const VERSION: u32 = 1;
+
+    /// Whether its pieces hold inputs: of a drive by hand, and of a ride that shows one again.
+    pub fn holds_inputs(&self) -> bool {
+        self.controllers.is_none()
+    }
 }
 
 /// An input that was held for some steps, as `[steps, steering, throttle, brake, signal]`.
@@ -195,8 +200,7 @@ pub struct Record {
 
 impl Chunk {
     /// Whether its inputs add up to its steps.
-    fn check(&self, driven_by: DrivenBy) -> Result<(), String> {
-        let by_hand = driven_by != DrivenBy::Automated;
+    fn check(&self, by_hand: bool) -> Result<(), String> {
         let given: u64 = self.held.iter().map(|h| u64::from(h.steps)).sum();
         match (by_hand, given) {
             (true, given) if given != self.ticks => {
@@ -262,7 +266,7 @@ impl Record {
                 });
             }
             chunk
-                .check(record.header.driven_by)
+                .check(record.header.holds_inputs())
                 .map_err(|problem| bad(line, problem))?;
             at = at.saturating_add(chunk.ticks);
             record.chunks.push(chunk);
@@ -286,6 +290,24 @@ impl Record {
             lines += &(serde_json::to_string(end).map_err(bad)? + "\n");
         }
         Ok(lines)
+    }
+
+    /// What hands and feet did, one after the other.
+    pub fn held(&self) -> impl Iterator<Item = Held> + '_ {
+        self.chunks
+            .iter()
+            .flat_map(|chunk| chunk.held.iter().copied())
+    }
+
+    /// Whether the car was given the same inputs as in `driven`, as far as this one goes; where `driven` went on, this was left before its end.
+    pub fn shows(&self, driven: &Self) -> bool {
+        let [ours, theirs] = [self, driven].map(|r| {
+            r.held()
+                .flat_map(|held| std::iter::repeat_n(held.input, held.steps as usize))
+        });
+        self.header.holds_inputs()
+            && self.ticks() <= driven.ticks()
+            && ours.zip(theirs).all(|(our, their)| our == their)
     }
 
     /// Steps that were kept.

@@ -54,7 +54,7 @@ impl<I: Iterator<Item = Asked>> Planner for AskedAgain<I> {
 /// Drives a record again.
 ///
 /// # Errors
-/// [`SeatPageError::Record`] for a ride whose set-points do not reach to its last step or whose controllers are missing, a drive
+/// [`SeatPageError::Record`] for a ride whose set-points do not reach to its last step, a drive
 /// that is longer than its scenario; [`SeatPageError::Simulator`].
 pub fn replay(record: &Record) -> Result<Replayed, SeatPageError> {
     let header = &record.header;
@@ -76,16 +76,18 @@ pub fn replay(record: &Record) -> Result<Replayed, SeatPageError> {
         short: false,
     };
     let (scenario, seed) = (&header.scenario, header.seed);
-    let driven = match header.driven_by {
-        DrivenBy::Automated => {
-            let controllers = header.controllers.as_ref();
-            let controllers =
-                controllers.ok_or_else(|| problem("a ride without its controllers"))?;
+    let driven = match (header.driven_by, &header.controllers) {
+        (DrivenBy::Automated, Some(controllers)) => {
             let mut drive = SeatDrive::ride(scenario, seed, &mut planner, controllers)?;
             again(&mut drive, record)?;
             drive.finish()?
         }
-        driven_by => {
+        (DrivenBy::Automated, None) => {
+            let mut drive = SeatDrive::shown(scenario, seed)?;
+            again(&mut drive, record)?;
+            drive.finish()?
+        }
+        (driven_by, _) => {
             let mut drive = SeatDrive::by_hand(scenario, seed, driven_by)?;
             again(&mut drive, record)?;
             drive.finish()?
@@ -107,7 +109,7 @@ fn again(drive: &mut SeatDrive<'_>, record: &Record) -> Result<(), SeatPageError
             let steps = usize::try_from(held.steps).unwrap_or(usize::MAX);
             std::iter::repeat_n(held.input, steps)
         });
-        let ride = (record.header.driven_by == DrivenBy::Automated)
+        let ride = (!record.header.holds_inputs())
             .then(|| (0..chunk.ticks).map(|_| crate::input::Input::default()));
         for input in given.chain(ride.into_iter().flatten()) {
             if !drive.tick(input) {

@@ -253,35 +253,107 @@ fn hold_back(
     Ok((!first).then(|| "counted before".to_owned()))
 }
 
+/// What is wrong with a line of a file.
+fn bad(path: &Path, line: usize, problem: impl Into<String>) -> SeatError {
+    SeatError::Carried {
+        path: path.to_owned(),
+        line,
+        problem: problem.into(),
+    }
+}
+
+/// The lines of a file, each with its number.
+fn lines_of(path: &Path) -> Result<Vec<(usize, Line)>, SeatError> {
+    let io = |source| SeatError::Io {
+        path: path.to_owned(),
+        source,
+    };
+    let size = std::fs::metadata(path).map_err(io)?.len();
+    if size > LARGEST {
+        let problem = format!("the file has {size} bytes, expected at most {LARGEST}");
+        return Err(bad(path, 1, problem));
+    }
+    let text = std::fs::read_to_string(path).map_err(io)?;
+    let parsed = (1..).zip(text.lines()).map(|(number, line)| {
+        let no_part = |_| bad(path, number, "no part of what the page hands over");
+        Ok((number, serde_json::from_str(line).map_err(no_part)?))
+    });
+    parsed.collect()
+}
+
+/// What a head is wrong about: somebody of another study, or who was taken in or forgotten before; none where it is not.
+fn unwanted(seat: &Seat, token: &str, row: usize) -> Result<Option<String>, SeatError> {
+    if !token::possible(token) || row >= seat.orders() {
+        let problem = format!("token `{token}` and row {row} are none of this study");
+        return Ok(Some(problem));
+    }
+    if let Some(before) = seat.store.look(|b| b.person(token))? {
+        return Ok(Some(format!("taken in before, as {}", before.participant)));
+    }
+    let forgotten = seat.store.look(|b| b.link_forgotten(token))?;
+    let problem = "who handed this over is forgotten: it is not taken in again";
+    Ok(forgotten.then(|| problem.to_owned()))
+}
+
+/// What was given, looked at whole before anything is kept.
+fn checked(
+    seat: &Seat,
+    steps: &[Step],
+    path: &Path,
+    lines: Vec<(usize, Line)>,
+) -> Result<Carried, SeatError> {
+    let Some((last, Line::Ended { ended })) = lines.last() else {
+        let problem = "the file is cut off: expected how it ended";
+        return Err(bad(path, lines.len() + 1, problem));
+    };
+    if !["done", "left"].contains(&ended.as_str()) {
+        let problem = format!("ended `{ended}`, expected done or left");
+        return Err(bad(path, *last, problem));
+    }
+    let mut given = Carried {
+        ended: ended.clone(),
+        ..Carried::default()
+    };
+    for (number, line) in lines {
+        let wrong = |why: String| bad(path, number, why);
+        let at = |step: usize| {
+            let problem = || wrong(format!("step {step}, expected at most {}", steps.len()));
+            steps.get(step).ok_or_else(problem)
+        };
+        match line {
+            Line::Sheet { step, sheet } => {
+                let kept = sheet.checked(at(step)?).map_err(wrong)?;
+                given.sheets.push((step, kept));
+            }
+            Line::Drive {
+                step,
+                attempt,
+                record,
+            } => {
+                let parts = intake::parts(seat, at(step)?, &record).map_err(wrong)?;
+                if parts.header.is_none() {
+                    return Err(wrong("a drive without its head".to_owned()));
+                }
+                given.drives.push((step, attempt, parts));
+            }
+            Line::Fit { fit } => given.style = Some(intake::style(&fit).map_err(wrong)?),
+            Line::Ended { .. } => missing(steps, &given).map_or(Ok(()), |why| Err(wrong(why)))?,
+            Line::Head { .. } => return Err(wrong("a second head".to_owned())),
+            Line::NotAdmitted { .. } => {
+                let why = "held back by a rule, and something was given all the same";
+                return Err(wrong(why.to_owned()));
+            }
+        }
+    }
+    Ok(given)
+}
+
 /// Takes in what somebody handed back: checked as the server checks what a page sends it; nothing of a file that is wrong anywhere.
 ///
 /// # Errors
 /// [`SeatError::Carried`] naming the line; [`SeatError::Store`]; [`SeatError::Study`] if a file cannot be written.
 pub fn take_in(seat: &Seat, path: &Path) -> Result<TakenIn, SeatError> {
-    let io = |source| SeatError::Io {
-        path: path.to_owned(),
-        source,
-    };
-    let bad = |line: usize, problem: String| SeatError::Carried {
-        path: path.to_owned(),
-        line,
-        problem,
-    };
-    let size = std::fs::metadata(path).map_err(io)?.len();
-    if size > LARGEST {
-        return Err(bad(
-            1,
-            format!("the file has {size} bytes, expected at most {LARGEST}"),
-        ));
-    }
-    let text = std::fs::read_to_string(path).map_err(io)?;
-    let mut lines = Vec::new();
-    for (number, line) in (1..).zip(text.lines()) {
-        let read: Line = serde_json::from_str(line)
-            .map_err(|_| bad(number, "no part of what the page hands over".to_owned()))?;
-        lines.push((number, read));
-    }
-    let mut lines = lines.into_iter();
+    let mut lines = lines_of(path)?.into_iter();
     let Some((
         _,
         Line::Head {
@@ -291,28 +363,11 @@ pub fn take_in(seat: &Seat, path: &Path) -> Result<TakenIn, SeatError> {
         },
     )) = lines.next()
     else {
-        return Err(bad(
-            1,
-            "not the head of what a person hands over".to_owned(),
-        ));
+        let problem = "not the head of what a person hands over";
+        return Err(bad(path, 1, problem));
     };
-    if !token::possible(&token) || row >= seat.orders() {
-        return Err(bad(
-            1,
-            format!("token `{token}` and row {row} are none of this study"),
-        ));
-    }
-    if let Some(before) = seat.store.look(|b| b.person(&token))? {
-        return Err(bad(
-            1,
-            format!("taken in before, as {}", before.participant),
-        ));
-    }
-    if seat.store.look(|b| b.link_forgotten(&token))? {
-        return Err(bad(
-            1,
-            "who handed this over is forgotten: it is not taken in again".to_owned(),
-        ));
+    if let Some(problem) = unwanted(seat, &token, row)? {
+        return Err(bad(path, 1, problem));
     }
     let steps = seat.steps_of(Whose::Link(&token), &seat.order(row))?;
     let rest: Vec<(usize, Line)> = lines.collect();
@@ -325,62 +380,10 @@ pub fn take_in(seat: &Seat, path: &Path) -> Result<TakenIn, SeatError> {
                 drives: 0,
                 ended: NOT_ADMITTED.to_owned(),
             }),
-            |why| Err(bad(number, why)),
+            |why| Err(bad(path, number, why)),
         );
     }
-    let Some((last, Line::Ended { ended })) = rest.last() else {
-        return Err(bad(
-            rest.len() + 1,
-            "the file is cut off: expected how it ended".to_owned(),
-        ));
-    };
-    if !["done", "left"].contains(&ended.as_str()) {
-        return Err(bad(
-            *last,
-            format!("ended `{ended}`, expected done or left"),
-        ));
-    }
-    let at = |number: usize, step: usize| {
-        let found = steps.get(step);
-        found.ok_or_else(|| {
-            bad(
-                number,
-                format!("step {step}, expected at most {}", steps.len()),
-            )
-        })
-    };
-    // Looked at whole before anything is kept.
-    let mut given = Carried {
-        ended: ended.clone(),
-        ..Carried::default()
-    };
-    for (number, line) in rest {
-        let wrong = |why: String| bad(number, why);
-        match line {
-            Line::Sheet { step, sheet } => {
-                let kept = sheet.checked(at(number, step)?).map_err(wrong)?;
-                given.sheets.push((step, kept));
-            }
-            Line::Drive {
-                step,
-                attempt,
-                record,
-            } => {
-                let parts = intake::parts(seat, at(number, step)?, &record).map_err(wrong)?;
-                if parts.header.is_none() {
-                    return Err(wrong("a drive without its head".to_owned()));
-                }
-                given.drives.push((step, attempt, parts));
-            }
-            Line::Fit { fit } => given.style = Some(intake::style(&fit).map_err(wrong)?),
-            Line::Ended { .. } => missing(&steps, &given).map_or(Ok(()), |why| Err(wrong(why)))?,
-            Line::Head { .. } => return Err(wrong("a second head".to_owned())),
-            Line::NotAdmitted { .. } => {
-                let why = "held back by a rule, and something was given all the same";
-                return Err(wrong(why.to_owned()));
-            }
-        }
-    }
+    let given = checked(seat, &steps, path, rest)?;
     let person = seat.take_in((&token, row), &steps, &given)?;
     let mut drives = 0;
     for (step, found) in steps.iter().enumerate() {

@@ -3,6 +3,8 @@
 use crate::{
     books::{Books, now, whole},
     error::SeatError,
+    person::Person,
+    steps::Step,
 };
 use rusqlite::{OptionalExtension as _, params};
 
@@ -70,6 +72,18 @@ impl Books<'_> {
             };
             rows.query_map(params![participant, whole(step)], read)?.collect()
         })
+    }
+
+    /// The record of the drive by hand that somebody's style is learned of; none before it has ended.
+    pub(crate) fn own_drive(&self, person: &Person) -> Result<Option<String>, SeatError> {
+        let Some(step) = person.steps.iter().position(Step::is_learned_of) else {
+            return Ok(None);
+        };
+        let begun = self.begun(&person.participant, step)?;
+        let whole = begun.iter().find(|begun| begun.is_whole());
+        whole
+            .map(|begun| self.record(&person.participant, (step, begun.attempt)))
+            .transpose()
     }
 
     /// The step and attempt that somebody drove last.

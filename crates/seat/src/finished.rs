@@ -131,6 +131,9 @@ impl Seat {
                     outcome.tell(format!("{name}: {text}"));
                 }
                 outcome.probes = probes_of(found, &record);
+                if let Some(text) = self.shows_another(person, found, &record)? {
+                    outcome.tell(format!("{name}: {text}"));
+                }
                 if let Step::Ride {
                     turns: Some(step), ..
                 } = found
@@ -166,6 +169,9 @@ impl Seat {
         else {
             return None;
         };
+        if *style == RideStyle::Replay {
+            return None;
+        }
         let model = self.model.as_ref()?;
         let fitted = person
             .style()
@@ -177,6 +183,22 @@ impl Seat {
             asked.coordinates(),
         );
         (apart > SAME_STYLE).then_some(apart)
+    }
+
+    /// What is said of a ride that is to show the person's drive by hand again and shows another; none where it is that, or shows none.
+    fn shows_another(
+        &self,
+        person: &Person,
+        found: &Step,
+        record: &Record,
+    ) -> Result<Option<String>, SeatError> {
+        if !matches!(found, Step::Ride { style, .. } if *style == RideStyle::Replay) {
+            return Ok(None);
+        }
+        let driven = self.store.look(|b| b.own_drive(person))?;
+        let driven = driven.and_then(|lines| Record::from_lines(&lines).ok());
+        let same = driven.is_some_and(|driven| record.shows(&driven));
+        Ok((!same).then(|| "the page showed another drive than the person's own".to_owned()))
     }
 
     /// Keeps what came of a drive and goes on, both or neither. Who was forgotten meanwhile has nothing kept, and what was written of

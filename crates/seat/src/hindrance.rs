@@ -62,6 +62,14 @@ pub enum Hindrance {
     /// Rides, and nothing that could drive them.
     #[error("the study has rides and no model that could drive them")]
     NoModel,
+    /// Rides of which nobody is told whose style or whose drive they are, and no text that says so afterwards.
+    #[error(
+        "condition `{condition}` shows people somebody else's style or their own drive, and they are not told so before: found no `protocol.debrief`, expected a text that says it afterwards"
+    )]
+    NoDebriefing {
+        /// The condition.
+        condition: ConditionId,
+    },
     /// A condition that asks of the model what it does not have.
     #[error("condition `{condition}` cannot be driven by the model: {why}")]
     NotByModel {
@@ -161,6 +169,7 @@ impl Hindrance {
             Self::StyleNotAsked { score } => {
                 format!("write before = [\"{}\"] into [protocol], and \"before\" into its `steps`", score.scale)
             }
+            Self::NoDebriefing { .. } => "write `debrief = \"debrief.md\"` into [protocol], and beside the design the text that says it".to_owned(),
             Self::NoDrive => "write \"drive\" into `steps`".to_owned(),
             Self::NoModel => {
                 "name one in [model] file, or say in [people] learn who is learned from first".to_owned()

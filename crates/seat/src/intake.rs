@@ -115,7 +115,7 @@ pub(crate) fn parts(seat: &Seat, found: &Step, text: &str) -> Result<Parts, Stri
         return Err("nothing is driven here".to_owned());
     };
     let most = most_ticks(seconds);
-    let by_hand = !matches!(found, Step::Ride { .. });
+    let inputs = found.is_given_inputs();
     let mut parts = Parts::default();
     for line in text.lines() {
         let length = line.len();
@@ -125,12 +125,12 @@ pub(crate) fn parts(seat: &Seat, found: &Step, text: &str) -> Result<Parts, Stri
             ));
         }
         if let Ok(header) = serde_json::from_str::<Header>(line) {
-            check_header(&header, by_hand, (seed, seconds), seat)?;
+            check_header(&header, found, (seed, seconds), seat)?;
             parts.header = Some(line.to_owned());
         } else if let Ok(chunk) = serde_json::from_str::<Chunk>(line) {
             let given: u64 = chunk.held.iter().map(|h| u64::from(h.steps)).sum();
             let after = chunk.from_tick.saturating_add(chunk.ticks);
-            if after > most || given != if by_hand { chunk.ticks } else { 0 } || chunk.ticks == 0 {
+            if after > most || given != if inputs { chunk.ticks } else { 0 } || chunk.ticks == 0 {
                 return Err("a piece that this drive cannot have".to_owned());
             }
             let (events, most) = (chunk.events.len(), MOST_EVENTS + chunk.ticks as usize);
@@ -172,16 +172,17 @@ fn check_events(found: &Step, chunk: &Chunk) -> Result<(), String> {
 
 fn check_header(
     header: &Header,
-    by_hand: bool,
+    found: &Step,
     (seed, seconds): (&str, f64),
     seat: &Seat,
 ) -> Result<(), String> {
     let who = header.driven_by;
-    let fits = if by_hand {
-        matches!(who, DrivenBy::Human | DrivenBy::Scripted)
-    } else {
+    let driver = if matches!(found, Step::Ride { .. }) {
         who == DrivenBy::Automated
+    } else {
+        matches!(who, DrivenBy::Human | DrivenBy::Scripted)
     };
+    let fits = driver && header.holds_inputs() == found.is_given_inputs();
     let mut settings = seat.settings.scenario.settings().clone();
     settings.duration_s = seconds;
     if fits && *header.scenario.settings() == settings && header.seed.to_string() == seed {

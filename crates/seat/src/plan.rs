@@ -76,7 +76,6 @@ pub fn of_design(
     whose: Whose<'_>,
     riding: Option<Riding<'_>>,
 ) -> Result<Vec<Step>, SeatError> {
-    let (protocol, language) = (design.protocol(), texts.words.language.as_str());
     let own = design
         .baseline_id()
         .map_or_else(|| ConditionId::new("own"), Ok);
@@ -84,111 +83,172 @@ pub fn of_design(
         problem: e.to_string(),
         help: None,
     })?;
-    let probe = moments::probe(protocol, scales, language)?;
-    // Where it may stop somebody it is asked in every drive.
-    let stops = probe.clone().filter(|probe| probe.stop.is_some());
-    let needs = protocol.needs.as_ref().map(Need::of_study);
-    let chooses = (!protocol.languages.is_empty()).then(|| Step::Language {
-        languages: protocol.languages.clone(),
-        chosen: None,
-    });
-    let needs = needs.map(|needs| Step::Computer { needs });
-    let mut steps: Vec<Step> = chooses.into_iter().chain(needs).collect();
-    let (sessions, asked) = (Sessions::of(protocol), (scales, language, probe.as_ref()));
-    for session in 1..=protocol.session_count() {
-        let Some(occasion) = Occasion::new(session, 1) else {
-            continue;
-        };
+    let language = texts.words.language.as_str();
+    let probe = moments::probe(design.protocol(), scales, language)?;
+    let planning = Planning {
+        design,
+        scales,
+        texts,
+        whose,
+        riding,
+        own,
+        // Where it may stop somebody it is asked in every drive.
+        stops: probe.clone().filter(|probe| probe.stop.is_some()),
+        probe,
+    };
+    let mut steps = planning.before();
+    for session in 1..=design.protocol().session_count() {
+        if let Some(occasion) = Occasion::new(session, 1) {
+            planning.session(occasion, &mut steps)?;
+        }
+    }
+    planning.end(&mut steps);
+    Ok(steps)
+}
+
+/// What the steps of a person are made of.
+struct Planning<'a> {
+    design: &'a Design,
+    scales: &'a [Scale],
+    texts: &'a Texts,
+    whose: Whose<'a>,
+    riding: Option<Riding<'a>>,
+    /// The label of the drive by hand.
+    own: ConditionId,
+    probe: Option<AskedProbe>,
+    stops: Option<AskedProbe>,
+}
+
+impl Planning<'_> {
+    /// What comes before anything is asked or driven.
+    fn before(&self) -> Vec<Step> {
+        let protocol = self.design.protocol();
+        let chooses = (!protocol.languages.is_empty()).then(|| Step::Language {
+            languages: protocol.languages.clone(),
+            chosen: None,
+        });
+        let needs = protocol.needs.as_ref().map(Need::of_study);
+        let needs = needs.map(|needs| Step::Computer { needs });
+        chooses.into_iter().chain(needs).collect()
+    }
+
+    /// Everything of one session, by its first ride.
+    fn session(&self, occasion: Occasion, steps: &mut Vec<Step>) -> Result<(), SeatError> {
+        let protocol = self.design.protocol();
+        let sessions = Sessions::of(protocol);
+        let session = occasion.session.get();
         steps.extend(sessions.before(occasion));
-        for step in &protocol.steps {
-            if !sessions.have(*step, session) {
-                continue;
+        let asked = protocol.steps.iter().copied();
+        for part in asked.filter(|part| sessions.have(*part, session)) {
+            self.part(part, occasion, steps)?;
+        }
+        Ok(())
+    }
+
+    /// One part of a session.
+    fn part(
+        &self,
+        part: ProtocolStep,
+        occasion: Occasion,
+        steps: &mut Vec<Step>,
+    ) -> Result<(), SeatError> {
+        let (protocol, scales) = (self.design.protocol(), self.scales);
+        let language = self.texts.words.language.as_str();
+        match part {
+            ProtocolStep::Screen => steps.extend(moments::screen(protocol, scales, language)?),
+            ProtocolStep::Consent => steps.extend(self.consent()?),
+            ProtocolStep::Before => {
+                for id in &protocol.before {
+                    steps.push(sheet(scales, id, Moment::Pre, language)?);
+                }
             }
-            match step {
-                ProtocolStep::Screen => steps.extend(moments::screen(protocol, scales, language)?),
-                ProtocolStep::Consent => {
-                    if let Some(text) = &texts.consent {
-                        let (until, words) = (protocol.withdraw_until.as_deref(), &texts.words);
-                        let text = withdrawal::in_consent(text, until, words)?;
-                        steps.push(Step::Text {
-                            title: design.title().to_owned(),
-                            text: crash::in_consent(&text, words),
-                            agree: true,
-                        });
-                    }
+            ProtocolStep::Controls => steps.push(Step::Controls),
+            ProtocolStep::Practice => steps.push(Step::Practice {
+                seconds: protocol.practice.at_most_s,
+                lane_kept_s: protocol.practice.lane_kept_s,
+                passes: protocol.practice.passes,
+                seed: self.whose.world(protocol.seed, "practice"),
+                probe: self.stops.clone(),
+            }),
+            ProtocolStep::Drive => {
+                let condition = self.own;
+                let ride = Ride {
+                    condition,
+                    occasion,
+                };
+                steps.push(Step::Drive {
+                    condition,
+                    occasion,
+                    seconds: protocol.drive_s,
+                    seed: world(protocol, self.whose, (0, ride)),
+                    probe: self.stops.clone(),
+                });
+            }
+            ProtocolStep::Rides => {
+                if let Some(riding) = self.riding {
+                    let asked = (scales, language, self.probe.as_ref());
+                    let whose = (self.whose, occasion.session.get());
+                    rides(self.design, asked, whose, riding, steps)?;
                 }
-                ProtocolStep::Before => {
-                    for id in &protocol.before {
-                        steps.push(sheet(scales, id, Moment::Pre, language)?);
-                    }
+            }
+            ProtocolStep::Which => {
+                if let Some((pair, riding)) = protocol.which.zip(self.riding) {
+                    steps.push(which(self.design, (scales, language), pair, riding.order)?);
                 }
-                ProtocolStep::Controls => steps.push(Step::Controls),
-                ProtocolStep::Practice => steps.push(Step::Practice {
-                    seconds: protocol.practice.at_most_s,
-                    lane_kept_s: protocol.practice.lane_kept_s,
-                    passes: protocol.practice.passes,
-                    seed: whose.world(protocol.seed, "practice"),
-                    probe: stops.clone(),
-                }),
-                ProtocolStep::Drive => {
-                    let condition = own;
-                    let ride = Ride {
-                        condition,
-                        occasion,
-                    };
-                    steps.push(Step::Drive {
-                        condition,
-                        occasion,
-                        seconds: protocol.drive_s,
-                        seed: world(protocol, whose, (0, ride)),
-                        probe: stops.clone(),
-                    });
-                }
-                ProtocolStep::Rides => {
-                    if let Some(riding) = riding {
-                        rides(design, asked, (whose, session), riding, &mut steps)?;
-                    }
-                }
-                ProtocolStep::Which => {
-                    let asked = protocol.which.zip(riding);
-                    let asked = asked.map(|(pair, riding)| {
-                        which(design, (scales, language), pair, riding.order)
-                    });
-                    steps.extend(asked.transpose()?);
-                }
-                ProtocolStep::Break => steps.push(Step::Break {
-                    seconds: protocol.break_s,
-                }),
-                ProtocolStep::Post => {
-                    for id in &protocol.post {
-                        steps.push(sheet(scales, id, Moment::Post, language)?);
-                    }
+            }
+            ProtocolStep::Break => steps.push(Step::Break {
+                seconds: protocol.break_s,
+            }),
+            ProtocolStep::Post => {
+                for id in &protocol.post {
+                    steps.push(sheet(scales, id, Moment::Post, language)?);
                 }
             }
         }
+        Ok(())
     }
-    let words = &texts.words;
-    if steps.iter().any(|step| step.world().is_some()) {
-        let told = || words.sentence("aftercare").to_owned();
-        let text = texts.aftercare.clone().unwrap_or_else(told);
-        let again = stops.map(|probe| AskedProbe {
-            every_s: ASKED_AGAIN_S,
-            ..probe
+
+    /// What is agreed to; none where the study has no text.
+    fn consent(&self) -> Result<Option<Step>, SeatError> {
+        let Some(text) = &self.texts.consent else {
+            return Ok(None);
+        };
+        let until = self.design.protocol().withdraw_until.as_deref();
+        let words = &self.texts.words;
+        let text = withdrawal::in_consent(text, until, words)?;
+        Ok(Some(Step::Text {
+            title: self.design.title().to_owned(),
+            text: crash::in_consent(&text, words),
+            agree: true,
+        }))
+    }
+
+    /// What is told at the end.
+    fn end(&self, steps: &mut Vec<Step>) {
+        let (texts, words) = (self.texts, &self.texts.words);
+        if steps.iter().any(|step| step.world().is_some()) {
+            let standard = || words.sentence("aftercare").to_owned();
+            let again = self.stops.clone().map(|probe| AskedProbe {
+                every_s: ASKED_AGAIN_S,
+                ..probe
+            });
+            steps.push(Step::Aftercare {
+                text: texts.aftercare.clone().unwrap_or_else(standard),
+                again,
+            });
+        }
+        if let Some(text) = &texts.debrief {
+            steps.push(Step::Text {
+                title: words.sentence("debrief_title").to_owned(),
+                text: text.clone(),
+                agree: false,
+            });
+        }
+        steps.push(Step::Thanks {
+            text: texts.thanks.clone().unwrap_or_default(),
+            code: self.design.protocol().code.clone(),
         });
-        steps.push(Step::Aftercare { text, again });
     }
-    if let Some(text) = &texts.debrief {
-        steps.push(Step::Text {
-            title: words.sentence("debrief_title").to_owned(),
-            text: text.clone(),
-            agree: false,
-        });
-    }
-    steps.push(Step::Thanks {
-        text: texts.thanks.clone().unwrap_or_default(),
-        code: protocol.code.clone(),
-    });
-    Ok(steps)
 }
 
 /// The sessions of a person: the first has everything that comes before the drives, the last what is asked at the end.
@@ -286,6 +346,7 @@ fn rides(
     let conditions = design.conditions();
     let trials = 1..=protocol.rides_per_condition;
     let ridden = trials.flat_map(|trial| riding.order.iter().map(move |place| (trial, *place)));
+    let shown_again = conditions.iter().any(|c| c.car == Some(Car::Replay));
     let a_session = riding.order.len() * protocol.rides_per_condition as usize;
     for (number, (trial, place)) in (1..).zip(ridden) {
         let condition = &conditions[place];
@@ -305,6 +366,8 @@ fn rides(
         }
         let (style, points, turns) = driven(design, condition, whose, riding.styles)?;
         let among_all = (session as usize - 1) * a_session + number;
+        // The world of the drive, where that is shown again.
+        let among_all = if shown_again { 0 } else { among_all };
         steps.push(Step::Ride {
             condition: condition.id,
             occasion: ride.occasion,
@@ -359,6 +422,7 @@ fn driven(
     Ok(match car(condition)? {
         Car::Dial(points) => (RideStyle::Own, *points, None),
         Car::Free => (RideStyle::Own, 0.0, Some(step)),
+        Car::Replay => (RideStyle::Replay, 0.0, None),
         Car::Mean => (RideStyle::Mean, 0.0, None),
         Car::Across => (
             RideStyle::Across(whose.place(root, condition.id)),

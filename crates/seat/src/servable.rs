@@ -75,11 +75,17 @@ pub(crate) fn hindrances(
     if !asks(ProtocolStep::Rides) || ridden_elsewhere(design) {
         return found;
     }
-    if model.is_none() && !learns {
+    if model.is_none() && !learns && design.needs_a_model() {
         found.push(Hindrance::NoModel);
     }
     for condition in conditions {
         found.extend(car(condition).err());
+        let hides = matches!(condition.car, Some(Car::Matched(_) | Car::Replay));
+        if hides && protocol.debrief.is_none() {
+            found.push(Hindrance::NoDebriefing {
+                condition: condition.id,
+            });
+        }
         let lends = matches!(condition.car, Some(Car::Matched(_)));
         let donors = model.map(|model| model.training().len());
         found.extend(

@@ -143,6 +143,7 @@ fn router(shared: Shared) -> Router {
         .route("/page/{version}/{file}", get(file))
         .route("/api/{token}", get(state))
         .route("/api/{token}/model", get(model))
+        .route("/api/{token}/own", get(own_drive))
         .route("/api/{token}/open/{tab}", post(open))
         .route("/api/{token}/answer/{step}", post(answer))
         .route(
@@ -288,6 +289,20 @@ async fn model(State(shared): State<Shared>) -> Answered<Response> {
     let bytes = shared.seat.model_for_page()?;
     let kind = [(header::CONTENT_TYPE, "application/octet-stream")];
     Ok((kind, Body::from(bytes)).into_response())
+}
+
+/// The record of somebody's drive by hand, which a ride shows them again.
+async fn own_drive(State(shared): State<Shared>, Path(token): Path<String>) -> Answered<Response> {
+    let lines = shared.blocking(move |seat| {
+        let lines = seat.store.look(|b| {
+            let person = b.somebody(&token)?;
+            Ok::<_, Refused>(b.own_drive(&person)?)
+        })?;
+        let missing = "there is no drive by hand to show again";
+        lines.ok_or_else(|| Refused::NotThis(missing.to_owned()))
+    });
+    let kind = [(header::CONTENT_TYPE, "application/jsonl")];
+    Ok((kind, lines.await?).into_response())
 }
 
 async fn open(

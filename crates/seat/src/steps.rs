@@ -326,6 +326,11 @@ impl Step {
         (by_hand || matches!(self, Self::Ride { .. })).then_some((here, by_hand))
     }
 
+    /// Whether the car is given what hands and feet do, or did: in what is driven by hand, and where that is shown again.
+    pub(crate) fn is_given_inputs(&self) -> bool {
+        !matches!(self, Self::Ride { style, .. } if *style != RideStyle::Replay)
+    }
+
     /// Whether this is the drive by hand that a style is learned of: that of the first session.
     pub(crate) fn is_learned_of(&self) -> bool {
         matches!(self, Self::Drive { occasion, .. } if *occasion == Occasion::FIRST)

@@ -32,6 +32,8 @@ pub enum RideStyle {
     },
     /// This one, whoever rides.
     Given(Embedding),
+    /// None: the person's own drive is shown again, which is in their own style.
+    Replay,
 }
 
 /// Root of a random choice; written as text, since a page's numbers do not hold 64 bits.
@@ -95,6 +97,7 @@ impl RideStyle {
             Ok(placed(style.clone(), moved, None))
         };
         match self {
+            Self::Replay => Ok(placed(own.clone(), Some(0.0), None)),
             Self::Own if points.abs() < f64::EPSILON => Ok(placed(own.clone(), Some(0.0), None)),
             Self::Own => {
                 let moved = LinearHead::aggression(model)?.shift(own, points)?;

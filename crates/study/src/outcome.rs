@@ -87,6 +87,10 @@ pub fn all_cores() -> usize {
 /// Most threads of a command: more than any machine has cores, and fewer than exhaust it.
 const MOST_JOBS: usize = 1024;
 
+/// Stack of each of these threads: one that waits for polars, which has threads of its own, takes up the next item meanwhile, on top of the one
+/// that waits. Two megabytes, which is usual, were too little once on a machine with much else to do.
+const STACK_BYTES: usize = 32 << 20;
+
 /// Threads to work on; 0 for as many as there are cores.
 ///
 /// # Errors
@@ -98,8 +102,10 @@ pub(crate) fn threads(jobs: usize) -> Result<rayon::ThreadPool, StudyError> {
             help: Some("leave out -j: then there are as many threads as cores".to_owned()),
         });
     }
-    let pool = rayon::ThreadPoolBuilder::new().num_threads(jobs).build();
-    pool.map_err(|e| StudyError::NotPossible {
+    let pool = rayon::ThreadPoolBuilder::new()
+        .num_threads(jobs)
+        .stack_size(STACK_BYTES);
+    pool.build().map_err(|e| StudyError::NotPossible {
         problem: format!("cannot start {jobs} threads: {e}"),
         help: Some("ask for fewer with -j".to_owned()),
     })

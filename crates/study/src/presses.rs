@@ -72,7 +72,7 @@ impl Presses {
     }
 
     /// The presses of a ride; none for a drive in which nothing could be pressed.
-    fn during(&self, drive: &Drive) -> Option<&[f64]> {
+    pub(crate) fn during(&self, drive: &Drive) -> Option<&[f64]> {
         let meta = drive.meta();
         let ridden = meta.driven_by == DrivenBy::Automated;
         let key = (meta.participant.clone(), meta.ride().to_string());
@@ -88,11 +88,8 @@ pub(crate) struct PressTables {
 }
 
 impl PressTables {
-    /// Adds a drive, if it is a ride in which somebody could press.
-    pub(crate) fn add(&mut self, presses: &Presses, drive: &Drive) {
-        let Some(times) = presses.during(drive) else {
-            return;
-        };
+    /// Adds a ride, in which somebody pressed at these times (s since its start).
+    pub(crate) fn add(&mut self, times: &[f64], drive: &Drive) {
         let time_s = &drive.rows().time_s;
         let ends = time_s.first().zip(time_s.last());
         let meta = drive.meta();

@@ -6,20 +6,23 @@ use crate::{
     error::StudyError,
     stage::Files,
     tables::{
+        collected::STOPPED,
         conditions::read_conditions,
         drives::kept_out,
         embeddings::read_embeddings,
         measurements::{one_drive_a_condition, read_measurements},
         own_measures::read_own_measurements,
         read_rows,
-        surveys::{read_answers, read_scores},
+        surveys::{Answered, read_answered, read_scores},
     },
 };
-use maveric_analysis::{Driven, Person, StudyData, Tables};
+use maveric_analysis::{Driven, Person, Stopped, StudyData, Tables};
 use maveric_domain::{
-    AdbScore, Answer, ConditionId, Drive, DriveId, Moment, Scale, Score, Seconds,
+    AdbScore, Answer, ConditionId, Drive, DriveId, Moment, ParticipantId, ProbeAnswer, Ride, Scale,
+    Score, Seconds,
     design::{ScoreName, Software},
 };
+use maveric_measures::survey::score_probes;
 use maveric_model::{Model, model_file};
 use maveric_participants::Effects;
 use maveric_simulator::Scenario;
@@ -242,6 +245,10 @@ pub(crate) fn read_study(
     let embedded = driven && (styled || design.needs_a_model());
     let of_design = measured.iter().filter(|d| design.knows(d.meta.condition));
     one_drive_a_condition(&measurements, of_design)?;
+    let scales = read_scales(&study.resolve(&design.files().scales))?;
+    let (answered, stopped) = (answered(folder, study)?, study.stopped()?);
+    let mut post = if_there(&folder.join("rating_scores.csv"), read_scores)?;
+    post.extend(of_stopped(&stopped, &scales, &answered, study)?);
     let tables = Tables {
         people: people
             .into_iter()
@@ -262,12 +269,12 @@ pub(crate) fn read_study(
             read_conditions,
         )?,
         pre: if_there(&folder.join("scores.csv"), read_scores)?,
-        post: if_there(&folder.join("rating_scores.csv"), read_scores)?,
-        scales: read_scales(&study.resolve(&design.files().scales))?,
-        answers: answers(folder, study)?,
+        post,
+        scales,
+        answers: answered.answers,
         durations_s: durations(folder)?,
         kept_out: drives_kept_out(folder)?,
-        stopped: study.stopped()?,
+        stopped,
         not_admitted: study.not_admitted()?,
     };
     let rides = if_there(&presses_path(&measurements), read_rows)?;
@@ -304,7 +311,7 @@ pub(crate) fn study_files(
             study.resolve(&design.people().file),
         ]),
     };
-    if design.exclude().judges_answers() {
+    if reads_answers(study) {
         let answers = study.resolve(&design.files().answers);
         files = files
             .reads_if_there(Some(answers).filter(|_| design.files().software == Software::Table))
@@ -327,15 +334,47 @@ fn made<T: Default>(
 }
 
 /// Answers by which the design's rules judge sheets: those among the results, and the design's own table of them.
-fn answers(folder: &Path, study: &DesignFile) -> Result<Vec<Answer>, StudyError> {
-    let mut found = Vec::new();
-    if !study.design.exclude().judges_answers() {
+fn answered(folder: &Path, study: &DesignFile) -> Result<Answered, StudyError> {
+    let mut found = Answered::default();
+    if !reads_answers(study) {
         return Ok(found);
     }
     for table in answer_tables(folder, study) {
-        found.extend(read_answers(&table)?);
+        let more = read_answered(&table)?;
+        found.answers.extend(more.answers);
+        found.probes.extend(more.probes);
     }
     Ok(found)
+}
+
+/// Whether single answers are read: where the design's rules judge sheets, or rides were stopped, of which nothing is scored among the results.
+fn reads_answers(study: &DesignFile) -> bool {
+    study.design.exclude().judges_answers() || study.resolve(Path::new(STOPPED)).is_file()
+}
+
+/// Scores of the sheets about rides that were stopped, and of what was answered during them.
+fn of_stopped(
+    stopped: &[Stopped],
+    scales: &[Scale],
+    answered: &Answered,
+    study: &DesignFile,
+) -> Result<Vec<Score>, StudyError> {
+    let was_stopped = |who: &ParticipantId, ride: Ride| {
+        let mut theirs = stopped.iter().filter(|s| s.participant == *who);
+        theirs.any(|s| s.ride() == ride)
+    };
+    let about = |a: &&Answer| {
+        a.moment
+            .ride()
+            .is_some_and(|ride| was_stopped(&a.participant, ride))
+    };
+    let answers: Vec<Answer> = answered.answers.iter().filter(about).cloned().collect();
+    let during = |p: &&ProbeAnswer| was_stopped(&p.participant, p.ride);
+    let probes: Vec<ProbeAnswer> = answered.probes.iter().filter(during).cloned().collect();
+    let scales = study.design.with_dropped_items(scales.to_vec());
+    let mut scores = maveric_measures::score(&scales, &answers, None)?.scores;
+    scores.extend(score_probes(&scales, &probes)?);
+    Ok(scores)
 }
 
 /// The tables of answers that are there: the design's own, and those among the results.

@@ -16,6 +16,7 @@ pub(super) fn stays(sensitivity: &[Sensitivity]) -> Option<Finding> {
 fn parts(by_choice: &Sensitivity) -> impl Iterator<Item = Part> + '_ {
     let choice = match by_choice.choice {
         OtherChoice::WithoutItems { .. } => "without-items",
+        OtherChoice::WithStopped { .. } => "with-stopped",
     };
     let [_, n] = by_choice.n;
     let of = move |row: &SensitivityRow| {
@@ -109,6 +110,57 @@ mod tests {
         let part = &of(&analysis.findings, Question::Stays).unwrap().parts[0];
         assert_eq!(part.of, "jian_trust.overall.fast-slow.without-items");
         near(part.estimate, 1.0);
+    }
+
+    #[test]
+    fn what_was_said_of_stopped_rides_counts_by_the_other_choice_alone() {
+        let design = plain(
+            &["fast", "slow"],
+            "[[outcome]]\nscale = \"jian_trust.overall\"\n",
+        );
+        let judged = |of_stopped: f64| {
+            let mut tables = rated(WITH, WITH);
+            let who = crate::testing::person(0);
+            let fast = Moment::After(id("fast").into());
+            for score in &mut tables.post {
+                if score.participant == who && score.moment == fast {
+                    score.value = Some(of_stopped);
+                }
+            }
+            tables.stopped.push(crate::Stopped {
+                participant: who,
+                condition: id("fast"),
+                session: maveric_domain::occasion::first(),
+                trial: maveric_domain::occasion::first(),
+                time_s: 30.0,
+                reason: "misc >= 6".to_owned(),
+            });
+            analysed_by(&design, tables)
+        };
+        let analysis = judged(6.0);
+        let [by_choice] = analysis.sensitivity.as_slice() else {
+            panic!("{:?}", analysis.sensitivity);
+        };
+        assert_eq!(by_choice.choice, OtherChoice::WithStopped { rides: 1 });
+        assert_eq!(by_choice.n, [5, 6]);
+        near(by_choice.rows[0].mean_difference, 2.0);
+        near(by_choice.rows[0].other_mean_difference, 2.0);
+        let verdict =
+            |analysis: &Analysis| of(&analysis.findings, Question::Stays).map(|f| f.verdict);
+        assert_eq!(
+            verdict(&analysis),
+            Some(TooFew),
+            "five are too few to be sure"
+        );
+        assert!(
+            analysed_by(&design, rated(WITH, WITH))
+                .sensitivity
+                .is_empty()
+        );
+        near(
+            judged(-60.0).sensitivity[0].rows[0].other_mean_difference,
+            (10.0 - 64.0) / 6.0,
+        );
     }
 
     #[test]

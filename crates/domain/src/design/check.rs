@@ -12,8 +12,8 @@ use super::{
     ridden::ridden,
     tested::{compare, hypothesis, once, outcomes},
     toml_file::{
-        CarToml, CellToml, ConditionToml, DesignToml, DialToml, ModelToml, PeopleToml, RoleToml,
-        StyleToml, Units,
+        CarToml, CellToml, ConditionToml, DesignToml, DialToml, ModelToml, PeopleToml, ReplayToml,
+        RoleToml, StyleToml, Units,
     },
     which::which,
 };
@@ -313,7 +313,9 @@ fn condition(
             "`vary = true` beside `dial = POINTS` or `across = true`, and without `recorded = true`",
         ));
     }
-    if car.is_some() && !learned {
+    // What was driven is driven again without a model, and nowhere but where it was driven.
+    let replayed = car == Some(Car::Replay);
+    if car.is_some() && !replayed && !learned {
         return Err(DesignError::key(
             key("car"),
             "a learned car",
@@ -326,7 +328,7 @@ fn condition(
         place,
         color,
         vary,
-        recorded: recorded || car.is_none(),
+        recorded: recorded || replayed || car.is_none(),
         car,
         levels: raw.levels,
         expected: raw.expected,
@@ -334,7 +336,7 @@ fn condition(
 }
 
 const CARS: &str = "one of { dial = POINTS }, { across = true }, { mean = true }, { embedding = \"FILE.csv\" }, \
-                    { other = \"matched\" }, { free = true }, { recorded = true }";
+                    { other = \"matched\" }, { replay = \"own\" }, { free = true }, { recorded = true }";
 
 /// How far donor and rider lie apart where the design does not say it, in standard deviations across the dial.
 const APART_SD: [f64; 2] = [0.7, 2.5];
@@ -349,6 +351,7 @@ fn car(key: &str, raw: CarToml, style: Option<&Style>) -> Checked<Option<Car>> {
         raw.mean.then_some(Car::Mean),
         raw.embedding.map(Car::Embedding),
         matched.map(Car::Matched),
+        raw.replay.map(|ReplayToml::Own| Car::Replay),
         raw.free.then_some(Car::Free),
     ];
     let mut found: Vec<Car> = cars.into_iter().flatten().collect();
@@ -403,6 +406,7 @@ fn kind(car: &Car) -> &'static str {
         Car::Mean => "`mean`",
         Car::Embedding(_) => "`embedding`",
         Car::Matched(_) => "`other`",
+        Car::Replay => "`replay`",
         Car::Free => "`free`",
     }
 }

@@ -61,6 +61,8 @@ pub enum Car {
     Embedding(PathBuf),
     /// Somebody else's style, moved along the dial to the person's own score.
     Matched(Matched),
+    /// The person's own drive by hand once more, shown as automation.
+    Replay,
     /// The person turns the dial while riding.
     Free,
 }

@@ -359,7 +359,8 @@ impl Design {
 
     /// Whether a car that was learned drives in some condition.
     pub fn needs_a_model(&self) -> bool {
-        self.conditions.iter().any(|c| c.car.is_some())
+        let learned = |c: &Condition| c.car.as_ref().is_some_and(|car| *car != Car::Replay);
+        self.conditions.iter().any(learned)
     }
 
     /// Whether the car turns a dial in some condition.

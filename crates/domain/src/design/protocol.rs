@@ -71,7 +71,7 @@ pub enum World {
     /// Ride j of everybody is in world j, and the drive by hand in world 0: nothing is met twice, and world is one with period.
     #[default]
     ByRide,
-    /// One draw for all rides of everybody, and another for the drive by hand.
+    /// One draw for all rides of everybody, and another for the drive by hand; where a ride shows that drive again, its draw.
     Same,
     /// Another draw for each person and each ride.
     Own,

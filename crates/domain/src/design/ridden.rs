@@ -3,7 +3,7 @@
 use super::{
     condition::{Car, Condition},
     error::DesignError,
-    protocol::{Protocol, ProtocolStep},
+    protocol::{Protocol, ProtocolStep, World},
 };
 
 /// Whether the car of a condition has the style of whoever rides, or one that is found by it.
@@ -23,7 +23,7 @@ pub(super) fn ridden(protocol: &Protocol, conditions: &[Condition]) -> Result<()
         return Ok(());
     };
     if driven {
-        return Ok(());
+        return replayed(protocol, conditions);
     }
     let expected = format!(
         "`drive` before `rides`: the style of `{}` is learned from it",
@@ -34,6 +34,37 @@ pub(super) fn ridden(protocol: &Protocol, conditions: &[Condition]) -> Result<()
         "rides without a drive before them",
         expected,
     ))
+}
+
+/// Refuses a drive shown again beside rides that are in another world than it was, or last longer or shorter: they would differ by more than by who drives.
+fn replayed(protocol: &Protocol, conditions: &[Condition]) -> Result<(), DesignError> {
+    let Some(shown) = conditions.iter().find(|c| c.car == Some(Car::Replay)) else {
+        return Ok(());
+    };
+    let id = shown.id;
+    if protocol.world != World::Same {
+        let found = if protocol.world == World::Own {
+            "own"
+        } else {
+            "by_ride"
+        };
+        let expected = format!(
+            "\"same\": `{id}` shows the drive by hand again, and every ride has to be in its world"
+        );
+        return Err(DesignError::key("protocol.world", found, expected));
+    }
+    if (protocol.ride_s - protocol.drive_s).abs() > 0.0 {
+        let expected = format!(
+            "{} as `drive_s`: `{id}` shows the drive by hand again, and every ride lasts as long",
+            protocol.drive_s
+        );
+        return Err(DesignError::key(
+            "protocol.ride_s",
+            protocol.ride_s,
+            expected,
+        ));
+    }
+    Ok(())
 }
 
 #[cfg(test)]
@@ -47,6 +78,44 @@ mod tests {
              [protocol]\nsteps = {steps}\n"
         );
         Design::from_toml(&text).map_err(|e| e.to_string())
+    }
+
+    #[test]
+    fn a_drive_is_shown_again_in_its_world_and_as_long_as_it_was() {
+        let told = |protocol: &str| {
+            let text = format!(
+                "[study]\ntitle = \"Again\"\n[[condition]]\nid = \"again\"\ncar = {{ replay = \"own\" }}\n[protocol]\n{protocol}\n"
+            );
+            Design::from_toml(&text).map_err(|e| e.to_string())
+        };
+        let lasts = "steps = [\"drive\", \"rides\"]\ndrive_s = 120\nride_s = 120";
+        let design = told(&format!("{lasts}\nworld = \"same\"")).unwrap();
+        let [again] = design.conditions() else {
+            panic!("{:?}", design.conditions());
+        };
+        assert_eq!(
+            (&again.car, again.recorded),
+            (&Some(super::Car::Replay), true)
+        );
+        assert!(!design.needs_a_model());
+        for (protocol, key) in [
+            (lasts.to_owned(), "protocol.world"),
+            (format!("{lasts}\nworld = \"own\""), "protocol.world"),
+            (
+                format!(
+                    "{}\nworld = \"same\"",
+                    lasts.replace("ride_s = 120", "ride_s = 60")
+                ),
+                "protocol.ride_s",
+            ),
+            (
+                "steps = [\"rides\"]\nworld = \"same\"".to_owned(),
+                "protocol.steps",
+            ),
+        ] {
+            let error = told(&protocol).unwrap_err();
+            assert!(error.contains(key), "{protocol}: {error}");
+        }
     }
 
     #[test]

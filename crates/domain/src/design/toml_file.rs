@@ -147,6 +147,7 @@ pub(super) struct CarToml {
     pub(super) other: Option<OtherToml>,
     pub(super) from: Option<Donors>,
     pub(super) apart: Option<[f64; 2]>,
+    pub(super) replay: Option<ReplayToml>,
     #[serde(default)]
     pub(super) recorded: bool,
     #[serde(default)]
@@ -158,6 +159,13 @@ pub(super) struct CarToml {
 #[serde(rename_all = "lowercase")]
 pub(super) enum OtherToml {
     Matched,
+}
+
+/// Whose drive is shown again.
+#[derive(Debug, Clone, Copy, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub(super) enum ReplayToml {
+    Own,
 }
 
 #[derive(Debug, Deserialize)]

@@ -1,7 +1,7 @@
 //! What was answered, and what it scores.
 
 use super::moment::Moment;
-use crate::ids::ParticipantId;
+use crate::{ids::ParticipantId, occasion::Ride};
 use serde::{Deserialize, Serialize};
 
 /// One answer to one item.
@@ -16,6 +16,21 @@ pub struct Answer {
     /// Item number, from 1.
     pub item: u32,
     /// The answer; `None` where it was left out.
+    pub answer: Option<i32>,
+}
+
+/// One answer to a probe, a scale of one item.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ProbeAnswer {
+    /// Who answered.
+    pub participant: ParticipantId,
+    /// During which drive.
+    pub ride: Ride,
+    /// Code name of the scale.
+    pub scale: String,
+    /// When it was asked, in s since the drive began.
+    pub at_s: f64,
+    /// The answer; `None` where it did not come in time.
     pub answer: Option<i32>,
 }
 

@@ -11,7 +11,7 @@ mod wording;
 mod words_file;
 
 pub use adb_score::AdbScore;
-pub use answer::{Answer, Score};
+pub use answer::{Answer, ProbeAnswer, Score};
 pub use item::{Item, Kind};
 pub use moment::Moment;
 pub use scale::Scale;

@@ -11,7 +11,7 @@ mod warning;
 
 pub use attention::attention_missed;
 pub use item_matrix::ItemMatrix;
-pub use probe::{ProbeAnswer, score_probes};
+pub use probe::score_probes;
 pub use response_style::{FASTEST_SECONDS_AN_ITEM, SheetTime, response_styles, too_fast};
 pub use score::{Scored, score};
 pub use warning::ScoreWarning;

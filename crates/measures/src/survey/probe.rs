@@ -2,23 +2,8 @@
 
 use super::score::{Sheet, checked, index, one};
 use crate::error::MeasureError;
-use maveric_domain::{Answer, Moment, ParticipantId, Ride, Scale, Score};
+use maveric_domain::{Answer, Moment, ParticipantId, ProbeAnswer, Ride, Scale, Score};
 use std::collections::BTreeMap;
-
-/// One answer to a probe, a scale of one item.
-#[derive(Debug, Clone, PartialEq)]
-pub struct ProbeAnswer {
-    /// Who answered.
-    pub participant: ParticipantId,
-    /// During which drive.
-    pub ride: Ride,
-    /// Code name of the scale.
-    pub scale: String,
-    /// When it was asked, in s since the drive began.
-    pub at_s: f64,
-    /// The answer; `None` where it did not come in time.
-    pub answer: Option<i32>,
-}
 
 /// The score of each participant, drive and subscale: the mean over the probes that were answered, none where none was.
 /// [`Score::answered`] and [`Score::items`] count probes. Ordered by participant, drive and scale.

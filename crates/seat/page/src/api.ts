@@ -35,8 +35,8 @@ export type Step =
   | { kind: "thanks"; text: string; code: string | null };
 
 /// Whose style drives: the person's own, the average driver's, the own one moved across the dial as a seed says, somebody else's of whom
-/// the model learned, whom a seed draws, or this one.
-export type RideStyle = "own" | "mean" | { across: string } | { lent: { apart_sd: number[]; seed: string } } | { given: number[] };
+/// the model learned, whom a seed draws, this one, or none: the own drive is shown again.
+export type RideStyle = "own" | "mean" | "replay" | { across: string } | { lent: { apart_sd: number[]; seed: string } } | { given: number[] };
 
 /// `beyond`: why the drive is beyond what the model has learned from, such as `scale` or `style:pass`; left out where it is not.
 export interface Fit { embedding: number[]; covariance: number[] | null; score: number | null; readings: number; beyond?: string }
@@ -140,6 +140,8 @@ export interface Keeper {
   state(): Promise<State>;
   open(): Promise<unknown>;
   model(): Promise<Uint8Array>;
+  /// The record of the person's own drive by hand, as lines.
+  ownDrive(): Promise<string>;
   answer(step: number, sheet: unknown): Promise<unknown>;
   /// Says whether a rule of a screening holds somebody back, and which; the answers stay in the page.
   judged(step: number, refused: number | null, seconds: number): Promise<unknown>;
@@ -158,6 +160,7 @@ export const server: Keeper = {
   state: async () => (await json("")) as State,
   open: () => json(`/open/${tab}`, post(null)),
   model: () => surely(async () => new Uint8Array(await (await ask("/model")).arrayBuffer())),
+  ownDrive: () => surely(async () => (await ask("/own")).text()),
   answer: (step, sheet) => json(`/answer/${step}`, post(sheet)),
   judged: (step, refused, seconds) => json(`/answer/${step}`, post({ refused, seconds })),
   choose: (step, language) => json(`/language/${step}/${language}`, post(null)),

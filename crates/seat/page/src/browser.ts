@@ -138,6 +138,15 @@ export class Browser implements Keeper {
     return new Uint8Array(await (await fetch("model.maveric")).arrayBuffer());
   }
 
+  async ownDrive(): Promise<string> {
+    const [{ rows }, kept] = [await this.study, await this.kept()];
+    const step = (rows[kept.row] as Step[]).findIndex((s) => s.kind === "drive");
+    const whole = kept.drives.find((d) => d.step === step && d.ended);
+    if (!whole) throw new Error(say("no_style"));
+    const lines = await this.shelf.all(lineName(step, whole.attempt, 0).slice(0, -9));
+    return lines.map((line) => `${String(line)}\n`).join("");
+  }
+
   async answer(step: number, sheet: unknown): Promise<void> {
     const { rows } = await this.study;
     const steps = (kept: Kept): Step[] => rows[kept.row] ?? [];

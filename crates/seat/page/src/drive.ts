@@ -21,6 +21,8 @@ export interface Wanted {
   state: api.State; step: number; attempt: number;
   /// Who drives: a person by these means, or a model.
   ride: { model: PageModel; own: Float64Array; style: string; beyond: string | null; points: number; stretch: number; turns: number | null } | null;
+  /// The record of the drive that a ride shows again.
+  shown: string | null;
   seconds: number; seed: string;
   /// What is said above the speed, at first.
   hint: string;
@@ -43,8 +45,9 @@ const FELT_MS = 1500;
 
 /// Runs a drive to its end and sends it. A practice that ends with a crash is left as one that was cut short: it begins again.
 export async function run(wanted: Wanted, learn: PageModel | null): Promise<Ran> {
-  const { state, ride } = wanted;
-  const drive = ride
+  const { state, ride, shown } = wanted;
+  const rides = ride !== null || shown !== null;
+  const drive = shown !== null ? PageDrive.shown(state.scenario, wanted.seconds, wanted.seed, shown) : ride
     ? PageDrive.ride(state.scenario, wanted.seconds, wanted.seed, ride.model, ride.own, ride.style, ride.points, ride.stretch)
     : PageDrive.by_hand(state.scenario, wanted.seconds, wanted.seed, driver);
   const road = roadOf(drive);
@@ -78,7 +81,7 @@ export async function run(wanted: Wanted, learn: PageModel | null): Promise<Ran>
     buttons.append(made);
   };
   const uncomfortable = (): void => { drive.note("uncomfortable"); element("said").textContent = say("noted"); };
-  if (ride) button(say("uncomfortable", { key: controls.keyName("U") }), uncomfortable);
+  if (rides) button(say("uncomfortable", { key: controls.keyName("U") }), uncomfortable);
   if (ride?.turns) {
     const by = ride.turns;
     button(say("calmer", { key: controls.keyName("C") }), () => turn(-by));
@@ -94,13 +97,13 @@ export async function run(wanted: Wanted, learn: PageModel | null): Promise<Ran>
     if (code === "KeyQ") signal = signal === 1 ? 0 : 1;
     if (code === "KeyE") signal = signal === -1 ? 0 : -1;
     if (code === "KeyM") sound.on = !sound.on;
-    if (ride && code === "KeyU") uncomfortable();
+    if (rides && code === "KeyU") uncomfortable();
     if (ride?.turns && code === "KeyC") turn(-ride.turns);
     if (ride?.turns && code === "KeyS") turn(ride.turns);
   });
   const hidden = (): void => drive.note(document.hidden ? "hidden" : "shown");
   document.addEventListener("visibilitychange", hidden);
-  if (!ride) for (const text of controls.device(means)) drive.note(text);
+  if (!rides) for (const text of controls.device(means)) drive.note(text);
   if (ride?.beyond) drive.note(`beyond: ${ride.beyond}`);
   const plugged = (event: GamepadEvent): void => drive.note(`${event.type === "gamepadconnected" ? "plugged in" : "unplugged"}: ${named(event.gamepad)}`);
   addEventListener("gamepadconnected", plugged);
@@ -130,7 +133,7 @@ export async function run(wanted: Wanted, learn: PageModel | null): Promise<Ran>
         return;
       }
       // A device that is gone: one step more, with which it is told at once; then the world waits for it.
-      const missing = ride ? null : controls.gone(means);
+      const missing = rides ? null : controls.gone(means);
       if (missing && waiting !== null) { requestAnimationFrame(frame); return; }
       if (paused !== null) { drive.note(`goes on after ${Math.round(now - paused)} ms`); paused = null; }
       if (waiting !== null) {
@@ -149,7 +152,7 @@ export async function run(wanted: Wanted, learn: PageModel | null): Promise<Ran>
       let goesOn = true, pressedAt: number | null = null;
       if (steps > 0) {
         pressedAt = controls.takePressedAt();
-        if (ride) goesOn = drive.rides(steps);
+        if (rides) goesOn = drive.rides(steps);
         else if (means.by === "keys") goesOn = drive.keys(controls.keys(), signal, steps);
         else if (means.by === "pad") { const [x, gas, stop] = controls.pad(means.pad); goesOn = drive.pad(x, gas, stop, signal, steps); }
         else { const [x, gas, stop] = controls.wheel(means.wheel); goesOn = drive.wheel(x, gas, stop, signal, steps); }
@@ -170,7 +173,7 @@ export async function run(wanted: Wanted, learn: PageModel | null): Promise<Ran>
         }
         others.push({ id, x: ox + v * (since + owed / 1000), y: oy, speed: v, braking: known.braking, signal: known.signal });
       }
-      const turning = ride ? (from >= 0 && lane !== from ? Math.sign(lane - from) : 0) : signal;
+      const turning = ride ? (from >= 0 && lane !== from ? Math.sign(lane - from) : 0) : shown !== null ? get(11) : signal;
       const blink = Math.floor(now / 380) % 2 === 0;
       element("left").classList.toggle("on", turning > 0 && blink);
       element("right").classList.toggle("on", turning < 0 && blink);

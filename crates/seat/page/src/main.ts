@@ -42,7 +42,7 @@ async function drives(state: api.State, step: api.Step & { kind: "practice" | "d
   await go.done;
   const learned = await ready;
   const wanted: Wanted = {
-    state, step: state.at, attempt: state.attempts + 1, ride: null, seconds: step.seconds, seed: step.seed, hint, probe: step.probe ?? null,
+    state, step: state.at, attempt: state.attempts + 1, ride: null, shown: null, seconds: step.seconds, seed: step.seed, hint, probe: step.probe ?? null,
   };
   let passed = false;
   const practised = document.getElementById("practised") as HTMLElement;
@@ -55,6 +55,9 @@ async function drives(state: api.State, step: api.Step & { kind: "practice" | "d
     };
   }
   if (step.kind === "ride") {
+    if (step.style === "replay") wanted.shown = await keeper.ownDrive();
+  }
+  if (step.kind === "ride" && step.style !== "replay") {
     if (!learned) throw new Error(say("no_model"));
     const fitted = state.fit && Float64Array.from(state.fit.embedding);
     const theirs = step.style === "own" || (typeof step.style === "object" && !("given" in step.style));

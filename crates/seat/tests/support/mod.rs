@@ -10,7 +10,7 @@ use made::model;
 use maveric_domain::{DrivenBy, Embedding, Seconds};
 use maveric_model::{Model, model_file};
 use maveric_seat::{Seat, SeatSettings, Wire, files, serve};
-use maveric_seat_page::{Frames, Input, Keyboard, Keys, RideStyle, Rider, SeatDrive, Signal, fit};
+use maveric_seat_page::{Frames, Keyboard, Keys, Record, RideStyle, Rider, SeatDrive, Signal, fit};
 use maveric_simulator::Scenario;
 use maveric_study::{DesignFile, run_folder::read_scales};
 use serde_json::Value;
@@ -269,7 +269,16 @@ impl Script {
         let mut rider = Rider::new(Rc::clone(&self.model), own, (style, points), settings).unwrap();
         let controllers = rider.controllers();
         let begins_with = rider.begins_with();
-        let mut drive = if by_hand {
+        let mut shown = state["own"].as_str().map(|lines| {
+            let record = Record::from_lines(lines).unwrap();
+            let inputs = record
+                .held()
+                .flat_map(|held| vec![held.input; held.steps as usize]);
+            inputs.collect::<Vec<_>>().into_iter()
+        });
+        let mut drive = if shown.is_some() {
+            SeatDrive::shown(&scenario, seed).unwrap()
+        } else if by_hand {
             SeatDrive::by_hand(&scenario, seed, DrivenBy::Scripted).unwrap()
         } else {
             let ride = SeatDrive::ride(&scenario, seed, &mut rider, &controllers).unwrap();
@@ -294,7 +303,8 @@ impl Script {
             let input = if by_hand {
                 keyboard.input(self.keys(&drive), Signal::Off, now)
             } else {
-                Input::default()
+                let again = shown.as_mut().and_then(Iterator::next);
+                again.unwrap_or_default()
             };
             let goes_on = drive.tick(input) && stops.is_none();
             if !goes_on || drive.ticks().is_multiple_of(100) {
@@ -346,11 +356,15 @@ impl Script {
 
     /// As [`go_on`].
     pub(crate) fn go_on(&self, server: &Server, token: &str) -> bool {
-        let state = server.state(token);
+        let mut state = server.state(token);
         let at = state["at"].as_u64().unwrap();
-        let Some(step) = state["steps"].get(at as usize) else {
+        let Some(step) = state["steps"].get(at as usize).cloned() else {
             return false;
         };
+        if step["style"] == "replay" {
+            let (_, reply) = server.ask("GET", &format!("/api/{token}/own"), "", &[]);
+            state["own"] = reply.split("\r\n\r\n").nth(1).unwrap().into();
+        }
         let sent = |path: String, body: &str| {
             let (status, reply) = server.post(&path, body);
             assert_eq!(status, 200, "{path}: {reply}");
@@ -380,7 +394,7 @@ impl Script {
                 sent(format!("/api/{token}/answer/{at}"), &sheet.to_string());
             }
             "practice" | "drive" | "ride" => {
-                let (lines, style) = self.driven(step, &state);
+                let (lines, style) = self.driven(&step, &state);
                 let attempt = state["attempts"].as_u64().unwrap() + 1;
                 for part in lines.chunks(3) {
                     sent(

@@ -135,8 +135,8 @@ impl Stage for Measure {
                     counted_s: None,
                 });
                 exposures.push((done, Exposure::of(&drive)));
-                if let Some(presses) = &presses {
-                    pressed.add(presses, &drive);
+                if let Some(times) = presses.as_ref().and_then(|p| p.during(&drive)) {
+                    pressed.add(times, &drive);
                 }
             }
             watch.step(done + 1, self.drives.len(), "folders measured")?;

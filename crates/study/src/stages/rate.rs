@@ -5,22 +5,33 @@ use crate::{
     error::StudyError,
     once::count,
     outcome::{Outcome, Watch},
-    run_folder::{read_effects_on, read_scales},
+    presses::PressTables,
+    run_folder::{press_moments_path, presses_path, read_effects, read_effects_on, read_scales},
     stage::{Files, Stage},
     tables::{
+        drives::read_drives,
         measurements::{MeasuredDrive, one_drive_a_condition, read_measurements},
         participants::read_participants,
         surveys::write_answers,
     },
 };
 use maveric_domain::{
-    ConditionId, MeasureValues, Moment, Ride, Scale, design::Probe, occasion::is_first, spread,
+    Answer, ConditionId, Design, DrivenBy, MeasureValues, Moment, ParticipantId, ProbeAnswer, Ride,
+    Scale,
+    design::{Condition, Probe},
+    occasion::is_first,
+    spread,
 };
-use maveric_measures::survey::ProbeAnswer;
-use maveric_participants::{answer_at_random, probes_at_random};
+use maveric_measures::seconds_of;
+use maveric_participants::{
+    Effects, Participant, PressModel, answer_at_random, presses_during, probes_at_random,
+};
 use path_slash::PathExt as _;
 use serde::Serialize;
-use std::path::{Path, PathBuf};
+use std::{
+    collections::{BTreeMap, BTreeSet},
+    path::{Path, PathBuf},
+};
 
 /// Let the synthetic participants rate what each condition did
 #[derive(Debug, Clone, clap::Args)]
@@ -43,6 +54,9 @@ pub struct Rate {
     /// Folder of questionnaire definitions
     #[arg(long, default_value = "study_data/scales")]
     pub scales: PathBuf,
+    /// Drives of the car (folder with drives.parquet), on which people press where the effects say when
+    #[arg(long, value_name = "DIR")]
+    pub drives: Option<PathBuf>,
     /// Answers to write
     #[arg(long)]
     pub out: PathBuf,
@@ -58,6 +72,45 @@ pub struct Ratings {
     pub participants: usize,
     /// Their answers.
     pub answers: usize,
+    /// What they pressed on the rides; none where the effects do not say when.
+    pub presses: Option<usize>,
+}
+
+impl Rate {
+    /// The tables of what is pressed; none where the effects do not say when.
+    fn pressed_tables(&self) -> Vec<PathBuf> {
+        let says = read_effects(&self.effects).is_ok_and(|effects| effects.presses.is_some());
+        if says && self.drives.is_some() {
+            vec![
+                presses_path(&self.measures),
+                press_moments_path(&self.measures),
+            ]
+        } else {
+            Vec::new()
+        }
+    }
+
+    /// Lets those who are tested press on their rides; how many rides and presses there are.
+    fn press(
+        &self,
+        model: Option<&PressModel>,
+        tested: &BTreeSet<ParticipantId>,
+    ) -> Result<Option<(usize, usize)>, StudyError> {
+        let Some((model, folder)) = model.zip(self.drives.as_ref()) else {
+            return Ok(None);
+        };
+        let mut tables = PressTables::default();
+        for drive in read_drives(folder)? {
+            let meta = drive.meta();
+            let (who, ride) = (&meta.participant, meta.ride());
+            if meta.driven_by == DrivenBy::Automated && tested.contains(who) {
+                let seconds = seconds_of(&drive);
+                let times = presses_during(who, ride, &seconds, model, self.seed);
+                tables.add(&times, &drive);
+            }
+        }
+        tables.write(&self.measures).map(Some)
+    }
 }
 
 impl Stage for Rate {
@@ -73,8 +126,10 @@ impl Stage for Rate {
                 &self.effects,
                 &self.scales,
             ])
+            .reads(&self.drives)
             .reads_design(self.design.as_deref())
-            .writes([&self.out]))
+            .writes([&self.out])
+            .writes(self.pressed_tables()))
     }
 
     /// Lets each synthetic participant who is tested rate the conditions that they sat through and that the car drove; a condition
@@ -83,34 +138,97 @@ impl Stage for Rate {
         let drives = read_measurements(&self.measures)?;
         one_drive_a_condition(&self.measures, &drives)?;
         let study = DesignFile::find(self.design.as_deref())?;
-        let design = &study.design;
         let tested = study.people(Some(&self.participants))?.tested();
-        let people = read_participants(&self.participants, design)?;
+        let people = read_participants(&self.participants, &study.design)?;
+        let scales = read_scales(&self.scales)?;
+        let asking = Asking::new(&study, &scales, &self.effects, &drives, self.seed)?;
+        let mut sheets = Sheets::default();
+        for person in people.iter().filter(|p| tested.contains(&p.id)) {
+            watch.check()?;
+            asking.ask(person, &drives, &mut sheets)?;
+        }
+        if sheets.raters == 0 {
+            return Err(StudyError::NotPossible {
+                problem: format!(
+                    "no participant of {} has an own drive in {}",
+                    self.participants.to_slash_lossy(),
+                    self.measures.to_slash_lossy()
+                ),
+                help: Some(
+                    "measure the drives of the same study: --drives drives/study2 --drives av/drives"
+                        .to_owned(),
+                ),
+            });
+        }
+        write_answers(&self.out, &sheets.answers, &sheets.probes)?;
+        let mut summary = vec![format!(
+            "{} synthetic participants rated their conditions: {}",
+            sheets.raters,
+            self.out.to_slash_lossy()
+        )];
+        let pressed = self.press(asking.effects.presses.as_ref(), &tested)?;
+        summary.extend(pressed.map(|(rides, presses)| {
+            format!(
+                "{} on {} of made-up people: {}",
+                count(presses, "press", "presses"),
+                count(rides, "ride", "rides"),
+                presses_path(&self.measures).to_slash_lossy()
+            )
+        }));
+        Ok(Outcome {
+            value: Ratings {
+                participants: sheets.raters,
+                answers: sheets.answers.len(),
+                presses: pressed.map(|(_, presses)| presses),
+            },
+            summary,
+            warnings: sheets.warnings,
+        })
+    }
+}
+
+/// What was answered.
+#[derive(Default)]
+struct Sheets {
+    answers: Vec<Answer>,
+    probes: Vec<ProbeAnswer>,
+    warnings: Vec<String>,
+    raters: usize,
+}
+
+/// What is asked, and how it is answered.
+struct Asking<'a> {
+    design: &'a Design,
+    baseline: ConditionId,
+    scales: &'a [Scale],
+    effects: Effects,
+    /// Of measures over the drives by hand.
+    spread: BTreeMap<String, f64>,
+    /// Asked on the way, and how often, in s.
+    probe: Option<(&'a Scale, f64)>,
+    seed: u64,
+}
+
+impl<'a> Asking<'a> {
+    fn new(
+        study: &'a DesignFile,
+        scales: &'a [Scale],
+        effects: &Path,
+        drives: &[MeasuredDrive],
+        seed: u64,
+    ) -> Result<Self, StudyError> {
+        let design = &study.design;
         let Some(baseline) = design.baseline_id() else {
             return Err(study.wrong(
                 "`baseline`: found none, expected a drive by hand that people compare the car with",
                 Some("add [baseline] with the id of that drive, such as id = \"own\"".to_owned()),
             ));
         };
-        let driven: Vec<ConditionId> = design
-            .conditions()
-            .iter()
-            .filter(|c| c.simulated())
-            .map(|c| c.id)
-            .collect();
-        let scales = read_scales(&self.scales)?;
-        let effects = read_effects_on(&self.effects, &scales)?;
-        let without_effects = |scale: &&Scale| {
-            design.protocol().after.contains(&scale.id) && !effects.ratings.contains_key(&scale.id)
-        };
-        // What a ride is held against is how the person drove first.
-        let own = |d: &&MeasuredDrive| d.meta.condition == baseline && is_first(&d.meta.session);
-        let by_hand: Vec<&MeasureValues> = drives.iter().filter(own).map(|d| &d.values).collect();
-        let spread = spread(&by_hand);
+        let effects = read_effects_on(effects, scales)?;
         let probe = design.protocol().probe.as_ref();
         let probe = probe.map(|probe| {
             let scale = scales.iter().find(|scale| scale.id == probe.scale);
-            let no_scale = || {
+            let missing = || {
                 study.wrong(
                     format!(
                         "`protocol.probe.scale`: `{}`, and no scale has that id",
@@ -119,120 +237,118 @@ impl Stage for Rate {
                     Some("write it into the folder of --scales".to_owned()),
                 )
             };
-            Ok::<_, StudyError>((scale.ok_or_else(no_scale)?, probe.every_s))
+            Ok::<_, StudyError>((scale.ok_or_else(missing)?, probe.every_s))
         });
         let probe = probe.transpose()?;
-        let mut probes = Vec::new();
-        let mut answers = Vec::new();
-        let mut warnings = Vec::new();
-        let mut raters = 0;
-        for person in people.iter().filter(|p| tested.contains(&p.id)) {
-            watch.check()?;
-            let mine: Vec<&MeasuredDrive> = drives
-                .iter()
-                .filter(|d| d.meta.participant == person.id)
-                .collect();
-            let Some(own_drive) = mine.iter().copied().find(|d| own(d)) else {
-                warnings.push(format!(
-                    "participant {}: no own drive, so no ratings",
-                    person.id
-                ));
-                continue;
-            };
-            let trial = |ride: &Ride| {
-                mine.iter()
-                    .find(|d| d.meta.ride() == *ride)
-                    .map(|d| (*ride, d.values.clone()))
-            };
-            let order = person.order.iter().filter(|c| driven.contains(c));
-            let mut asked: Vec<Ride> = order
-                .flat_map(|&condition| {
-                    let occasions = design.occasions(condition).into_iter();
-                    occasions.map(move |occasion| Ride {
-                        condition,
-                        occasion,
-                    })
-                })
-                .collect();
-            // Each session and each round of rides in the person's order.
-            asked.sort_by_key(|ride| ride.occasion);
-            if let Some((scale, every_s)) = probe {
-                let ridden = mine.iter().filter(|d| asked.contains(&d.meta.ride()));
-                for ridden in ridden {
-                    // Made-up rides are as long as the design says that a ride is.
-                    let length_s = ridden.counted_s.unwrap_or(design.protocol().ride_s);
-                    let (who, missing) = (&person.id, effects.missing_rate);
-                    let asked = Probe::asked_s(every_s, length_s);
-                    let ride = ridden.meta.ride();
-                    let given = probes_at_random(who, ride, scale, asked, missing, self.seed);
-                    probes.extend(given.into_iter().map(|(at_s, answer)| ProbeAnswer {
-                        participant: who.clone(),
-                        ride,
-                        scale: scale.id.clone(),
-                        at_s,
-                        answer,
-                    }));
-                }
-            }
-            let trials: Vec<(Ride, MeasureValues)> = asked.iter().filter_map(trial).collect();
-            if trials.len() < asked.len() {
-                let missing = asked.len() - trials.len();
-                let what = if design.repeats() {
-                    ["ride was", "rides were"]
-                } else {
-                    ["condition was", "conditions were"]
-                };
-                warnings.push(format!(
-                    "participant {}: {} not driven, so not rated",
-                    person.id,
-                    count(missing, what[0], what[1])
-                ));
-            }
-            let rated = maveric_participants::rate(
-                person,
-                &own_drive.values,
-                &trials,
-                &spread,
-                &scales,
-                &effects,
-                self.seed,
-            )?;
-            warnings.extend(rated.warnings.iter().map(ToString::to_string));
-            answers.extend(rated.answers);
-            for (ride, _) in &trials {
-                let scales = scales.iter().filter(without_effects);
-                let (moment, rate) = (Moment::After(*ride), effects.missing_rate);
-                answers.extend(answer_at_random(
-                    &person.id, moment, scales, rate, self.seed,
-                ));
-            }
-            raters += 1;
-        }
-        if raters == 0 {
-            return Err(StudyError::NotPossible {
-            problem: format!(
-                "no participant of {} has an own drive in {}",
-                self.participants.to_slash_lossy(),
-                self.measures.to_slash_lossy()
-            ),
-            help: Some(
-                "measure the drives of the same study: --drives drives/study2 --drives av/drives"
-                    .to_owned(),
-            ),
-        });
-        }
-        write_answers(&self.out, &answers, &probes)?;
-        let summary = vec![format!(
-            "{raters} synthetic participants rated their conditions: {}",
-            self.out.to_slash_lossy()
-        )];
-        Ok(Outcome {
-            value: Ratings {
-                participants: raters,
-                answers: answers.len(),
-            },
-            summary,
-            warnings,
+        let by_hand = drives.iter().filter(|d| drove_first(d, baseline));
+        let by_hand: Vec<&MeasureValues> = by_hand.map(|d| &d.values).collect();
+        Ok(Self {
+            design,
+            baseline,
+            scales,
+            effects,
+            spread: spread(&by_hand),
+            probe,
+            seed,
         })
     }
+
+    /// The rides of a person that the car drove: each session and each round of rides in the person's order.
+    fn rides(&self, person: &Participant) -> Vec<Ride> {
+        let simulated = |id: &&ConditionId| {
+            self.design
+                .condition(**id)
+                .is_some_and(Condition::simulated)
+        };
+        let order = person.order.iter().filter(simulated);
+        let mut rides: Vec<Ride> = order
+            .flat_map(|&condition| {
+                let occasions = self.design.occasions(condition).into_iter();
+                occasions.map(move |occasion| Ride {
+                    condition,
+                    occasion,
+                })
+            })
+            .collect();
+        rides.sort_by_key(|ride| ride.occasion);
+        rides
+    }
+
+    /// Adds what a person says of each ride, on the way and after it.
+    fn ask(
+        &self,
+        person: &Participant,
+        drives: &[MeasuredDrive],
+        sheets: &mut Sheets,
+    ) -> Result<(), StudyError> {
+        let theirs = drives.iter().filter(|d| d.meta.participant == person.id);
+        let theirs: Vec<&MeasuredDrive> = theirs.collect();
+        let Some(by_hand) = theirs.iter().find(|d| drove_first(d, self.baseline)) else {
+            sheets.warnings.push(format!(
+                "participant {}: no own drive, so no ratings",
+                person.id
+            ));
+            return Ok(());
+        };
+        let rides = self.rides(person);
+        let driven = rides.iter().filter_map(|ride| {
+            let drive = theirs.iter().find(|d| d.meta.ride() == *ride)?;
+            Some((*ride, *drive))
+        });
+        let driven: Vec<(Ride, &MeasuredDrive)> = driven.collect();
+        let missing = rides.len() - driven.len();
+        if missing > 0 {
+            let [one, several] = if self.design.repeats() {
+                ["ride was", "rides were"]
+            } else {
+                ["condition was", "conditions were"]
+            };
+            sheets.warnings.push(format!(
+                "participant {}: {} not driven, so not rated",
+                person.id,
+                count(missing, one, several)
+            ));
+        }
+        let (who, rate) = (&person.id, self.effects.missing_rate);
+        if let Some((scale, every_s)) = self.probe {
+            for (ride, drive) in &driven {
+                // Made-up rides are as long as the design says that a ride is.
+                let length_s = drive.counted_s.unwrap_or(self.design.protocol().ride_s);
+                let asked_s = Probe::asked_s(every_s, length_s);
+                let given = probes_at_random(who, *ride, scale, asked_s, rate, self.seed);
+                sheets.probes.extend(given);
+            }
+        }
+        let trials = driven
+            .iter()
+            .map(|(ride, drive)| (*ride, drive.values.clone()));
+        let trials: Vec<(Ride, MeasureValues)> = trials.collect();
+        let rated = maveric_participants::rate(
+            person,
+            &by_hand.values,
+            &trials,
+            &self.spread,
+            self.scales,
+            &self.effects,
+            self.seed,
+        )?;
+        let warnings = rated.warnings.iter().map(ToString::to_string);
+        sheets.warnings.extend(warnings);
+        sheets.answers.extend(rated.answers);
+        let after = &self.design.protocol().after;
+        for (ride, _) in &trials {
+            let known = |scale: &Scale| self.effects.ratings.contains_key(&scale.id);
+            let scales = self.scales.iter();
+            let scales = scales.filter(|scale| after.contains(&scale.id) && !known(scale));
+            let given = answer_at_random(who, Moment::After(*ride), scales, rate, self.seed);
+            sheets.answers.extend(given);
+        }
+        sheets.raters += 1;
+        Ok(())
+    }
+}
+
+/// What a ride is held against is how the person drove first.
+fn drove_first(drive: &MeasuredDrive, baseline: ConditionId) -> bool {
+    drive.meta.condition == baseline && is_first(&drive.meta.session)
 }

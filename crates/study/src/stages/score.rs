@@ -18,10 +18,10 @@ use crate::{
     },
 };
 use maveric_analysis::Why;
-use maveric_domain::{Answer, Moment, ParticipantId, Scale, Score, Subscale};
+use maveric_domain::{Answer, Moment, ParticipantId, ProbeAnswer, Scale, Score, Subscale};
 use maveric_measures::{
     ItemMatrix, ScoreWarning,
-    survey::{ProbeAnswer, SheetTime, attention_missed, response_styles, score_probes, too_fast},
+    survey::{SheetTime, attention_missed, response_styles, score_probes, too_fast},
 };
 use maveric_report::tables::Exclusion;
 use maveric_stats::AlphaAnalysis;

@@ -150,16 +150,7 @@ impl Stage for Train {
             .transpose()?
             .unwrap_or_default();
         let (scores, scale) = style_scores(scores, design)?;
-        let settings = TrainSettings {
-            heads: self.heads,
-            free_speed: self.free_speed,
-            embedding_size: self.embedding_size,
-            epochs: self.epochs,
-            fit_fraction: self.fit_fraction,
-            validation_fraction: self.validation_fraction,
-            patience: self.patience,
-            ..TrainSettings::default()
-        };
+        let settings = self.settings();
         let study = DesignFile::here(design)?;
         let baseline = DesignFile::find(design)?.design.baseline_id();
         let score = |drive: &Drive| -> Result<Option<AdbScore>, StudyError> {
@@ -216,17 +207,52 @@ impl Stage for Train {
             scores_without_drive,
         };
         write_json(&training_path(&self.out), &summary)?;
-        let axis = LinearHead::aggression(&model).ok();
+        let mut rows = self.places(&model, &drives, score)?;
+        let off_the_scale = scale.outward_rows(&mut rows);
+        write_embeddings(&embeddings_path(&self.out), &rows)?;
+        let mut warnings = summary.warnings.clone();
+        warnings.extend(scale.told(&off_the_scale));
+        let mut lines = self.lines(&summary);
+        lines.extend(progress.rate_line());
+        Ok(Outcome {
+            value: summary,
+            summary: lines,
+            warnings,
+        })
+    }
+}
+
+impl Train {
+    fn settings(&self) -> TrainSettings {
+        TrainSettings {
+            heads: self.heads,
+            free_speed: self.free_speed,
+            embedding_size: self.embedding_size,
+            epochs: self.epochs,
+            fit_fraction: self.fit_fraction,
+            validation_fraction: self.validation_fraction,
+            patience: self.patience,
+            ..TrainSettings::default()
+        }
+    }
+
+    /// Where the drives lie that the model learned from.
+    fn places(
+        &self,
+        model: &Model,
+        drives: &[Drive],
+        score: impl Fn(&Drive) -> Result<Option<AdbScore>, StudyError>,
+    ) -> Result<Vec<EmbeddingRow>, StudyError> {
+        let axis = LinearHead::aggression(model).ok();
         let mut rows = Vec::new();
-        let places = model.training().iter();
-        for (id, embedding) in places.map(|t| (t.drive.clone(), t.embedding.clone())) {
-            let Some(drive) = drives.iter().find(|d| d.meta().drive == id) else {
+        for place in model.training() {
+            let Some(drive) = drives.iter().find(|d| d.meta().drive == place.drive) else {
                 continue;
             };
-            let meta = drive.meta();
+            let (meta, embedding) = (drive.meta(), place.embedding.clone());
             let adb = score(drive)?;
             rows.push(EmbeddingRow {
-                drive: id,
+                drive: place.drive.clone(),
                 participant: meta.participant.clone(),
                 condition: meta.condition,
                 session: meta.session,
@@ -245,10 +271,11 @@ impl Stage for Train {
                 embedding,
             });
         }
-        let off_the_scale = scale.outward_rows(&mut rows);
-        write_embeddings(&embeddings_path(&self.out), &rows)?;
-        let mut warnings = summary.warnings.clone();
-        warnings.extend(scale.told(&off_the_scale));
+        Ok(rows)
+    }
+
+    /// What is said of a training, a line each.
+    fn lines(&self, summary: &TrainingSummary) -> Vec<String> {
         let mut lines = vec![format!(
             "{} heads, {} parameters trained on {} drives: {}",
             self.heads,
@@ -260,16 +287,9 @@ impl Stage for Train {
         lines.extend(summary.style.as_ref().map(style_line));
         let selection = summary.networks.as_ref().and_then(|n| n.selection.as_ref());
         lines.extend(selection.map(validation_line));
-        lines.extend(progress.rate_line());
-        Ok(Outcome {
-            value: summary,
-            summary: lines,
-            warnings,
-        })
+        lines
     }
-}
 
-impl Train {
     /// The model with what second drives say of days, and a warning where they are of too few people to say it.
     fn with_days(
         &self,

@@ -6,10 +6,10 @@
 use super::{Table, TableName, write_rows};
 use crate::error::StudyError;
 use maveric_domain::{
-    Answer, ConditionId, Design, Moment, Occasion, ParticipantId, Score,
+    Answer, ConditionId, Design, Moment, Occasion, ParticipantId, ProbeAnswer, Score,
     occasion::{self, OCCASION},
 };
-use maveric_measures::survey::{ProbeAnswer, SheetTime};
+use maveric_measures::survey::SheetTime;
 use serde::{Deserialize, Serialize};
 use std::{
     collections::{BTreeMap, BTreeSet},

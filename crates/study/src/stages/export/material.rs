@@ -17,9 +17,8 @@ use crate::{
     },
 };
 use maveric_analysis::StudyData;
-use maveric_domain::{Answer, DriveMeta, ParticipantId, Recording};
+use maveric_domain::{Answer, DriveMeta, ParticipantId, ProbeAnswer, Recording};
 use maveric_ingest::read_log;
-use maveric_measures::survey::ProbeAnswer;
 use path_slash::PathExt as _;
 
 /// People, answers, drives, what the seat collected, the study's own measures, and what was analysed.

@@ -5,8 +5,7 @@ use crate::{
     error::StudyError,
     tables::{TableName, participants::Enrolled, surveys::write_answers, write_rows},
 };
-use maveric_domain::{Answer, ConditionId, Moment, ParticipantId, Ride};
-use maveric_measures::survey::ProbeAnswer;
+use maveric_domain::{Answer, ConditionId, Moment, ParticipantId, ProbeAnswer, Ride};
 use serde_json::Value;
 use std::{
     collections::{BTreeMap, BTreeSet},

@@ -150,28 +150,11 @@ impl Stage for Personalize {
         };
         let scores = scores.unwrap_or_default();
         let personalizer = Personalizer::of_first(&model, self.fit_fraction)?;
-        let mut tasks = Vec::new();
         let mut warnings = Vec::new();
-        let mut unscored = Vec::new();
-        for drive in &drives {
-            let adb = adb_of(drive, &scores, baseline)?;
-            if adb.is_some() && model.knows_aggression() {
-                tasks.push(Task {
-                    drive,
-                    adb,
-                    use_adb: true,
-                });
-            }
-            tasks.push(Task {
-                drive,
-                adb,
-                use_adb: false,
-            });
-            if adb.is_none() && self.scores.is_some() {
-                let why = "no score of the style, so fitted without";
-                unscored.push((drive.meta().drive.to_string(), why.to_owned()));
-            }
-        }
+        let (tasks, unscored) = self.tasks(&drives, |drive| {
+            let score = adb_of(drive, &scores, baseline)?;
+            Ok((score, score.is_some() && model.knows_aggression()))
+        })?;
         warnings.extend(told_once("drive", unscored));
         let fitted = for_each_on(self.jobs, &tasks, watch, "embeddings", |task| {
             match fit(&personalizer, task) {
@@ -179,8 +162,7 @@ impl Stage for Personalize {
                 other => other.map(Ok),
             }
         })?;
-        let mut rows = Vec::new();
-        let mut short = BTreeSet::new();
+        let (mut rows, mut short) = (Vec::new(), BTreeSet::new());
         for result in fitted {
             match result {
                 Ok(row) => rows.push(row),
@@ -190,28 +172,12 @@ impl Stage for Personalize {
             }
         }
         if rows.is_empty() {
-            return Err(StudyError::NotPossible {
-                problem: format!(
-                    "{}: none of {} drives shows how its driver drives",
-                    self.drives.to_slash_lossy(),
-                    drives.len()
-                ),
-                help: Some("record longer drives".to_owned()),
-            });
+            return Err(self.shows_nothing(drives.len()));
         }
         let left_out = short.len();
         warnings.extend(short);
-        let blank: BTreeSet<&str> = rows
-            .iter()
-            .filter(|row| row.readings == Some(0))
-            .map(|row| row.drive.as_str())
-            .collect();
-        let without_habits = blank.len();
-        let why = "shows no habit (no free road, nobody followed or passed), so its driver is taken as anybody";
-        let blank = blank
-            .into_iter()
-            .map(|drive| (drive.to_owned(), why.to_owned()));
-        warnings.extend(told_once("drive", blank));
+        let (without_habits, blank) = without_habits(&rows);
+        warnings.extend(blank);
         let mut summary = Vec::new();
         let learning_curve = match &self.learning_curve {
             Some(path) => {
@@ -267,6 +233,56 @@ impl Stage for Personalize {
             warnings,
         })
     }
+}
+
+impl Personalize {
+    /// What is fitted: of each drive an embedding with its score, where that can be used, and one without; which drives have no score, where scores
+    /// were given. `score` has that of a drive, and whether it can be used.
+    fn tasks<'a>(
+        &self,
+        drives: &'a [Drive],
+        score: impl Fn(&Drive) -> Result<(Option<AdbScore>, bool), StudyError>,
+    ) -> Result<(Vec<Task<'a>>, Vec<(String, String)>), StudyError> {
+        let (mut tasks, mut unscored) = (Vec::new(), Vec::new());
+        for drive in drives {
+            let (adb, usable) = score(drive)?;
+            let with = usable.then_some(true);
+            tasks.extend(with.into_iter().chain([false]).map(|use_adb| Task {
+                drive,
+                adb,
+                use_adb,
+            }));
+            if adb.is_none() && self.scores.is_some() {
+                let why = "no score of the style, so fitted without";
+                unscored.push((drive.meta().drive.to_string(), why.to_owned()));
+            }
+        }
+        Ok((tasks, unscored))
+    }
+
+    fn shows_nothing(&self, drives: usize) -> StudyError {
+        StudyError::NotPossible {
+            problem: format!(
+                "{}: none of {drives} drives shows how its driver drives",
+                self.drives.to_slash_lossy()
+            ),
+            help: Some("record longer drives".to_owned()),
+        }
+    }
+}
+
+/// How many drives show no habit, and what is said of them.
+fn without_habits(rows: &[EmbeddingRow]) -> (usize, Vec<String>) {
+    let blank: BTreeSet<&str> = rows
+        .iter()
+        .filter(|row| row.readings == Some(0))
+        .map(|row| row.drive.as_str())
+        .collect();
+    let why = "shows no habit (no free road, nobody followed or passed), so its driver is taken as anybody";
+    let said = blank
+        .iter()
+        .map(|drive| ((*drive).to_owned(), why.to_owned()));
+    (blank.len(), told_once("drive", said))
 }
 
 /// Counts the participants with an ADB score and without a drive; if that is all of them, the files do not belong

@@ -36,8 +36,7 @@ struct Steering<'a> {
     lending: BTreeMap<ConditionId, Lending>,
     /// What was lent in the seat.
     ridden: Vec<LentRow>,
-    /// Points of the model for one of the study's.
-    points: f64,
+    scale: StyleScale,
     /// Points of the model for one of the design's: a `--points` that is not the design's own step.
     stretch: f64,
     seed: u64,
@@ -53,7 +52,6 @@ pub(super) fn conditions(
     watch: Watch<'_>,
 ) -> Result<Outcome<Steered>, StudyError> {
     let design = &study.design;
-    let mut warnings = Vec::new();
     let driven: Vec<&Condition> = design
         .conditions()
         .iter()
@@ -70,57 +68,32 @@ pub(super) fn conditions(
     }
     let scale = StyleScale::of(study)?;
     let step = design.style().and_then(|style| style.points);
+    let stretch = options.points.zip(step);
     let mut steering = Steering {
         model,
         axis,
         across: false,
         lending: BTreeMap::new(),
         ridden: study.lent()?,
-        points: scale.stretch(),
-        stretch: options
-            .points
-            .zip(step)
-            .map_or(scale.stretch(), |(asked, step)| {
-                scale.stretch() * (asked / step)
-            }),
+        stretch: stretch.map_or(scale.stretch(), |(asked, step)| {
+            scale.stretch() * (asked / step)
+        }),
+        scale,
         seed: options.seed,
     };
-    let (mut clamped, mut shifts) = (0, 0);
-    if driven.iter().any(|c| c.car == Some(Car::Across)) {
-        match PerpendicularEllipse::of(model) {
-            Err(error @ ModelError::NoPerpendicular { .. }) => {
-                let across = driven.iter().filter(|c| c.car == Some(Car::Across));
-                warnings.extend(across.map(|c| format!("condition {} left out: {error}", c.id)));
-            }
-            ellipse => steering.across = ellipse.map(|_| true)?,
-        }
-    }
-    for condition in &driven {
-        if let (Some(Car::Matched(matched)), false) = (&condition.car, condition.recorded) {
-            let mut tested = Vec::new();
-            for person in own {
-                let hat = steering.hat(&person.embedding)?;
-                if BeyondWhy::of_reading(hat, person.beyond_why.clone())
-                    .1
-                    .is_none()
-                {
-                    tested.push((person.drive.clone(), person.embedding.clone()));
-                }
-            }
-            let lending = Lending::of(model, *matched, tested)?;
-            steering.lending.insert(condition.id, lending);
-        }
-    }
+    let mut warnings = steering.look_across(&driven)?;
+    steering.ask_donors(&driven, own)?;
     let mut rows = Vec::new();
     let mut strangers = Strangers::of(options, design);
-    let turned = driven.iter().any(|condition| condition.side().is_some());
+    let turns = |condition: &Condition| condition.side().is_some();
+    let turned = driven.iter().any(|condition| turns(condition));
     for person in own {
         watch.check()?;
         let own_hat = steering.hat(&person.embedding)?;
         let (_, why) = BeyondWhy::of_reading(own_hat, person.beyond_why.clone());
         let may_turn = strangers.may_turn(&person.participant, why.as_ref(), turned);
         for condition in &driven {
-            if !may_turn && condition.side().is_some() {
+            if !may_turn && turns(condition) {
                 continue;
             }
             let id = DriveId::in_condition(&person.participant, condition.id)?;
@@ -128,55 +101,26 @@ pub(super) fn conditions(
                 warnings.push(format!("drive {id}: left out by exclude.drives"));
                 continue;
             }
-            let Some((placed, lent)) = steering.place(study, condition, person)? else {
-                continue;
-            };
-            shifts += usize::from(condition.side().is_some());
-            clamped += usize::from(placed.clamped);
-            let embedding = placed.embedding;
-            let ends = embedding.coordinates().iter();
-            let step: Vec<f64> = ends
-                .zip(person.embedding.coordinates())
-                .map(|(a, b)| a - b)
-                .collect();
-            rows.push(ConditionRow {
-                participant: person.participant.clone(),
-                condition: condition.id,
-                adb_hat: scale.score_of(steering.hat(&embedding)?, None).0,
-                moved_points: placed.moved_points.map(|points| points / scale.stretch()),
-                moved_points_sd: axis
-                    .and_then(|axis| axis.step_sd(&step))
-                    .map(|sd| sd / scale.stretch()),
-                clamped: placed.clamped,
-                angle_rad: placed.angle_rad,
-                lent,
-                beyond_training: is_beyond(model, &embedding)?,
-                beyond_why: match condition.car {
-                    Some(Car::Dial(_) | Car::Across) => why.clone(),
-                    _ => None,
-                },
-                sweep: None,
-                embedding,
-            });
+            rows.extend(steering.row(study, condition, person, why.as_ref())?);
         }
     }
     warnings.extend(strangers.warnings());
     warnings.extend(steering.of_donors(&rows));
     let nobody = told_once("participant", steering.nobodys(&driven, own));
     warnings.extend(nobody);
+    let shifted = |row: &&ConditionRow| design.condition(row.condition).is_some_and(turns);
+    let shifts = rows.iter().filter(shifted).count();
+    let clamped = rows.iter().filter(|row| row.clamped).count();
     if clamped > 0 {
         warnings.push(format!(
             "{clamped} of {shifts} shifts were cut short by the ends of the scale"
         ));
     }
+    let nowhere = |c: &&&Condition| c.car == Some(Car::Across) && !steering.across;
     let summary = vec![format!(
         "{} participants × {} conditions: {}",
         own.len(),
-        driven.len()
-            - driven
-                .iter()
-                .filter(|c| c.car == Some(Car::Across) && !steering.across)
-                .count(),
+        driven.len() - driven.iter().filter(nowhere).count(),
         options.out.to_slash_lossy()
     )];
     Ok(Outcome {
@@ -194,6 +138,92 @@ pub(super) fn conditions(
 }
 
 impl Steering<'_> {
+    /// Looks whether there is something across the dial, where a condition asks for it; what to know of one that has nothing there.
+    fn look_across(&mut self, driven: &[&Condition]) -> Result<Vec<String>, StudyError> {
+        let mut across = driven
+            .iter()
+            .filter(|c| c.car == Some(Car::Across))
+            .peekable();
+        if across.peek().is_none() {
+            return Ok(Vec::new());
+        }
+        match PerpendicularEllipse::of(self.model) {
+            Err(error @ ModelError::NoPerpendicular { .. }) => {
+                let left_out = |c: &&Condition| format!("condition {} left out: {error}", c.id);
+                Ok(across.map(left_out).collect())
+            }
+            ellipse => {
+                self.across = ellipse.map(|_| true)?;
+                Ok(Vec::new())
+            }
+        }
+    }
+
+    /// Asks for each condition of somebody else's style who may lend theirs: whoever is not beyond what the model has met.
+    fn ask_donors(
+        &mut self,
+        driven: &[&Condition],
+        own: &[&EmbeddingRow],
+    ) -> Result<(), StudyError> {
+        for condition in driven {
+            let (Some(Car::Matched(matched)), false) = (&condition.car, condition.recorded) else {
+                continue;
+            };
+            let mut tested = Vec::new();
+            for person in own {
+                let hat = self.hat(&person.embedding)?;
+                let (_, beyond) = BeyondWhy::of_reading(hat, person.beyond_why.clone());
+                if beyond.is_none() {
+                    tested.push((person.drive.clone(), person.embedding.clone()));
+                }
+            }
+            let lending = Lending::of(self.model, *matched, tested)?;
+            self.lending.insert(condition.id, lending);
+        }
+        Ok(())
+    }
+
+    /// The row of a person in a condition, `why` their own drive is beyond what the model has met; none where there is no such style.
+    fn row(
+        &mut self,
+        study: &DesignFile,
+        condition: &Condition,
+        person: &EmbeddingRow,
+        why: Option<&BeyondWhy>,
+    ) -> Result<Option<ConditionRow>, StudyError> {
+        let Some((placed, lent)) = self.place(study, condition, person)? else {
+            return Ok(None);
+        };
+        let embedding = placed.embedding;
+        let ends = embedding.coordinates().iter();
+        let step: Vec<f64> = ends
+            .zip(person.embedding.coordinates())
+            .map(|(a, b)| a - b)
+            .collect();
+        let stretch = self.scale.stretch();
+        let of_the_own_style = matches!(
+            condition.car,
+            Some(Car::Dial(_) | Car::Across | Car::Replay)
+        );
+        Ok(Some(ConditionRow {
+            participant: person.participant.clone(),
+            condition: condition.id,
+            adb_hat: self.scale.score_of(self.hat(&embedding)?, None).0,
+            moved_points: placed.moved_points.map(|points| points / stretch),
+            moved_points_sd: self
+                .axis
+                .and_then(|axis| axis.step_sd(&step))
+                .map(|sd| sd / stretch),
+            clamped: placed.clamped,
+            angle_rad: placed.angle_rad,
+            lent,
+            beyond_training: is_beyond(self.model, &embedding)?,
+            beyond_why: why.filter(|_| of_the_own_style).cloned(),
+            sweep: None,
+            embedding,
+        }))
+    }
+
     /// Where a condition lies for a person, and who lends the style; none across the dial where there is nothing.
     fn place(
         &mut self,
@@ -206,6 +236,7 @@ impl Steering<'_> {
         let mut lent = None;
         let style = match &condition.car {
             Some(Car::Dial(_)) => RideStyle::Own,
+            Some(Car::Replay) => RideStyle::Replay,
             Some(Car::Across) if self.across => RideStyle::Across(Seed(drawn)),
             // Where it was ridden, what was lent is known.
             Some(Car::Matched(_)) if condition.recorded => {
@@ -225,7 +256,7 @@ impl Steering<'_> {
                     return Ok(None);
                 };
                 lent = Some(Lent {
-                    donor_shift_points: from.donor_shift_points / self.points,
+                    donor_shift_points: from.donor_shift_points / self.scale.stretch(),
                     ..from
                 });
                 RideStyle::Given(style)

@@ -39,23 +39,7 @@ pub(super) fn sweep(
     watch: Watch<'_>,
 ) -> Result<Outcome<Steered>, StudyError> {
     let design = &study.design;
-    let scale = StyleScale::of(study)?;
-    let points = if options.sweep.is_empty() {
-        let step = options.points.unwrap_or(STEP_POINTS);
-        vec![-step, 0.0, step]
-    } else {
-        options.sweep.clone()
-    };
-    for (index, point) in points.iter().enumerate() {
-        if !point.is_finite() || points[..index].iter().any(|p| (p - point).abs() < 1e-9) {
-            return Err(StudyError::NotPossible {
-                problem: format!(
-                    "sweep: found {point} twice or not finite, expected points that differ"
-                ),
-                help: Some("for example --sweep=-20,-10,0,10,20".to_owned()),
-            });
-        }
-    }
+    let points = points(options)?;
     let heads = match &options.attribute {
         Some(attribute) => Some(Heads::fit(
             model,
@@ -65,65 +49,36 @@ pub(super) fn sweep(
         )?),
         None => None,
     };
-    let metric = StyleMetric::of(model);
-    let moved = |from: &Embedding, by: f64| -> Result<(Embedding, f64, bool), StudyError> {
-        if let Some(heads) = &heads {
-            let all: Vec<&LinearHead> = heads.all.iter().collect();
-            let m = metric.move_along(&all, from, by)?;
-            Ok((m.embedding, m.effective_points, m.clamped))
-        } else {
-            let s = axis.shift(from, by * scale.stretch())?;
-            Ok((s.embedding, s.effective_points / scale.stretch(), s.clamped))
-        }
+    let sweeping = Sweeping {
+        design,
+        scale: StyleScale::of(study)?,
+        model,
+        axis,
+        heads: heads.as_ref(),
+        metric: StyleMetric::of(model),
+        name: options
+            .attribute
+            .as_ref()
+            .map_or("aggression", String::as_str),
     };
-    let name = options
-        .attribute
-        .as_ref()
-        .map_or("aggression", String::as_str);
     let mut conditions = Vec::new();
     let mut strangers = Strangers::of(options, design);
     let turns = |points: &f64| points.abs() >= UNMOVED;
     let turned = points.iter().any(turns);
-    let mut clamped = 0;
     for row in own {
         watch.check()?;
         let own_hat = axis.read(&row.embedding)?;
         let (_, why) = BeyondWhy::of_reading(Some(own_hat), row.beyond_why.clone());
         let may_turn = strangers.may_turn(&row.participant, why.as_ref(), turned);
-        for &requested_points in points.iter().filter(|p| may_turn || !turns(p)) {
-            let (embedding, attribute_points, cut) = moved(&row.embedding, requested_points)?;
-            clamped += usize::from(cut);
-            let adb_hat = axis.read(&embedding)?;
-            let moved_points = (adb_hat - own_hat) / scale.stretch();
-            let ends = embedding.coordinates().iter();
-            let step: Vec<f64> = ends
-                .zip(row.embedding.coordinates())
-                .map(|(a, b)| a - b)
-                .collect();
-            conditions.push(ConditionRow {
-                participant: row.participant.clone(),
-                condition: condition(design, requested_points, moved_points)?,
-                adb_hat: scale.score_of(Some(adb_hat), None).0,
-                moved_points: Some(moved_points),
-                moved_points_sd: axis.step_sd(&step).map(|sd| sd / scale.stretch()),
-                clamped: cut,
-                angle_rad: None,
-                lent: None,
-                beyond_training: is_beyond(model, &embedding)?,
-                beyond_why: why.clone(),
-                sweep: Some(SweepPoint {
-                    drive: drive_name(row.participant.as_str(), name, requested_points)?,
-                    attribute: name.to_owned(),
-                    requested_points,
-                    attribute_points,
-                }),
-                embedding,
-            });
+        for point in points.iter().filter(|p| may_turn || !turns(p)) {
+            conditions.push(sweeping.row(row, own_hat, *point, why.clone())?);
         }
     }
+    let name = sweeping.name;
+    let clamped = conditions.iter().filter(|row| row.clamped).count();
     let attributes: Vec<AttributeSummary> =
         heads.as_ref().map_or(Vec::new(), |h| h.summaries.clone());
-    let mut warnings = heads.map_or(Vec::new(), |h| h.warnings);
+    let mut warnings = heads.as_ref().map_or(Vec::new(), |h| h.warnings.clone());
     warnings.extend(strangers.warnings());
     let n = conditions.len();
     if clamped > 0 {
@@ -156,6 +111,93 @@ pub(super) fn sweep(
         summary,
         warnings,
     })
+}
+
+/// The points of the sweep: those that are asked for, else a step down, none, and a step up.
+fn points(options: &Steer) -> Result<Vec<f64>, StudyError> {
+    if options.sweep.is_empty() {
+        let step = options.points.unwrap_or(STEP_POINTS);
+        return Ok(vec![-step, 0.0, step]);
+    }
+    let points = &options.sweep;
+    for (index, point) in points.iter().enumerate() {
+        if !point.is_finite() || points[..index].iter().any(|p| (p - point).abs() < 1e-9) {
+            return Err(StudyError::NotPossible {
+                problem: format!(
+                    "sweep: found {point} twice or not finite, expected points that differ"
+                ),
+                help: Some("for example --sweep=-20,-10,0,10,20".to_owned()),
+            });
+        }
+    }
+    Ok(points.clone())
+}
+
+/// What moves, along what, and by what it is read.
+struct Sweeping<'a> {
+    design: &'a Design,
+    scale: StyleScale,
+    model: &'a Model,
+    axis: &'a LinearHead,
+    /// Along an attribute; none along S.
+    heads: Option<&'a Heads>,
+    metric: StyleMetric,
+    /// What it is called.
+    name: &'a str,
+}
+
+impl Sweeping<'_> {
+    /// A style moved by so many points: where it lies, how far it came, and whether an end of the range cut it short.
+    fn moved(&self, from: &Embedding, by: f64) -> Result<(Embedding, f64, bool), StudyError> {
+        if let Some(heads) = self.heads {
+            let all: Vec<&LinearHead> = heads.all.iter().collect();
+            let moved = self.metric.move_along(&all, from, by)?;
+            return Ok((moved.embedding, moved.effective_points, moved.clamped));
+        }
+        let stretch = self.scale.stretch();
+        let shifted = self.axis.shift(from, by * stretch)?;
+        let came = shifted.effective_points / stretch;
+        Ok((shifted.embedding, came, shifted.clamped))
+    }
+
+    fn row(
+        &self,
+        person: &EmbeddingRow,
+        own_hat: f64,
+        requested_points: f64,
+        beyond_why: Option<BeyondWhy>,
+    ) -> Result<ConditionRow, StudyError> {
+        let (axis, stretch) = (self.axis, self.scale.stretch());
+        let (embedding, attribute_points, clamped) =
+            self.moved(&person.embedding, requested_points)?;
+        let adb_hat = axis.read(&embedding)?;
+        let moved_points = (adb_hat - own_hat) / stretch;
+        let ends = embedding.coordinates().iter();
+        let step: Vec<f64> = ends
+            .zip(person.embedding.coordinates())
+            .map(|(a, b)| a - b)
+            .collect();
+        let who = person.participant.as_str();
+        Ok(ConditionRow {
+            participant: person.participant.clone(),
+            condition: condition(self.design, requested_points, moved_points)?,
+            adb_hat: self.scale.score_of(Some(adb_hat), None).0,
+            moved_points: Some(moved_points),
+            moved_points_sd: axis.step_sd(&step).map(|sd| sd / stretch),
+            clamped,
+            angle_rad: None,
+            lent: None,
+            beyond_training: is_beyond(self.model, &embedding)?,
+            beyond_why,
+            sweep: Some(SweepPoint {
+                drive: drive_name(who, self.name, requested_points)?,
+                attribute: self.name.to_owned(),
+                requested_points,
+                attribute_points,
+            }),
+            embedding,
+        })
+    }
 }
 
 /// The condition that a point is, by what it does to S: that of the design which lies there, else one named as the point.

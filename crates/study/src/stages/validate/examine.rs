@@ -128,6 +128,9 @@ pub(super) fn findings(models: &[Examined]) -> Vec<Finding> {
 /// Which of the two drives.
 type Day = fn(&Person) -> &Drive;
 
+const FIRST: Day = |person| &person.first;
+const AGAIN: Day = |person| &person.again;
+
 /// Settings of the dial, in ADB points.
 const STEPS: [f64; 9] = [-20.0, -15.0, -10.0, -5.0, 0.0, 5.0, 10.0, 15.0, 20.0];
 /// Where 0 stands among them.
@@ -153,6 +156,39 @@ struct Ridden {
     read_back: Option<Embedding>,
 }
 
+/// What a model learns of everybody's two drives: of the tested without their score and with it, of those it learned from without.
+struct Fits {
+    known_first: Vec<Personalized>,
+    known_again: Vec<Personalized>,
+    own: Vec<Embedding>,
+    own_again: Vec<Embedding>,
+    scored: Vec<Embedding>,
+    scored_again: Vec<Embedding>,
+    days: [Vec<Embedding>; 2],
+}
+
+/// Seven measures of both drives: of the tested, and of those the model learned from.
+struct Measured<'a> {
+    own: &'a [Values],
+    again: &'a [Values],
+    training: [&'a [Values]; 2],
+}
+
+/// What the car in the style of each drove, and what is read from it.
+struct Car {
+    values: Vec<Values>,
+    read_back: Vec<Embedding>,
+}
+
+fn embeddings(known: &[Personalized]) -> Vec<Embedding> {
+    known.iter().map(|k| k.embedding.clone()).collect()
+}
+
+/// Seven measures of everybody's first drive, and of the second.
+fn by_day(people: &[Person]) -> [Vec<Values>; 2] {
+    [FIRST, AGAIN].map(|day| people.iter().map(|p| values(day(p))).collect())
+}
+
 impl Examination<'_> {
     /// Examines a model.
     pub(super) fn examine(
@@ -167,155 +203,54 @@ impl Examination<'_> {
             trained_on,
         } = self.people;
         let axis = LinearHead::aggression(model)?;
-        let known = |people: &[Person], of: Day, with: bool| {
-            for_each_on(self.jobs, people, watch, "embeddings", |p| {
-                Ok(personalize(model, of(p), p.adb.filter(|_| with))?)
-            })
-        };
-        let fit = |people: &[Person], of: Day, with: bool| -> Result<Vec<Embedding>, StudyError> {
-            let known = known(people, of, with)?;
-            Ok(known.into_iter().map(|k| k.embedding).collect())
-        };
-        let (first, again): (Day, Day) = (|p| &p.first, |p| &p.again);
-        let (known_first, known_again) = (known(test, first, false)?, known(test, again, false)?);
-        let embeddings = |known: &[Personalized]| -> Vec<Embedding> {
-            known.iter().map(|k| k.embedding.clone()).collect()
-        };
-        let (own, own_again) = (embeddings(&known_first), embeddings(&known_again));
-        let scored = fit(test, first, true)?;
-        let scored_again = fit(test, again, true)?;
-        let days = (fit(training, first, false)?, fit(training, again, false)?);
-
-        let mut rides = self.dial_rides(&axis, &scored)?;
-        let ellipse = PerpendicularEllipse::of(model)?;
-        let mut moved = Vec::new();
-        for (person, w) in test.iter().zip(&scored) {
-            let labels = [person.participant.as_str(), "perpendicular"];
-            let mut rng = Pcg64Mcg::seed_from_u64(stream_seed(self.seed, &labels));
-            let point = ellipse.sample(w, &mut rng)?;
-            let change = axis.read(&point.embedding)? - axis.read(w)?;
-            moved.push((point.angle_rad, change.abs()));
-            rides.push(Self::ride(person, &point.embedding, 0));
-        }
-        for (person, w) in test.iter().zip(&scored) {
-            rides.push(Self::ride(person, w, self.worlds));
-        }
-        for (person, w) in test.iter().zip(&own) {
-            rides.push(Ride {
-                read_back: true,
-                ..Self::ride(person, w, 0)
-            });
-        }
-        for person in test {
-            rides.push(Self::ride(person, model.mean_embedding(), 0));
-        }
-        for (person, w) in test.iter().zip(&scored) {
-            rides.push(Ride {
-                varying: true,
-                ..Self::ride(person, w, 0)
-            });
-        }
+        let fits = self.fits(model, watch)?;
+        let (mut rides, steps) = (
+            self.dial_rides(&axis, &fits.scored)?,
+            STEPS.len() * self.worlds,
+        );
+        let beyond: Vec<Embedding> = rides.iter().map(|r| r.embedding.clone()).collect();
+        let (perpendicular, moved) = self.across(model, &axis, &fits.scored)?;
+        rides.extend(perpendicular);
+        rides.extend(self.beside_the_dial(model, &fits));
         let driven = for_each_on(self.jobs, &rides, watch, "drives", |r| self.drive(model, r))?;
-        let beyond: Vec<Embedding> = rides[..STEPS.len() * self.worlds * test.len()]
-            .iter()
-            .map(|r| r.embedding.clone())
-            .collect();
-        let (settings, rest) = driven.split_at(STEPS.len() * self.worlds * test.len());
+        let (settings, rest) = driven.split_at(beyond.len());
         let (sideways, rest) = rest.split_at(test.len());
         let (elsewhere, rest) = rest.split_at(test.len());
         let (unscored, rest) = rest.split_at(test.len());
         let (average, varying) = rest.split_at(test.len());
-        let of = |ridden: &[Ridden]| -> Vec<Values> { ridden.iter().map(|r| r.values).collect() };
+        let values_of =
+            |ridden: &[Ridden]| -> Vec<Values> { ridden.iter().map(|r| r.values).collect() };
         let sweep = self.averaged(settings);
         // One drive a person, as in the study: fidelity is not helped by averaging roads.
-        let of_each = || settings.chunks_exact(STEPS.len() * self.worlds);
-        let own_style = || of_each().map(|d| &d[ZERO * self.worlds]);
+        let own_style = || settings.chunks_exact(steps).map(|d| &d[ZERO * self.worlds]);
         let shown = |ridden: &[Ridden]| ridden.iter().map(|r| r.windows.clone()).collect();
-        let seen = |of: Day| test.iter().map(|p| windows(of(p))).collect();
+        let seen = |day: Day| test.iter().map(|p| windows(day(p))).collect();
         let like = Driven {
-            own: seen(first),
-            again: seen(again),
+            own: seen(FIRST),
+            again: seen(AGAIN),
             mimic: own_style().map(|r| r.windows.clone()).collect(),
             average: shown(average),
             varying: shown(varying),
         };
         let mimic: Vec<Values> = own_style().map(|r| r.values).collect();
-        let own_values: Vec<Values> = test.iter().map(|p| values(&p.first)).collect();
-        let again_values: Vec<Values> = test.iter().map(|p| values(&p.again)).collect();
+        let [own_values, again_values] = by_day(test);
+        let [training_own, training_again] = by_day(training);
         let measured: Vec<Values> = trained_on.iter().map(|(v, _)| *v).collect();
-        let training_own: Vec<Values> = training.iter().map(|p| values(&p.first)).collect();
         let z = standardiser(&measured);
-
-        let w = |points: &[Embedding]| -> Vec<Vec<f64>> {
-            points.iter().map(|e| e.coordinates().to_vec()).collect()
+        let car = Car {
+            values: values_of(unscored),
+            read_back: unscored
+                .iter()
+                .filter_map(|r| r.read_back.clone())
+                .collect(),
         };
-        let zs = |values: &[Values]| -> Vec<Vec<f64>> { values.iter().map(&z).collect() };
-        let by_days = within_person(&w(&days.0), &w(&days.1));
-        let training_again: Vec<Values> = training.iter().map(|p| values(&p.again)).collect();
-        let by_measures = within_person(&zs(&training_own), &zs(&training_again));
-        let read_back: Vec<Embedding> = unscored
-            .iter()
-            .filter_map(|r| r.read_back.clone())
-            .collect();
-        let questions = [
-            (
-                "embedding of the second drive",
-                w(&own),
-                w(&own_again),
-                &by_days,
-            ),
-            (
-                "seven measures of the second drive",
-                zs(&own_values),
-                zs(&again_values),
-                &by_measures,
-            ),
-            (
-                "embedding read back from the car",
-                w(&own),
-                w(&read_back),
-                &by_days,
-            ),
-            (
-                "seven measures of the car",
-                zs(&own_values),
-                zs(&of(unscored)),
-                &by_measures,
-            ),
-            (
-                "embedding fitted with ADB (tells nothing: same score twice)",
-                w(&scored),
-                w(&scored_again),
-                &by_days,
-            ),
-        ];
-        let mut identity = Vec::new();
-        for (what, known, seen, by) in &questions {
-            identity.extend(identify(what, known, seen, by.as_ref())?);
-        }
-        let (first, again) = (styles(&known_first), styles(&known_again));
-        let prior = matches!(model.heads(), Heads::Linear(_));
-        let errors = held(&first, &again, prior, self.seed)?;
-        let all = |styles: Vec<Option<Known>>| styles.into_iter().collect::<Option<Vec<Known>>>();
-        if let (Some(first), Some(again)) = (all(first), all(again)) {
-            let what = "embedding of the second drive";
-            identity.extend(identify_posteriors(what, &first, &again)?);
-        }
-
-        let position = |points: &[Embedding]| -> Result<Vec<Option<f64>>, StudyError> {
-            points.iter().map(|e| Ok(Some(axis.position(e)?))).collect()
+        let measures = Measured {
+            own: &own_values,
+            again: &again_values,
+            training: [&training_own, &training_again],
         };
-        let adb: Vec<Option<f64>> = test.iter().map(|p| p.adb.map(AdbScore::points)).collect();
-        let latent: Vec<Option<f64>> = test.iter().map(|p| p.latent).collect();
-        let readings = [
-            (Reading::WithScore, position(&scored)?),
-            (Reading::WithoutScore, position(&own)?),
-            (Reading::Regression, regression(trained_on, &own_values, &z)),
-        ];
-        let line: Result<Vec<_>, maveric_rehearsal::RehearsalError> = readings
-            .iter()
-            .map(|(what, values)| agreement(*what, values, &adb, &latent))
-            .collect();
+        let (identity, errors) = self.identity(model, &fits, &measures, &car, &z)?;
+        let regressed = regression(trained_on, &own_values, &z);
         let angles: Vec<f64> = moved.iter().map(|m| m.0).collect();
         Ok(Examined {
             model: name.to_owned(),
@@ -326,7 +261,7 @@ impl Examination<'_> {
                 &own_values,
                 &again_values,
                 &mimic,
-                &of(elsewhere),
+                &values_of(elsewhere),
                 &training_own,
             ),
             likeness: likeness(&like, self.seed)?,
@@ -338,13 +273,166 @@ impl Examination<'_> {
             ],
             steps: STEPS.to_vec(),
             dial: dial(&STEPS, self.points, &sweep)?,
-            perpendicular: across(&angles, &mimic, &of(sideways), &of(elsewhere))?,
+            perpendicular: across(&angles, &mimic, &values_of(sideways), &values_of(elsewhere))?,
             perpendicular_moves_s: moved.iter().map(|m| m.1).fold(0.0, f64::max),
-            line: line?,
+            line: self.line(&axis, &fits, regressed)?,
             beyond_training: share_outside_training(model, &beyond)?,
             collisions: driven.iter().map(|d| d.report.collisions).sum(),
             drives: driven.len(),
         })
+    }
+
+    /// What the model learns of everybody's two drives.
+    fn fits(&self, model: &Model, watch: Watch<'_>) -> Result<Fits, StudyError> {
+        let People { test, training, .. } = self.people;
+        let known = |people: &[Person], day: Day, with: bool| {
+            for_each_on(self.jobs, people, watch, "embeddings", |p| {
+                Ok(personalize(model, day(p), p.adb.filter(|_| with))?)
+            })
+        };
+        let (known_first, known_again) = (known(test, FIRST, false)?, known(test, AGAIN, false)?);
+        Ok(Fits {
+            own: embeddings(&known_first),
+            own_again: embeddings(&known_again),
+            known_first,
+            known_again,
+            scored: embeddings(&known(test, FIRST, true)?),
+            scored_again: embeddings(&known(test, AGAIN, true)?),
+            days: [
+                embeddings(&known(training, FIRST, false)?),
+                embeddings(&known(training, AGAIN, false)?),
+            ],
+        })
+    }
+
+    /// A ride across the dial for each person, with its angle and by how much it moves S.
+    fn across(
+        &self,
+        model: &Model,
+        axis: &LinearHead,
+        scored: &[Embedding],
+    ) -> Result<(Vec<Ride<'_>>, Vec<(f64, f64)>), StudyError> {
+        let ellipse = PerpendicularEllipse::of(model)?;
+        let (mut rides, mut moved) = (Vec::new(), Vec::new());
+        for (person, w) in self.people.test.iter().zip(scored) {
+            let labels = [person.participant.as_str(), "perpendicular"];
+            let mut rng = Pcg64Mcg::seed_from_u64(stream_seed(self.seed, &labels));
+            let point = ellipse.sample(w, &mut rng)?;
+            let change = axis.read(&point.embedding)? - axis.read(w)?;
+            moved.push((point.angle_rad, change.abs()));
+            rides.push(Self::ride(person, &point.embedding, 0));
+        }
+        Ok((rides, moved))
+    }
+
+    /// Rides on another road, in the style that no score was asked for, as the average driver, and wandering: a person each, one after the other.
+    fn beside_the_dial(&self, model: &Model, fits: &Fits) -> Vec<Ride<'_>> {
+        let test = &self.people.test;
+        let scored = || test.iter().zip(&fits.scored);
+        let elsewhere = scored().map(|(person, w)| Self::ride(person, w, self.worlds));
+        let unscored = test.iter().zip(&fits.own).map(|(person, w)| Ride {
+            read_back: true,
+            ..Self::ride(person, w, 0)
+        });
+        let average = test
+            .iter()
+            .map(|person| Self::ride(person, model.mean_embedding(), 0));
+        let varying = scored().map(|(person, w)| Ride {
+            varying: true,
+            ..Self::ride(person, w, 0)
+        });
+        elsewhere
+            .chain(unscored)
+            .chain(average)
+            .chain(varying)
+            .collect()
+    }
+
+    /// Who is recognised in what, and how well the stated standard errors hold.
+    fn identity(
+        &self,
+        model: &Model,
+        fits: &Fits,
+        measures: &Measured<'_>,
+        car: &Car,
+        z: &dyn Fn(&Values) -> Vec<f64>,
+    ) -> Result<(Vec<Identification>, Held), StudyError> {
+        let places = |points: &[Embedding]| -> Vec<Vec<f64>> {
+            points.iter().map(|e| e.coordinates().to_vec()).collect()
+        };
+        let zs = |values: &[Values]| -> Vec<Vec<f64>> { values.iter().map(z).collect() };
+        let [first_day, second_day] = &fits.days;
+        let by_days = within_person(&places(first_day), &places(second_day));
+        let [training_own, training_again] = measures.training;
+        let by_measures = within_person(&zs(training_own), &zs(training_again));
+        let questions = [
+            (
+                "embedding of the second drive",
+                places(&fits.own),
+                places(&fits.own_again),
+                &by_days,
+            ),
+            (
+                "seven measures of the second drive",
+                zs(measures.own),
+                zs(measures.again),
+                &by_measures,
+            ),
+            (
+                "embedding read back from the car",
+                places(&fits.own),
+                places(&car.read_back),
+                &by_days,
+            ),
+            (
+                "seven measures of the car",
+                zs(measures.own),
+                zs(&car.values),
+                &by_measures,
+            ),
+            (
+                "embedding fitted with ADB (tells nothing: same score twice)",
+                places(&fits.scored),
+                places(&fits.scored_again),
+                &by_days,
+            ),
+        ];
+        let mut identity = Vec::new();
+        for (what, known, seen, by) in &questions {
+            identity.extend(identify(what, known, seen, by.as_ref())?);
+        }
+        let (first, again) = (styles(&fits.known_first), styles(&fits.known_again));
+        let prior = matches!(model.heads(), Heads::Linear(_));
+        let errors = held(&first, &again, prior, self.seed)?;
+        let all = |styles: Vec<Option<Known>>| styles.into_iter().collect::<Option<Vec<Known>>>();
+        if let (Some(first), Some(again)) = (all(first), all(again)) {
+            let what = "embedding of the second drive";
+            identity.extend(identify_posteriors(what, &first, &again)?);
+        }
+        Ok((identity, errors))
+    }
+
+    /// How well the place on the line agrees with score and trait, beside a regression on the measures.
+    fn line(
+        &self,
+        axis: &LinearHead,
+        fits: &Fits,
+        regressed: Vec<Option<f64>>,
+    ) -> Result<Vec<Agreement>, StudyError> {
+        let test = &self.people.test;
+        let position = |points: &[Embedding]| -> Result<Vec<Option<f64>>, StudyError> {
+            points.iter().map(|e| Ok(Some(axis.position(e)?))).collect()
+        };
+        let adb: Vec<Option<f64>> = test.iter().map(|p| p.adb.map(AdbScore::points)).collect();
+        let latent: Vec<Option<f64>> = test.iter().map(|p| p.latent).collect();
+        let readings = [
+            (Reading::WithScore, position(&fits.scored)?),
+            (Reading::WithoutScore, position(&fits.own)?),
+            (Reading::Regression, regressed),
+        ];
+        let rows = readings.iter();
+        let rows = rows.map(|(what, values)| agreement(*what, values, &adb, &latent));
+        Ok(rows.collect::<Result<_, maveric_rehearsal::RehearsalError>>()?)
     }
 
     fn ride<'p>(person: &'p Person, embedding: &Embedding, world: usize) -> Ride<'p> {

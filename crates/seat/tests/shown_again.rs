@@ -1,0 +1,126 @@
+//! Rides that show the person's own drive by hand again.
+
+#![allow(clippy::unwrap_used, reason = "a test stops at the first surprise")]
+
+mod support;
+
+use maveric_seat_page::{Record, replay};
+use std::{fs, path::Path};
+use support::{STUDY, Script, Server, TAB, driven, entered, folder_of, opened};
+
+/// A study of one's own drive beside the average driver's; the debriefing says so.
+fn study() -> tempfile::TempDir {
+    let design = STUDY
+        .replace(
+            "car = { dial = -8, recorded = true }",
+            "car = { replay = \"own\" }",
+        )
+        .replace(
+            "car = { dial = 8, recorded = true }",
+            "car = { mean = true, recorded = true }",
+        )
+        .replace(
+            "ride_s = 10",
+            "ride_s = 20\nworld = \"same\"\ndebrief = \"debrief.md\"",
+        );
+    let folder = folder_of(&design);
+    let text = "One of the rides was your own drive.";
+    fs::write(folder.path().join("debrief.md"), text).unwrap();
+    folder
+}
+
+/// The record among what the seat wrote.
+fn record(folder: &Path, name: &str) -> Record {
+    let path = folder.join(format!("seat/{name}.jsonl"));
+    Record::from_lines(&fs::read_to_string(path).unwrap()).unwrap()
+}
+
+/// What the experimenter's page says.
+fn lab(server: &Server) -> String {
+    let cookie = entered(server);
+    server.ask("GET", "/lab", "", &[("Cookie", &cookie)]).1
+}
+
+#[test]
+fn a_ride_goes_through_the_same_states_as_the_drive_that_it_shows() {
+    let folder = study();
+    let server = Server::open(folder.path());
+    let token = opened(&server);
+    let (status, reply) = server.ask("GET", &format!("/api/{token}/own"), "", &[]);
+    assert!(
+        status >= 400 && reply.contains("no drive by hand"),
+        "{reply}"
+    );
+    let script = Script {
+        speed: Some(30.0),
+        ..Script::default()
+    };
+    while script.go_on(&server, &token) {}
+    assert_eq!(server.state(&token)["ended"], "done");
+    let [own, again, other] =
+        ["P001-own", "P001-calm", "P001-sporty"].map(|name| record(folder.path(), name));
+    assert!(again.shows(&own) && !other.shows(&own));
+    assert_eq!(
+        again.end, own.end,
+        "every car, at every step, is where it was"
+    );
+    assert_eq!(
+        other.header.seed, own.header.seed,
+        "every ride is in the world of the drive"
+    );
+    assert!(replay(&again).unwrap().same());
+    let told = lab(&server);
+    assert!(
+        told.contains("P001-calm: 20 s") && !told.contains("another drive"),
+        "{told}"
+    );
+}
+
+#[test]
+fn a_page_that_shows_another_drive_is_told_to_the_experimenter_and_one_that_lets_a_model_drive_is_refused()
+ {
+    let folder = study();
+    let server = Server::open(folder.path());
+    let token = opened(&server);
+    let script = Script::default();
+    let at_replay = || {
+        let state = server.state(&token);
+        let at = state["at"].as_u64().unwrap() as usize;
+        let step = state["steps"][at].clone();
+        (step["style"] == "replay").then_some((at, step, state))
+    };
+    let (at, step, state) = loop {
+        if let Some(found) = at_replay() {
+            break found;
+        }
+        assert!(script.go_on(&server, &token));
+    };
+    let send = |lines: &[String]| {
+        let place = format!("/api/{token}/drive/{at}/1/{TAB}");
+        server.post(&place, &(lines.join("\n") + "\n"))
+    };
+    let (by_model, _) = driven(&step);
+    let (status, reply) = send(&by_model[..1]);
+    assert!(
+        status >= 400 && reply.contains("head of another drive"),
+        "{reply}"
+    );
+    let mut other = state.clone();
+    let mut by_hand = step.clone();
+    (by_hand["kind"], by_hand["seed"]) = ("drive".into(), step["seed"].clone());
+    let faster = Script {
+        speed: Some(34.0),
+        ..Script::default()
+    };
+    other["own"] = faster.driven(&by_hand, &state).0.join("\n").into();
+    let (lines, _) = script.driven(&step, &other);
+    assert_eq!(send(&lines).0, 200);
+    assert_eq!(
+        server.post(&format!("/api/{token}/done/{at}"), "null").0,
+        200
+    );
+    while script.go_on(&server, &token) {}
+    let told = lab(&server);
+    let another = "the page showed another drive than the person";
+    assert!(told.contains(another), "{told}");
+}
