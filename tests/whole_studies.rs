@@ -483,3 +483,48 @@ fn the_average_driver_needs_no_style() {
             "mimic",
         ]);
 }
+
+/// The logarithm of the odds ratio for 1 m/s² of braking before a press, with its standard error; whether any cause has p < .05 after Holm.
+fn braking_before_a_press(study: &TempStudy) -> ([f64; 2], bool) {
+    let text = std::fs::read_to_string(study.path("mine/results/analysis.json")).unwrap();
+    let analysis: Value = serde_json::from_str(&text).unwrap();
+    let rows = analysis["presses"]["before"].as_array().unwrap();
+    let braking = rows.iter().find(|row| row["precursor"] == "braking_mps2");
+    let test = &braking.unwrap()["test"];
+    let per_unit = |key: &str| test[key].as_f64().unwrap() / test["sd"].as_f64().unwrap();
+    let any = rows
+        .iter()
+        .any(|row| row["p_holm"].as_f64().is_some_and(|p| p < 0.05));
+    ([per_unit("estimate"), per_unit("se_model")], any)
+}
+
+#[test]
+fn the_cause_of_made_up_presses_is_found_at_its_size_and_none_where_there_is_none() {
+    let study = TempStudy::new();
+    let init = ["init", "mine", "--conditions", "calm,sporty", "--synthetic"];
+    study.maveric(&init).ok();
+    let presses = |per_minute: f64, braking: f64| {
+        let effects = include_str!("../study_data/effects.toml");
+        let presses = format!(
+            "[presses]\nper_minute = {per_minute}\nperson_sd = 0.4\ncauses = {{ braking_mps2 = {braking} }}\n"
+        );
+        study.write("mine/effects.toml", format!("{effects}\n{presses}"));
+    };
+    presses(0.3, 0.7);
+    let generate = "generate --design mine/study.toml --duration 120 --learn 4 --test 12";
+    study.maveric(&generate.split(' ').collect::<Vec<_>>()).ok();
+    let run = ["run", "--set", "epochs=2", "--set", "duration=300", "stats"];
+    study.maveric_in("mine", &run).ok();
+    let ([estimate, se], any) = braking_before_a_press(&study);
+    assert!(
+        any && (estimate - 0.7).abs() < 3.0 * se && se < 0.1,
+        "{estimate} {se}"
+    );
+    presses(1.0, 0.0);
+    study.maveric_in("mine", &run).ok();
+    let ([estimate, se], any) = braking_before_a_press(&study);
+    assert!(!any && estimate.abs() < 3.0 * se, "{estimate} {se}");
+    change(&study, "mine/effects.toml", "braking_mps2 =", "breaking =");
+    let words = ["effects.toml", "presses.causes.breaking"];
+    study.maveric_in("mine", &run).failed(1, &words);
+}

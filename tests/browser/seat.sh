@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # The seat in headless Chromium: three scripted people at the keyboard, a whole study of short drives each, one of them with everything cut
 # in every step; then `maveric run`; before them, all that goes wrong around a person (`trouble.mjs`), and a study with every kind of sheet in
-# German (`instruments.mjs`), the seat's own road beside a straight one with a crash (`road.mjs`, `crash.mjs`), and two sessions in a language
+# German (`instruments.mjs`), the seat's own road beside a straight one with a crash (`road.mjs`, `crash.mjs`), a drive that is shown again (`shown.mjs`), and two sessions in a language
 # that is chosen, ridden in another rig (`sessions.mjs`), an experimenter who does each thing once (`experimenter.mjs`). Fourteen minutes.
 # `tests/browser/seat.sh road`, `sessions`, `experimenter` and `instruments` run one of them alone.
 #
@@ -46,7 +46,15 @@ echo 'vehicles = [{ ahead_m = 90.0, lane = 0, speed_mps = 0.0 }]' >"$work/crash/
 printf '# A crash\n\nYou drive. {crash}\n' >"$work/crash/consent.md"
 sed -e 's/^steps = .*/steps = ["consent", "break", "controls", "drive"]\nbreak_s = 3\ncrash = "felt"\nconsent = "consent.md"/' \
   "$work/bends/study.toml" >"$work/crash/study.toml"
+# A drive, and a ride that shows it again.
+mkdir -p "$work/shown/scales"
+cp "$root/study_data/scales/adb.toml" "$work/shown/scales/"
+echo 'One of the rides was your own drive.' >"$work/shown/debrief.md"
+sed -e 's/^id = "x"/id = "again"/' -e 's/^car = .*/car = { replay = "own" }/' -e '/^practice = /d' \
+  -e 's/^steps = .*/steps = ["controls", "drive", "rides"]\nride_s = 15\nworld = "same"\ndebrief = "debrief.md"/' \
+  "$work/bends/study.toml" >"$work/shown/study.toml"
 if [ "${1:-road}" = road ]; then
+  node "$here/shown.mjs" "$(realpath "$bin")" "$work/shown"
   node "$here/crash.mjs" "$(realpath "$bin")" "$work/crash"
   node "$here/road.mjs" "$(realpath "$bin")" "$work/bends" "$work/straight"
   [ "${1:-}" != road ] || exit 0
