@@ -5,7 +5,7 @@ use crate::{
     error::FollowingError,
     law::{Gains, Gipps, Helly, Idm, Law, Newell},
     run::Stretch,
-    search::{Cost, SearchSettings, search},
+    search::{Cost, LAST_DIGITS, Minimum, SearchSettings, polish, search},
 };
 use nalgebra::DMatrix;
 use serde::{Deserialize, Serialize};
@@ -98,6 +98,35 @@ impl Family {
         }
     }
 
+    /// The free numbers of a law of this family, as [`Family::law`] takes them.
+    fn numbers(self, law: Law) -> Vec<f64> {
+        match law {
+            Law::Newell(l) => vec![l.delay_s, l.distance_m],
+            Law::Helly(l) => vec![
+                libm::log(l.gains.speed_per_s),
+                libm::log(l.gains.gap_per_s2),
+                l.standstill_gap_m,
+                l.time_gap_s,
+            ],
+            Law::Gipps(l) => vec![
+                l.desired_speed_mps,
+                l.reaction_s,
+                l.standstill_gap_m,
+                l.max_accel_mps2,
+                l.ego_braking_mps2,
+                l.lead_braking_mps2,
+            ],
+            Law::Idm(l) if matches!(self, Self::IdmTimeGap(_)) => vec![l.time_gap_s],
+            Law::Idm(l) => vec![
+                l.desired_speed_mps,
+                l.time_gap_s,
+                l.standstill_gap_m,
+                l.max_accel_mps2,
+                l.comfortable_braking_mps2,
+            ],
+        }
+    }
+
     /// Fits the free numbers to one or more stretches, every stretch the same weight. Same seed, same result.
     ///
     /// # Errors
@@ -111,21 +140,40 @@ impl Family {
         settings: &SearchSettings,
         seed: u64,
     ) -> Result<Calibrated, FollowingError> {
-        if stretches.is_empty() {
-            return Err(FollowingError::TooFewDrivers {
-                found: 0,
-                expected: 1,
-            });
-        }
-        let cost = GapError {
-            family: self,
-            stretches,
-        };
+        let cost = GapError::of(self, stretches)?;
         let found = search(self.bounds(), settings, seed, &cost);
-        Ok(Calibrated {
+        Ok(self.calibrated(&found))
+    }
+
+    /// Fits the free numbers from those of a law of this family on, which was fitted to much the same stretches: a way down, and no search.
+    ///
+    /// # Errors
+    /// [`FollowingError::TooFewDrivers`] without stretches.
+    pub(crate) fn calibrate_from(
+        self,
+        law: Law,
+        stretches: &[Stretch<'_>],
+        settings: &SearchSettings,
+    ) -> Result<Calibrated, FollowingError> {
+        let cost = GapError::of(self, stretches)?;
+        let bounds = self.bounds();
+        let numbers = self.numbers(law).into_iter().zip(bounds);
+        let point: Vec<f64> = numbers
+            .map(|(x, &(low, high))| x.clamp(low, high))
+            .collect();
+        let start = Minimum {
+            cost: cost.costs(std::slice::from_ref(&point), &[f64::INFINITY])[0],
+            point,
+        };
+        let found = polish(bounds, start, settings.polishing_steps, &LAST_DIGITS, &cost);
+        Ok(self.calibrated(&found))
+    }
+
+    fn calibrated(self, found: &Minimum) -> Calibrated {
+        Calibrated {
             law: self.law(&found.point),
             fit_gap_rmse_m: found.cost,
-        })
+        }
     }
 }
 
@@ -136,6 +184,18 @@ const LEAST_RMSE_M: f64 = 1e-6;
 struct GapError<'a> {
     family: Family,
     stretches: &'a [Stretch<'a>],
+}
+
+impl<'a> GapError<'a> {
+    fn of(family: Family, stretches: &'a [Stretch<'a>]) -> Result<Self, FollowingError> {
+        if stretches.is_empty() {
+            return Err(FollowingError::TooFewDrivers {
+                found: 0,
+                expected: 1,
+            });
+        }
+        Ok(Self { family, stretches })
+    }
 }
 
 impl Cost for GapError<'_> {

@@ -157,13 +157,12 @@ impl Driver<'_> {
         };
         let network = |embedding: fn(&TrainedFor, usize) -> &[f64]| {
             let count = self.networks.len() as f64;
-            let asked = move |g, v, lead| {
-                let each = self.networks.iter().map(|trained| {
-                    let w = embedding(trained, self.at);
-                    trained.network.accel_mps2(w, g, v, lead)
-                });
-                each.sum::<f64>() / count
-            };
+            let each = self.networks.iter();
+            let mut each: Vec<_> = each
+                .map(|trained| trained.network.driving(embedding(trained, self.at)))
+                .collect();
+            let asked =
+                move |g, v, lead| each.iter_mut().map(|law| law(g, v, lead)).sum::<f64>() / count;
             (!self.networks.is_empty()).then_some(asked)
         };
         match method {
@@ -176,7 +175,7 @@ impl Driver<'_> {
                 let idm = self.laws.laws.get(&M::IdmPopulationShrunkenTimeGap);
                 network(|t, at| &t.shrunken[at])
                     .zip(idm)
-                    .map(|(learned, idm)| {
+                    .map(|(mut learned, idm)| {
                         let mut idm = idm.law.driving(self.test);
                         by(&mut |g, v, lead| 0.5 * (learned(g, v, lead) + idm(g, v, lead)))
                     })

@@ -38,26 +38,48 @@ pub(crate) fn each<T: Send>(
     found.into_iter().collect()
 }
 
-/// IDM of everybody else, fitted once for each set of others.
-struct Population {
-    calibrated: Calibrated,
-    law: Idm,
+/// A law of all who were learned from, and from there on that of all but one.
+struct Population<'a> {
+    learned: &'a [FollowingRun],
+    settings: &'a FollowingSettings,
+    family: Family,
+    of_all: Calibrated,
 }
 
-impl Population {
+impl<'a> Population<'a> {
     fn of(
-        learned: &[FollowingRun],
-        driver: &str,
-        settings: &FollowingSettings,
+        family: Family,
+        method: M,
+        learned: &'a [FollowingRun],
+        settings: &'a FollowingSettings,
     ) -> Result<Self, FollowingError> {
-        let fits: Vec<Stretch<'_>> = others(learned, driver).iter().map(|r| r.fit()).collect();
-        let seed = seed(settings, driver, M::IdmPopulation);
-        let calibrated = Family::Idm.calibrate(&fits, &settings.search, seed)?;
-        let Law::Idm(law) = calibrated.law else {
-            unreachable!("a family gives its own law")
-        };
-        Ok(Self { calibrated, law })
+        let fits: Vec<Stretch<'_>> = learned.iter().map(FollowingRun::fit).collect();
+        let of_all = family.calibrate(&fits, &settings.search, seed(settings, "", method))?;
+        Ok(Self {
+            learned,
+            settings,
+            family,
+            of_all,
+        })
     }
+
+    /// That of the others; of all, for who was not learned from.
+    fn without(&self, driver: &str) -> Result<Calibrated, FollowingError> {
+        let others = others(self.learned, driver);
+        if others.len() == self.learned.len() {
+            return Ok(self.of_all);
+        }
+        let fits: Vec<Stretch<'_>> = others.iter().map(|r| r.fit()).collect();
+        self.family
+            .calibrate_from(self.of_all.law, &fits, &self.settings.search)
+    }
+}
+
+fn idm_of(found: &Calibrated) -> Idm {
+    let Law::Idm(law) = found.law else {
+        unreachable!("a family gives its own law")
+    };
+    law
 }
 
 fn seed(settings: &FollowingSettings, driver: &str, method: M) -> u64 {
@@ -75,43 +97,37 @@ pub(crate) fn idm(
     settings: &FollowingSettings,
 ) -> Result<(Vec<Peers>, Shrinkage), FollowingError> {
     let search = &settings.search;
-    let own = |population: &Population, stretch: &Stretch<'_>| {
+    let own = |population: Idm, stretch: &Stretch<'_>| {
         let seed = seed(settings, stretch.run.driver(), M::IdmPopulationOwnTimeGap);
-        own_time_gap_s(population.law, stretch, search, seed)
+        own_time_gap_s(population, stretch, search, seed)
     };
+    let population = Population::of(Family::Idm, M::IdmPopulation, learned, settings)?;
     let of_learned = each(learned, |run| {
-        let population = Population::of(learned, run.driver(), settings)?;
+        let others = population.without(run.driver())?;
         let [first, second] = run.fit().halves();
-        let log = |half| Ok::<_, FollowingError>(vec![libm::log(own(&population, half)?.0)]);
+        let log = |half| Ok::<_, FollowingError>(vec![libm::log(own(idm_of(&others), half)?.0)]);
         let halves = [log(&first)?, log(&second)?];
-        Ok((population, halves))
+        Ok((others, halves))
     })?;
     let halves: Vec<_> = of_learned.iter().map(|(_, h)| h.clone()).collect();
     let seconds: Vec<f64> = learned.iter().map(|r| 0.5 * r.fit().seconds()).collect();
     let shrinkage = Shrinkage::estimate(&halves, &seconds)?;
     let place = |run: &FollowingRun| learned.iter().position(|r| r.driver() == run.driver());
-    // Strangers have the same others, all who were learned from.
-    let of_all = if judged.iter().all(|run| place(run).is_some()) {
-        None
-    } else {
-        Some(Population::of(learned, "", settings)?)
-    };
     let peers = each(judged, |run| {
-        let known = place(run).map(|at| &of_learned[at].0);
-        let Some(population) = known.or(of_all.as_ref()) else {
-            unreachable!("who was not learned from is a stranger")
-        };
+        // Strangers have the same others, all who were learned from.
+        let others = place(run).map_or(population.of_all, |at| of_learned[at].0);
+        let law = idm_of(&others);
         let fit = run.fit();
-        let (own_s, calibrated) = own(population, &fit)?;
-        let mean = libm::log(population.law.time_gap_s);
+        let (own_s, calibrated) = own(law, &fit)?;
+        let mean = libm::log(law.time_gap_s);
         let log = mean + shrinkage.share(fit.seconds()) * (libm::log(own_s) - mean);
-        let law = Law::Idm(population.law.with_time_gap_s(libm::exp(log)));
+        let shrunken = Law::Idm(law.with_time_gap_s(libm::exp(log)));
         Ok(Peers {
             driver: run.driver().to_owned(),
             laws: BTreeMap::from([
-                (M::IdmPopulation, population.calibrated),
+                (M::IdmPopulation, others),
                 (M::IdmPopulationOwnTimeGap, calibrated),
-                (M::IdmPopulationShrunkenTimeGap, as_given(law, &fit)),
+                (M::IdmPopulationShrunkenTimeGap, as_given(shrunken, &fit)),
             ]),
         })
     })?;
@@ -155,6 +171,7 @@ pub(crate) fn add_the_rest(
 ) -> Result<(), FollowingError> {
     add_own_idm(peers, judged, settings)?;
     let time_gap_s = |run: &FollowingRun| run.fit().mean_time_gap_s(settings.moving_above_mps);
+    let helly = Population::of(Family::Helly, M::HellyPopulation, learned, settings)?;
     let found = each(judged, |run| {
         let seed = |method| seed(settings, run.driver(), method);
         let fit = |family: Family, stretches: &[Stretch<'_>], method: M| {
@@ -162,7 +179,6 @@ pub(crate) fn add_the_rest(
             Ok((method, found))
         };
         let from = others(learned, run.driver());
-        let fits: Vec<Stretch<'_>> = from.iter().map(|r| r.fit()).collect();
         let gaps = from
             .iter()
             .map(|r| time_gap_s(r))
@@ -180,7 +196,7 @@ pub(crate) fn add_the_rest(
             constant(M::ConstantTimeGapPopulation, of_others_s),
             fit(Family::Newell, &own, M::NewellOwn)?,
             fit(Family::Helly, &own, M::HellyOwn)?,
-            fit(Family::Helly, &fits, M::HellyPopulation)?,
+            (M::HellyPopulation, helly.without(run.driver())?),
             fit(Family::Gipps, &own, M::GippsOwn)?,
             fit(Family::Idm, &test, M::IdmFloor)?,
         ])

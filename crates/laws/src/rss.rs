@@ -1,5 +1,6 @@
 //! Responsibility-sensitive safety: the gap that is never to be undercut.
 
+use crate::Real;
 use serde::{Deserialize, Serialize};
 
 /// The rule's numbers, and a gap at standstill beside it.
@@ -7,59 +8,73 @@ use serde::{Deserialize, Serialize};
 /// # Source
 /// Shalev-Shwartz, Shammah and Shashua 2017, Definition 1.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-pub struct Rss {
+pub struct Rss<T = f64> {
     /// Time before ego brakes, in s, above 0.
-    pub reaction_s: f64,
+    pub reaction_s: T,
     /// Ego's acceleration until then, in m/s².
-    pub reaction_accel_mps2: f64,
+    pub reaction_accel_mps2: T,
     /// Braking of ego after that, in m/s², above 0.
-    pub ego_braking_mps2: f64,
+    pub ego_braking_mps2: T,
     /// Hardest braking of the leader, in m/s², above 0.
-    pub lead_braking_mps2: f64,
+    pub lead_braking_mps2: T,
     /// Gap kept at standstill, in m.
-    pub standstill_gap_m: f64,
+    pub standstill_gap_m: T,
 }
 
-impl Rss {
+impl<T: Real> Rss<T> {
     /// The least safe gap at these speeds, in m: ego can still stop if the leader brakes as hard as it can.
     #[inline]
-    pub fn distance_m(&self, ego_speed_mps: f64, lead_speed_mps: f64) -> f64 {
+    pub fn distance_m(&self, ego_speed_mps: T, lead_speed_mps: T) -> T {
         let after = ego_speed_mps + self.reaction_s * self.reaction_accel_mps2;
-        let reacting = 0.5 * (ego_speed_mps + after) * self.reaction_s;
-        let stopping = after * after / (2.0 * self.ego_braking_mps2);
-        let lead_stops = lead_speed_mps * lead_speed_mps / (2.0 * self.lead_braking_mps2);
-        self.standstill_gap_m + (reacting + stopping - lead_stops).max(0.0)
+        let reacting = T::of(0.5) * (ego_speed_mps + after) * self.reaction_s;
+        let stopping = after * after / (T::of(2.0) * self.ego_braking_mps2);
+        let lead_stops = lead_speed_mps * lead_speed_mps / (T::of(2.0) * self.lead_braking_mps2);
+        self.standstill_gap_m + (reacting + stopping - lead_stops).max(T::of(0.0))
     }
 
     /// The speed at which `gap_m` is the least safe gap, in m/s; 0 where no speed is safe.
     #[inline]
-    pub fn safe_speed_mps(&self, gap_m: f64, lead_speed_mps: f64) -> f64 {
+    pub fn safe_speed_mps(&self, gap_m: T, lead_speed_mps: T) -> T {
         // [`Rss::distance_m`], a parabola in the speed after the reaction, solved for that speed.
         let gained = self.reaction_s * self.reaction_accel_mps2;
-        let lead_stops = lead_speed_mps * lead_speed_mps / (2.0 * self.lead_braking_mps2);
-        let room = gap_m - self.standstill_gap_m + lead_stops + 0.5 * gained * self.reaction_s;
+        let lead_stops = lead_speed_mps * lead_speed_mps / (T::of(2.0) * self.lead_braking_mps2);
+        let room =
+            gap_m - self.standstill_gap_m + lead_stops + T::of(0.5) * gained * self.reaction_s;
         let reacting = self.ego_braking_mps2 * self.reaction_s;
-        let square = reacting * reacting + 2.0 * self.ego_braking_mps2 * room;
-        (square.max(0.0).sqrt() - reacting - gained).max(0.0)
+        let square = reacting * reacting + T::of(2.0) * self.ego_braking_mps2 * room;
+        (square.max(T::of(0.0)).sqrt() - reacting - gained).max(T::of(0.0))
     }
 
     /// How much [`Rss::safe_speed_mps`] grows with the gap, in 1/s; 0 where no speed is safe.
     #[inline]
-    pub fn safe_speed_slope_per_s(&self, gap_m: f64, lead_speed_mps: f64) -> f64 {
+    pub fn safe_speed_slope_per_s(&self, gap_m: T, lead_speed_mps: T) -> T {
         let safe = self.safe_speed_mps(gap_m, lead_speed_mps);
-        if safe > 0.0 {
+        if safe > T::of(0.0) {
             let gained = self.reaction_s * self.reaction_accel_mps2;
             self.ego_braking_mps2 / (safe + gained + self.ego_braking_mps2 * self.reaction_s)
         } else {
-            0.0
+            T::of(0.0)
         }
     }
 
     /// The most that ego may accelerate, in m/s²: to the safe speed within the reaction time, so a braking where the gap is
     /// not safe.
     #[inline]
-    pub fn most_accel_mps2(&self, gap_m: f64, ego_speed_mps: f64, lead_speed_mps: f64) -> f64 {
+    pub fn most_accel_mps2(&self, gap_m: T, ego_speed_mps: T, lead_speed_mps: T) -> T {
         (self.safe_speed_mps(gap_m, lead_speed_mps) - ego_speed_mps) / self.reaction_s
+    }
+}
+
+impl Rss {
+    /// The rule reckoned in another precision.
+    pub fn reckoned_in<T: Real>(&self) -> Rss<T> {
+        Rss {
+            reaction_s: T::of(self.reaction_s),
+            reaction_accel_mps2: T::of(self.reaction_accel_mps2),
+            ego_braking_mps2: T::of(self.ego_braking_mps2),
+            lead_braking_mps2: T::of(self.lead_braking_mps2),
+            standstill_gap_m: T::of(self.standstill_gap_m),
+        }
     }
 }
 

@@ -4,8 +4,11 @@
     reason = "code for one processor must be inlined into the function compiled for it"
 )]
 
-use super::layout::OUTPUTS;
-use maveric_laws::{LEAST_GAP_M, Rss};
+use super::{
+    lanes::{Lanes, lanes},
+    layout::OUTPUTS,
+};
+use maveric_laws::{LEAST_GAP_M, Real, Rss};
 use serde::{Deserialize, Serialize};
 
 /// Where the outputs are 0: 1.5 s, 2 m, 1 m/s² and 0.4 s²/m, an unremarkable driver.
@@ -13,122 +16,123 @@ const USUAL: [f64; OUTPUTS] = [1.5, 2.0, 1.0, 0.4];
 
 /// Mean and standard deviation of the speed that the network reads.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-pub(super) struct Scaling {
-    pub(super) speed_mean_mps: f64,
-    pub(super) speed_sd_mps: f64,
+pub(super) struct Scaling<T = f64> {
+    pub(super) speed_mean_mps: T,
+    pub(super) speed_sd_mps: T,
 }
 
-impl Scaling {
+impl<T: Real> Scaling<T> {
     /// What the network reads.
     #[inline(always)]
-    pub(super) fn input(&self, speed: f64) -> f64 {
+    pub(super) fn input(&self, speed: T) -> T {
         (speed - self.speed_mean_mps) / self.speed_sd_mps
     }
 }
 
 /// What the network asks of the controller at one moment; all above 0.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Parameters {
-    time_gap_s: f64,
-    standstill_gap_m: f64,
-    accel_mps2: f64,
-    closing_s2_per_m: f64,
+pub(super) struct Parameters<T> {
+    pub(super) time_gap_s: T,
+    pub(super) standstill_gap_m: T,
+    pub(super) accel_mps2: T,
+    pub(super) closing_s2_per_m: T,
 }
 
 /// Derivatives by what went in.
-pub(super) struct Back {
-    pub(super) gap: f64,
-    pub(super) speed: f64,
-    pub(super) outputs: [f64; OUTPUTS],
+pub(super) struct Back<T> {
+    pub(super) gap: T,
+    pub(super) speed: T,
+    /// By each parameter, in the order of the network's outputs.
+    pub(super) parameters: [T; OUTPUTS],
 }
 
-impl Parameters {
+impl<T: Real> Parameters<T> {
+    /// In the order of the network's outputs.
     #[inline(always)]
-    pub(super) fn of(outputs: [f64; OUTPUTS]) -> Self {
-        let [t, s, a, c] = std::array::from_fn(|k| USUAL[k] * positive(outputs[k]));
+    pub(super) fn from_array(
+        [time_gap_s, standstill_gap_m, accel_mps2, closing_s2_per_m]: [T; OUTPUTS],
+    ) -> Self {
         Self {
-            time_gap_s: t,
-            standstill_gap_m: s,
-            accel_mps2: a,
-            closing_s2_per_m: c,
+            time_gap_s,
+            standstill_gap_m,
+            accel_mps2,
+            closing_s2_per_m,
         }
     }
 
     /// The wanted gap without regard to closing, in m.
-    pub(super) fn following_distance_m(&self, speed: f64) -> f64 {
+    pub(super) fn following_distance_m(&self, speed: T) -> T {
         self.standstill_gap_m + speed * self.time_gap_s
     }
 
     /// a·(1 - (s*/gap)²), s* = s0 + max(0, v·T + c·v·(v - v_lead)), and never more than the safety bound allows.
     #[inline(always)]
-    pub(super) fn accel_mps2(&self, safety: &Rss, gap: f64, v: f64, lead: f64) -> f64 {
-        let wanted = self.standstill_gap_m + self.moving_m(v, lead).max(0.0);
-        let ratio = wanted / gap.max(LEAST_GAP_M);
-        let steering = self.accel_mps2 * (1.0 - ratio * ratio);
+    pub(super) fn accel_mps2(&self, safety: &Rss<T>, gap: T, v: T, lead: T) -> T {
+        let wanted = self.standstill_gap_m + self.moving_m(v, lead).max(T::of(0.0));
+        let ratio = wanted / gap.max(T::of(LEAST_GAP_M));
+        let steering = self.accel_mps2 * (T::of(1.0) - ratio * ratio);
         let most = safety.most_accel_mps2(gap, v, lead);
         if steering > most { most } else { steering }
     }
 
-    /// From the derivative by the acceleration to those by gap, speed and the network's outputs.
+    /// From the derivative by the acceleration to those by gap, speed and the parameters.
     #[inline(always)]
-    pub(super) fn back(
-        &self,
-        outputs: [f64; OUTPUTS],
-        safety: &Rss,
-        (gap, v, lead): (f64, f64, f64),
-        d_accel: f64,
-    ) -> Back {
+    pub(super) fn back(&self, safety: &Rss<T>, (gap, v, lead): (T, T, T), d_accel: T) -> Back<T> {
+        let (zero, one, two) = (T::of(0.0), T::of(1.0), T::of(2.0));
         let moving = self.moving_m(v, lead);
-        let wanted = self.standstill_gap_m + moving.max(0.0);
-        let seen = gap.max(LEAST_GAP_M);
+        let wanted = self.standstill_gap_m + moving.max(zero);
+        let seen = gap.max(T::of(LEAST_GAP_M));
         let ratio = wanted / seen;
-        let steering = self.accel_mps2 * (1.0 - ratio * ratio);
+        let steering = self.accel_mps2 * (one - ratio * ratio);
         // Where the safety bound drives, nothing that the network says does.
         let bound = steering > safety.most_accel_mps2(gap, v, lead);
-        let steered = if bound { 0.0 } else { d_accel };
-        let d_ratio = -2.0 * self.accel_mps2 * ratio * steered;
+        let steered = if bound { zero } else { d_accel };
+        let d_ratio = -two * self.accel_mps2 * ratio * steered;
         let d_wanted = d_ratio / seen;
-        let d_gap = if gap > LEAST_GAP_M {
-            -d_ratio * ratio / seen
+        let d_gap = if gap > T::of(LEAST_GAP_M) {
+            -d_wanted * ratio
         } else {
-            0.0
+            zero
         };
-        let d_moving = if moving > 0.0 { d_wanted } else { 0.0 };
+        let d_moving = if moving > zero { d_wanted } else { zero };
         let c = self.closing_s2_per_m;
-        let d = [
-            d_moving * v,
-            d_wanted,
-            steered * (1.0 - ratio * ratio),
-            d_moving * v * (v - lead),
-        ];
         let by_gap = safety.safe_speed_slope_per_s(gap, lead) / safety.reaction_s;
         let (gap, speed) = if bound {
             (d_accel * by_gap, -d_accel / safety.reaction_s)
         } else {
-            (d_gap, d_moving * (self.time_gap_s + c * (2.0 * v - lead)))
+            (d_gap, d_moving * (self.time_gap_s + c * (two * v - lead)))
         };
         Back {
             gap,
             speed,
-            outputs: std::array::from_fn(|k| d[k] * USUAL[k] * positive_slope(outputs[k])),
+            parameters: [
+                d_moving * v,
+                d_wanted,
+                steered * (one - ratio * ratio),
+                d_moving * v * (v - lead),
+            ],
         }
     }
 
     #[inline(always)]
-    fn moving_m(&self, v: f64, lead: f64) -> f64 {
+    fn moving_m(&self, v: T, lead: T) -> T {
         v * (self.time_gap_s + self.closing_s2_per_m * (v - lead))
     }
 }
 
-/// x + √(1 + x²): above 0, 1 at 0, and like an exponential but for its growth.
+/// What an output of the network stands for in each lane, and how that changes with it: x + √(1 + x²), above 0, 1 at 0, and like an
+/// exponential but for its growth.
 #[inline(always)]
-fn positive(x: f64) -> f64 {
+pub(super) fn of_output<T: Real, const N: usize>(
+    k: usize,
+    outputs: &Lanes<T, N>,
+) -> (Lanes<T, N>, Lanes<T, N>) {
+    let (usual, one) = (T::of(USUAL[k]), T::of(1.0));
+    let roots = lanes(outputs, outputs, |x, _| (one + x * x).sqrt());
     // The two are equal; the sum loses its digits below 0.
-    let sum = x.abs() + (1.0 + x * x).sqrt();
-    if x < 0.0 { 1.0 / sum } else { sum }
-}
-
-#[inline(always)]
-fn positive_slope(x: f64) -> f64 {
-    positive(x) / (1.0 + x * x).sqrt()
+    let values = lanes(outputs, &roots, |x, root| {
+        let sum = x.abs() + root;
+        usual * if x < T::of(0.0) { one / sum } else { sum }
+    });
+    (values, lanes(&values, &roots, |value, root| value / root))
 }

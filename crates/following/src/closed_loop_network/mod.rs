@@ -5,8 +5,13 @@
 //! the simulated gap goes back through half a minute of driving to the weights and embeddings: unlike a network
 //! fitted one step ahead it learns from what its own errors lead to.
 
+mod alone;
 mod controller;
+mod lanes;
+mod layers;
 mod layout;
+mod personalizing;
+mod segments;
 mod settings;
 mod study;
 mod training;
@@ -18,6 +23,7 @@ pub use study::{ClosedLoopSeed, ClosedLoopStudy, TrainedFor};
 pub(crate) use study::{study, train_all};
 
 use crate::{FollowingError, Stretch};
+use alone::Alone;
 use maveric_laws::Rss;
 use serde::{Deserialize, Serialize};
 use unrolled::World;
@@ -91,7 +97,7 @@ impl ClosedLoopNetwork {
 
     /// Fits an embedding to one driver's rows with all weights frozen, from the mean, by the loss of the training.
     pub fn personalize(&self, driver: &Stretch<'_>, settings: &ClosedLoopSettings) -> Vec<f64> {
-        training::personalize(self, driver, settings)
+        personalizing::personalize(self, driver, settings)
     }
 
     /// The following distance that this driver keeps at a speed (m/s), in m.
@@ -99,7 +105,8 @@ impl ClosedLoopNetwork {
     /// # Panics
     /// If the embedding is not of the network's size.
     pub fn following_distance_m(&self, embedding: &[f64], ego_speed_mps: f64) -> f64 {
-        unrolled::parameters(&self.world, &self.weights, embedding, ego_speed_mps)
+        Alone::of(&self.world, &self.weights, embedding)
+            .parameters(ego_speed_mps)
             .following_distance_m(ego_speed_mps)
     }
 
@@ -114,12 +121,16 @@ impl ClosedLoopNetwork {
         ego_speed_mps: f64,
         lead_speed_mps: f64,
     ) -> f64 {
-        unrolled::parameters(&self.world, &self.weights, embedding, ego_speed_mps).accel_mps2(
-            &self.world.safety,
-            gap_m,
-            ego_speed_mps,
-            lead_speed_mps,
-        )
+        self.driving(embedding)(gap_m, ego_speed_mps, lead_speed_mps)
+    }
+
+    /// [`ClosedLoopNetwork::accel_mps2`] of one embedding, for who asks many times.
+    ///
+    /// # Panics
+    /// If the embedding is not of the network's size.
+    pub fn driving<'a>(&'a self, embedding: &[f64]) -> impl FnMut(f64, f64, f64) -> f64 + use<'a> {
+        let mut alone = Alone::of(&self.world, &self.weights, embedding);
+        move |gap_m, ego_mps, lead_mps| alone.accel_mps2(gap_m, ego_mps, lead_mps)
     }
 }
 

@@ -150,8 +150,7 @@ fn errors_of<'a>(
         let one = |(at, run): (usize, &FollowingRun)| {
             let (trained, at) = of(at);
             let (test, w) = (run.test(), embedding(trained, at));
-            let law = |g, v, lead| trained.network.accel_mps2(w, g, v, lead);
-            let driven = simulate(&test, "closed_loop", law)?;
+            let driven = simulate(&test, "closed_loop", trained.network.driving(w))?;
             Ok(SimulationErrors::of(&test, &driven))
         };
         runs.iter()

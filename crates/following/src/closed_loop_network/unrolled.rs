@@ -6,221 +6,252 @@
 )]
 
 use super::{
-    controller,
+    ClosedLoopSettings,
+    controller::{Parameters, Scaling, of_output},
+    lanes::{LANES, Lanes, nothing},
+    layers::{Gradient, Strided, Styled, Sums},
     layout::{INPUTS, Layout, OUTPUTS},
 };
 use crate::closed_loop::{MAX_ACCEL_MPS2, MIN_ACCEL_MPS2};
-use maveric_laws::Rss;
+use maveric_laws::{Real, Rss};
 use pulp::{Arch, NullaryFnOnce};
-use std::cell::Cell;
-
-/// Segments simulated abreast.
-pub(super) const LANES: usize = 8;
-/// One number of each segment.
-pub(super) type Lanes = [f64; LANES];
 
 /// The recorded rows of up to [`LANES`] segments of equal length.
-pub(super) struct Batch {
-    /// Driver of each lane.
-    pub(super) drivers: [usize; LANES],
+pub(super) struct Batch<T> {
+    /// Which embedding drives each lane.
+    pub(super) embeddings: [usize; LANES],
     /// Weight of each lane's error in the loss; 0 for a lane that only fills up.
-    pub(super) weights: Lanes,
-    /// Recorded gap, in m; shape `(steps + 1,)`.
-    pub(super) gap_m: Vec<Lanes>,
-    /// Recorded speed, in m/s; shape `(steps + 1,)`.
-    pub(super) speed_mps: Vec<Lanes>,
-    /// Speed of the leader, in m/s; shape `(steps + 1,)`.
-    pub(super) lead_mps: Vec<Lanes>,
-    /// How far the leader moved since the row before, in m; shape `(steps + 1,)`.
-    pub(super) lead_moved_m: Vec<Lanes>,
+    pub(super) weights: [f64; LANES],
+    /// Shape `(steps + 1,)`.
+    pub(super) rows: Vec<Row<T>>,
+}
+
+/// What was recorded at one moment of each segment.
+#[derive(Clone, Copy)]
+pub(super) struct Row<T> {
+    /// Gap, in m.
+    pub(super) gap_m: Lanes<T>,
+    /// Speed, in m/s.
+    pub(super) speed_mps: Lanes<T>,
+    /// Speed of the leader, in m/s.
+    pub(super) lead_mps: Lanes<T>,
+    /// How far the leader moved since the row before, in m.
+    pub(super) lead_moved_m: Lanes<T>,
 }
 
 /// What all segments share.
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize)]
-pub(super) struct World {
+pub(super) struct World<T = f64> {
     pub(super) layout: Layout,
-    pub(super) scaling: controller::Scaling,
-    pub(super) safety: Rss,
-    pub(super) step_s: f64,
+    pub(super) scaling: Scaling<T>,
+    pub(super) safety: Rss<T>,
+    pub(super) step_s: T,
     /// Weight of a squared error of 1 m.
-    pub(super) gap_weight: f64,
+    pub(super) gap_weight: T,
     /// Weight of a squared error of 1 m/s.
-    pub(super) speed_weight: f64,
+    pub(super) speed_weight: T,
 }
 
-/// Loss of a batch and its gradients.
-pub(super) struct Gradient {
-    pub(super) loss: f64,
-    pub(super) weights: Vec<f64>,
-    /// One embedding's gradient a driver, shape `(drivers, d)`.
-    pub(super) embeddings: Vec<f64>,
-}
-
-impl Gradient {
-    pub(super) fn zero(weights: usize, embeddings: usize) -> Self {
-        Self {
-            loss: 0.0,
-            weights: vec![0.0; weights],
-            embeddings: vec![0.0; embeddings],
-        }
-    }
-
-    pub(super) fn add(&mut self, other: &Self) {
-        self.loss += other.loss;
-        for (mine, theirs) in self.weights.iter_mut().zip(&other.weights) {
-            *mine += theirs;
-        }
-        for (mine, theirs) in self.embeddings.iter_mut().zip(&other.embeddings) {
-            *mine += theirs;
+impl World {
+    pub(super) fn reckoned_in<T: Real>(&self) -> World<T> {
+        World {
+            layout: self.layout,
+            scaling: Scaling {
+                speed_mean_mps: T::of(self.scaling.speed_mean_mps),
+                speed_sd_mps: T::of(self.scaling.speed_sd_mps),
+            },
+            safety: self.safety.reckoned_in(),
+            step_s: T::of(self.step_s),
+            gap_weight: T::of(self.gap_weight),
+            speed_weight: T::of(self.speed_weight),
         }
     }
 }
 
-/// What a step leaves for the way back.
-struct Step<'a> {
-    gap_m: &'a mut Lanes,
-    speed_mps: &'a mut Lanes,
-    first: &'a mut [Lanes],
-    second: &'a mut [Lanes],
-    outputs: &'a mut [Lanes; OUTPUTS],
-}
-
-/// Numbers of a step: gap and speed, both layers and the outputs.
-fn step_size(layout: Layout) -> usize {
-    2 + 2 * layout.hidden + OUTPUTS
-}
-
-#[inline(always)]
-fn step_of(tape: &mut [Lanes], layout: Layout, at: usize) -> Step<'_> {
-    let size = step_size(layout);
-    let (state, rest) = tape[at * size..(at + 1) * size].split_at_mut(2);
-    let (gap_m, speed_mps) = state.split_at_mut(1);
-    let (first, rest) = rest.split_at_mut(layout.hidden);
-    let (second, outputs) = rest.split_at_mut(layout.hidden);
-    let Some(outputs) = outputs.first_chunk_mut() else {
-        unreachable!("a step ends in the outputs")
-    };
-    Step {
-        gap_m: &mut gap_m[0],
-        speed_mps: &mut speed_mps[0],
-        first,
-        second,
-        outputs,
-    }
-}
-
-/// A network with the embeddings of a batch: what comes of them is the same at every step.
-struct Styled<'a> {
-    first_base: Vec<Lanes>,
-    last_base: Vec<Lanes>,
-    first: &'a [f64],
-    second: &'a [f64],
-    second_bias: &'a [f64],
-    last: &'a [f64],
-}
-
-impl<'a> Styled<'a> {
-    /// `w` gives number `k` of the embedding of a lane.
+impl<T: Real> World<T> {
+    /// Hidden units: a number that is known when this is compiled, but for [`ANY`].
     #[inline(always)]
-    fn of(layout: Layout, weights: &'a [f64], w: impl Fn(usize, usize) -> f64) -> Self {
-        let d = layout.embedding;
-        let base = |matrix: &[f64], biases: &[f64]| -> Vec<Lanes> {
-            let line = |(line, &bias): (&[f64], &f64)| -> Lanes {
-                std::array::from_fn(|lane| bias + (0..d).map(|k| line[k] * w(lane, k)).sum::<f64>())
-            };
-            matrix.chunks_exact(d).zip(biases).map(line).collect()
+    fn hidden<const HIDDEN: usize>(&self) -> usize {
+        if HIDDEN == ANY {
+            self.layout.hidden
+        } else {
+            HIDDEN
+        }
+    }
+}
+
+/// Hidden units of the default settings.
+const USUAL_HIDDEN: usize = ClosedLoopSettings::DEFAULT.hidden_units;
+/// No number of hidden units in particular.
+const ANY: usize = 0;
+
+/// Where ego is in each lane.
+#[derive(Clone, Copy)]
+struct Ego<T> {
+    gap_m: Lanes<T>,
+    speed_mps: Lanes<T>,
+}
+
+impl<T: Real> Ego<T> {
+    #[inline(always)]
+    fn at_first(batch: &Batch<T>) -> Self {
+        Self {
+            gap_m: batch.rows[0].gap_m,
+            speed_mps: batch.rows[0].speed_mps,
+        }
+    }
+
+    /// How far from what was recorded.
+    #[inline(always)]
+    fn errors(&self, row: &Row<T>) -> Self {
+        Self {
+            gap_m: std::array::from_fn(|l| self.gap_m[l] - row.gap_m[l]),
+            speed_mps: std::array::from_fn(|l| self.speed_mps[l] - row.speed_mps[l]),
+        }
+    }
+
+    /// Moves on from one row to the next, by what the network's outputs stand for.
+    #[inline(always)]
+    fn advance(&mut self, world: &World<T>, asked: &Asked<T>, [row, next]: [&Row<T>; 2]) {
+        // By value: so that the lanes of the loop run abreast.
+        let (lead, lead_moved) = (row.lead_mps, next.lead_moved_m);
+        let (mut gap, mut speed, asked) = (self.gap_m, self.speed_mps, asked.values);
+        for l in 0..LANES {
+            let parameters = Parameters::from_array(of_lane(&asked, l));
+            let accel = parameters.accel_mps2(&world.safety, gap[l], speed[l], lead[l]);
+            let (moved, next) = advance(speed[l], accel, world.step_s);
+            gap[l] = gap[l] + lead_moved[l] - moved;
+            speed[l] = next;
+        }
+        (self.gap_m, self.speed_mps) = (gap, speed);
+    }
+}
+
+/// What the network asks of the controller in each lane, and how that changes with its outputs.
+#[derive(Clone, Copy)]
+struct Asked<T> {
+    values: [Lanes<T>; OUTPUTS],
+    slopes: [Lanes<T>; OUTPUTS],
+}
+
+impl<T: Real> Asked<T> {
+    #[inline(always)]
+    fn of(outputs: &[Lanes<T>; OUTPUTS]) -> Self {
+        let mut asked = Self {
+            values: [nothing(); OUTPUTS],
+            slopes: [nothing(); OUTPUTS],
         };
-        Self {
-            first_base: base(&weights[layout.style()], &weights[layout.first_bias()]),
-            last_base: base(&weights[layout.direct()], &weights[layout.last_bias()]),
-            first: &weights[layout.first()],
-            second: &weights[layout.second()],
-            second_bias: &weights[layout.second_bias()],
-            last: &weights[layout.last()],
+        for k in 0..OUTPUTS {
+            (asked.values[k], asked.slopes[k]) = of_output(k, &outputs[k]);
         }
+        asked
     }
+}
 
-    #[inline(always)]
-    fn forward(
-        &self,
-        inputs: &[Lanes; INPUTS],
-        first: &mut [Lanes],
-        second: &mut [Lanes],
-        outputs: &mut [Lanes],
-    ) {
-        let h = first.len();
-        for (unit, y) in first.iter_mut().enumerate() {
-            let mut sum = self.first_base[unit];
-            multiply_add(
-                &mut sum,
-                &self.first[unit * INPUTS..(unit + 1) * INPUTS],
-                inputs,
-            );
-            *y = softsign(sum);
-        }
-        for (unit, y) in second.iter_mut().enumerate() {
-            let mut sum = [self.second_bias[unit]; LANES];
-            multiply_add(&mut sum, &self.second[unit * h..(unit + 1) * h], first);
-            *y = softsign(sum);
-        }
-        for (unit, y) in outputs.iter_mut().enumerate() {
-            *y = self.last_base[unit];
-            multiply_add(y, &self.last[unit * h..(unit + 1) * h], second);
+/// What a step leaves for the way back, beside what the layers made.
+#[derive(Clone, Copy)]
+struct Step<T> {
+    ego: Ego<T>,
+    asked: Asked<T>,
+    /// After the step.
+    errors: Ego<T>,
+}
+
+impl<T: Real> Step<T> {
+    fn nothing() -> Self {
+        let ego = Ego {
+            gap_m: nothing(),
+            speed_mps: nothing(),
+        };
+        let [values, slopes] = [[nothing(); OUTPUTS]; 2];
+        Self {
+            ego,
+            asked: Asked { values, slopes },
+            errors: ego,
         }
     }
 }
+
+/// What a way there leaves for the way back; asked for anew each time, it takes longer than to compute what it holds.
+pub(super) struct Room<T> {
+    steps: Vec<Step<T>>,
+    /// What both layers made in each step.
+    layers: Vec<Lanes<T>>,
+    /// Gradients of some steps: see [`Sums::add_step`].
+    kept: Vec<Lanes<T>>,
+}
+
+impl<T> Default for Room<T> {
+    fn default() -> Self {
+        Self {
+            steps: Vec::new(),
+            layers: Vec::new(),
+            kept: Vec::new(),
+        }
+    }
+}
+
+/// Steps whose gradients are kept before the weights between layers gather them: no more than the nearest memory holds.
+const TOGETHER: usize = 16;
 
 /// Simulates the batch and goes back through it.
 ///
 /// # Source
 /// Backpropagation through time (Werbos 1990), over whole segments: the error of a gap reaches every command before it.
-pub(super) fn gradient(
-    world: &World,
-    weights: &[f64],
-    embeddings: &[f64],
-    batch: &Batch,
+pub(super) fn gradient<T: Real>(
+    world: &World<T>,
+    weights: &[T],
+    embeddings: &[T],
+    batch: &Batch<T>,
+    room: &mut Room<T>,
 ) -> Gradient {
-    let mut room = ROOM.take();
-    let found = Arch::new().dispatch(ThereAndBack {
+    Arch::new().dispatch(ThereAndBack {
         world,
         weights,
         embeddings,
         batch,
-        room: &mut room,
-    });
-    ROOM.set(room);
-    found
-}
-
-/// What a way there leaves for the way back; asked for anew each time, it takes longer than to compute what it holds.
-#[derive(Default)]
-struct Room {
-    /// Each step's state and what the layers made of it: see [`step_of`].
-    tape: Vec<Lanes>,
-    /// Errors of gap and speed after each step.
-    errors: Vec<(Lanes, Lanes)>,
-    /// Gradients of each step: see [`Sums::add_step`].
-    kept: Vec<Lanes>,
-}
-
-thread_local! {
-    static ROOM: Cell<Room> = Cell::default();
+        room,
+    })
 }
 
 /// What is compiled for the processor it runs on: a closure that is called through a reference would not be inlined there.
-struct ThereAndBack<'a> {
-    world: &'a World,
-    weights: &'a [f64],
-    embeddings: &'a [f64],
-    batch: &'a Batch,
-    room: &'a mut Room,
+struct ThereAndBack<'a, T> {
+    world: &'a World<T>,
+    weights: &'a [T],
+    embeddings: &'a [T],
+    batch: &'a Batch<T>,
+    room: &'a mut Room<T>,
 }
 
-impl NullaryFnOnce for ThereAndBack<'_> {
+/// The network as its lanes are driven.
+#[inline(always)]
+fn styled<'a, T: Real>(
+    layout: Layout,
+    weights: &'a [T],
+    embeddings: &[T],
+    batch: &Batch<T>,
+) -> Styled<'a, T> {
+    let d = layout.embedding;
+    let w = |lane: usize, k: usize| embeddings[batch.embeddings[lane] * d + k];
+    Styled::of(layout, weights, w)
+}
+
+impl<T: Real> NullaryFnOnce for ThereAndBack<'_, T> {
     type Output = Gradient;
 
     #[inline(always)]
     fn call(self) -> Gradient {
+        // Compiled apart for the usual number of hidden units: loops of known length are unrolled.
+        match self.world.layout.hidden {
+            USUAL_HIDDEN => self.through::<USUAL_HIDDEN>(),
+            _ => self.through::<ANY>(),
+        }
+    }
+}
+
+impl<T: Real> ThereAndBack<'_, T> {
+    #[inline(always)]
+    fn through<const HIDDEN: usize>(self) -> Gradient {
         let Self {
             world,
             weights,
@@ -228,379 +259,243 @@ impl NullaryFnOnce for ThereAndBack<'_> {
             batch,
             room,
         } = self;
+        let h = world.hidden::<HIDDEN>();
         let layout = world.layout;
-        let steps = batch.gap_m.len() - 1;
-        let nothing = [0.0; LANES];
-        room.tape.resize(steps * step_size(layout), nothing);
-        room.errors.resize(steps, (nothing, nothing));
-        room.kept.resize(steps * (OUTPUTS + layout.hidden), nothing);
         let mut out = Gradient::zero(layout.len(), embeddings.len());
-        let w = |lane: usize, k: usize| embeddings[batch.drivers[lane] * layout.embedding + k];
-        let network = Styled::of(layout, weights, w);
-        out.loss = there(world, &network, batch, room);
-        let sums = back(world, &network, batch, room);
-        sums.put(layout, weights, w, &batch.drivers, &mut out);
+        let network = styled(layout, weights, embeddings, batch);
+        out.loss = there(h, world, &network, batch, room);
+        let sums = back(h, world, &network, batch, room);
+        sums.put(layout, weights, embeddings, &batch.embeddings, &mut out);
         out
     }
 }
 
 /// Simulates the batch onto the tape and gives the loss.
 #[inline(always)]
-fn there(world: &World, network: &Styled<'_>, batch: &Batch, room: &mut Room) -> f64 {
-    let steps = batch.gap_m.len() - 1;
-    let mut loss = 0.0;
-    let (mut gap, mut speed) = (batch.gap_m[0], batch.speed_mps[0]);
-    for (at, errors) in room.errors.iter_mut().enumerate() {
-        let step = step_of(&mut room.tape, world.layout, at);
-        *step.gap_m = gap;
-        *step.speed_mps = speed;
-        let inputs = inputs(world, &speed);
-        network.forward(&inputs, step.first, step.second, step.outputs);
-        // By value, and the sum on its own: so that the lanes of the loop run abreast.
-        let (outputs, lead, lead_moved) = (
-            *step.outputs,
-            batch.lead_mps[at],
-            batch.lead_moved_m[at + 1],
-        );
-        let (recorded_gap, recorded_speed) = (batch.gap_m[at + 1], batch.speed_mps[at + 1]);
-        let (mut gap_errors, mut speed_errors) = ([0.0; LANES], [0.0; LANES]);
-        for l in 0..LANES {
-            let asked = controller::Parameters::of(of_lane(&outputs, l)).accel_mps2(
-                &world.safety,
-                gap[l],
-                speed[l],
-                lead[l],
-            );
-            let (moved, next) = advance(speed[l], asked, world.step_s);
-            gap[l] = gap[l] + lead_moved[l] - moved;
-            speed[l] = next;
-            gap_errors[l] = gap[l] - recorded_gap[l];
-            speed_errors[l] = next - recorded_speed[l];
-        }
-        *errors = (gap_errors, speed_errors);
-        for l in 0..LANES {
-            let square = world.gap_weight * gap_errors[l] * gap_errors[l]
-                + world.speed_weight * speed_errors[l] * speed_errors[l];
-            loss += batch.weights[l] * square / steps as f64;
-        }
+fn there<T: Real>(
+    h: usize,
+    world: &World<T>,
+    network: &Styled<'_, T>,
+    batch: &Batch<T>,
+    room: &mut Room<T>,
+) -> f64 {
+    let steps = batch.rows.len() - 1;
+    room.steps.resize(steps, Step::nothing());
+    room.layers.resize(2 * h * steps, nothing());
+    let mut squares = nothing::<T, LANES>();
+    let mut ego = Ego::at_first(batch);
+    let tape = room
+        .steps
+        .iter_mut()
+        .zip(room.layers.chunks_exact_mut(2 * h));
+    for (rows, (step, layers)) in batch.rows.windows(2).zip(tape) {
+        let (first, second) = layers.split_at_mut(h);
+        let outputs = network.forward(h, &inputs(world, &ego.speed_mps), first, second);
+        step.ego = ego;
+        let asked = Asked::of(&outputs);
+        step.asked = asked;
+        ego.advance(world, &asked, [&rows[0], &rows[1]]);
+        let errors = ego.errors(&rows[1]);
+        let (gap, speed) = (errors.gap_m, errors.speed_mps);
+        let sums = squares;
+        squares = std::array::from_fn(|l| {
+            sums[l]
+                + (world.gap_weight * gap[l] * gap[l] + world.speed_weight * speed[l] * speed[l])
+        });
+        step.errors = errors;
     }
-    loss
+    let weighted = batch.weights.iter().zip(&squares);
+    let sum: f64 = weighted
+        .map(|(weight, square)| weight * square.wide())
+        .sum();
+    sum / steps as f64
 }
 
 #[inline(always)]
-fn of_lane(outputs: &[Lanes; OUTPUTS], l: usize) -> [f64; OUTPUTS] {
-    let [a, b, c, d] = outputs;
+fn of_lane<T: Real>(numbers: &[Lanes<T>; OUTPUTS], l: usize) -> [T; OUTPUTS] {
+    let [a, b, c, d] = numbers;
     [a[l], b[l], c[l], d[l]]
-}
-
-/// Gradients of a network's layers, lane by lane.
-struct Sums {
-    first: Vec<Lanes>,
-    first_weights: Vec<Lanes>,
-    second: Vec<Lanes>,
-    second_weights: Vec<Lanes>,
-    last: [Lanes; OUTPUTS],
-    last_weights: Vec<Lanes>,
-}
-
-impl Sums {
-    fn zero(h: usize) -> Self {
-        let zeros = |n: usize| vec![[0.0; LANES]; n];
-        Self {
-            first: zeros(h),
-            first_weights: zeros(h * INPUTS),
-            second: zeros(h),
-            second_weights: zeros(h * h),
-            last: [[0.0; LANES]; OUTPUTS],
-            last_weights: zeros(OUTPUTS * h),
-        }
-    }
-
-    /// Goes back through the layers of one step from the gradients of its outputs, to those of its inputs. `kept` is left with the gradients of the outputs and of the second layer.
-    #[inline(always)]
-    fn add_step(
-        &mut self,
-        network: &Styled<'_>,
-        step: &Step<'_>,
-        inputs: &[Lanes; INPUTS],
-        d_outputs: &[Lanes; OUTPUTS],
-        kept: &mut [Lanes],
-    ) -> [Lanes; INPUTS] {
-        let h = self.first.len();
-        let (first, second, last) = (network.first, network.second, network.last);
-        let (kept_outputs, d_second) = kept.split_at_mut(OUTPUTS);
-        kept_outputs.copy_from_slice(d_outputs);
-        for k in 0..OUTPUTS {
-            add(&mut self.last[k], &d_outputs[k]);
-        }
-        for unit in 0..h {
-            let mut d = [0.0; LANES];
-            for k in 0..OUTPUTS {
-                add_scaled(&mut d, last[k * h + unit], &d_outputs[k]);
-            }
-            through_softsign(&mut d, &step.second[unit]);
-            add(&mut self.second[unit], &d);
-            d_second[unit] = d;
-        }
-        let mut d_inputs = [[0.0; LANES]; INPUTS];
-        for from in 0..h {
-            let mut d = [0.0; LANES];
-            for unit in 0..h {
-                add_scaled(&mut d, second[unit * h + from], &d_second[unit]);
-            }
-            through_softsign(&mut d, &step.first[from]);
-            add(&mut self.first[from], &d);
-            for k in 0..INPUTS {
-                let line = from * INPUTS + k;
-                add_product(&mut self.first_weights[line], &d, &inputs[k]);
-                add_scaled(&mut d_inputs[k], first[line], &d);
-            }
-        }
-        d_inputs
-    }
-
-    /// Adds what the weights between layers gather over the steps, of the tape and of what [`Sums::add_step`] kept of each step.
-    #[inline(always)]
-    fn add_between(&mut self, layout: Layout, tape: &[Lanes], kept: &[Lanes]) {
-        let h = layout.hidden;
-        let d = |at| Strided {
-            tape: kept,
-            size: OUTPUTS + h,
-            at,
-        };
-        let x = |at| Strided {
-            tape,
-            size: step_size(layout),
-            at,
-        };
-        add_over_steps(&mut self.last_weights, h, &d(0), &x(2 + h));
-        add_over_steps(&mut self.second_weights, h, &d(OUTPUTS), &x(2));
-    }
-
-    /// Adds the lanes up: gradients of the weights, and of each driver's embedding.
-    #[inline(always)]
-    fn put(
-        &self,
-        layout: Layout,
-        weights: &[f64],
-        w: impl Fn(usize, usize) -> f64,
-        drivers: &[usize; LANES],
-        out: &mut Gradient,
-    ) {
-        let d = layout.embedding;
-        for (range, sums) in [
-            (layout.first(), &self.first_weights[..]),
-            (layout.first_bias(), &self.first),
-            (layout.second(), &self.second_weights),
-            (layout.second_bias(), &self.second),
-            (layout.last(), &self.last_weights),
-            (layout.last_bias(), &self.last),
-        ] {
-            for (weight, sum) in out.weights[range].iter_mut().zip(sums) {
-                *weight = sum.iter().sum();
-            }
-        }
-        for (range, sums) in [
-            (layout.style(), &self.first[..]),
-            (layout.direct(), &self.last),
-        ] {
-            for (line, sum) in sums.iter().enumerate() {
-                for k in 0..d {
-                    let at = range.start + line * d + k;
-                    for l in 0..LANES {
-                        out.weights[at] += sum[l] * w(l, k);
-                        out.embeddings[drivers[l] * d + k] += sum[l] * weights[at];
-                    }
-                }
-            }
-        }
-    }
-}
-
-/// Some of the numbers of each step of a tape.
-struct Strided<'a> {
-    tape: &'a [Lanes],
-    /// Numbers of a step.
-    size: usize,
-    /// The first of them that is meant.
-    at: usize,
-}
-
-/// Sums that stay in registers.
-const TILE: usize = 4;
-
-/// Adds up from the last step to the first what each gradient `d` makes with each of the `inputs` numbers `x`; shape `(outputs, inputs)`.
-#[inline(always)]
-fn add_over_steps(sums: &mut [Lanes], inputs: usize, d: &Strided<'_>, x: &Strided<'_>) {
-    for (output, line) in sums.chunks_exact_mut(inputs).enumerate() {
-        let (tiles, rest) = line.as_chunks_mut::<TILE>();
-        let done = TILE * tiles.len();
-        for (i, tile) in tiles.iter_mut().enumerate() {
-            add_tile(tile, (d, d.at + output), (x, x.at + i * TILE));
-        }
-        for (i, sum) in rest.iter_mut().enumerate() {
-            let one = std::array::from_mut(sum);
-            add_tile(one, (d, d.at + output), (x, x.at + done + i));
-        }
-    }
-}
-
-#[inline(always)]
-fn add_tile<const N: usize>(
-    sums: &mut [Lanes; N],
-    (d, output): (&Strided<'_>, usize),
-    (x, input): (&Strided<'_>, usize),
-) {
-    let mut tile = *sums;
-    let steps = d.tape.chunks_exact(d.size).zip(x.tape.chunks_exact(x.size));
-    for (d, x) in steps.rev() {
-        let d = &d[output];
-        for (sum, x) in tile.iter_mut().zip(&x[input..input + N]) {
-            add_product(sum, d, x);
-        }
-    }
-    *sums = tile;
 }
 
 /// Goes back over the tape from the last step to the first.
 #[inline(always)]
-fn back(world: &World, network: &Styled<'_>, batch: &Batch, room: &mut Room) -> Sums {
-    let (h, steps) = (world.layout.hidden, room.errors.len());
+fn back<T: Real>(
+    h: usize,
+    world: &World<T>,
+    network: &Styled<'_, T>,
+    batch: &Batch<T>,
+    room: &mut Room<T>,
+) -> Sums<T> {
+    let steps = room.steps.len();
+    room.kept.resize(TOGETHER * (OUTPUTS + h), nothing());
     let mut sums = Sums::zero(h);
-    let (mut d_gap, mut d_speed) = ([0.0; LANES], [0.0; LANES]);
-    let kept_steps = room.kept.chunks_exact_mut(OUTPUTS + h).enumerate();
-    for (at, kept) in kept_steps.rev() {
-        let step = step_of(&mut room.tape, world.layout, at);
-        let [mut d_0, mut d_1, mut d_2, mut d_3] = [[0.0; LANES]; OUTPUTS];
-        let (gap_errors, speed_errors) = room.errors[at];
-        let (outputs, gap, speed, lead) = (
-            *step.outputs,
-            *step.gap_m,
-            *step.speed_mps,
-            batch.lead_mps[at],
-        );
-        for l in 0..LANES {
-            let scale = 2.0 * batch.weights[l] / steps as f64;
-            d_gap[l] += scale * world.gap_weight * gap_errors[l];
-            d_speed[l] += scale * world.speed_weight * speed_errors[l];
-            let o = of_lane(&outputs, l);
-            let parameters = controller::Parameters::of(o);
-            let (g, v, lead) = (gap[l], speed[l], lead[l]);
-            let asked = parameters.accel_mps2(&world.safety, g, v, lead);
-            let (d_v, d_a) = advance_back(v, asked, world.step_s, -d_gap[l], d_speed[l]);
-            let back = parameters.back(o, &world.safety, (g, v, lead), d_a);
-            d_gap[l] += back.gap;
-            d_speed[l] = d_v + back.speed;
-            [d_0[l], d_1[l], d_2[l], d_3[l]] = back.outputs;
+    let (mut d_gap, mut d_speed) = (nothing::<T, LANES>(), nothing::<T, LANES>());
+    let scale: Lanes<T> = batch.weights.map(|w| T::of(2.0 * w / steps as f64));
+    let some = room
+        .steps
+        .chunks(TOGETHER)
+        .zip(room.layers.chunks(TOGETHER * 2 * h));
+    for (at, (steps, layers)) in some.enumerate().rev() {
+        let kept = &mut room.kept[..steps.len() * (OUTPUTS + h)];
+        let each = steps.iter().zip(layers.chunks_exact(2 * h)).enumerate();
+        for (of_some, (step, layers)) in each.rev() {
+            let Step { ego, asked, errors } = *step;
+            let lead = batch.rows[at * TOGETHER + of_some].lead_mps;
+            let [mut d_0, mut d_1, mut d_2, mut d_3] = [nothing::<T, LANES>(); OUTPUTS];
+            let (values, slopes) = (asked.values, asked.slopes);
+            for l in 0..LANES {
+                d_gap[l] = d_gap[l] + scale[l] * world.gap_weight * errors.gap_m[l];
+                d_speed[l] = d_speed[l] + scale[l] * world.speed_weight * errors.speed_mps[l];
+                let parameters = Parameters::from_array(of_lane(&values, l));
+                let (g, v, lead) = (ego.gap_m[l], ego.speed_mps[l], lead[l]);
+                let accel = parameters.accel_mps2(&world.safety, g, v, lead);
+                let (d_v, d_a) = advance_back(v, accel, world.step_s, -d_gap[l], d_speed[l]);
+                let back = parameters.back(&world.safety, (g, v, lead), d_a);
+                d_gap[l] = d_gap[l] + back.gap;
+                d_speed[l] = d_v + back.speed;
+                let slopes = of_lane(&slopes, l);
+                let [p_0, p_1, p_2, p_3] = back.parameters;
+                d_0[l] = p_0 * slopes[0];
+                d_1[l] = p_1 * slopes[1];
+                d_2[l] = p_2 * slopes[2];
+                d_3[l] = p_3 * slopes[3];
+            }
+            let of_step = of_some * (OUTPUTS + h)..(of_some + 1) * (OUTPUTS + h);
+            let d_inputs = sums.add_step(
+                h,
+                network,
+                layers.split_at(h),
+                &inputs(world, &ego.speed_mps),
+                &[d_0, d_1, d_2, d_3],
+                &mut kept[of_step],
+            );
+            for l in 0..LANES {
+                d_speed[l] = d_speed[l] + d_inputs[0][l] / world.scaling.speed_sd_mps;
+            }
         }
-        let d_outputs = [d_0, d_1, d_2, d_3];
-        let inputs = inputs(world, step.speed_mps);
-        let d_inputs = sums.add_step(network, &step, &inputs, &d_outputs, kept);
-        for l in 0..LANES {
-            d_speed[l] += d_inputs[0][l] / world.scaling.speed_sd_mps;
-        }
+        let of_layer = |at| Strided {
+            tape: layers,
+            size: 2 * h,
+            at,
+        };
+        sums.add_between(h, &of_layer(0), &of_layer(h), kept);
     }
-    sums.add_between(world.layout, &room.tape, &room.kept);
     sums
 }
 
+/// Simulates the batch and gives what every lane adds to the errors whose squares make the loss: of each step that of the gap, then that
+/// of the speed; each weighted so that they make it.
+pub(super) fn errors<T: Real>(
+    world: &World<T>,
+    weights: &[T],
+    embeddings: &[T],
+    batch: &Batch<T>,
+) -> Vec<Lanes<T>> {
+    Arch::new().dispatch(There {
+        world,
+        weights,
+        embeddings,
+        batch,
+    })
+}
+
+struct There<'a, T> {
+    world: &'a World<T>,
+    weights: &'a [T],
+    embeddings: &'a [T],
+    batch: &'a Batch<T>,
+}
+
+impl<T: Real> NullaryFnOnce for There<'_, T> {
+    type Output = Vec<Lanes<T>>;
+
+    #[inline(always)]
+    fn call(self) -> Vec<Lanes<T>> {
+        match self.world.layout.hidden {
+            USUAL_HIDDEN => self.through::<USUAL_HIDDEN>(),
+            _ => self.through::<ANY>(),
+        }
+    }
+}
+
+impl<T: Real> There<'_, T> {
+    #[inline(always)]
+    fn through<const HIDDEN: usize>(self) -> Vec<Lanes<T>> {
+        let Self {
+            world,
+            weights,
+            embeddings,
+            batch,
+        } = self;
+        let (h, steps) = (world.hidden::<HIDDEN>(), batch.rows.len() - 1);
+        let network = styled(world.layout, weights, embeddings, batch);
+        let mut layers = vec![nothing(); 2 * h];
+        let mut found = Vec::with_capacity(2 * steps);
+        let root = |weight: T| -> Lanes<T> {
+            batch
+                .weights
+                .map(|w| (T::of(w / steps as f64) * weight).sqrt())
+        };
+        let (by_gap, by_speed) = (root(world.gap_weight), root(world.speed_weight));
+        let mut ego = Ego::at_first(batch);
+        for rows in batch.rows.windows(2) {
+            let (first, second) = layers.split_at_mut(h);
+            let outputs = network.forward(h, &inputs(world, &ego.speed_mps), first, second);
+            ego.advance(world, &Asked::of(&outputs), [&rows[0], &rows[1]]);
+            let errors = ego.errors(&rows[1]);
+            found.push(std::array::from_fn(|l| by_gap[l] * errors.gap_m[l]));
+            found.push(std::array::from_fn(|l| by_speed[l] * errors.speed_mps[l]));
+        }
+        found
+    }
+}
+
 #[inline(always)]
-fn inputs(world: &World, speed: &Lanes) -> [Lanes; INPUTS] {
+pub(super) fn inputs<T: Real, const N: usize>(
+    world: &World<T>,
+    speed: &Lanes<T, N>,
+) -> [Lanes<T, N>; INPUTS] {
     let s = &world.scaling;
     [std::array::from_fn(|l| s.input(speed[l]))]
 }
 
-/// What `of` makes of two numbers, lane by lane. All is read before anything is written, so that lanes run abreast wherever they lie.
 #[inline(always)]
-fn lanes(x: &Lanes, y: &Lanes, of: impl Fn(f64, f64) -> f64) -> Lanes {
-    let (x, y) = (*x, *y);
-    std::array::from_fn(|l| of(x[l], y[l]))
-}
-
-#[inline(always)]
-fn multiply_add(sum: &mut Lanes, line: &[f64], x: &[Lanes]) {
-    for (weight, x) in line.iter().zip(x) {
-        add_scaled(sum, *weight, x);
+fn within_bounds<T: Real>(asked: T) -> T {
+    // Not `max` and `min`, which hide what is no number.
+    if asked < T::of(MIN_ACCEL_MPS2) {
+        T::of(MIN_ACCEL_MPS2)
+    } else if asked > T::of(MAX_ACCEL_MPS2) {
+        T::of(MAX_ACCEL_MPS2)
+    } else {
+        asked
     }
-}
-
-#[inline(always)]
-fn add(sum: &mut Lanes, x: &Lanes) {
-    *sum = lanes(sum, x, |sum, x| sum + x);
-}
-
-#[inline(always)]
-fn add_scaled(sum: &mut Lanes, weight: f64, x: &Lanes) {
-    *sum = lanes(sum, x, |sum, x| sum + weight * x);
-}
-
-#[inline(always)]
-fn add_product(sum: &mut Lanes, x: &Lanes, y: &Lanes) {
-    let product = lanes(x, y, |x, y| x * y);
-    *sum = lanes(sum, &product, |sum, product| sum + product);
-}
-
-/// x/(1 + |x|): unlike tanh the same few instructions on every machine, and so the same bytes.
-#[inline(always)]
-fn softsign(x: Lanes) -> Lanes {
-    lanes(&x, &x, |x, _| x / (1.0 + x.abs()))
-}
-
-#[inline(always)]
-fn through_softsign(d: &mut Lanes, y: &Lanes) {
-    *d = lanes(d, y, |d, y| {
-        let rest = 1.0 - y.abs();
-        d * (rest * rest)
-    });
 }
 
 /// Distance moved and the next speed, as in [`simulate`](crate::simulate).
 #[inline(always)]
-fn advance(speed: f64, asked: f64, step_s: f64) -> (f64, f64) {
-    let a = asked.clamp(MIN_ACCEL_MPS2, MAX_ACCEL_MPS2);
+fn advance<T: Real>(speed: T, asked: T, step_s: T) -> (T, T) {
+    let a = within_bounds(asked);
     let next = speed + a * step_s;
-    if next < 0.0 {
-        (speed * speed / (-2.0 * a), 0.0)
+    if next < T::of(0.0) {
+        (speed * speed / (T::of(-2.0) * a), T::of(0.0))
     } else {
-        (0.5 * (speed + next) * step_s, next)
+        (T::of(0.5) * (speed + next) * step_s, next)
     }
 }
 
 /// Derivatives by the speed and by the command, from those by the distance moved and by the next speed.
 #[inline(always)]
-fn advance_back(speed: f64, asked: f64, step_s: f64, d_moved: f64, d_next: f64) -> (f64, f64) {
-    let a = asked.clamp(MIN_ACCEL_MPS2, MAX_ACCEL_MPS2);
-    let (d_speed, d_a) = if speed + a * step_s < 0.0 {
-        (
-            -d_moved * speed / a,
-            d_moved * speed * speed / (2.0 * a * a),
-        )
+fn advance_back<T: Real>(speed: T, asked: T, step_s: T, d_moved: T, d_next: T) -> (T, T) {
+    let a = within_bounds(asked);
+    let (d_speed, d_a) = if speed + a * step_s < T::of(0.0) {
+        let stops = d_moved * speed / a;
+        (-stops, stops * speed / (T::of(2.0) * a))
     } else {
-        let d_next = d_next + 0.5 * step_s * d_moved;
-        (0.5 * step_s * d_moved + d_next, d_next * step_s)
+        let half = T::of(0.5) * step_s * d_moved;
+        (half + (d_next + half), (d_next + half) * step_s)
     };
-    let free = asked > MIN_ACCEL_MPS2 && asked < MAX_ACCEL_MPS2;
-    (d_speed, if free { d_a } else { 0.0 })
-}
-
-/// What the network asks for at one moment.
-pub(super) fn parameters(
-    world: &World,
-    weights: &[f64],
-    embedding: &[f64],
-    speed: f64,
-) -> controller::Parameters {
-    let h = world.layout.hidden;
-    let network = Styled::of(world.layout, weights, |_, k| embedding[k]);
-    let (mut first, mut second) = (vec![[0.0; LANES]; h], vec![[0.0; LANES]; h]);
-    let mut outputs = [[0.0; LANES]; OUTPUTS];
-    network.forward(
-        &inputs(world, &[speed; LANES]),
-        &mut first,
-        &mut second,
-        &mut outputs,
-    );
-    controller::Parameters::of(outputs.map(|lanes| lanes[0]))
+    let free = asked > T::of(MIN_ACCEL_MPS2) && asked < T::of(MAX_ACCEL_MPS2);
+    (d_speed, if free { d_a } else { T::of(0.0) })
 }
 
 #[cfg(test)]

@@ -48,7 +48,7 @@ pub fn versions() -> BTreeMap<String, String> {
         ("simulate", 10),
         ("measure", 7),
         ("rate", 4),
-        ("evaluate", 7),
+        ("evaluate", 8),
         ("stats", 15),
         ("ablate", 8),
         ("validate", 12),
