@@ -76,11 +76,12 @@ impl<'a> CentreLine<'a> {
 
     /// Moves ego and the others into the frame of the road. Samples that are not finite stay so.
     pub(crate) fn straighten(&self, drive: &mut RawDrive) {
-        for s in &mut drive.ego {
-            (s.x_m, s.y_m) = self.place(s.x_m, s.y_m);
+        let (ego, objects) = (&mut drive.ego, &mut drive.objects);
+        for (x, y) in ego.x_m.iter_mut().zip(&mut ego.y_m) {
+            (*x, *y) = self.place(*x, *y);
         }
-        for s in &mut drive.objects {
-            (s.x_m, s.y_m) = self.place(s.x_m, s.y_m);
+        for (x, y) in objects.x_m.iter_mut().zip(&mut objects.y_m) {
+            (*x, *y) = self.place(*x, *y);
         }
     }
 }

@@ -2,7 +2,7 @@
 
 use crate::{
     median::median,
-    raw::{EgoSample, RawDrive, Timed},
+    raw::{EgoSample, EgoSamples, RawDrive, Timed},
 };
 
 /// How far a clock must go back to count as set anew, in ns.
@@ -33,7 +33,7 @@ pub(crate) fn one_clock(drive: &mut RawDrive) -> Option<&'static str> {
         Vec::new()
     };
     let elsewhere = |&i: &usize| {
-        let (a, b) = (&ego[i - 1], &ego[i]);
+        let (a, b) = (ego.at(i - 1), ego.at(i));
         let dt = b.log_ns.saturating_sub(a.log_ns) as f64 / 1e9;
         libm::hypot(b.x_m - a.x_m, b.y_m - a.y_m) > ELSEWHERE_M + FASTEST_MPS * dt
     };
@@ -61,10 +61,8 @@ pub(crate) fn one_clock(drive: &mut RawDrive) -> Option<&'static str> {
 
 /// Puts every sample on its time of receipt.
 pub(crate) fn by_receipt(drive: &mut RawDrive) {
-    fn each(samples: &mut [impl Timed]) {
-        for s in samples {
-            *s.stamp_mut() = s.log_ns();
-        }
+    fn each(samples: &mut impl Timed) {
+        *samples.stamps_mut() = samples.receipts().to_vec();
     }
     each(&mut drive.ego);
     each(&mut drive.objects);
@@ -82,7 +80,7 @@ struct Times {
 
 impl Times {
     /// Of samples in the order of the file.
-    fn of(samples: &[impl Timed]) -> Self {
+    fn of(samples: &impl Timed) -> Self {
         let none = (i64::MAX, i64::MIN);
         let mut found = Self {
             back: false,
@@ -91,7 +89,7 @@ impl Times {
             receipt_span: none,
         };
         let grow = |span: &mut Span, t: i64| *span = (span.0.min(t), span.1.max(t));
-        for (stamp, log) in samples.iter().map(|s| (s.stamp_ns(), s.log_ns())) {
+        for (&stamp, &log) in samples.stamps().iter().zip(samples.receipts()) {
             found.back |= stamp < found.span.1.saturating_sub(SET_BACK_NS);
             found.receipt_back |= log < found.receipt_span.1.saturating_sub(SET_BACK_NS);
             grow(&mut found.span, stamp);
@@ -102,20 +100,21 @@ impl Times {
 }
 
 /// Where ego's stamps, in the order of the file, go back by more than a second and rise again from there.
-fn restarts(ego: &[EgoSample]) -> Vec<usize> {
+fn restarts(ego: &EgoSamples) -> Vec<usize> {
+    let stamps = &ego.stamp_ns;
     let mut starts = Vec::new();
     let mut most = i64::MIN;
-    for (i, sample) in ego.iter().enumerate() {
+    for (i, &stamp_ns) in stamps.iter().enumerate() {
         let limit = most.saturating_sub(SET_BACK_NS);
-        if sample.stamp_ns < limit {
-            let next = &ego[i..ego.len().min(i + LASTING)];
-            let rises = next.windows(2).filter(|w| w[1].stamp_ns > w[0].stamp_ns);
-            if 2 * rises.count() >= next.len() && next.iter().all(|s| s.stamp_ns < limit) {
+        if stamp_ns < limit {
+            let next = &stamps[i..stamps.len().min(i + LASTING)];
+            let rises = next.windows(2).filter(|w| w[1] > w[0]);
+            if 2 * rises.count() >= next.len() && next.iter().all(|ns| *ns < limit) {
                 starts.push(i);
-                most = sample.stamp_ns;
+                most = stamp_ns;
             }
         }
-        most = most.max(sample.stamp_ns);
+        most = most.max(stamp_ns);
     }
     starts
 }
@@ -125,10 +124,11 @@ const LEAST_STEP: f64 = 0.5;
 
 /// Whether samples make one drive once they are sorted by time, whatever their order: each time comes once, in steps that are about
 /// even, and ego is never put elsewhere. Of two runs over the same times one of the three fails.
-fn is_one_drive(ego: &[EgoSample]) -> bool {
-    let mut sorted: Vec<&EgoSample> = ego.iter().collect();
-    sorted.sort_by_key(|s| s.stamp_ns);
-    let step_s = |w: &[&EgoSample]| w[1].stamp_ns.saturating_sub(w[0].stamp_ns) as f64 / 1e9;
+fn is_one_drive(ego: &EgoSamples) -> bool {
+    let mut sorted = ego.clone();
+    sorted.sort();
+    let sorted: Vec<EgoSample> = sorted.iter().collect();
+    let step_s = |w: &[EgoSample]| w[1].stamp_ns.saturating_sub(w[0].stamp_ns) as f64 / 1e9;
     let mut steps: Vec<f64> = sorted.windows(2).map(step_s).collect();
     let Some(usual) = median(&mut steps) else {
         return false;
@@ -159,7 +159,7 @@ pub(crate) fn separate_restarts(drive: &mut RawDrive, hole_ns: i64) -> Vec<Span>
     let pieces: Vec<Span> = bounds
         .windows(2)
         .map(|b| {
-            let times = || ego[b[0]..b[1]].iter().map(|s| s.stamp_ns);
+            let times = || ego.stamp_ns[b[0]..b[1]].iter().copied();
             (times().min().unwrap_or(0), times().max().unwrap_or(0))
         })
         .collect();
@@ -177,8 +177,8 @@ pub(crate) fn separate_restarts(drive: &mut RawDrive, hole_ns: i64) -> Vec<Span>
         shifts.push(begin.saturating_sub(w[1].0));
         holes.push((end, begin));
     }
-    let first_nth: Vec<u32> = starts.iter().map(|&i| ego[i].nth).collect();
-    let last_nth: Vec<u32> = starts.iter().map(|&i| ego[i - 1].nth).collect();
+    let first_nth: Vec<u32> = starts.iter().map(|&i| ego.nth[i]).collect();
+    let last_nth: Vec<u32> = starts.iter().map(|&i| ego.nth[i - 1]).collect();
     let shift = |nth: u32, stamp_ns: i64| {
         let mut piece = first_nth.partition_point(|&first| first <= nth);
         // Between the last sample of one piece and the first of the next.
@@ -188,18 +188,20 @@ pub(crate) fn separate_restarts(drive: &mut RawDrive, hole_ns: i64) -> Vec<Span>
         }
         stamp_ns.saturating_add(shifts[piece])
     };
-    for object in &mut drive.objects {
-        object.stamp_ns = shift(object.nth, object.stamp_ns);
+    let (objects, speeds, sightings) =
+        (&mut drive.objects, &mut drive.speeds, &mut drive.sightings);
+    for (stamps, nths) in [
+        (&mut objects.stamp_ns, &objects.nth),
+        (&mut speeds.stamp_ns, &speeds.nth),
+        (&mut sightings.stamp_ns, &sightings.nth),
+    ] {
+        for (stamp_ns, &nth) in stamps.iter_mut().zip(nths) {
+            *stamp_ns = shift(nth, *stamp_ns);
+        }
     }
-    for speed in &mut drive.speeds {
-        speed.stamp_ns = shift(speed.nth, speed.stamp_ns);
-    }
-    for sighting in &mut drive.sightings {
-        sighting.stamp_ns = shift(sighting.nth, sighting.stamp_ns);
-    }
-    for (b, shift) in bounds.windows(2).zip(shifts) {
-        for sample in &mut ego[b[0]..b[1]] {
-            sample.stamp_ns = sample.stamp_ns.saturating_add(shift);
+    for (b, shift) in bounds.windows(2).zip(&shifts) {
+        for stamp_ns in &mut ego.stamp_ns[b[0]..b[1]] {
+            *stamp_ns = stamp_ns.saturating_add(*shift);
         }
     }
     holes
@@ -237,14 +239,14 @@ mod tests {
         }
     }
 
-    fn stamped(stamps: impl Iterator<Item = i64>) -> Vec<EgoSample> {
+    fn stamped(stamps: impl Iterator<Item = i64>) -> EgoSamples {
         (0..)
             .zip(stamps)
             .map(|(i, t)| ego(2 * i, t * STEP))
             .collect()
     }
 
-    fn separated(ego: Vec<EgoSample>) -> (Vec<i64>, usize) {
+    fn separated(ego: EgoSamples) -> (Vec<i64>, usize) {
         let mut drive = RawDrive {
             ego,
             ..RawDrive::default()
@@ -279,12 +281,14 @@ mod tests {
         // Of the first piece; between both, of either; of the second.
         let mut drive = RawDrive {
             ego: stamped((0..100).chain(0..100)),
-            objects: vec![
+            objects: [
                 object(199, 99 * STEP),
                 object(199, 0),
                 object(201, STEP),
                 object(21, 10 * STEP),
-            ],
+            ]
+            .into_iter()
+            .collect(),
             ..RawDrive::default()
         };
         separate_restarts(&mut drive, 20 * STEP);

@@ -4,7 +4,7 @@ use crate::{
     foreign::no_table,
     parquet::first_line,
     raw::table::{
-        open::{BYTE_ORDER_MARK, parse},
+        parse::{BYTE_ORDER_MARK, parse},
         text::{Header, cells, flaw, separator_of},
     },
 };

@@ -2,7 +2,7 @@
 
 use crate::{
     quality::{Warning, WarningKind},
-    raw::{EgoSample, ObjectSample},
+    raw::{EgoSamples, ObjectSamples},
 };
 use std::path::Path;
 
@@ -18,11 +18,13 @@ const MOST_SAMPLES: usize = 256;
 ///
 /// Samples are sorted; windows do not reach over holes longer than `max_gap_s`. A sample that stands alone keeps
 /// no speed. Poses alone do not tell reversing: the speed is positive.
-pub(crate) fn fill_speeds(ego: &mut [EgoSample], max_gap_s: f64) {
-    let at = |i: usize| ego[i].stamp_ns as f64 / 1e9;
-    let n = ego.len();
-    let mut speeds = Vec::with_capacity(n);
+pub(crate) fn fill_speeds(ego: &mut EgoSamples, max_gap_s: f64) {
+    let (stamp_ns, n) = (&ego.stamp_ns, ego.len());
+    let at = |i: usize| stamp_ns[i] as f64 / 1e9;
     for i in 0..n {
+        if !ego.speed_mps[i].is_nan() {
+            continue;
+        }
         let mut first = i;
         while first > 0
             && i - first < MOST_SAMPLES
@@ -39,10 +41,9 @@ pub(crate) fn fill_speeds(ego: &mut [EgoSample], max_gap_s: f64) {
         {
             last += 1;
         }
-        speeds.push(slope(&ego[first..=last]));
-    }
-    for (sample, speed) in ego.iter_mut().zip(speeds) {
-        sample.speed_mps = sample.speed_mps.or(speed);
+        let around = first..last + 1;
+        let places = (&ego.x_m[around.clone()], &ego.y_m[around.clone()]);
+        ego.speed_mps[i] = slope(&stamp_ns[around], places).unwrap_or(f64::NAN);
     }
 }
 
@@ -51,43 +52,41 @@ pub(crate) fn fill_speeds(ego: &mut [EgoSample], max_gap_s: f64) {
 /// Samples are sorted by time.
 pub(crate) fn fill_speeds_of_others(
     path: &Path,
-    objects: &mut Vec<ObjectSample>,
+    objects: &mut ObjectSamples,
     max_gap_s: f64,
 ) -> Option<Warning> {
-    let count = objects.iter().filter(|o| o.speed_mps.is_nan()).count();
+    let count = objects.speed_mps.iter().filter(|v| v.is_nan()).count();
     if count == 0 {
         return None;
     }
     let mut places: Vec<usize> = (0..objects.len()).collect();
     // Stable: each vehicle's samples stay in the order of time.
-    places.sort_by_key(|&i| objects[i].id);
-    let mut samples: Vec<EgoSample> = places.iter().map(|&i| objects[i].as_ego()).collect();
-    let mut first = 0;
-    for same in places.chunk_by(|&a, &b| objects[a].id == objects[b].id) {
-        let end = first + same.len();
-        fill_speeds(&mut samples[first..end], max_gap_s);
-        first = end;
-    }
-    for (&i, sample) in places.iter().zip(&samples) {
-        objects[i].speed_mps = sample.speed_mps.unwrap_or(f64::NAN);
+    places.sort_by_key(|&i| objects.id[i]);
+    let ids = objects.id.clone();
+    for same in places.chunk_by(|&a, &b| ids[a] == ids[b]) {
+        let mut samples: EgoSamples = same.iter().map(|&i| objects.at(i).as_ego()).collect();
+        fill_speeds(&mut samples, max_gap_s);
+        for (&i, speed) in same.iter().zip(samples.speed_mps) {
+            objects.speed_mps[i] = speed;
+        }
     }
     objects.retain(|o| !o.speed_mps.is_nan());
     let what = "speeds of others were not recorded: they are differentiated from their positions";
     Some(Warning::new(path, WarningKind::Default, count, what))
 }
 
-/// Length of the velocity that fits some positions best; none for a single one.
-fn slope(samples: &[EgoSample]) -> Option<f64> {
-    let n = samples.len() as f64;
-    let start = samples.first()?;
-    let since = |s: &EgoSample| (s.stamp_ns - start.stamp_ns) as f64 / 1e9;
-    let mean_t = samples.iter().map(since).sum::<f64>() / n;
+/// Length of the velocity that fits some positions (x and y) best; none for a single one.
+fn slope(stamp_ns: &[i64], (x_m, y_m): (&[f64], &[f64])) -> Option<f64> {
+    let n = stamp_ns.len() as f64;
+    let start = stamp_ns.first()?;
+    let since = |ns: &i64| (ns - start) as f64 / 1e9;
+    let mean_t = stamp_ns.iter().map(since).sum::<f64>() / n;
     let (mut tt, mut tx, mut ty) = (0.0, 0.0, 0.0);
-    for sample in samples {
-        let t = since(sample) - mean_t;
+    for (ns, (x, y)) in stamp_ns.iter().zip(x_m.iter().zip(y_m)) {
+        let t = since(ns) - mean_t;
         tt += t * t;
-        tx += t * (sample.x_m - start.x_m);
-        ty += t * (sample.y_m - start.y_m);
+        tx += t * (x - x_m[0]);
+        ty += t * (y - y_m[0]);
     }
     (tt > 0.0).then(|| libm::hypot(tx / tt, ty / tt))
 }
@@ -95,10 +94,11 @@ fn slope(samples: &[EgoSample]) -> Option<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::raw::EgoSample;
 
     #[test]
     fn a_steady_movement_has_its_speed_up_to_both_ends_and_a_lone_sample_has_none() {
-        let mut ego: Vec<EgoSample> = (0..50)
+        let mut ego: EgoSamples = (0..50)
             .map(|i| EgoSample {
                 stamp_ns: i64::from(i) * 10_000_000 + if i == 49 { 5_000_000_000 } else { 0 },
                 log_ns: 0,
@@ -110,10 +110,10 @@ mod tests {
             })
             .collect();
         fill_speeds(&mut ego, 0.5);
-        for sample in &ego[..49] {
-            assert!((sample.speed_mps.unwrap() - 5.0).abs() < 1e-9);
+        for speed in &ego.speed_mps[..49] {
+            assert!((speed - 5.0).abs() < 1e-9);
         }
-        assert_eq!(ego[49].speed_mps, None);
+        assert_eq!(ego.at(49).speed_mps, None);
     }
 
     #[test]
@@ -128,7 +128,7 @@ mod tests {
             speed_mps: None,
         };
         let speeds = |samples: &[EgoSample], hole_s: f64| {
-            let mut ego = samples.to_vec();
+            let mut ego: EgoSamples = samples.iter().copied().collect();
             fill_speeds(&mut ego, hole_s);
             ego.iter().map(|s| s.speed_mps).collect::<Vec<_>>()
         };

@@ -2,7 +2,7 @@
 
 use crate::{
     quality::{Warning, WarningKind},
-    raw::{EgoSample, RawDrive, SpeedSample},
+    raw::{EgoSamples, RawDrive, SpeedSamples},
 };
 use std::path::Path;
 
@@ -18,7 +18,7 @@ pub(crate) fn join_speeds(path: &Path, drive: &mut RawDrive) -> Option<Warning> 
         return None;
     }
     let warn = |count, what: &str| Some(Warning::new(path, WarningKind::MissingValue, count, what));
-    if speeds.iter().all(|s| s.speed_mps == 0.0) && way_m(&drive.ego) > MOVED_M {
+    if speeds.speed_mps.iter().all(|&v| v == 0.0) && way_m(&drive.ego) > MOVED_M {
         return warn(
             speeds.len(),
             "ego moves but the speeds of their own channel are all 0: they are not used",
@@ -42,32 +42,37 @@ pub(crate) fn join_speeds(path: &Path, drive: &mut RawDrive) -> Option<Warning> 
     )
 }
 
-fn way_m(ego: &[EgoSample]) -> f64 {
-    let step = |w: &[EgoSample]| libm::hypot(w[1].x_m - w[0].x_m, w[1].y_m - w[0].y_m);
-    ego.windows(2).map(step).filter(|m| m.is_finite()).sum()
+fn way_m(ego: &EgoSamples) -> f64 {
+    let step = |(x, y): (&[f64], &[f64])| libm::hypot(x[1] - x[0], y[1] - y[0]);
+    let steps = ego.x_m.windows(2).zip(ego.y_m.windows(2)).map(step);
+    steps.filter(|m| m.is_finite()).sum()
 }
 
 /// Interpolates between speeds that are close; gives how many of ego's samples are left without.
-fn join(ego: &mut [EgoSample], speeds: &[SpeedSample]) -> usize {
+fn join(ego: &mut EgoSamples, speeds: &SpeedSamples) -> usize {
     let most_ns = (SPEED_GAP_S * 1e9) as i64;
-    for sample in ego.iter_mut().filter(|s| s.speed_mps.is_none()) {
-        let next = speeds.partition_point(|s| s.stamp_ns <= sample.stamp_ns);
-        let before = next.checked_sub(1).map(|i| speeds[i]);
-        sample.speed_mps = match (before, speeds.get(next)) {
-            (Some(a), _) if a.stamp_ns == sample.stamp_ns => Some(a.speed_mps),
+    for (&stamp_ns, speed_mps) in ego.stamp_ns.iter().zip(&mut ego.speed_mps) {
+        if !speed_mps.is_nan() {
+            continue;
+        }
+        let next = speeds.stamp_ns.partition_point(|&ns| ns <= stamp_ns);
+        let before = next.checked_sub(1).map(|i| speeds.at(i));
+        *speed_mps = match (before, speeds.get(next)) {
+            (Some(a), _) if a.stamp_ns == stamp_ns => a.speed_mps,
             (Some(a), Some(b)) if b.stamp_ns.saturating_sub(a.stamp_ns) <= most_ns => {
-                let w = (sample.stamp_ns - a.stamp_ns) as f64 / (b.stamp_ns - a.stamp_ns) as f64;
-                Some(a.speed_mps + w * (b.speed_mps - a.speed_mps))
+                let w = (stamp_ns - a.stamp_ns) as f64 / (b.stamp_ns - a.stamp_ns) as f64;
+                a.speed_mps + w * (b.speed_mps - a.speed_mps)
             }
-            _ => None,
+            _ => f64::NAN,
         };
     }
-    ego.iter().filter(|s| s.speed_mps.is_none()).count()
+    ego.speed_mps.iter().filter(|v| v.is_nan()).count()
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::raw::{EgoSample, SpeedSample};
 
     fn ego(i: i64) -> EgoSample {
         EgoSample {
@@ -92,12 +97,13 @@ mod tests {
 
     #[test]
     fn speeds_are_joined_but_not_over_a_hole() {
-        let mut ego: Vec<EgoSample> = (0..4).map(ego).collect();
+        let mut ego: EgoSamples = (0..4).map(ego).collect();
         let speeds = [
             at(50_000_000, 2.0),
             at(150_000_000, 4.0),
             at(900_000_000, 9.0),
         ];
+        let speeds = speeds.into_iter().collect();
         assert_eq!(join(&mut ego, &speeds), 3);
         let found: Vec<Option<f64>> = ego.iter().map(|s| s.speed_mps).collect();
         assert_eq!(found, [None, Some(3.0), None, None]);

@@ -63,16 +63,15 @@ pub(crate) fn into_lanes(
         };
         lane as f64 * road.lane_width_m + offset.clamp(right, left)
     };
-    drive.ego.iter_mut().for_each(|s| s.y_m = place(s.y_m));
-    drive.objects.iter_mut().for_each(|s| s.y_m = place(s.y_m));
+    drive.ego.y_m.iter_mut().for_each(|y| *y = place(*y));
+    drive.objects.y_m.iter_mut().for_each(|y| *y = place(*y));
     Ok(())
 }
 
 /// The centres of the lanes, from the right one to the left one: the median of those who drove in each.
 fn driven(drive: &RawDrive, road: &Road) -> Result<Vec<f64>, String> {
     let width = road.lane_width_m;
-    let others = || drive.objects.iter().map(|s| s.y_m);
-    let ys = || drive.ego.iter().map(|s| s.y_m).chain(others());
+    let ys = || drive.ego.y_m.iter().chain(&drive.objects.y_m).copied();
     // Lanes are a width apart: their place within it is the mean of all directions on a circle of that width.
     let (mut sin, mut cos, mut count) = (0.0, 0.0, 0_usize);
     for y in ys() {
@@ -138,7 +137,7 @@ mod tests {
         };
         let mut drive = at(ys);
         into_lanes(Path::new("t.csv"), &mut drive, &road, shape).map_err(|e| e.to_string())?;
-        Ok(drive.ego.iter().map(|s| s.y_m).collect())
+        Ok(drive.ego.y_m)
     }
 
     fn assert_near(found: &[f64], expected: &[f64]) {

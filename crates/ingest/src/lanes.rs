@@ -3,7 +3,7 @@
 use crate::{
     mapping::FrameKind,
     median::median,
-    raw::{EgoSample, ObjectSample, RawDrive},
+    raw::{EgoSamples, ObjectSample, RawDrive},
 };
 
 /// Largest distance from a straight line at which a path still counts as straight, in m.
@@ -35,10 +35,7 @@ pub(crate) fn place(
     if right_lane_centre_y_m == 0.0 {
         return;
     }
-    for y in drive.ego.iter_mut().map(|s| &mut s.y_m) {
-        *y -= right_lane_centre_y_m;
-    }
-    for y in drive.objects.iter_mut().map(|s| &mut s.y_m) {
+    for y in drive.ego.y_m.iter_mut().chain(&mut drive.objects.y_m) {
         *y -= right_lane_centre_y_m;
     }
 }
@@ -46,7 +43,7 @@ pub(crate) fn place(
 /// Where ego was, for times that mostly rise: each search starts where the last one ended.
 #[derive(Debug)]
 pub(crate) struct EgoPath<'a> {
-    ego: &'a [EgoSample],
+    ego: &'a EgoSamples,
     /// The first sample after the time that was asked for last.
     next: usize,
     /// What was asked for last, and the answer: a message's objects have one stamp.
@@ -55,7 +52,7 @@ pub(crate) struct EgoPath<'a> {
 
 impl<'a> EgoPath<'a> {
     /// Takes samples that are sorted by time.
-    pub(crate) fn new(ego: &'a [EgoSample]) -> Self {
+    pub(crate) fn new(ego: &'a EgoSamples) -> Self {
         Self {
             ego,
             next: 0,
@@ -79,7 +76,7 @@ impl<'a> EgoPath<'a> {
     pub(crate) fn pose(&mut self, time_ns: i64) -> Option<(f64, f64, (f64, f64))> {
         let (x_m, y_m) = self.at(time_ns)?;
         let (before, after, w) = self.bracket(time_ns)?;
-        let (a, b) = (&self.ego[before], &self.ego[after]);
+        let (a, b) = (self.ego.at(before), self.ego.at(after));
         let (cos, sin) = match (a.yaw_rad, b.yaw_rad) {
             (Some(from), Some(to)) => {
                 let mix = |f: fn(f64) -> f64| f(from) + w * (f(to) - f(from));
@@ -93,26 +90,26 @@ impl<'a> EgoPath<'a> {
 
     fn between(&mut self, time_ns: i64) -> Option<(f64, f64)> {
         let (before, after, w) = self.bracket(time_ns)?;
-        let (before, after) = (&self.ego[before], &self.ego[after]);
-        let mix = |a: f64, b: f64| a + w * (b - a);
-        Some((mix(before.x_m, after.x_m), mix(before.y_m, after.y_m)))
+        let mix = |column: &[f64]| column[before] + w * (column[after] - column[before]);
+        Some((mix(&self.ego.x_m), mix(&self.ego.y_m)))
     }
 
     /// The samples around `time_ns` and the weight of the second.
     fn bracket(&mut self, time_ns: i64) -> Option<(usize, usize, f64)> {
-        let is_past = |s: &EgoSample| s.stamp_ns <= time_ns;
-        if self.next > 0 && !is_past(&self.ego[self.next - 1]) {
-            self.next = self.ego.partition_point(is_past);
+        let stamps = &self.ego.stamp_ns;
+        let is_past = |ns: &i64| *ns <= time_ns;
+        if self.next > 0 && !is_past(&stamps[self.next - 1]) {
+            self.next = stamps.partition_point(is_past);
         }
-        while self.ego.get(self.next).is_some_and(is_past) {
+        while stamps.get(self.next).is_some_and(is_past) {
             self.next += 1;
         }
         let before = self.next.checked_sub(1)?;
-        let from = self.ego[before].stamp_ns;
-        let Some(after) = self.ego.get(self.next) else {
+        let from = stamps[before];
+        let Some(after) = stamps.get(self.next) else {
             return (from == time_ns).then_some((before, before, 0.0));
         };
-        let w = (time_ns - from) as f64 / (after.stamp_ns - from) as f64;
+        let w = (time_ns - from) as f64 / (after - from) as f64;
         Some((before, self.next, w))
     }
 }
@@ -131,7 +128,7 @@ impl Line {
     }
 }
 
-fn straight_line(ego: &[EgoSample]) -> Option<Line> {
+fn straight_line(ego: &EgoSamples) -> Option<Line> {
     let (first, last) = (ego.first()?, ego.last()?);
     let (dx, dy) = (last.x_m - first.x_m, last.y_m - first.y_m);
     let length = libm::hypot(dx, dy);
@@ -146,8 +143,8 @@ fn straight_line(ego: &[EgoSample]) -> Option<Line> {
     };
     // Ego that turns back is on no straight road either.
     let mut furthest = f64::NEG_INFINITY;
-    for sample in ego {
-        let (x, y) = line.along(sample.x_m, sample.y_m);
+    for (&x, &y) in ego.x_m.iter().zip(&ego.y_m) {
+        let (x, y) = line.along(x, y);
         furthest = furthest.max(x);
         if y.abs() > STRAIGHT_M || x < furthest - STRAIGHT_M {
             return None;
@@ -157,18 +154,17 @@ fn straight_line(ego: &[EgoSample]) -> Option<Line> {
 }
 
 fn along_line(drive: &mut RawDrive, line: &Line) {
-    let mut ys: Vec<f64> = Vec::with_capacity(drive.ego.len());
-    for s in &mut drive.ego {
-        (s.x_m, s.y_m) = line.along(s.x_m, s.y_m);
-        ys.push(s.y_m);
+    let (ego, objects) = (&mut drive.ego, &mut drive.objects);
+    for (x, y) in ego.x_m.iter_mut().zip(&mut ego.y_m) {
+        (*x, *y) = line.along(*x, *y);
     }
-    let median = median(&mut ys).unwrap_or(0.0);
-    for s in &mut drive.ego {
-        s.y_m -= median;
+    let median = median(&mut ego.y_m.clone()).unwrap_or(0.0);
+    for y in &mut ego.y_m {
+        *y -= median;
     }
-    for s in &mut drive.objects {
-        let (x, y) = line.along(s.x_m, s.y_m);
-        (s.x_m, s.y_m) = (x, y - median);
+    for (x, y) in objects.x_m.iter_mut().zip(&mut objects.y_m) {
+        let (along, across) = line.along(*x, *y);
+        (*x, *y) = (along, across - median);
     }
 }
 
@@ -176,25 +172,23 @@ fn along_path(drive: &mut RawDrive, max_gap_s: f64) {
     let way = driven_way(&drive.ego, max_gap_s);
     let headings = headings(&drive.ego);
     let mut path = EgoPath::new(&drive.ego);
-    for object in &mut drive.objects {
-        if let Some(placed) = beside_path(&mut path, &way, &headings, object) {
-            (object.x_m, object.y_m) = placed;
-        } else {
-            // Ego was not there: the object cannot be placed, and resampling drops it.
-            object.x_m = f64::NAN;
-        }
-    }
-    drive.objects.retain(|o| o.x_m.is_finite());
-    for (sample, way) in drive.ego.iter_mut().zip(way) {
-        (sample.x_m, sample.y_m) = (way, 0.0);
-    }
+    drive.objects.retain_mut(|o| {
+        // Where ego was not there the object cannot be placed.
+        let Some(placed) = beside_path(&mut path, &way, &headings, o) else {
+            return false;
+        };
+        (o.x_m, o.y_m) = placed;
+        o.x_m.is_finite()
+    });
+    drive.ego.x_m = way;
+    drive.ego.y_m.fill(0.0);
 }
 
-fn driven_way(ego: &[EgoSample], max_gap_s: f64) -> Vec<f64> {
+fn driven_way(ego: &EgoSamples, max_gap_s: f64) -> Vec<f64> {
     let mut way = Vec::with_capacity(ego.len());
     let mut so_far = 0.0;
     for (i, sample) in ego.iter().enumerate() {
-        if let Some(before) = i.checked_sub(1).map(|i| &ego[i]) {
+        if let Some(before) = i.checked_sub(1).map(|i| ego.at(i)) {
             let dt = (sample.stamp_ns - before.stamp_ns) as f64 / 1e9;
             so_far += match (before.speed_mps, sample.speed_mps) {
                 (Some(a), Some(b)) if dt <= max_gap_s => 0.5 * (a + b) * dt,
@@ -207,15 +201,15 @@ fn driven_way(ego: &[EgoSample], max_gap_s: f64) -> Vec<f64> {
 }
 
 /// Ego's heading as a unit vector: as recorded, else its direction of movement, kept while it stands.
-fn headings(ego: &[EgoSample]) -> Vec<(f64, f64)> {
+fn headings(ego: &EgoSamples) -> Vec<(f64, f64)> {
     let moved = |i: usize| {
-        let a = &ego[i.saturating_sub(1)];
-        let b = &ego[(i + 1).min(ego.len() - 1)];
+        let a = ego.at(i.saturating_sub(1));
+        let b = ego.at((i + 1).min(ego.len() - 1));
         let (dx, dy) = (b.x_m - a.x_m, b.y_m - a.y_m);
         let way = libm::hypot(dx, dy);
         (way > DIRECTION_M).then(|| (dx / way, dy / way))
     };
-    let known = |i: usize| match ego[i].yaw_rad {
+    let known = |i: usize| match ego.at(i).yaw_rad {
         Some(yaw) => Some((libm::cos(yaw), libm::sin(yaw))),
         None => moved(i),
     };
@@ -245,8 +239,9 @@ fn beside_path(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::raw::EgoSample;
 
-    fn ego(points: &[(f64, f64)]) -> Vec<EgoSample> {
+    fn ego(points: &[(f64, f64)]) -> EgoSamples {
         let sample = |(i, &(x_m, y_m)): (i64, &(f64, f64))| EgoSample {
             stamp_ns: i * 100_000_000,
             log_ns: 0,
@@ -294,12 +289,12 @@ mod tests {
     fn a_straight_drive_in_any_direction_becomes_x() {
         let mut drive = RawDrive {
             ego: ego(&[(5.0, 5.0), (5.0, 6.0), (5.0, 7.0)]),
-            objects: vec![object(0, 4.0, 25.0)],
+            objects: [object(0, 4.0, 25.0)].into_iter().collect(),
             ..RawDrive::default()
         };
         place(&mut drive, FrameKind::Auto, 0.0, 0.5);
-        assert!((drive.ego[2].x_m - 2.0).abs() < 1e-12 && drive.ego[2].y_m.abs() < 1e-12);
-        let o = &drive.objects[0];
+        assert!((drive.ego.x_m[2] - 2.0).abs() < 1e-12 && drive.ego.y_m[2].abs() < 1e-12);
+        let o = drive.objects.at(0);
         assert!((o.x_m - 20.0).abs() < 1e-12 && (o.y_m - 1.0).abs() < 1e-12);
     }
 
@@ -315,12 +310,14 @@ mod tests {
             .collect();
         let mut drive = RawDrive {
             ego: ego(&circle),
-            objects: vec![object(10_000_000_000, circle[103].0, circle[103].1)],
+            objects: [object(10_000_000_000, circle[103].0, circle[103].1)]
+                .into_iter()
+                .collect(),
             ..RawDrive::default()
         };
         place(&mut drive, FrameKind::Auto, 0.0, 0.5);
-        assert!((drive.ego[399].x_m - 399.0).abs() < 1e-9);
-        let o = &drive.objects[0];
+        assert!((drive.ego.x_m[399] - 399.0).abs() < 1e-9);
+        let o = drive.objects.at(0);
         assert!((o.x_m - 103.0).abs() < 0.1 && o.y_m.abs() < 0.2);
     }
 }

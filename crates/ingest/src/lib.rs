@@ -29,6 +29,8 @@ mod settings;
 mod source;
 mod split;
 mod synchronise;
+mod target;
+mod tracks;
 
 pub use maveric_bag::begins_ns;
 

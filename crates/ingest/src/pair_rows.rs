@@ -1,7 +1,7 @@
 //! What the rows of a follower and its leader leave to be worked out in the order of time.
 
 use crate::raw::{
-    EgoSample, LEADER, ObjectSample, PairRows, RawDrive,
+    EgoSample, EgoSamples, LEADER, ObjectSamples, PairRows, RawDrive,
     leader::{Leaders, Sight},
 };
 
@@ -19,29 +19,35 @@ pub(crate) fn in_order(drive: &mut RawDrive) {
     }
     if unnumbered {
         let mut leaders = Leaders::default();
-        for o in &mut drive.objects {
+        for i in 0..drive.objects.len() {
+            let o = drive.objects.at(i);
             let sight = Sight {
                 stamp_ns: o.stamp_ns,
                 x_m: o.x_m,
                 speed_mps: o.speed_mps,
                 length_m: o.length_m,
             };
-            o.id = LEADER + leaders.before(sight);
+            drive.objects.id[i] = LEADER + leaders.before(sight);
         }
     }
 }
 
 /// The way that ego's speed makes, by the trapezoidal rule; the leader of a row is from where ego is then.
-fn integrate(ego: &mut [EgoSample], objects: &mut Vec<ObjectSample>) {
+fn integrate(ego: &mut EgoSamples, objects: &mut ObjectSamples) {
     let mut way_m = 0.0;
     let mut last: Option<(i64, f64)> = None;
-    for sample in ego.iter_mut() {
-        let v = sample.speed_mps.unwrap_or(0.0);
+    for i in 0..ego.len() {
+        let EgoSample {
+            stamp_ns,
+            speed_mps,
+            ..
+        } = ego.at(i);
+        let v = speed_mps.unwrap_or(0.0);
         if let Some((before_ns, before_mps)) = last {
-            way_m += 0.5 * (before_mps + v) * (sample.stamp_ns - before_ns) as f64 / 1e9;
+            way_m += 0.5 * (before_mps + v) * (stamp_ns - before_ns) as f64 / 1e9;
         }
-        last = Some((sample.stamp_ns, v));
-        sample.x_m = way_m;
+        last = Some((stamp_ns, v));
+        ego.x_m[i] = way_m;
     }
     // Without ego in its row nobody knows where the leader was.
     let mut at = 0;

@@ -4,7 +4,7 @@ use crate::{
     error::IngestError,
     median::median,
     quality::{Warning, WarningKind},
-    raw::{EgoSample, RawDrive},
+    raw::{EgoSamples, RawDrive, Timed},
 };
 use maveric_domain::{EgoTrack, Road};
 use std::{ops::RangeInclusive, path::Path};
@@ -53,44 +53,51 @@ pub(crate) fn leave_out_impossible(
     raw: &mut RawDrive,
 ) -> Result<Vec<Warning>, IngestError> {
     let by_row = raw.pair.is_some();
-    let known = |v: Option<f64>| v.unwrap_or(0.0);
+    let (ego, speeds, objects) = (&mut raw.ego, &mut raw.speeds, &mut raw.objects);
+    let bad = [&ego.speed_mps, &speeds.speed_mps, &objects.speed_mps].map(|v| impossible(v));
     let warnings = [
-        left_out(path, "ego", &mut raw.ego, by_row, |s| {
-            (known(s.speed_mps), s.stamp_ns, s.nth)
-        })?,
-        left_out(path, "ego", &mut raw.speeds, by_row, |s| {
-            (s.speed_mps, s.stamp_ns, s.nth)
-        })?,
-        left_out(path, "others", &mut raw.objects, by_row, |s| {
-            (s.speed_mps, s.stamp_ns, s.nth)
-        })?,
+        left_out(path, "ego", ego, &bad[0], by_row)?,
+        left_out(path, "ego", speeds, &bad[1], by_row)?,
+        left_out(path, "others", objects, &bad[2], by_row)?,
     ];
     Ok(warnings.into_iter().flatten().collect())
 }
 
-/// Leaves out those whose speed (the first of what `of` gives, beside time and number) is no car's.
-fn left_out<T>(
+/// Places of speeds that no car has, in rising order.
+fn impossible(speed_mps: &[f64]) -> Vec<usize> {
+    let is_impossible = |v: f64| v.abs() > FASTEST_MPS;
+    // Without a branch: almost always there are none.
+    if !speed_mps
+        .iter()
+        .fold(false, |some, v| some | is_impossible(*v))
+    {
+        return Vec::new();
+    }
+    (0..speed_mps.len())
+        .filter(|&i| is_impossible(speed_mps[i]))
+        .collect()
+}
+
+/// Leaves out the samples at some places, whose speed is no car's.
+fn left_out(
     path: &Path,
     whose: &str,
-    samples: &mut Vec<T>,
+    samples: &mut impl Timed,
+    places: &[usize],
     by_row: bool,
-    of: impl Fn(&T) -> (f64, i64, u32),
 ) -> Result<Option<Warning>, IngestError> {
-    let impossible = |s: &T| of(s).0.abs() > FASTEST_MPS;
-    let (before, bad) = (samples.len(), samples.iter().filter(|s| impossible(s)));
-    let bad: Vec<(i64, u32)> = bad
-        .map(|s| {
-            let (_, ns, nth) = of(s);
-            (ns, nth)
-        })
-        .collect();
-    if bad.is_empty() {
+    if places.is_empty() {
         return Ok(None);
     }
+    let before = samples.stamps().len();
+    let bad: Vec<(i64, u32)> = places
+        .iter()
+        .map(|&i| (samples.stamps()[i], samples.numbers()[i]))
+        .collect();
     let what = format!("speeds of {whose} are above {FASTEST_MPS} m/s");
     let refused = format!("{what}: is their unit right?");
     refuse_many(path, bad.len(), before, &refused)?;
-    samples.retain(|s| !impossible(s));
+    samples.keep(|i| places.binary_search(&i).is_err());
     let rows = bad.iter().map(|(_, nth)| (nth + 1).to_string());
     let mut rows: Vec<String> = rows.take(Warning::MOST_SPANS + 1).collect();
     if rows.len() > Warning::MOST_SPANS {
@@ -132,32 +139,29 @@ pub(crate) fn doubts(path: &Path, raw: &RawDrive) -> Vec<Warning> {
             doubts.push(Warning::new(path, WarningKind::Unit, count, what));
         }
     };
-    let ratio = |pair: &[EgoSample]| {
-        let dt = pair[1].stamp_ns.saturating_sub(pair[0].stamp_ns) as f64 / 1e9;
-        let v = pair[0].speed_mps?.abs();
+    let ego = &raw.ego;
+    // Of a sample and the next; a speed that is none is not told.
+    let ratio = |i: usize| {
+        let dt = ego.stamp_ns[i + 1].saturating_sub(ego.stamp_ns[i]) as f64 / 1e9;
+        let v = ego.speed_mps[i].abs();
         let told = v > MOVING_MPS && dt > 0.0 && dt < 1.0;
-        let (dx, dy) = (pair[1].x_m - pair[0].x_m, pair[1].y_m - pair[0].y_m);
+        let (dx, dy) = (ego.x_m[i + 1] - ego.x_m[i], ego.y_m[i + 1] - ego.y_m[i]);
         let moved = (dx * dx + dy * dy).sqrt();
         (told && moved > 0.0).then(|| v * dt / moved)
     };
-    let ratios = || raw.ego.windows(2).filter_map(ratio);
+    let ratios = || (0..ego.len().saturating_sub(1)).filter_map(ratio);
     let (least, most) = LENGTHS_M;
     let is_odd = |length_m: f64| !(least..=most).contains(&length_m);
-    let (mut back, mut count, mut borne_out) = (0, 0, 0);
-    let mut odd = usize::from(raw.ego_length_m.is_some_and(is_odd));
-    for i in 0..raw.ego.len() {
-        if let Some(v) = raw.ego[i].speed_mps {
-            back += usize::from(v < -MOVING_MPS);
-        }
-        if let Some(ratio) = raw.ego.get(i..i + 2).and_then(ratio) {
-            count += 1;
-            borne_out += usize::from(BORNE_OUT.contains(&ratio));
-        }
+    let (mut count, mut borne_out) = (0, 0);
+    for ratio in ratios() {
+        count += 1;
+        borne_out += usize::from(BORNE_OUT.contains(&ratio));
     }
-    for object in &raw.objects {
-        odd += usize::from(object.known_length_m().is_some_and(is_odd));
-    }
-    if 2 * back > raw.ego.len() {
+    let back = ego.speed_mps.iter().filter(|v| **v < -MOVING_MPS).count();
+    let lengths = raw.objects.length_m.iter().copied();
+    let lengths = lengths.filter(|l| !l.is_nan()).chain(raw.ego_length_m);
+    let odd = lengths.filter(|l| is_odd(*l)).count();
+    if 2 * back > ego.len() {
         let what = "ego drives backwards most of the time: is the sign of its speed right?";
         doubt(back, what.to_owned());
     }
@@ -186,14 +190,13 @@ pub(crate) fn doubts(path: &Path, raw: &RawDrive) -> Vec<Warning> {
 /// [`IngestError::Implausible`] where it is there most of the time.
 pub(crate) fn on_the_road(
     path: &Path,
-    ego: &[EgoSample],
+    ego: &EgoSamples,
     road: &Road,
 ) -> Result<Option<Warning>, IngestError> {
-    let off = |s: &&EgoSample| road.lane_at(s.y_m).is_none();
-    let off: Vec<f64> = ego
-        .iter()
-        .filter(off)
-        .map(|s| s.stamp_ns as f64 / 1e9)
+    let places = ego.stamp_ns.iter().zip(&ego.y_m);
+    let off: Vec<f64> = places
+        .filter(|(_, y)| road.lane_at(**y).is_none())
+        .map(|(&ns, _)| ns as f64 / 1e9)
         .collect();
     let what = format!(
         "ego is beside the road of {} lanes of {} m: is `right_lane_centre_y_m` right, or, of numbered lanes, `lanes_from` and `first_lane`?",
@@ -209,6 +212,7 @@ pub(crate) fn on_the_road(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::raw::EgoSample;
 
     fn driving(speed_mps: f64) -> RawDrive {
         let ego = (0..100).map(|i| EgoSample {
@@ -246,7 +250,7 @@ mod tests {
     fn a_car_of_a_metre_and_a_speed_of_a_jet_are_doubted() {
         let mut raw = driving(20.0);
         raw.ego_length_m = Some(1.4);
-        raw.ego[3].speed_mps = Some(300.0);
+        raw.ego.speed_mps[3] = 300.0;
         let fast = leave_out_impossible(Path::new("t"), &mut raw).unwrap();
         assert_eq!(
             (fast.len(), fast[0].spans_s.as_slice()),
@@ -260,12 +264,12 @@ mod tests {
         let mut drive = driving(20.0);
         let on = |drive: &RawDrive| on_the_road(Path::new("t"), &drive.ego, &Road::PAPER);
         assert_eq!(on(&drive).unwrap(), None);
-        drive.ego[3].y_m = 9.0;
-        drive.ego[4].y_m = -4.0;
+        drive.ego.y_m[3] = 9.0;
+        drive.ego.y_m[4] = -4.0;
         let warning = on(&drive).unwrap().unwrap();
         assert_eq!(warning.count, 2);
         assert_eq!(warning.spans_s.len(), 2);
-        drive.ego.iter_mut().for_each(|s| s.y_m = 40.0);
+        drive.ego.y_m.fill(40.0);
         assert!(
             on(&drive)
                 .unwrap_err()

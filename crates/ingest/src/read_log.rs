@@ -1,7 +1,7 @@
 //! One log in, its drives out.
 
 use crate::{
-    assemble::{Target, assemble},
+    assemble::assemble,
     error::IngestError,
     foreign::{self, foreign, foreign_text},
     lane_centres::LaneShape,
@@ -16,6 +16,7 @@ use crate::{
     settings::{IngestSettings, Ingested},
     source::Source,
     split::parts,
+    target::Target,
 };
 use maveric_bag::{Parts, is_split};
 use std::{

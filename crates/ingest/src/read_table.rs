@@ -1,7 +1,7 @@
 //! The drives of a table.
 
 use crate::{
-    assemble::{Target, assemble},
+    assemble::assemble,
     error::IngestError,
     mapping::{FrameKind, Layout, Mapping, RoadMapping, TableMapping, names::meta_of},
     plausible::along_x,
@@ -11,6 +11,7 @@ use crate::{
         open::{Kind, Table},
     },
     settings::{IngestSettings, Ingested},
+    target::Target,
 };
 use std::path::{Path, PathBuf};
 
@@ -45,87 +46,129 @@ pub(crate) fn read_table(
         max_gap_s: settings.max_gap_s()?,
     };
     let drives = table::read(log, &mut sources)?;
-    let (several, headed) = match &columns.layout {
-        Layout::Long(long) => (true, long.columns.heading.is_some()),
-        _ => (false, false),
+    let headed = match &columns.layout {
+        Layout::Long(long) => Some(long.columns.heading.is_some()),
+        _ => None,
     };
+    let mut left_out = LeftOut::default();
     let mut found = Vec::new();
-    let mut refused: Option<IngestError> = None;
-    let mut sparse = 0;
-    let mut unusable = Vec::new();
     for drive in drives {
-        let TableDrive {
-            mut captures,
-            road,
-            lane_steps,
-            raw,
-            mut warnings,
-            ..
-        } = drive;
-        let road = road.unwrap_or(mapped);
-        let world = Target::mapped(settings)?;
-        let target = Target {
-            road: road.road(),
-            right_lane_centre_y_m: road.right_lane_centre_y_m,
-            // Only positions in the world need to be laid along the road.
-            frame: if headed { world.frame } else { FrameKind::Map },
-            lane_steps,
-            // What is in ego's lane is known by name there.
-            own_lane_only: road.lanes == 1 && !headed,
-            ..world
-        };
-        captures.extend(told.iter().cloned());
-        let meta = meta_of(path, mapping.names.as_ref(), &captures, &mut warnings)?;
-        let made = assemble(path, raw, &target);
-        let made = made.and_then(|made| match target.frame {
-            FrameKind::Map => along_x(path, made.0.ego()).map(|()| made),
-            _ => Ok(made),
-        });
-        match made {
-            Ok((recording, more)) => {
-                warnings.extend(more);
-                found.push(Ingested {
-                    meta,
-                    recording,
-                    warnings,
-                    sources: sources.clone(),
-                });
-            }
-            Err(error @ IngestError::TooSparse { .. }) if several => {
-                sparse += 1;
-                refused.get_or_insert(error);
-            }
-            Err(error @ (IngestError::Implausible { .. } | IngestError::SeldomSeen { .. }))
-                if several =>
-            {
-                unusable.push(error.to_string());
-                refused.get_or_insert(error);
-            }
+        match ingested(path, drive, &told, settings, headed.unwrap_or(false)) {
+            Ok(drive) => found.push(Ingested {
+                sources: sources.clone(),
+                ..drive
+            }),
+            // One of many is left out by itself.
+            Err(error) if headed.is_some() => left_out.take(error)?,
             Err(error) => return Err(error),
         }
     }
-    match (found.first_mut(), refused) {
-        (Some(first), Some(_)) => {
-            if sparse > 0 {
-                let what = "vehicles whose samples are all further apart than the longest gap are no drives";
-                let warning = Warning::new(path, WarningKind::MissingValue, sparse, what);
-                first.warnings.push(warning);
-            }
-            if let Some(why) = unusable.first() {
-                let what =
-                    format!("vehicles whose rows make no drive are left out; the first: {why}");
-                let warning = Warning::new(path, WarningKind::Unit, unusable.len(), what);
-                first.warnings.push(warning);
-            }
-        }
-        (None, Some(error)) => return Err(error),
-        (None, None) => {
+    match found.first_mut() {
+        Some(first) => first.warnings.extend(left_out.warnings(path)),
+        None => {
             let what = "it has no vehicle with two rows that have time, number and position";
-            return Err(IngestError::bad_table(path, what));
+            let nobody = || IngestError::bad_table(path, what);
+            return Err(left_out.first.unwrap_or_else(nobody));
         }
-        (Some(_), None) => {}
     }
     Ok(found)
+}
+
+/// Makes the recording of one drive of a table; `headed` where its rows say headings in the world.
+///
+/// # Errors
+/// As [`crate::read_log`].
+fn ingested(
+    path: &Path,
+    drive: TableDrive,
+    told: &[(String, String)],
+    settings: &IngestSettings,
+    headed: bool,
+) -> Result<Ingested, IngestError> {
+    let mapping = settings.mapping.as_ref();
+    let mapped = mapping.and_then(|m| m.road).unwrap_or(RoadMapping::UNKNOWN);
+    let TableDrive {
+        mut captures,
+        road,
+        lane_steps,
+        raw,
+        mut warnings,
+        ..
+    } = drive;
+    let road = road.unwrap_or(mapped);
+    let world = Target::mapped(settings)?;
+    let target = Target {
+        road: road.road(),
+        right_lane_centre_y_m: road.right_lane_centre_y_m,
+        // Only positions in the world need to be laid along the road.
+        frame: if headed { world.frame } else { FrameKind::Map },
+        lane_steps,
+        // What is in ego's lane is known by name there.
+        own_lane_only: road.lanes == 1 && !headed,
+        ..world
+    };
+    captures.extend_from_slice(told);
+    let names = mapping.and_then(|m| m.names.as_ref());
+    let meta = meta_of(path, names, &captures, &mut warnings)?;
+    let (recording, more) = assemble(path, raw, &target)?;
+    if target.frame == FrameKind::Map {
+        along_x(path, recording.ego())?;
+    }
+    warnings.extend(more);
+    Ok(Ingested {
+        meta,
+        recording,
+        warnings,
+        sources: Vec::new(),
+    })
+}
+
+/// Vehicles of a table of many that make no drive.
+#[derive(Default)]
+struct LeftOut {
+    sparse: usize,
+    unusable: usize,
+    /// Why the first of the unusable is none.
+    why: Option<String>,
+    first: Option<IngestError>,
+}
+
+impl LeftOut {
+    /// Counts one.
+    ///
+    /// # Errors
+    /// The error itself, where it is not of one vehicle.
+    fn take(&mut self, error: IngestError) -> Result<(), IngestError> {
+        match &error {
+            IngestError::TooSparse { .. } => self.sparse += 1,
+            IngestError::Implausible { .. } | IngestError::SeldomSeen { .. } => {
+                self.unusable += 1;
+                self.why.get_or_insert_with(|| error.to_string());
+            }
+            _ => return Err(error),
+        }
+        self.first.get_or_insert(error);
+        Ok(())
+    }
+
+    fn warnings(&self, path: &Path) -> Vec<Warning> {
+        let mut warnings = Vec::new();
+        if self.sparse > 0 {
+            let what =
+                "vehicles whose samples are all further apart than the longest gap are no drives";
+            warnings.push(Warning::new(
+                path,
+                WarningKind::MissingValue,
+                self.sparse,
+                what,
+            ));
+        }
+        if let Some(why) = &self.why {
+            let what = format!("vehicles whose rows make no drive are left out; the first: {why}");
+            warnings.push(Warning::new(path, WarningKind::Unit, self.unusable, what));
+        }
+        warnings
+    }
 }
 
 /// What columns of the table say throughout, for the names of drives.

@@ -20,18 +20,18 @@ pub(crate) struct Row {
 
 impl Row {
     /// The row's value of a column of samples.
-    pub(crate) fn of<T>(&self, samples: &[T], value: impl Fn(&T) -> f64) -> f64 {
-        let a = value(&samples[self.before]);
+    pub(crate) fn of(&self, values: &[f64]) -> f64 {
+        let a = values[self.before];
         if self.weight > 0.0 {
-            a + self.weight * (value(&samples[self.before + 1]) - a)
+            a + self.weight * (values[self.before + 1] - a)
         } else {
             a
         }
     }
 
     /// The row's value of a label: that of the last sample before it, so that no row knows of what comes after it.
-    pub(crate) fn held<T>(&self, samples: &[T], value: impl Fn(&T) -> f64) -> f64 {
-        value(&samples[self.before])
+    pub(crate) fn held(&self, values: &[f64]) -> f64 {
+        values[self.before]
     }
 }
 
@@ -48,6 +48,11 @@ pub(crate) struct Grid {
     pub(crate) rows: Vec<Row>,
     /// From and to, in s.
     pub(crate) holes_s: Vec<(f64, f64)>,
+}
+
+/// Times of samples, in s.
+pub(crate) fn seconds(stamp_ns: &[i64]) -> Vec<f64> {
+    stamp_ns.iter().map(|ns| *ns as f64 / 1e9).collect()
 }
 
 /// The rows at multiples of 1/`rate_hz` that samples at `time_s` (rising) reach.
@@ -141,7 +146,7 @@ pub(crate) fn speeds(
     let row = |row: &Row| {
         let run = runs.around(row.before);
         let mean = filter.mean(values, run, row);
-        mean.unwrap_or_else(|| row.of(values, |v| *v))
+        mean.unwrap_or_else(|| row.of(values))
     };
     grid.rows.iter().map(row).collect()
 }
@@ -481,7 +486,7 @@ mod tests {
         let time = [0.0, 0.07, 0.1];
         let lanes = [0.0, 1.0, 2.0];
         let grid = grid(&time, 20.0, 0.5);
-        let held: Vec<f64> = grid.rows.iter().map(|r| r.held(&lanes, |l| *l)).collect();
+        let held: Vec<f64> = grid.rows.iter().map(|r| r.held(&lanes)).collect();
         assert_eq!(held, [0.0, 0.0, 2.0]);
     }
 
@@ -526,6 +531,6 @@ mod tests {
         ];
         assert_eq!(ticks, expected);
         assert_eq!(grid.holes_s, [(0.5, 2.0)]);
-        assert!((grid.rows[3].of(&time, |t| *t) - 0.3).abs() < 1e-12);
+        assert!((grid.rows[3].of(&time) - 0.3).abs() < 1e-12);
     }
 }

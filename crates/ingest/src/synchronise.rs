@@ -4,7 +4,7 @@ use crate::{
     clock::{by_receipt, separate_restarts},
     median::median,
     quality::{Warning, WarningKind},
-    raw::{EgoSample, RawDrive, Timed},
+    raw::{EgoSamples, RawDrive, Timed},
 };
 use std::path::Path;
 
@@ -32,9 +32,11 @@ pub(crate) fn synchronise(path: &Path, drive: &mut RawDrive, max_gap_s: f64) -> 
     order(path, "the others", &mut drive.objects, &mut warnings);
     order(path, "its speed", &mut drive.speeds, &mut warnings);
     // What was wrong with their order the others told.
-    drive.sightings.sort_by_key(|s| s.stamp_ns);
-    drive.sightings.dedup_by_key(|s| s.stamp_ns);
-    let start = drive.ego.first().map_or(0, |s| s.stamp_ns);
+    if !drive.sightings.rises() {
+        drive.sightings.sort();
+        drive.sightings.dedup();
+    }
+    let start = drive.ego.stamp_ns.first().copied().unwrap_or(0);
     if !restarts.is_empty() {
         let what = "the clock was set back over times that are recorded already: what follows is laid behind the rest, after a hole of no known length";
         let seconds = |ns: i64| ns.saturating_sub(start) as f64 / 1e9;
@@ -45,11 +47,15 @@ pub(crate) fn synchronise(path: &Path, drive: &mut RawDrive, max_gap_s: f64) -> 
     if start == 0 {
         return warnings;
     }
-    let stamps = drive.ego.iter_mut().map(Timed::stamp_mut);
-    let stamps = stamps.chain(drive.objects.iter_mut().map(Timed::stamp_mut));
-    let stamps = stamps.chain(drive.speeds.iter_mut().map(Timed::stamp_mut));
-    for stamp_ns in stamps.chain(drive.sightings.iter_mut().map(Timed::stamp_mut)) {
-        *stamp_ns = stamp_ns.saturating_sub(start);
+    for stamps in [
+        &mut drive.ego.stamp_ns,
+        &mut drive.objects.stamp_ns,
+        &mut drive.speeds.stamp_ns,
+        &mut drive.sightings.stamp_ns,
+    ] {
+        for stamp_ns in stamps {
+            *stamp_ns = stamp_ns.saturating_sub(start);
+        }
     }
     warnings
 }
@@ -60,19 +66,20 @@ pub(crate) fn hole_ns(max_gap_s: f64) -> i64 {
 }
 
 /// Whether nobody stamped these samples.
-fn unstamped(samples: &[impl Timed]) -> bool {
-    samples.iter().all(|s| s.stamp_ns() == 0) && samples.iter().any(|s| s.log_ns() != 0)
+fn unstamped(samples: &impl Timed) -> bool {
+    samples.stamps().iter().all(|&ns| ns == 0) && samples.receipts().iter().any(|&ns| ns != 0)
 }
 
-fn skew(path: &Path, ego: &[EgoSample]) -> Option<Warning> {
-    let late = |s: &EgoSample| (i128::from(s.log_ns) - i128::from(s.stamp_ns)) as f64 / 1e9;
+fn skew(path: &Path, ego: &EgoSamples) -> Option<Warning> {
+    let times = || ego.log_ns.iter().zip(&ego.stamp_ns);
+    let late = |(log, stamp): (&i64, &i64)| (i128::from(*log) - i128::from(*stamp)) as f64 / 1e9;
     // Where most are in time, so is the median.
     let most_ns = (SKEW_S * 1e9) as u64;
-    let in_time = |s: &&EgoSample| s.log_ns.abs_diff(s.stamp_ns) <= most_ns;
-    if 2 * ego.iter().filter(in_time).count() > ego.len() {
+    let in_time = |(log, stamp): &(&i64, &i64)| log.abs_diff(**stamp) <= most_ns;
+    if 2 * times().filter(in_time).count() > ego.len() {
         return None;
     }
-    let mut late: Vec<f64> = ego.iter().map(late).collect();
+    let mut late: Vec<f64> = times().map(late).collect();
     let median = median(&mut late)?;
     (median.abs() > SKEW_S).then(|| {
         let what = format!(
@@ -82,11 +89,9 @@ fn skew(path: &Path, ego: &[EgoSample]) -> Option<Warning> {
     })
 }
 
-fn order<T: Timed>(path: &Path, who: &str, samples: &mut Vec<T>, warnings: &mut Vec<Warning>) {
-    let key = |s: &T| (s.stamp_ns(), s.id());
+fn order(path: &Path, who: &str, samples: &mut impl Timed, warnings: &mut Vec<Warning>) {
     // What almost every log is: finite, in order, each once.
-    let in_order = samples.is_sorted_by(|a, b| key(a) < key(b) && b.is_finite());
-    if in_order && samples.first().is_none_or(T::is_finite) {
+    if samples.rises() && samples.all_finite() {
         return;
     }
     let mut report = |kind, count: usize, what: String| {
@@ -94,31 +99,31 @@ fn order<T: Timed>(path: &Path, who: &str, samples: &mut Vec<T>, warnings: &mut 
             warnings.push(Warning::new(path, kind, count, what));
         }
     };
-    let before = samples.len();
-    samples.retain(Timed::is_finite);
+    let before = samples.stamps().len();
+    let finite = samples.finite();
+    samples.keep(|i| finite[i]);
+    let left_out = before - samples.stamps().len();
     let what = format!("samples of {who} with a value that is not finite are left out");
-    report(WarningKind::MissingValue, before - samples.len(), what);
+    report(WarningKind::MissingValue, left_out, what);
 
-    let mut backwards = 0;
-    let mut last = i64::MIN;
-    for time in samples.iter().map(Timed::stamp_ns) {
-        backwards += usize::from(time < last);
-        last = time;
-    }
+    let backwards = samples.stamps().windows(2).filter(|w| w[1] < w[0]);
+    let backwards = backwards.count();
     // Stable: of two samples at one time the first that came is kept.
-    samples.sort_by_key(key);
+    samples.sort();
     let what = format!("samples of {who} came out of order and were sorted");
     report(WarningKind::OutOfOrder, backwards, what);
 
-    let before = samples.len();
-    samples.dedup_by(|b, a| a.id() == b.id() && a.stamp_ns() == b.stamp_ns());
+    let before = samples.stamps().len();
+    samples.dedup();
+    let left_out = before - samples.stamps().len();
     let what = format!("second samples of {who} at one time are left out");
-    report(WarningKind::DuplicateTime, before - samples.len(), what);
+    report(WarningKind::DuplicateTime, left_out, what);
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::raw::EgoSample;
 
     fn ego(stamp_ns: i64, log_ns: i64, x_m: f64) -> EgoSample {
         EgoSample {
@@ -141,7 +146,7 @@ mod tests {
     fn samples_are_sorted_and_the_first_of_one_time_is_kept() {
         let samples = [(30, 3.0), (10, 1.0), (20, 2.0), (20, 9.0), (40, f64::NAN)];
         let mut drive = RawDrive {
-            ego: samples.map(|(t, x)| ego(t, t, x)).to_vec(),
+            ego: samples.map(|(t, x)| ego(t, t, x)).into_iter().collect(),
             ..RawDrive::default()
         };
         let found = kinds(&mut drive);
@@ -160,20 +165,22 @@ mod tests {
     #[test]
     fn without_stamps_times_of_receipt_are_used_and_said() {
         let mut drive = RawDrive {
-            ego: vec![ego(0, 5, 1.0), ego(0, 7, 2.0)],
+            ego: [ego(0, 5, 1.0), ego(0, 7, 2.0)].into_iter().collect(),
             ..RawDrive::default()
         };
         assert_eq!(kinds(&mut drive), [WarningKind::ReceiveTime]);
-        assert_eq!(drive.ego[1].stamp_ns, 2);
+        assert_eq!(drive.ego.stamp_ns[1], 2);
     }
 
     #[test]
     fn late_receipt_is_reported_and_stamps_are_used() {
         let mut drive = RawDrive {
-            ego: vec![ego(0, 2_000_000_000, 1.0), ego(50, 2_000_000_050, 2.0)],
+            ego: [ego(0, 2_000_000_000, 1.0), ego(50, 2_000_000_050, 2.0)]
+                .into_iter()
+                .collect(),
             ..RawDrive::default()
         };
         assert_eq!(kinds(&mut drive), [WarningKind::ReceiveSkew]);
-        assert_eq!(drive.ego[1].stamp_ns, 50);
+        assert_eq!(drive.ego.stamp_ns[1], 50);
     }
 }

@@ -12,6 +12,7 @@ use crate::median::median;
 
 /// How far the ratio of speed and movement may be off a known one, as a logarithm: a tenth.
 const SURE: f64 = 0.1;
+
 /// What a file and a row are, as guessed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Shape {
@@ -51,19 +52,8 @@ pub(super) struct Guess {
 /// Guesses.
 pub(super) fn guess(table: &Sheet) -> Guess {
     let reader = Reader::new(table);
-    let numbered = |what: What, n: u32| {
-        let columns = table.columns.iter().zip(&reader.words);
-        let mut found = columns.filter(|(_, w)| w.what == Some(what) && w.number == Some(n));
-        found.next().map(|(c, _)| c)
-    };
-    let platoon = [
-        numbered(What::Speed, 1),
-        numbered(What::Speed, 2),
-        numbered(What::Gap, 1),
-    ];
+    let platoon = platoon(&reader);
     let id = reader.first(Whose::Ego, What::Id);
-    let platoon = platoon.iter().all(Option::is_some).then_some(platoon);
-
     let groups: Vec<&TableColumn> = match id {
         Some(_) if platoon.is_none() => reader.all(Whose::Ego, What::Group).collect(),
         _ => Vec::new(),
@@ -71,147 +61,69 @@ pub(super) fn guess(table: &Sheet) -> Guess {
     let series = series(table, id.filter(|_| platoon.is_none()), &groups);
     let time = Time::of(&reader, &series);
     let step_s = time.step_s;
-    let speed_column = match &platoon {
-        Some([speed, ..]) => *speed,
-        None => reader
-            .number(Whose::Ego, What::Speed)
-            .or(reader.number(Whose::Ego, What::SpeedX)),
-    };
+    let speed = platoon.map(|[speed, _]| speed).or_else(|| {
+        let speed = reader.number(Whose::Ego, What::Speed);
+        speed.or(reader.number(Whose::Ego, What::SpeedX))
+    });
     // A position that does not move as the speed says is another thing's.
-    let position = along(&reader, speed_column, step_s, &series);
+    let position = along(&reader, speed, step_s, &series);
     let position = position.filter(|p| p.1.is_none_or(|ratio| known_ratio(ratio).1 < SURE));
-    let lengths = [Whose::Ego, Whose::Lead].map(|w| reader.number(w, What::Length));
-    let unit_of = |column: Option<&TableColumn>| words(&column?.name).unit;
-    let named = [speed_column, position.map(|p| p.0)].map(unit_of);
-    let gap_column = match &platoon {
-        Some([_, _, gap]) => *gap,
-        None => reader
-            .number(Whose::Ego, What::Gap)
-            .or(reader.number(Whose::Lead, What::Gap)),
-    };
     let ratio = position.and_then(|p| p.1);
-    let harshest = speed_column.and_then(|c| harshest(c, step_s, &series));
-    let named_length = named[1]
-        .or(unit_of(gap_column))
+    let position = position.map(|p| p.0);
+    let lengths = [Whose::Ego, Whose::Lead].map(|w| reader.number(w, What::Length));
+    let gap = platoon.map(|[_, gap]| gap).or_else(|| {
+        let gap = reader.number(Whose::Ego, What::Gap);
+        gap.or(reader.number(Whose::Lead, What::Gap))
+    });
+    let unit_of = |column: Option<&TableColumn>| words(&column?.name).unit;
+    let harshest = speed.and_then(|c| harshest(c, step_s, &series));
+    let named_length = unit_of(position)
+        .or(unit_of(gap))
         .filter(|u| LENGTHS.contains(u));
-    let length = length_unit(named_length, lengths, named[0], ratio, harshest);
-    let speed = speed_unit(named[0], length.0, ratio, speed_column);
+    let length_unit = length_unit(named_length, lengths, unit_of(speed), ratio, harshest);
+    let speed_unit = speed_unit(unit_of(speed), length_unit.0, ratio, speed);
 
-    let lateral = lateral(&reader, position.map(|p| p.0), platoon.is_some());
+    let lateral = lateral(&reader, position, platoon.is_some());
     let ngsim = lateral.is_some_and(|(y, _)| y.name.eq_ignore_ascii_case("Local_X"));
     let lateral = lateral.map(|(column, named)| {
-        let in_lane = place_in_lane(column, named, length.0, &time.times_s, &series);
+        let in_lane = place_in_lane(column, named, length_unit.0, &time.times_s, &series);
         (column, in_lane)
     });
-    let mut columns: Vec<(&'static str, String)> = Vec::new();
-    let mut put = |key: &'static str, column: Option<&TableColumn>| {
-        if let Some(column) = column {
-            columns.push((key, column.name.clone()));
-        }
-    };
-    put("time", time.column);
-    let lead_x = position.and_then(|(p, _)| lead_position(&reader, p));
-    let lead_speed = reader.number(Whose::Lead, What::Speed);
-    let lead_length = lengths[1];
     let lane = reader.number(Whose::Ego, What::Lane);
-    let mut offset = None;
-    let shape = if let Some([Some(speed), _, Some(gap)]) = platoon {
-        let numbered = |c: &TableColumn| {
-            let stem = c.name.trim_end_matches(|d: char| d.is_ascii_digit());
-            format!("{stem}{{n}}")
-        };
-        columns.push(("speed", numbered(speed)));
-        columns.push(("gap", numbered(gap)));
-        Shape::Platoon
-    } else if let (Some(id), Some((x, _))) = (id, position) {
-        put("id", Some(id));
-        put("x", Some(x));
-        match lateral {
-            Some((column, Some(why))) if lane.is_some() => {
-                put("offset", Some(column));
-                offset = Some(why);
-            }
-            Some((column, _)) => put("y", Some(column)),
-            None => {}
-        }
-        put("lane", lane);
-        let speed = reader.number(Whose::Ego, What::Speed);
-        put("speed", speed);
-        if speed.is_none() {
-            put("speed_x", reader.number(Whose::Ego, What::SpeedX));
-            put("speed_y", reader.number(Whose::Ego, What::SpeedY));
-        }
-        put("length", lengths[0]);
-        put("lead_id", reader.first(Whose::Lead, What::Id));
-        if lead_x.is_some() || gap_column.is_some() && lead_speed.is_some() {
-            put("lead_x", lead_x);
-            put("gap", gap_column.filter(|_| lead_x.is_none()));
-            put("lead_speed", lead_speed);
-            put("lead_length", lead_length);
-        }
-        Shape::Long
-    } else if let (Some(speed), true) = (speed_column, gap_column.is_some() || lead_x.is_some()) {
-        put("ego_x", position.map(|p| p.0));
-        put("ego_speed", Some(speed));
-        put("ego_length", lengths[0]);
-        put("gap", gap_column);
-        put("lead_x", lead_x.filter(|_| gap_column.is_none()));
-        put("lead_speed", lead_speed);
-        put("lead_length", lead_length);
-        match lateral {
-            Some((column, None)) => put("ego_y", Some(column)),
-            Some((column, Some(why))) => {
-                put("offset", Some(column));
-                put("lane", lane);
-                offset = Some(why);
-            }
-            None => put("lane", lane),
-        }
-        Shape::Pair
-    } else if speed_column.is_none() {
-        Shape::Unknown("no column looks like a speed")
-    } else if id.is_some() {
-        Shape::Unknown(
-            "no position moves as the speed says, so which one is along the road is not sure",
-        )
-    } else {
-        Shape::Unknown("no column looks like a gap, a leader's position, or a vehicle's number")
+    let lead_x = position.and_then(|p| lead_position(&reader, p));
+    let told = Told {
+        reader: &reader,
+        platoon,
+        id,
+        position,
+        speed,
+        lengths,
+        gap,
+        lead_x,
+        lateral,
+        lane,
     };
-    let shape = match (time.column, shape) {
-        (None, Shape::Pair | Shape::Long | Shape::Platoon) => {
-            Shape::Unknown("no column looks like a time")
-        }
-        (_, shape) => shape,
-    };
+    let Named {
+        shape,
+        columns,
+        offset,
+    } = told.named(time.column);
     let uses_gap = columns.iter().any(|(key, _)| *key == "gap");
-    let gap_kind = gap_column.filter(|_| uses_gap).map(|gap| {
-        let x = position.map(|p| p.0);
-        super::units::gap_kind(gap, x, lead_x, lead_length, length.0)
-    });
-    let used = |name: &String| {
-        let stem = name.trim_end_matches(|d: char| d.is_ascii_digit());
-        let platoon = format!("{stem}{{n}}");
-        columns.iter().any(|(_, c)| c == name || *c == platoon)
-            || groups.iter().any(|g| g.name == *name)
-    };
-    let unused = table
-        .columns
-        .iter()
-        .map(|c| c.name.clone())
-        .filter(|n| !used(n))
-        .collect();
-    let both_ways = reader
-        .number(Whose::Ego, What::SpeedX)
+    let gap_kind = gap
+        .filter(|_| uses_gap)
+        .map(|gap| super::units::gap_kind(gap, position, lead_x, lengths[1], length_unit.0));
+    let speed_x = reader.number(Whose::Ego, What::SpeedX);
+    let both_ways = speed_x
         .and_then(TableColumn::range)
         .is_some_and(|(least, most)| least < -MOVING && most > MOVING);
     Guess {
         shape,
-        unused,
+        unused: unused(table, &columns, &groups),
         groups: groups.iter().map(|g| g.name.clone()).collect(),
         time: time.unit,
         time_pattern: time.pattern,
-        length,
-        speed,
+        length: length_unit,
+        speed: speed_unit,
         rate_hz: step_s.filter(|s| *s > 0.0).map(|s| 1.0 / s),
         gap_kind,
         both_ways,
@@ -219,6 +131,164 @@ pub(super) fn guess(table: &Sheet) -> Guess {
         offset,
         lanes: lane.and_then(TableColumn::range).map(|r| r.1 as u8),
         columns,
+    }
+}
+
+/// Speed and gap of the first vehicle of a platoon, where the columns of two are numbered.
+fn platoon<'a>(reader: &Reader<'a>) -> Option<[&'a TableColumn; 2]> {
+    let numbered = |what: What, n: u32| {
+        let mut columns = reader.table.columns.iter().zip(&reader.words);
+        let column = columns.find(|(_, w)| w.what == Some(what) && w.number == Some(n));
+        column.map(|(c, _)| c)
+    };
+    numbered(What::Speed, 2)?;
+    Some([numbered(What::Speed, 1)?, numbered(What::Gap, 1)?])
+}
+
+/// A name of a platoon's column without its number.
+fn template(name: &str) -> String {
+    let stem = name.trim_end_matches(|d: char| d.is_ascii_digit());
+    format!("{stem}{{n}}")
+}
+
+/// Names of columns that mean nothing here.
+fn unused(
+    table: &Sheet,
+    columns: &[(&'static str, String)],
+    groups: &[&TableColumn],
+) -> Vec<String> {
+    let used = |name: &String| {
+        let template = template(name);
+        columns.iter().any(|(_, c)| c == name || *c == template)
+            || groups.iter().any(|g| g.name == *name)
+    };
+    let names = table.columns.iter().map(|c| c.name.clone());
+    names.filter(|n| !used(n)).collect()
+}
+
+/// What columns tell of a drive.
+struct Told<'a> {
+    reader: &'a Reader<'a>,
+    platoon: Option<[&'a TableColumn; 2]>,
+    id: Option<&'a TableColumn>,
+    position: Option<&'a TableColumn>,
+    speed: Option<&'a TableColumn>,
+    /// Of ego and of its leader.
+    lengths: [Option<&'a TableColumn>; 2],
+    gap: Option<&'a TableColumn>,
+    lead_x: Option<&'a TableColumn>,
+    /// With the reason why it is a place in the lane, where it is one.
+    lateral: Option<(&'a TableColumn, Option<String>)>,
+    lane: Option<&'a TableColumn>,
+}
+
+/// Keys of a mapping with their columns.
+#[derive(Default)]
+struct Keys(Vec<(&'static str, String)>);
+
+impl Keys {
+    fn put(&mut self, key: &'static str, column: Option<&TableColumn>) {
+        self.0.extend(column.map(|c| (key, c.name.clone())));
+    }
+}
+
+/// The shape of a table and the columns that it needs.
+struct Named {
+    shape: Shape,
+    columns: Vec<(&'static str, String)>,
+    offset: Option<String>,
+}
+
+impl Told<'_> {
+    fn named(&self, time: Option<&TableColumn>) -> Named {
+        let mut keys = Keys::default();
+        keys.put("time", time);
+        let mut offset = None;
+        let leads = self.gap.is_some() || self.lead_x.is_some();
+        let shape = if let Some([speed, gap]) = self.platoon {
+            keys.0.push(("speed", template(&speed.name)));
+            keys.0.push(("gap", template(&gap.name)));
+            Shape::Platoon
+        } else if self.id.is_some() && self.position.is_some() {
+            offset = self.long(&mut keys);
+            Shape::Long
+        } else if self.speed.is_some() && leads {
+            offset = self.pair(&mut keys);
+            Shape::Pair
+        } else {
+            Shape::Unknown(match (self.speed, self.id) {
+                (None, _) => "no column looks like a speed",
+                (_, Some(_)) => {
+                    "no position moves as the speed says, so which one is along the road is not sure"
+                }
+                _ => "no column looks like a gap, a leader's position, or a vehicle's number",
+            })
+        };
+        let shape = match (time, shape) {
+            (None, Shape::Pair | Shape::Long | Shape::Platoon) => {
+                Shape::Unknown("no column looks like a time")
+            }
+            (_, shape) => shape,
+        };
+        Named {
+            shape,
+            columns: keys.0,
+            offset,
+        }
+    }
+
+    /// Of a table of many vehicles; gives why its lateral column is a place in the lane.
+    fn long(&self, keys: &mut Keys) -> Option<String> {
+        let mut offset = None;
+        keys.put("id", self.id);
+        keys.put("x", self.position);
+        match &self.lateral {
+            Some((column, Some(why))) if self.lane.is_some() => {
+                keys.put("offset", Some(column));
+                offset = Some(why.clone());
+            }
+            Some((column, _)) => keys.put("y", Some(column)),
+            None => {}
+        }
+        keys.put("lane", self.lane);
+        let number = |what| self.reader.number(Whose::Ego, what);
+        let speed = number(What::Speed);
+        keys.put("speed", speed);
+        if speed.is_none() {
+            keys.put("speed_x", number(What::SpeedX));
+            keys.put("speed_y", number(What::SpeedY));
+        }
+        keys.put("length", self.lengths[0]);
+        keys.put("lead_id", self.reader.first(Whose::Lead, What::Id));
+        let lead_speed = self.reader.number(Whose::Lead, What::Speed);
+        if self.lead_x.is_some() || self.gap.is_some() && lead_speed.is_some() {
+            keys.put("lead_x", self.lead_x);
+            keys.put("gap", self.gap.filter(|_| self.lead_x.is_none()));
+            keys.put("lead_speed", lead_speed);
+            keys.put("lead_length", self.lengths[1]);
+        }
+        offset
+    }
+
+    /// Of a table of a follower and its leader; gives why its lateral column is a place in the lane.
+    fn pair(&self, keys: &mut Keys) -> Option<String> {
+        keys.put("ego_x", self.position);
+        keys.put("ego_speed", self.speed);
+        keys.put("ego_length", self.lengths[0]);
+        keys.put("gap", self.gap);
+        keys.put("lead_x", self.lead_x.filter(|_| self.gap.is_none()));
+        keys.put("lead_speed", self.reader.number(Whose::Lead, What::Speed));
+        keys.put("lead_length", self.lengths[1]);
+        match &self.lateral {
+            Some((column, None)) => keys.put("ego_y", Some(column)),
+            Some((column, Some(why))) => {
+                keys.put("offset", Some(column));
+                keys.put("lane", self.lane);
+                return Some(why.clone());
+            }
+            None => keys.put("lane", self.lane),
+        }
+        None
     }
 }
 

@@ -16,7 +16,7 @@ use crate::{
     error::IngestError,
     mapping::{McapMapping, TwistFrame},
     quality::{Warning, WarningKind},
-    raw::{EgoSample, ObjectSample, RawDrive, Sighting, SpeedSample},
+    raw::{ObjectSample, ObjectSamples, RawDrive, Sighting, Sightings, SpeedSample},
 };
 use maveric_bag::{
     Damage, MOST_RECORD, Message, Stream, Streams, Take, Walk, announced, read_streams,
@@ -138,8 +138,8 @@ fn collect_from(
         bad: 0,
         bad_why: None,
         ego: Vec::new(),
-        objects: Vec::new(),
-        sightings: Vec::new(),
+        objects: ObjectSamples::default(),
+        sightings: Sightings::default(),
         frame: FrameNames::default(),
         other_frames: 0,
         making: Objects::default(),
@@ -273,101 +273,129 @@ fn drive_of(
         Some(stream) => (stream.ego, Some(stream.frame), take(choice.objects)),
         None => (Vec::new(), None, None),
     };
-    let lists_others = others.is_some();
-    let (mut objects, sightings, whose) = match others {
-        Some(others) => {
-            let whose = of_ego.map_or(Whose::Fixed, |of_ego| others.frame.beside(of_ego));
-            if others.other_frames > 0 {
-                let what = "samples of others in another frame than the first of them are left out";
-                warn(WarningKind::Choice, others.other_frames, what);
-            }
-            (others.objects, others.sightings, whose)
-        }
-        None => (Vec::new(), Vec::new(), Whose::Fixed),
-    };
-    match whose {
-        Whose::Fixed => {}
-        Whose::Another => {
-            let what = "the others are said to be in another fixed frame than ego: they are taken to be in the same";
-            warn(WarningKind::Choice, objects.len(), what);
-        }
-        Whose::Ego => {
-            let what = "the others are in ego's own frame: they are placed by where ego is, and their speeds are differentiated";
-            warn(WarningKind::Choice, objects.len(), what);
-        }
-        Whose::Unknown => {
-            let what = "the others are left out: their frame is neither ego's nor one that stands still, so nobody knows where they are";
-            warn(WarningKind::Choice, objects.len(), what);
-            objects.clear();
-        }
-    }
+    let sees = seen(record, others.is_some());
+    let mut others = Others::of(others, of_ego, &mut warn);
     if choice.mapping.left_handed == Some(true) {
-        turn(&mut ego, &mut objects);
+        turn(&mut ego, &mut others.objects);
     }
     let mut ego_length_m = record.map(|r| r.ego_length_m);
     if let Some(id) = ego_id
         .filter(|_| told_from_objects || ego_among_objects || choice.mapping.ego_object.is_some())
     {
-        let is_ego = |o: &&ObjectSample| o.id == id;
-        let its_length = |o: &ObjectSample| o.known_length_m().filter(|_| o.id == id);
-        ego_length_m = ego_length_m.or_else(|| objects.iter().find_map(its_length));
+        let its = || others.objects.iter().filter(|o| o.id == id);
+        ego_length_m = ego_length_m.or_else(|| its().find_map(|o| o.known_length_m()));
         if told_from_objects {
-            let row = |o: &ObjectSample| EgoRow {
+            let row = |o: ObjectSample| EgoRow {
                 sample: o.as_ego(),
                 twist: None,
             };
-            ego = objects.iter().filter(is_ego).map(row).collect();
+            ego = its().map(row).collect();
             let what = format!("ego is object {id} of the others' channel");
             warn(WarningKind::Choice, ego.len(), &what);
         }
-        objects.retain(|o| o.id != id);
+        others.objects.retain(|o| o.id != id);
     }
     if let Some(what) = settle_speeds(&mut ego) {
         warn(WarningKind::Choice, ego.len(), what);
     }
-    let mut ego: Vec<EgoSample> = ego.into_iter().map(|r| r.sample).collect();
-    if is_fix {
-        flatten(&mut ego);
-    }
-    let speeds = speeds.into_iter().filter_map(|r| {
-        Some(SpeedSample {
-            stamp_ns: r.sample.stamp_ns,
-            log_ns: r.sample.log_ns,
-            nth: r.sample.nth,
-            speed_mps: r.sample.speed_mps?,
-        })
-    });
     let mut drive = RawDrive {
-        ego,
-        objects,
-        sightings: if whose == Whose::Unknown {
-            Vec::new()
-        } else {
-            sightings
-        },
-        speeds: speeds.collect(),
+        ego: ego.into_iter().map(|r| r.sample).collect(),
+        objects: others.objects,
+        sightings: others.sightings,
+        speeds: speeds.into_iter().filter_map(speed_sample).collect(),
         ego_length_m,
         ego_among_objects: ego_among_objects && ego_id.is_none(),
-        // Whoever lists vehicles lists all around; without a list nobody is seen.
-        sees: match record {
-            Some(record) => record.sees,
-            None if lists_others => Sees::ALL,
-            None => Sees {
-                lanes: true,
-                ..Sees::NOTHING
-            },
-        },
+        sees,
         without_lateral: record.is_some_and(|r| r.without_lateral),
         pair: None,
     };
+    if is_fix {
+        flatten(&mut drive.ego);
+    }
     if let Some(what) = one_clock(&mut drive) {
         let count = drive.ego.len() + drive.objects.len() + drive.speeds.len();
         warn(WarningKind::ReceiveTime, count, what);
     }
-    if whose == Whose::Ego {
+    if others.whose == Whose::Ego {
         place_by_ego(&mut drive);
     }
     drive
+}
+
+/// A speed of a channel of its own.
+fn speed_sample(row: EgoRow) -> Option<SpeedSample> {
+    Some(SpeedSample {
+        stamp_ns: row.sample.stamp_ns,
+        log_ns: row.sample.log_ns,
+        nth: row.sample.nth,
+        speed_mps: row.sample.speed_mps?,
+    })
+}
+
+/// What a recording shows: whoever lists vehicles lists all around; without a list nobody is seen.
+fn seen(record: Option<&DriveRecord>, lists_others: bool) -> Sees {
+    match record {
+        Some(record) => record.sees,
+        None if lists_others => Sees::ALL,
+        None => Sees {
+            lanes: true,
+            ..Sees::NOTHING
+        },
+    }
+}
+
+/// The others, in the frame that they are told in.
+struct Others {
+    objects: ObjectSamples,
+    sightings: Sightings,
+    whose: Whose,
+}
+
+impl Others {
+    /// Of their stream, beside the frame of ego's; says what was chosen.
+    fn of(
+        stream: Option<Samples>,
+        of_ego: Option<FrameNames>,
+        warn: &mut impl FnMut(WarningKind, usize, &str),
+    ) -> Self {
+        let Some(stream) = stream else {
+            return Self {
+                objects: ObjectSamples::default(),
+                sightings: Sightings::default(),
+                whose: Whose::Fixed,
+            };
+        };
+        let whose = of_ego.map_or(Whose::Fixed, |of_ego| stream.frame.beside(of_ego));
+        let kind = WarningKind::Choice;
+        if stream.other_frames > 0 {
+            let what = "samples of others in another frame than the first of them are left out";
+            warn(kind, stream.other_frames, what);
+        }
+        let mut others = Self {
+            objects: stream.objects,
+            sightings: stream.sightings,
+            whose,
+        };
+        let count = others.objects.len();
+        match whose {
+            Whose::Fixed => {}
+            Whose::Another => {
+                let what = "the others are said to be in another fixed frame than ego: they are taken to be in the same";
+                warn(kind, count, what);
+            }
+            Whose::Ego => {
+                let what = "the others are in ego's own frame: they are placed by where ego is, and their speeds are differentiated";
+                warn(kind, count, what);
+            }
+            Whose::Unknown => {
+                let what = "the others are left out: their frame is neither ego's nor one that stands still, so nobody knows where they are";
+                warn(kind, count, what);
+                others.objects.truncate(0);
+                others.sightings.truncate(0);
+            }
+        }
+        others
+    }
 }
 
 /// Damage as warnings, with times since the first message.
@@ -398,9 +426,9 @@ pub(crate) struct Samples {
     /// What was wrong with the first of them.
     bad_why: Option<String>,
     ego: Vec<EgoRow>,
-    objects: Vec<ObjectSample>,
+    objects: ObjectSamples,
     /// When lists of others came, empty ones too.
-    sightings: Vec<Sighting>,
+    sightings: Sightings,
     /// Frames of its first sample.
     frame: FrameNames,
     /// Samples of others in another frame than the first.
@@ -489,10 +517,8 @@ impl Take for Samples {
         match role {
             Role::Frames => {}
             Role::Objects => {
-                let stamp_ns = match self.objects.get(before) {
-                    Some(object) => object.stamp_ns,
-                    None => stamp_ns(row),
-                };
+                let first = self.objects.stamp_ns.get(before).copied();
+                let stamp_ns = first.unwrap_or_else(|| stamp_ns(row));
                 self.sightings.push(Sighting {
                     stamp_ns,
                     log_ns: receipt.log_ns,

@@ -6,7 +6,7 @@ use super::{
 };
 use crate::{
     mapping::TwistFrame,
-    raw::{EgoSample, ObjectSample},
+    raw::{EgoSample, EgoSamples, ObjectSample, ObjectSamples},
 };
 use std::collections::BTreeMap;
 
@@ -257,39 +257,38 @@ pub(crate) fn settle_speeds(rows: &mut [EgoRow]) -> Option<&'static str> {
 ///
 /// # Source
 /// Radii of curvature of the WGS 84 ellipsoid; within 10 km of the first fix the plane is true to some centimetres a km.
-pub(crate) fn flatten(ego: &mut [EgoSample]) {
+pub(crate) fn flatten(ego: &mut EgoSamples) {
     const RADIUS_M: f64 = 6_378_137.0;
     const ECCENTRICITY2: f64 = 6.694_379_990_141e-3;
-    let on_earth =
-        |s: &EgoSample| s.x_m.abs() <= 180.0 && s.y_m.abs() < 90.0 && (s.x_m, s.y_m) != (0.0, 0.0);
-    let Some(first) = ego.iter().find(|s| on_earth(s)).copied() else {
+    let on_earth = |x: f64, y: f64| x.abs() <= 180.0 && y.abs() < 90.0 && (x, y) != (0.0, 0.0);
+    let Some(first) = ego.iter().find(|s| on_earth(s.x_m, s.y_m)) else {
         return;
     };
     let (sin, cos) = libm::sincos(first.y_m.to_radians());
     let w2 = 1.0 - ECCENTRICITY2 * sin * sin;
     let east = RADIUS_M / w2.sqrt() * cos;
     let north = RADIUS_M * (1.0 - ECCENTRICITY2) / (w2 * w2.sqrt());
-    for s in ego {
-        let there = on_earth(s);
-        let across = (s.x_m - first.x_m + 540.0).rem_euclid(360.0) - 180.0;
-        s.x_m = if there {
+    for (x, y) in ego.x_m.iter_mut().zip(&mut ego.y_m) {
+        let there = on_earth(*x, *y);
+        let across = (*x - first.x_m + 540.0).rem_euclid(360.0) - 180.0;
+        *x = if there {
             across.to_radians() * east
         } else {
             f64::NAN
         };
-        s.y_m = (s.y_m - first.y_m).to_radians() * north;
+        *y = (*y - first.y_m).to_radians() * north;
     }
 }
 
 /// Turns a left-handed frame into a right-handed one: y to the left.
-pub(crate) fn turn(ego: &mut [EgoRow], objects: &mut [ObjectSample]) {
+pub(crate) fn turn(ego: &mut [EgoRow], objects: &mut ObjectSamples) {
     for row in ego {
         row.sample.y_m = -row.sample.y_m;
         row.sample.yaw_rad = row.sample.yaw_rad.map(|yaw| -yaw);
         row.twist = row.twist.map(|(vx, vy)| (vx, -vy));
     }
-    for object in objects {
-        object.y_m = -object.y_m;
+    for y_m in &mut objects.y_m {
+        *y_m = -*y_m;
     }
 }
 
@@ -345,12 +344,14 @@ mod tests {
 
     #[test]
     fn a_degree_on_earth_is_as_long_as_it_is() {
-        let mut ego = [(8.0, 50.0), (8.001, 50.0), (8.0, 50.001)]
-            .map(|(x, y)| row(0, x, y, 0.0, (0.0, 0.0)).sample);
+        let mut ego: EgoSamples = [(8.0, 50.0), (8.001, 50.0), (8.0, 50.001)]
+            .map(|(x, y)| row(0, x, y, 0.0, (0.0, 0.0)).sample)
+            .into_iter()
+            .collect();
         flatten(&mut ego);
         // Geodesic distances on the WGS 84 ellipsoid.
-        assert!((ego[1].x_m - 71.696).abs() < 0.01, "{}", ego[1].x_m);
-        assert!((ego[2].y_m - 111.229).abs() < 0.01, "{}", ego[2].y_m);
+        assert!((ego.x_m[1] - 71.696).abs() < 0.01, "{}", ego.x_m[1]);
+        assert!((ego.y_m[2] - 111.229).abs() < 0.01, "{}", ego.y_m[2]);
     }
 
     #[test]

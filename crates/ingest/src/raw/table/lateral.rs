@@ -3,7 +3,7 @@
 use crate::{
     mapping::Layout,
     quality::{Warning, WarningKind},
-    raw::EgoSample,
+    raw::EgoSamples,
 };
 use std::path::Path;
 
@@ -44,16 +44,15 @@ pub(crate) fn jumps(times_ns: &[i64], places_m: &[f64]) -> Vec<(i64, f64)> {
 }
 
 /// Says of a column that is mapped as a position across the road that it is a place in the lane, and what to write.
-pub(super) fn place_in_lane(path: &Path, layout: &Layout, ego: &[EgoSample]) -> Option<Warning> {
+pub(super) fn place_in_lane(path: &Path, layout: &Layout, ego: &EgoSamples) -> Option<Warning> {
     let (key, column) = layout.lateral()?;
     // What almost every column is: one that never jumps.
-    let far = |w: &[EgoSample]| (w[1].y_m - w[0].y_m).abs() >= *WIDTHS_M.start();
-    if !ego.windows(2).any(far) {
+    let (times_ns, places_m) = (&ego.stamp_ns, &ego.y_m);
+    let far = |w: &[f64]| (w[1] - w[0]).abs() >= *WIDTHS_M.start();
+    if !places_m.windows(2).any(far) {
         return None;
     }
-    let times_ns: Vec<i64> = ego.iter().map(|s| s.stamp_ns).collect();
-    let places_m: Vec<f64> = ego.iter().map(|s| s.y_m).collect();
-    let jumps = jumps(&times_ns, &places_m);
+    let jumps = jumps(times_ns, places_m);
     let width_m = jumps.iter().map(|j| j.1).sum::<f64>() / jumps.len() as f64;
     let start_ns = times_ns.iter().min()?;
     let spans = jumps.iter().map(|(ns, _)| (ns - start_ns) as f64 / 1e9);

@@ -1,11 +1,13 @@
 //! Reads tables: CSV, TSV and Parquet in the layouts that a mapping may declare.
 
+mod cells;
 mod ids;
 mod lane;
 pub(crate) mod lateral;
 mod long;
 pub(crate) mod open;
 mod pair;
+pub(crate) mod parse;
 mod parts;
 mod platoon;
 mod recording_meta;
@@ -67,7 +69,7 @@ fn refuse_overlaps(path: &Path, drives: &mut [TableDrive]) -> Result<(), IngestE
     let of = drives.iter().map(|d| d.gaps.count).sum();
     refuse_many(path, count, of, what)?;
     for drive in drives.iter_mut().filter(|d| !d.gaps.negative_ns.is_empty()) {
-        let start_ns = drive.raw.ego.iter().map(|s| s.stamp_ns).min();
+        let start_ns = drive.raw.ego.stamp_ns.iter().min().copied();
         let since = |ns: i64| (ns - start_ns.unwrap_or(ns)) as f64 / 1e9;
         let negative = &drive.gaps.negative_ns;
         let spans = negative.iter().map(|&ns| (since(ns), since(ns)));

@@ -1,30 +1,19 @@
 //! Opens a table, CSV or Parquet, and gives its columns as numbers and words.
 
-use super::text::{Header, MOST_COLUMNS, Style, blanks_to_tabs, flaw, header, same_name};
+use super::{
+    cells::{NUMBER, number, trimmed, word},
+    parse::{BYTE_ORDER_MARK, parse, without_mark},
+    text::{Header, MOST_COLUMNS, Style, blanks_to_tabs, flaw, header, same_name},
+};
 use crate::{error::IngestError, foreign::foreign_text, parquet};
 use maveric_domain::nearest;
 use path_slash::PathExt as _;
-use polars::prelude::{
-    Column, CsvParseOptions, CsvReadOptions, DataFrame, DataType, Field, PlSmallStr, PolarsError,
-    Schema, SerReader,
-};
+use polars::prelude::{Column, DataFrame, DataType, PolarsError};
 use std::{
     collections::BTreeMap,
-    io::Cursor,
     ops::Range,
     path::{Path, PathBuf},
-    sync::Arc,
 };
-
-/// What a cell of numbers should hold.
-const NUMBER: &str = "a finite number";
-/// The same in a table of decimal commas, where a point may stand between thousands or be meant as a comma.
-const NUMBER_WITH_COMMA: &str = "a number with a decimal comma and no point: a table of decimal commas does not say whether a \
-                                 point stands between thousands";
-/// Words that stand for an empty cell.
-const EMPTY: [&str; 6] = ["", "nan", "na", "null", "none", "-"];
-/// What some programs begin a text in UTF-8 with.
-pub(crate) const BYTE_ORDER_MARK: &[u8] = b"\xef\xbb\xbf";
 
 /// What a column is read as.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -376,20 +365,9 @@ impl Table {
         }
         if let Ok(texts) = column.str() {
             let number = |(row, cell): (usize, Option<&str>)| {
-                let cell = cell.map(str::trim).unwrap_or_default();
-                if EMPTY.iter().any(|e| cell.eq_ignore_ascii_case(e)) {
-                    return Ok(f64::NAN);
-                }
-                let parsed = if self.decimal_comma {
-                    if cell.contains('.') {
-                        return Err(self.bad_cell_of(row, name, cell, NUMBER_WITH_COMMA));
-                    }
-                    cell.replace(',', ".").parse()
-                } else {
-                    cell.parse()
-                };
-                let parsed = parsed.ok().filter(|v: &f64| v.is_finite());
-                parsed.ok_or_else(|| self.bad_cell_of(row, name, cell, expected))
+                let cell = trimmed(cell);
+                number(cell, self.decimal_comma)
+                    .map_err(|why| self.bad_cell_of(row, name, cell, why.unwrap_or(expected)))
             };
             return texts.iter().enumerate().map(number).collect();
         }
@@ -458,15 +436,7 @@ impl Table {
             .cast(&DataType::String)
             .map_err(|e| self.unreadable(name, &e))?;
         let texts = texts.str().map_err(|e| self.unreadable(name, &e))?;
-        let word = |cell: Option<&str>| {
-            let cell = cell.map(str::trim).unwrap_or_default();
-            let empty = EMPTY.iter().any(|e| cell.eq_ignore_ascii_case(e));
-            // A whole number that went through a table of floats is still the same number.
-            let whole = cell.strip_suffix(".0");
-            let whole = whole.filter(|n| n.bytes().all(|b| b.is_ascii_digit() || b == b'-'));
-            (!empty).then(|| whole.unwrap_or(cell).to_owned())
-        };
-        Ok(texts.iter().map(word).collect())
+        Ok(texts.iter().map(|cell| word(trimmed(cell))).collect())
     }
 
     /// A column of names as numbers of a sorted list of names; an empty cell is none.
@@ -488,236 +458,5 @@ impl Table {
     }
 }
 
-/// Reads the rows of a text below its header, in which [`flaw`] found none: `names` of its columns, or all.
-///
-/// # Errors
-/// What polars says.
-pub(crate) fn parse(
-    text: &[u8],
-    header: &Header,
-    kind: impl Fn(&str) -> DataType,
-    names: Option<&[&str]>,
-    decimal_comma: bool,
-) -> Result<DataFrame, PolarsError> {
-    // The names are ours: the file's may have blanks around them, or stand twice.
-    let field = |(i, name): (usize, &String)| {
-        let first = header.names.iter().position(|n| n == name) == Some(i);
-        let own = (!first).then(|| format!("{name} (column {})", i + 1));
-        let own = own.as_deref().unwrap_or(name);
-        Field::new(own.into(), kind(name))
-    };
-    let schema: Schema = header.names.iter().enumerate().map(field).collect();
-    let names = names.map(|names| names.iter().map(|n| PlSmallStr::from_str(n)).collect());
-    // What is too wide was refused before; a separator at the end of a line is nothing.
-    let options = CsvParseOptions::default()
-        .with_separator(header.separator)
-        .with_decimal_comma(decimal_comma)
-        .with_truncate_ragged_lines(true);
-    CsvReadOptions::default()
-        .with_infer_schema_length(Some(0))
-        .with_has_header(!header.headless)
-        .with_skip_lines(header.preamble)
-        .with_schema(Some(Arc::new(schema)))
-        .with_columns(names)
-        .with_parse_options(options)
-        .into_reader_with_file_handle(Cursor::new(text))
-        .finish()
-}
-
-fn without_mark(mut text: Vec<u8>) -> Vec<u8> {
-    if text.starts_with(BYTE_ORDER_MARK) {
-        text.drain(..BYTE_ORDER_MARK.len());
-    }
-    text
-}
-
 #[cfg(test)]
-mod tests {
-    use super::*;
-
-    /// A file such as other programs write, with every type that their tables have.
-    fn foreign_parquet() -> Vec<u8> {
-        use polars::prelude::{IntoColumn as _, NamedFrom as _, ParquetWriter, Series, TimeUnit};
-        let column = |name: &str, values: Series, kind: DataType| {
-            let mut values = values.cast(&kind).unwrap();
-            values.rename(name.into());
-            values.into_column()
-        };
-        let whole =
-            |name: &str, kind: DataType| column(name, Series::new("".into(), [1_i64, 2, 3]), kind);
-        let us = DataType::Datetime(TimeUnit::Microseconds, None);
-        let stamps = Series::new(
-            "".into(),
-            [
-                1_562_235_693_100_000_i64,
-                1_562_235_693_200_000,
-                1_562_235_693_300_000,
-            ],
-        );
-        let words = Series::new("".into(), ["a", "b", "a"]);
-        let lists = Series::new("".into(), [1_i64, 2]);
-        let lists = Series::new("lists".into(), vec![lists; 3]);
-        let columns = vec![
-            column("when", stamps, us),
-            whole("day", DataType::Date),
-            whole("i8", DataType::Int8),
-            whole("u8", DataType::UInt8),
-            whole("i16", DataType::Int16),
-            whole("u16", DataType::UInt16),
-            whole("f32", DataType::Float32),
-            whole("decimal", DataType::Decimal(10, 2)),
-            whole("duration", DataType::Duration(TimeUnit::Milliseconds)),
-            column(
-                "kind",
-                words,
-                DataType::from_categories(polars_core::prelude::Categories::global()),
-            ),
-            whole("valid", DataType::Boolean),
-            lists.into_column(),
-        ];
-        let mut bytes = Vec::new();
-        let mut frame = DataFrame::new(3, columns).unwrap();
-        ParquetWriter::new(&mut bytes).finish(&mut frame).unwrap();
-        bytes
-    }
-
-    fn open(text: &str, wanted: &[(&str, Kind)]) -> Result<Table, IngestError> {
-        Table::open(Path::new("t.csv"), text.into(), Style::default(), wanted)
-    }
-
-    #[test]
-    fn a_header_is_found_below_other_lines_and_with_any_separator() {
-        let text = "Freq;10\nDate;today\n Time ;Speed1\r\n0,5;1\r\n0,6;2\r\n";
-        let style = Style {
-            separator: None,
-            decimal_comma: true,
-            ..Style::default()
-        };
-        let wanted = [("time", Kind::Number), ("Speed1", Kind::Number)];
-        let table = Table::open(Path::new("t.csv"), text.into(), style, &wanted).unwrap();
-        assert_eq!(table.numbers("time").unwrap(), [0.5, 0.6]);
-        assert_eq!(table.numbers("Speed1").unwrap(), [1.0, 2.0]);
-    }
-
-    #[test]
-    fn a_word_among_numbers_is_named_by_row_and_empty_cells_are_missing() {
-        let wanted = [
-            ("t", Kind::Number),
-            ("v", Kind::Number),
-            ("w?", Kind::Number),
-        ];
-        let table = open("t,v\n0,1\n1,fast\n", &wanted).unwrap();
-        let error = table.numbers("v").unwrap_err().to_string();
-        assert!(
-            error.contains("row 2") && error.contains("`fast`"),
-            "{error}"
-        );
-        assert!(!table.has("w?"));
-        let table = open("t,v\n0,NaN\n1,\n2,NA\n3,4\n", &wanted).unwrap();
-        let missing: Vec<bool> = table
-            .numbers("v")
-            .unwrap()
-            .iter()
-            .map(|v| v.is_nan())
-            .collect();
-        assert_eq!(missing, [true, true, true, false]);
-    }
-
-    #[test]
-    fn a_row_of_too_many_cells_and_a_doubled_name_are_refused() {
-        let error = open("t,v\n0,1\n0,1,2\n", &[("t", Kind::Number)]);
-        let error = error.unwrap_err().to_string();
-        assert!(error.contains("row 2 has 3 cells, expected 2"), "{error}");
-        // The cell that is too many stands behind the columns that are read, or holds what looks like a number.
-        for text in ["t,v\n0,1\n0,19,5\n", "t,\"v\"\n0,1\n0,\"1\",5\n"] {
-            let error = open(text, &[("t", Kind::Number), ("v", Kind::Number)]).unwrap_err();
-            assert!(
-                error.to_string().contains("row 2 has 3 cells, expected 2"),
-                "{error}"
-            );
-        }
-        assert_eq!(
-            open("t,v\n0,1,\n2,3,\n", &[("v", Kind::Number)])
-                .unwrap()
-                .numbers("v")
-                .unwrap(),
-            [1.0, 3.0]
-        );
-        let error = open("t,t\n0,1\n", &[("t", Kind::Number)]).unwrap_err();
-        assert!(error.to_string().contains("twice: columns 1 and 2"));
-    }
-
-    #[test]
-    fn a_text_in_another_encoding_or_with_other_line_ends_says_so_with_its_line() {
-        let refused = |text: &[u8]| {
-            let wanted = [("t", Kind::Number), ("w", Kind::Word)];
-            let found = Table::open(Path::new("t.csv"), text.into(), Style::default(), &wanted);
-            found.unwrap_err().to_string()
-        };
-        let error = refused(b"t,w\n0,a\n1,K\xf6ln\n");
-        assert!(
-            error.contains("line 3 holds the byte f6") && error.contains("UTF-8"),
-            "{error}"
-        );
-        let error = refused(b"t,w\r0,a\r1,b\r");
-        assert!(error.contains("carriage return alone"), "{error}");
-    }
-
-    #[test]
-    fn names_become_codes_of_a_sorted_list() {
-        let table = open("id\nb\na\n\n2.0\n", &[("id", Kind::Word)]).unwrap();
-        let (codes, names) = table.codes("id").unwrap();
-        assert_eq!(names, ["2", "a", "b"]);
-        assert_eq!(
-            codes.iter().flatten().copied().collect::<Vec<_>>(),
-            [2, 1, 0]
-        );
-    }
-
-    #[test]
-    fn parquet_of_other_programs_is_read_whatever_its_types_and_yes_and_no_are_no_speeds() {
-        let read = |wanted: &[(&str, Kind)]| {
-            Table::open(
-                Path::new("t.parquet"),
-                foreign_parquet(),
-                Style::default(),
-                wanted,
-            )
-        };
-        for name in ["i8", "u8", "i16", "u16", "f32", "decimal"] {
-            let table = read(&[(name, Kind::Number)]).unwrap();
-            assert_eq!(table.numbers(name).unwrap(), [1.0, 2.0, 3.0], "{name}");
-        }
-        let table = read(&[("kind", Kind::Word), ("when", Kind::Word)]).unwrap();
-        let word = |text: &str| Some(text.to_owned());
-        assert_eq!(
-            table.words("kind").unwrap(),
-            [word("a"), word("b"), word("a")]
-        );
-        let clock = crate::raw::table::time::Clock {
-            unit: crate::mapping::TimeUnit::Iso8601,
-            pattern: None,
-            frames_per_s: 1.0,
-            hole_ns: 0,
-        };
-        let stamps = crate::raw::table::time::as_written(&table, "when", clock).unwrap();
-        assert_eq!(stamps[0], Some(1_562_235_693_100_000_000));
-        assert_eq!(stamps[2], Some(1_562_235_693_300_000_000));
-        for (name, found) in [
-            (
-                "valid",
-                "column `valid` holds yes and no (bool): expected a finite number",
-            ),
-            ("when", "`time = \"iso8601\"`"),
-            ("day", "column `day` holds times (date)"),
-            ("duration", "column `duration` holds times (duration[ms])"),
-            ("kind", "`a`"),
-        ] {
-            let table = read(&[(name, Kind::Number)]).unwrap();
-            let error = table.numbers(name).unwrap_err().to_string();
-            assert!(error.contains(found), "{error}");
-        }
-        let error = read(&[("lists", Kind::Number)]).unwrap_err().to_string();
-        assert!(error.contains("column `lists` is of type"), "{error}");
-    }
-}
+mod tests;

@@ -1,11 +1,11 @@
 //! A follower and its leader: the columns of a file of pairs, or two neighbours of a platoon.
 
-use super::{Gaps, TableDrive, TableLog, ids, lane::Lanes, open::Kind, parts::stamps, report};
+use super::{TableDrive, TableLog, ids, lane::Lanes, open::Kind, parts::stamps, report};
 use crate::{
     error::IngestError,
     mapping::{GapKind, Pair, Point},
     quality::WarningKind,
-    raw::{EgoSample, LEADER, ObjectSample, PairRows, RawDrive},
+    raw::{EgoSamples, LEADER, ObjectSample, PairRows, RawDrive},
 };
 use maveric_domain::Sees;
 use std::{collections::BTreeMap, path::Path};
@@ -130,7 +130,7 @@ pub(super) fn read(mut log: TableLog<'_>, pair: &Pair) -> Result<TableDrive, Ing
         let what = "neither `gap` nor `ego_x` with `lead_x` is a column of this table";
         return Err(IngestError::bad_mapping(log.path, what));
     }
-    Ok(drive(log.path, &couple))
+    Ok(drive(log.path, couple))
 }
 
 /// A vehicle does not grow: its length is the first that is known.
@@ -182,85 +182,120 @@ pub(super) fn bumper_gap_m(
 }
 
 /// The drive of a follower: the leader's centre is put where its bumper is as far from ego's as the table says.
-pub(super) fn drive(path: &Path, couple: &Couple) -> TableDrive {
-    let mut raw = RawDrive {
-        ego_length_m: Some(couple.ego_length_m),
-        pair: Some(PairRows {
-            x_from_speed: couple.ego_x_m.is_none(),
-            unnumbered: couple.lead_id.is_none() && !couple.one_leader,
-        }),
-        ..RawDrive::default()
+pub(super) fn drive(path: &Path, couple: Couple) -> TableDrive {
+    let rows = couple.stamp_ns.len();
+    let beside = couple.lane != Lane::Unknown || couple.lead_dy_m.is_some();
+    let mut drive = TableDrive {
+        raw: RawDrive {
+            ego_length_m: Some(couple.ego_length_m),
+            pair: Some(PairRows {
+                x_from_speed: couple.ego_x_m.is_none(),
+                unnumbered: couple.lead_id.is_none() && !couple.one_leader,
+            }),
+            sees: Sees {
+                // Whose leader may be behind keeps in sight whom it passes.
+                beside: couple.signed && couple.lead_dy_m.is_some(),
+                behind: couple.signed,
+                lanes: couple.lane != Lane::Unknown,
+                ..Sees::LEAD
+            },
+            ..RawDrive::default()
+        },
+        lane_steps: couple.lane == Lane::Number,
+        ..TableDrive::default()
     };
-    let (mut without_ego, mut without_leader) = (0, 0);
-    let mut gaps = Gaps::default();
-    let mut passed = false;
-    raw.ego.reserve_exact(couple.stamp_ns.len());
-    raw.objects.reserve_exact(couple.stamp_ns.len());
-    for (row, &stamp) in couple.stamp_ns.iter().enumerate() {
-        let v = couple.ego_speed_mps[row];
-        let x = couple.ego_x_m.as_ref().map_or(0.0, |x| x[row]);
-        let (Some(stamp_ns), true) = (stamp, x.is_finite() && v.is_finite()) else {
-            without_ego += 1;
+    let with_leader = leader(&couple, &mut drive);
+    let ego = ego(couple);
+    let without_ego = rows - ego.len();
+    let objects = &drive.raw.objects;
+    let several = objects.id.windows(2).any(|w| w[0] != w[1]);
+    drive.raw.without_lateral = !beside && (several || with_leader.passed);
+    drive.raw.ego = ego;
+    let kind = WarningKind::MissingValue;
+    let what = "rows without time, position or speed of ego are left out";
+    report(&mut drive.warnings, path, kind, without_ego, what);
+    let what = "rows without gap or speed of the leader have no leader";
+    report(&mut drive.warnings, path, kind, with_leader.without, what);
+    drive
+}
+
+impl Couple {
+    /// Ego's time in a row, where it has time, position and speed.
+    fn ego_ns(&self, row: usize) -> Option<i64> {
+        let x_m = self.ego_x_m.as_ref().map_or(0.0, |x| x[row]);
+        self.stamp_ns[row].filter(|_| x_m.is_finite() && self.ego_speed_mps[row].is_finite())
+    }
+}
+
+/// What the rows of a leader say of it.
+#[derive(Default)]
+struct WithLeader {
+    /// Rows of ego that tell of a leader too little to know where it was.
+    without: usize,
+    /// Whether it was behind ego once.
+    passed: bool,
+}
+
+/// Takes the leader's rows, in which ego is too, into a drive.
+fn leader(couple: &Couple, drive: &mut TableDrive) -> WithLeader {
+    let mut found = WithLeader::default();
+    let objects = &mut drive.raw.objects;
+    objects.reserve_exact(couple.stamp_ns.len());
+    for row in 0..couple.stamp_ns.len() {
+        let id = couple.lead_id.as_ref().map_or(Some(LEADER), |ids| ids[row]);
+        let (Some(stamp_ns), Some(id)) = (couple.ego_ns(row), id) else {
             continue;
         };
-        let sample = EgoSample {
-            stamp_ns,
-            log_ns: stamp_ns,
-            nth: row as u32,
-            x_m: x,
-            y_m: couple.ego_y_m.as_ref().map_or(0.0, |y| y[row]),
-            yaw_rad: Some(0.0),
-            speed_mps: Some(v),
-        };
-        raw.ego.push(sample);
-        let id = couple.lead_id.as_ref().map_or(Some(LEADER), |ids| ids[row]);
-        let Some(id) = id else { continue };
         let (gap_m, length_m) = (couple.gap_m[row], couple.lead_length_m[row]);
         let centres_m = 0.5 * (couple.ego_length_m + length_m);
         let behind = couple.signed && gap_m < 0.0;
-        let lead_x_m = x + gap_m + if behind { -centres_m } else { centres_m };
+        let of_row = |column: &Option<Vec<f64>>| column.as_ref().map_or(0.0, |c| c[row]);
+        let x_m = of_row(&couple.ego_x_m) + gap_m + if behind { -centres_m } else { centres_m };
         let speed_mps = couple.lead_speed_mps.as_ref().map(|s| s[row]);
-        if !lead_x_m.is_finite() || speed_mps.is_some_and(f64::is_nan) {
-            without_leader += 1;
+        if !x_m.is_finite() || speed_mps.is_some_and(f64::is_nan) {
+            found.without += 1;
             continue;
         }
-        passed |= behind;
+        found.passed |= behind;
         if !couple.signed {
-            gaps.note(stamp_ns, gap_m);
+            drive.gaps.note(stamp_ns, gap_m);
         }
-        raw.objects.push(ObjectSample {
+        objects.push(ObjectSample {
             stamp_ns,
             log_ns: stamp_ns,
             nth: row as u32,
             id,
-            x_m: lead_x_m,
-            y_m: sample.y_m + couple.lead_dy_m.as_ref().map_or(0.0, |y| y[row]),
+            x_m,
+            y_m: of_row(&couple.ego_y_m) + of_row(&couple.lead_dy_m),
             speed_mps: speed_mps.unwrap_or(f64::NAN),
             length_m,
         });
     }
-    let mut warnings = Vec::new();
-    let first = raw.objects.first().map(|o| o.id);
-    let several = raw.objects.iter().any(|o| Some(o.id) != first);
-    let beside = couple.lane != Lane::Unknown || couple.lead_dy_m.is_some();
-    raw.without_lateral = !beside && (several || passed);
-    raw.sees = Sees {
-        // Whose leader may be behind keeps in sight whom it passes.
-        beside: couple.signed && couple.lead_dy_m.is_some(),
-        behind: couple.signed,
-        lanes: couple.lane != Lane::Unknown,
-        ..Sees::LEAD
+    found
+}
+
+/// Ego's samples: the columns themselves, where ego is in every row.
+fn ego(couple: Couple) -> EgoSamples {
+    let rows: Vec<usize> = (0..couple.stamp_ns.len())
+        .filter(|&row| couple.ego_ns(row).is_some())
+        .collect();
+    let taken = |column: Vec<f64>| {
+        if rows.len() == column.len() {
+            column
+        } else {
+            rows.iter().map(|&row| column[row]).collect()
+        }
     };
-    let kind = WarningKind::MissingValue;
-    let what = "rows without time, position or speed of ego are left out";
-    report(&mut warnings, path, kind, without_ego, what);
-    let what = "rows without gap or speed of the leader have no leader";
-    report(&mut warnings, path, kind, without_leader, what);
-    TableDrive {
-        raw,
-        lane_steps: couple.lane == Lane::Number,
-        warnings,
-        gaps,
-        ..TableDrive::default()
+    let zeros = || vec![0.0; rows.len()];
+    let stamps = rows.iter().filter_map(|&row| couple.stamp_ns[row]);
+    let stamp_ns: Vec<i64> = stamps.collect();
+    EgoSamples {
+        log_ns: stamp_ns.clone(),
+        nth: rows.iter().map(|&row| row as u32).collect(),
+        x_m: couple.ego_x_m.map_or_else(zeros, taken),
+        y_m: couple.ego_y_m.map_or_else(zeros, taken),
+        yaw_rad: zeros(),
+        speed_mps: taken(couple.ego_speed_mps),
+        stamp_ns,
     }
 }

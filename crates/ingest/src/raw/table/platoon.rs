@@ -95,7 +95,7 @@ pub(super) fn read(
         };
         drives.push(TableDrive {
             captures: vec![("id".to_owned(), ego.to_string())],
-            ..drive(log.path, &couple)
+            ..drive(log.path, couple)
         });
     }
     Ok(drives)

@@ -13,7 +13,7 @@ use crate::{
     error::IngestError,
     mapping::{RoadMapping, Signals, SpeedSignal, TableMapping, VelocitySignal},
     quality::{Warning, WarningKind},
-    raw::{EgoSample, RawDrive},
+    raw::{EgoSample, EgoSamples, ObjectSamples, RawDrive},
     source::Source,
 };
 use lead::Leads;
@@ -60,7 +60,7 @@ pub(super) fn read(
             let table = tracks::open_tracks(&mut files, signal)?;
             tracks::read(log, &table, signal, mapping, clock, &driven, &mut warnings)?
         }
-        None => Vec::new(),
+        None => ObjectSamples::default(),
     };
     let leads = match &signals.lead {
         Some(signal) => {
@@ -69,7 +69,7 @@ pub(super) fn read(
         }
         None => Leads::default(),
     };
-    objects.extend(leads.objects);
+    objects.extend(leads.objects.iter());
     if let Some((first, last)) = driven.ends_ns()
         && ((last - first) as f64) < SHORT_S * 1e9
     {
@@ -141,7 +141,7 @@ fn ego_samples(
     place: Option<&Place>,
     across: &Across,
     max_gap_s: f64,
-) -> Vec<EgoSample> {
+) -> EgoSamples {
     let mut samples: Vec<(i64, f64, f64)> = driven.samples().collect();
     if let Some(place) = place {
         let between = across.stamps().filter_map(|t| {

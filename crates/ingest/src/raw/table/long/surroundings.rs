@@ -1,8 +1,8 @@
 //! Who else was there at the times of a vehicle.
 
-use super::vehicles::Vehicle;
+use super::vehicles::{Lead, Vehicle};
 use crate::raw::{
-    EgoSample, ObjectSample, Sighting,
+    EgoSample, ObjectSample, ObjectSamples, Sighting, Sightings,
     leader::{Leaders, Sight},
 };
 use std::collections::{BTreeMap, BTreeSet};
@@ -50,9 +50,9 @@ pub(super) struct Surroundings {
 /// Who was around a vehicle.
 #[derive(Debug, Default)]
 pub(super) struct Around {
-    pub(super) objects: Vec<ObjectSample>,
+    pub(super) objects: ObjectSamples,
     /// Times at which somebody looked; none where that is always.
-    pub(super) sightings: Vec<Sighting>,
+    pub(super) sightings: Sightings,
 }
 
 impl Seen {
@@ -65,7 +65,7 @@ impl Surroundings {
     pub(super) fn new(vehicles: &[Vehicle], max_gap_s: f64) -> Self {
         let mut seen = Vec::with_capacity(vehicles.iter().map(|v| v.samples.len()).sum());
         for (vehicle, one) in (0..).zip(vehicles) {
-            seen.extend((0..).zip(&one.samples).map(|(sample, s)| Seen {
+            seen.extend((0..).zip(one.samples.iter()).map(|(sample, s)| Seen {
                 group: one.group,
                 stamp_ns: s.stamp_ns,
                 x_m: s.x_m,
@@ -99,128 +99,91 @@ impl Surroundings {
         view: View,
     ) -> Around {
         let vehicle = &vehicles[ego];
-        let mut out = Vec::new();
+        let mut objects = ObjectSamples::default();
         // When anybody was seen last, and the times between which nobody was although who was there before came back.
         let (mut first_ns, mut last_ns) = (None, None);
         let mut unseen: Vec<(i64, i64)> = Vec::new();
         let mut unnamed = Leaders::default();
-        let told = vehicle.leads.iter().zip(&vehicle.lead_ids);
-        for (sample, (lead, &lead_id)) in vehicle.samples.iter().zip(told) {
-            let told = lead.and(lead_id);
-            if let Some(lead) = lead {
-                out.push(ObjectSample {
-                    stamp_ns: sample.stamp_ns,
-                    log_ns: sample.log_ns,
-                    nth: 0,
-                    id: match lead.id {
-                        Some(id) => numbers[id as usize],
-                        // Counted down from the greatest number.
-                        None => {
-                            u32::MAX
-                                - unnamed.before(Sight {
-                                    stamp_ns: sample.stamp_ns,
-                                    x_m: lead.x_m,
-                                    speed_mps: lead.speed_mps,
-                                    length_m: if lead.length_known {
-                                        lead.length_m
-                                    } else {
-                                        f64::NAN
-                                    },
-                                })
-                        }
-                    },
-                    x_m: lead.x_m,
-                    y_m: sample.y_m,
-                    speed_mps: lead.speed_mps,
-                    length_m: lead.length_m,
-                });
-            }
+        let leads = vehicle.leads.iter().zip(&vehicle.lead_ids);
+        for (sample, (lead, &lead_id)) in vehicle.samples.iter().zip(leads) {
+            objects.extend(lead.map(|lead| lead_sample(&lead, &sample, numbers, &mut unnamed)));
+            let here = Here {
+                ego,
+                sample,
+                lead_id,
+                by_row: lead.and(lead_id),
+                view,
+            };
             let mut near: Vec<(f64, ObjectSample)> = Vec::new();
-            let mut seen = BTreeSet::new();
-            for &Seen {
-                vehicle: v,
-                sample: s,
-                ..
-            } in self.near(vehicle.group, sample.stamp_ns, sample.x_m)
-            {
-                let other = &vehicles[v as usize];
-                let leads = lead_id == Some(other.id);
-                let passed_over = match view {
-                    View::All => other.sign * vehicle.sign < 0.0,
-                    View::Leader | View::LeaderInBends => !leads,
-                };
-                let there = told == Some(other.id) || v as usize == ego;
-                if passed_over || there || !seen.insert(v) {
-                    continue;
-                }
-                let Some(o) = self.at(other, s as usize, sample.stamp_ns) else {
-                    continue;
-                };
+            for (other, at, o) in self.seen_from(vehicles, &here) {
                 if let Some(last_ns) = last_ns
                     && sample.stamp_ns - last_ns > self.max_gap_ns
                     && view == View::All
-                    && returns(other, s as usize, last_ns)
+                    && returns(other, at, last_ns)
                 {
                     unseen.push((last_ns, sample.stamp_ns));
                 }
-                let (sin, cos) = libm::sincos(sample.yaw_rad.unwrap_or(0.0));
-                let bends = view == View::LeaderInBends && sample.yaw_rad.is_some();
-                let distance = libm::hypot(o.x_m - sample.x_m, o.y_m - sample.y_m);
-                if let (Some(speed_mps), true) = (o.speed_mps, distance <= NEAR_M) {
-                    let object = ObjectSample {
-                        stamp_ns: sample.stamp_ns,
-                        log_ns: sample.log_ns,
-                        nth: 0,
-                        id: numbers[other.id as usize],
-                        x_m: if bends {
-                            sample.x_m + distance * cos
-                        } else {
-                            o.x_m
-                        },
-                        y_m: if bends {
-                            sample.y_m + distance * sin
-                        } else {
-                            o.y_m
-                        },
-                        speed_mps,
-                        length_m: other.length_m,
-                    };
-                    near.push((distance, object));
-                }
+                near.extend(here.object(other, &o, numbers));
             }
             near.sort_by(|a, b| a.0.total_cmp(&b.0));
             if lead.is_some() || !near.is_empty() {
                 last_ns = Some(sample.stamp_ns);
                 first_ns = first_ns.or(last_ns);
             }
-            out.extend(near.into_iter().take(MOST_OTHERS).map(|n| n.1));
+            objects.extend(near.into_iter().take(MOST_OTHERS).map(|n| n.1));
         }
         unseen.dedup();
         blind_ends(vehicle, first_ns.zip(last_ns), &mut unseen);
         Around {
-            objects: out,
+            objects,
             sightings: if unseen.is_empty() {
-                Vec::new()
+                Sightings::default()
             } else {
                 seen_times(vehicle, &unseen)
             },
         }
     }
 
+    /// The vehicles around a vehicle at one of its times, each once: which, by which of its samples, and where it is then.
+    fn seen_from<'a>(
+        &'a self,
+        vehicles: &'a [Vehicle],
+        here: &Here,
+    ) -> impl Iterator<Item = (&'a Vehicle, usize, EgoSample)> {
+        let (vehicle, here) = (&vehicles[here.ego], *here);
+        let mut seen = BTreeSet::new();
+        let (stamp_ns, x_m) = (here.sample.stamp_ns, here.sample.x_m);
+        self.near(vehicle.group, stamp_ns, x_m)
+            .filter_map(move |s| {
+                let (index, at) = (s.vehicle as usize, s.sample as usize);
+                let other = &vehicles[index];
+                let passed_over = match here.view {
+                    View::All => other.sign * vehicle.sign < 0.0,
+                    View::Leader | View::LeaderInBends => here.lead_id != Some(other.id),
+                };
+                let there = here.by_row == Some(other.id) || index == here.ego;
+                if passed_over || there || !seen.insert(s.vehicle) {
+                    return None;
+                }
+                Some((other, at, self.at(other, at, stamp_ns)?))
+            })
+    }
+
     /// Where a vehicle is at a time beside one of its samples: as that says, or between it and the next to it.
     fn at(&self, vehicle: &Vehicle, sample: usize, stamp_ns: i64) -> Option<EgoSample> {
         let samples = &vehicle.samples;
-        let there = samples[sample];
+        let there = samples.at(sample);
         if there.stamp_ns == stamp_ns {
             return Some(there);
         }
+        let earlier = |stamps: &[i64]| stamps.partition_point(|ns| *ns < stamp_ns);
         let after = if there.stamp_ns < stamp_ns {
-            sample + samples[sample..].partition_point(|s| s.stamp_ns < stamp_ns)
+            sample + earlier(&samples.stamp_ns[sample..])
         } else {
-            samples[..sample].partition_point(|s| s.stamp_ns < stamp_ns)
+            earlier(&samples.stamp_ns[..sample])
         };
         let before = after.checked_sub(1)?;
-        let (a, b) = (&samples[before], samples.get(before + 1)?);
+        let (a, b) = (samples.at(before), samples.get(before + 1)?);
         let step_ns = b.stamp_ns - a.stamp_ns;
         if step_ns > self.max_gap_ns {
             return None;
@@ -252,6 +215,81 @@ impl Surroundings {
     }
 }
 
+/// A vehicle at one of its times.
+#[derive(Debug, Clone, Copy)]
+struct Here {
+    /// Its place among the vehicles.
+    ego: usize,
+    sample: EgoSample,
+    /// Whom its row names as its leader.
+    lead_id: Option<u32>,
+    /// The same, where the row says where that is.
+    by_row: Option<u32>,
+    view: View,
+}
+
+impl Here {
+    /// Another vehicle as this one sees it, and how far away; none beyond 250 m or without a speed.
+    fn object(
+        &self,
+        other: &Vehicle,
+        o: &EgoSample,
+        numbers: &[u32],
+    ) -> Option<(f64, ObjectSample)> {
+        let sample = &self.sample;
+        let bends = self.view == View::LeaderInBends && sample.yaw_rad.is_some();
+        let distance = libm::hypot(o.x_m - sample.x_m, o.y_m - sample.y_m);
+        let speed_mps = o.speed_mps.filter(|_| distance <= NEAR_M)?;
+        let (x_m, y_m) = if bends {
+            let (sin, cos) = libm::sincos(sample.yaw_rad.unwrap_or(0.0));
+            (sample.x_m + distance * cos, sample.y_m + distance * sin)
+        } else {
+            (o.x_m, o.y_m)
+        };
+        let object = ObjectSample {
+            stamp_ns: sample.stamp_ns,
+            log_ns: sample.log_ns,
+            nth: 0,
+            id: numbers[other.id as usize],
+            x_m,
+            y_m,
+            speed_mps,
+            length_m: other.length_m,
+        };
+        Some((distance, object))
+    }
+}
+
+/// The leader that a row tells of; one without a number is counted down from the greatest.
+fn lead_sample(
+    lead: &Lead,
+    sample: &EgoSample,
+    numbers: &[u32],
+    unnamed: &mut Leaders,
+) -> ObjectSample {
+    let sight = Sight {
+        stamp_ns: sample.stamp_ns,
+        x_m: lead.x_m,
+        speed_mps: lead.speed_mps,
+        length_m: if lead.length_known {
+            lead.length_m
+        } else {
+            f64::NAN
+        },
+    };
+    let number = lead.id.map(|id| numbers[id as usize]);
+    ObjectSample {
+        stamp_ns: sample.stamp_ns,
+        log_ns: sample.log_ns,
+        nth: 0,
+        id: number.unwrap_or_else(|| u32::MAX - unnamed.before(sight)),
+        x_m: lead.x_m,
+        y_m: sample.y_m,
+        speed_mps: lead.speed_mps,
+        length_m: lead.length_m,
+    }
+}
+
 /// Those of samples along x that lie next to one place.
 fn beside(seen: &[Seen], x_m: f64) -> &[Seen] {
     let here = seen.partition_point(|s| s.x_m < x_m);
@@ -275,7 +313,7 @@ fn usual_step_ns(vehicles: &[Vehicle]) -> i64 {
 
 /// Whether a vehicle was there at a time, was silent since, and is seen again by this sample.
 fn returns(vehicle: &Vehicle, sample: usize, last_ns: i64) -> bool {
-    let before = sample.checked_sub(1).map(|i| vehicle.samples[i].stamp_ns);
+    let before = sample.checked_sub(1).map(|i| vehicle.samples.stamp_ns[i]);
     before.is_some_and(|ns| ns <= last_ns)
 }
 
@@ -297,9 +335,9 @@ fn blind_ends(ego: &Vehicle, seen: Option<(i64, i64)>, unseen: &mut Vec<(i64, i6
 }
 
 /// Ego's times but for those between which nobody looked.
-fn seen_times(ego: &Vehicle, unseen: &[(i64, i64)]) -> Vec<Sighting> {
+fn seen_times(ego: &Vehicle, unseen: &[(i64, i64)]) -> Sightings {
     let mut hole = 0;
-    let times = ego.samples.iter().map(|s| s.stamp_ns).filter(|&ns| {
+    let times = ego.samples.stamp_ns.iter().copied().filter(|&ns| {
         while unseen.get(hole).is_some_and(|(_, to)| *to <= ns) {
             hole += 1;
         }

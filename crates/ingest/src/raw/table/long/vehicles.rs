@@ -5,7 +5,7 @@ use crate::{
     differentiate::fill_speeds,
     mapping::{Directions, GapKind, Long, Point, TableMapping},
     median::median,
-    raw::{EgoSample, table::lane::Lanes},
+    raw::{EgoSample, EgoSamples, table::lane::Lanes},
 };
 use std::collections::BTreeMap;
 
@@ -43,7 +43,7 @@ pub(super) struct Vehicle {
     pub(super) length_m: f64,
     pub(super) length_known: bool,
     /// Rising in time.
-    pub(super) samples: Vec<EgoSample>,
+    pub(super) samples: EgoSamples,
     /// What each sample's row says of the vehicle ahead.
     pub(super) leads: Vec<Option<Lead>>,
     /// Its place among the names of vehicles, which a row may say alone.
@@ -138,14 +138,14 @@ fn vehicle(
             speed_mps: speed,
         }
     };
-    let mut samples: Vec<EgoSample> = rows.iter().map(sample).collect();
-    if samples.iter().any(|s| s.speed_mps.is_none()) {
+    let mut samples: EgoSamples = rows.iter().map(sample).collect();
+    if samples.speed_mps.iter().any(|v| v.is_nan()) {
         fill_speeds(&mut samples, max_gap_s);
     }
     let leads = rows
         .iter()
-        .zip(&samples)
-        .map(|(row, sample)| lead(row, sample, sign, length_m, frame));
+        .zip(samples.iter())
+        .map(|(row, sample)| lead(row, &sample, sign, length_m, frame));
     Vehicle {
         group: rows[0].group,
         id: rows[0].id,

@@ -10,7 +10,7 @@ use crate::{
     error::IngestError,
     mapping::{LeadSignal, TableMapping},
     quality::{Warning, WarningKind},
-    raw::{LEADER, ObjectSample, Sighting},
+    raw::{LEADER, ObjectSample, ObjectSamples, Sighting, Sightings},
 };
 
 /// A vehicle unseen for longer than this is another one, in s.
@@ -25,9 +25,9 @@ const HALF_WINDOW_S: f64 = 1.0;
 /// The vehicles ahead, one after another.
 #[derive(Debug, Default)]
 pub(super) struct Leads {
-    pub(super) objects: Vec<ObjectSample>,
+    pub(super) objects: ObjectSamples,
     /// When somebody looked, whoever was there.
-    pub(super) sightings: Vec<Sighting>,
+    pub(super) sightings: Sightings,
     pub(super) gaps: Gaps,
 }
 

@@ -15,7 +15,7 @@ use crate::{
     error::IngestError,
     mapping::{TableMapping, TracksSignal},
     quality::{Warning, WarningKind},
-    raw::ObjectSample,
+    raw::{ObjectSample, ObjectSamples, Timed as _},
 };
 use std::{collections::BTreeMap, path::Path};
 
@@ -58,7 +58,7 @@ pub(super) fn read(
     clock: Clock<'_>,
     driven: &DrivenPath,
     warnings: &mut Vec<Warning>,
-) -> Result<Vec<ObjectSample>, IngestError> {
+) -> Result<ObjectSamples, IngestError> {
     let times = stamps(table, &signal.time, clock)?;
     let (tracks, _) = table.codes(&signal.track)?;
     let length = mapping.units.length.metres();
@@ -131,9 +131,9 @@ pub(super) fn read(
     let what =
         "tracks that never move along the road are left out: signs, bridges, oncoming traffic";
     report(warnings, folder, choice, standing, what);
-    let mut objects: Vec<ObjectSample> = seen.into_values().flatten().collect();
+    let mut objects: ObjectSamples = seen.into_values().flatten().collect();
     // As a reader of one file would give them: in the order of time.
-    objects.sort_by_key(|o| (o.stamp_ns, o.id));
+    objects.sort();
     let what =
         format!("a radar tells no lengths: vehicles ahead are taken to be {lead_length_m} m long");
     let some = usize::from(!objects.is_empty());
