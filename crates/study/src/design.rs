@@ -6,13 +6,13 @@ use crate::{
     forgotten::ForgottenList,
     tables::{
         collected::{LENT, LentRow, NOT_ADMITTED, STOPPED, read_lent},
-        drives::read_drives,
+        drives::{drives_in, read_drives},
         participants::{Enrolled, read_enrolled},
         read_rows,
     },
 };
 use maveric_analysis::{NotAdmitted, Stopped};
-use maveric_domain::{Design, Drive, ParticipantId};
+use maveric_domain::{Design, Drive, DriveMeta, ParticipantId};
 use maveric_participants::Part;
 use path_slash::PathExt as _;
 use serde::de::DeserializeOwned;
@@ -256,9 +256,8 @@ pub(crate) fn drives_of(
     participants: Option<&Path>,
     part: Part,
 ) -> Result<Vec<Drive>, StudyError> {
-    let mut drives = read_drives(folder)?;
     let Some(study) = DesignFile::here(design)? else {
-        return Ok(drives);
+        return read_drives(folder);
     };
     let people = study.people(participants)?;
     let (ids, whom) = match part {
@@ -266,11 +265,14 @@ pub(crate) fn drives_of(
         Part::Test => (people.tested(), "tested"),
     };
     let baseline = study.design.baseline_id();
-    drives.retain(|drive| {
-        let meta = drive.meta();
-        let fits = part == Part::Learn || Some(meta.condition) == baseline;
-        fits && ids.contains(&meta.participant)
-    });
+    let fits = |meta: &DriveMeta| {
+        let in_part = part == Part::Learn || Some(meta.condition) == baseline;
+        in_part && ids.contains(&meta.participant)
+    };
+    let mut drives = Vec::new();
+    for drive in drives_in(folder)? {
+        drives.extend(Some(drive?).filter(|drive| fits(drive.meta())));
+    }
     if drives.is_empty() {
         return Err(StudyError::BadFile {
             path: folder.to_owned(),

@@ -6,7 +6,7 @@ use crate::{
     gate::Gate,
     run_folder::adb_of,
     style_scale::{StyleScale, instructed, style_scores},
-    tables::{drives::read_drives, surveys::read_scores},
+    tables::{drives::drives_in, surveys::read_scores},
 };
 use maveric_domain::{ConditionId, Drive};
 use maveric_measures::objective::{self, median_time_gap_s};
@@ -75,7 +75,8 @@ pub(crate) fn read(
     let (scores, _) = style_scores(scores, study.path.as_deref())?;
     let baseline = design.baseline_id();
     let mut rows = Vec::new();
-    for drive in read_drives(folder)? {
+    for drive in drives_in(folder)? {
+        let drive = drive?;
         let meta = drive.meta();
         let label = meta.condition;
         let role = match design.role(label) {

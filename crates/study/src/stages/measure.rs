@@ -11,7 +11,7 @@ use crate::{
     stage::{Files, Stage},
     tables::{
         TableName,
-        drives::read_drives,
+        drives::drives_in,
         measurements::{MeasuredDrive, write_measurements},
         own_measures::{OwnMeasures, read_own_measures},
         write_rows,
@@ -101,7 +101,8 @@ impl Stage for Measure {
         let (mut rows, mut left_out, mut exposures) = (Vec::new(), Vec::new(), Vec::new());
         let mut from: BTreeMap<DriveId, &PathBuf> = BTreeMap::new();
         for (done, folder) in self.drives.iter().enumerate() {
-            for drive in read_drives(folder)? {
+            for drive in drives_in(folder)? {
+                let drive = drive?;
                 watch.check()?;
                 if let Some(first) = from.insert(drive.meta().drive.clone(), folder) {
                     return Err(StudyError::BadFile {
@@ -309,7 +310,8 @@ fn count_in_parts(
     let needed: BTreeSet<usize> = parts.iter().map(|(_, folder, _)| *folder).collect();
     for folder in needed {
         let folder = &folders[folder];
-        for drive in read_drives(folder)? {
+        for drive in drives_in(folder)? {
+            let drive = drive?;
             watch.check()?;
             let Some(&(at, part)) = of.get(&drive.meta().drive) else {
                 continue;

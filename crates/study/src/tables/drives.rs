@@ -81,9 +81,19 @@ pub fn read_drive(path: &Path) -> Result<Drive, StudyError> {
 /// Reads every drive of a folder, ordered by file name.
 ///
 /// # Errors
-/// [`StudyError::BadFile`] for a folder without drives or, where `drives.csv` lists what was made there, with another one; and as
-/// [`read_drive`].
+/// As [`drives_in`] and [`read_drive`].
 pub fn read_drives(folder: &Path) -> Result<Vec<Drive>, StudyError> {
+    drives_in(folder)?.collect()
+}
+
+/// Reads the drives of a folder one after the other, ordered by file name: many do not fit into memory.
+///
+/// # Errors
+/// [`StudyError::BadFile`] for a folder without drives or, where `drives.csv` lists what was made there, with another one; of each
+/// drive as [`read_drive`].
+pub fn drives_in(
+    folder: &Path,
+) -> Result<impl Iterator<Item = Result<Drive, StudyError>>, StudyError> {
     let paths = drive_files(folder)?;
     if paths.is_empty() {
         return Err(StudyError::BadFile {
@@ -95,7 +105,7 @@ pub fn read_drives(folder: &Path) -> Result<Vec<Drive>, StudyError> {
     if folder.join(LIST).is_file() {
         refuse_foreign(folder, [])?;
     }
-    paths.iter().map(|p| read_drive(p)).collect()
+    Ok(paths.into_iter().map(|p| read_drive(&p)))
 }
 
 /// Refuses a folder to write into that holds a drive which neither its `drives.csv` lists nor `now` replaces: nobody knows who made
