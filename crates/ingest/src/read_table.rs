@@ -63,14 +63,12 @@ pub(crate) fn read_table(
             Err(error) => return Err(error),
         }
     }
-    match found.first_mut() {
-        Some(first) => first.warnings.extend(left_out.warnings(path)),
-        None => {
-            let what = "it has no vehicle with two rows that have time, number and position";
-            let nobody = || IngestError::bad_table(path, what);
-            return Err(left_out.first.unwrap_or_else(nobody));
-        }
-    }
+    let Some(first) = found.first_mut() else {
+        let what = "it has no vehicle with two rows that have time, number and position";
+        let nobody = || IngestError::bad_table(path, what);
+        return Err(left_out.first.unwrap_or_else(nobody));
+    };
+    first.warnings.extend(left_out.warnings(path));
     Ok(found)
 }
 

@@ -180,14 +180,6 @@ macro_rules! samples {
                 $(self.$field[i] = sample.$field.stored();)*
             }
 
-            /// Changes every sample.
-            pub(crate) fn for_each_mut(&mut self, mut change: impl FnMut(&mut $sample)) {
-                self.retain_mut(|sample| {
-                    change(sample);
-                    true
-                });
-            }
-
             /// Keeps some of the samples.
             pub(crate) fn retain(&mut self, mut keep: impl FnMut(&$sample) -> bool) {
                 let mut kept = 0;

@@ -2,7 +2,7 @@
 
 use crate::{
     lanes::EgoPath,
-    raw::{EgoSamples, RawDrive, Timed as _},
+    raw::{EgoSample, EgoSamples, RawDrive, Timed as _},
 };
 
 /// Puts others of ego's own frame into the frame of ego's poses; those of times without a pose are left out. Their speeds may be
@@ -11,7 +11,7 @@ pub(super) fn place_by_ego(drive: &mut RawDrive) {
     // Where nobody stamped, receipt says when.
     let any = |stamps: &[i64]| stamps.iter().any(|ns| *ns != 0);
     let stamped = any(&drive.ego.stamp_ns) && any(&drive.objects.stamp_ns);
-    let mut ego: EgoSamples = drive.ego.iter().filter(|s| s.is_finite()).collect();
+    let mut ego: EgoSamples = drive.ego.iter().filter(EgoSample::is_finite).collect();
     if !stamped {
         ego.stamp_ns.clone_from(&ego.log_ns);
     }
