@@ -50,7 +50,7 @@ export class PageDrive {
      */
     static ride(json: string, seconds: number, seed: string, model: PageModel, own: Float64Array | number[], style: string, points: number, stretch: number): PageDrive;
     /**
-     * Rides so many steps.
+     * Rides so many steps. What is shown again is over where it was.
      */
     rides(steps: number): boolean;
     /**
@@ -62,6 +62,10 @@ export class PageDrive {
      * change came from (-1: none), turn signal, throttle, brake; then id, x, y, speed of each vehicle at the row's time.
      */
     seen(): Float64Array;
+    /**
+     * A drive by hand once more, as a ride: `lines` is its record.
+     */
+    static shown(json: string, seconds: number, seed: string, lines: string): PageDrive;
     /**
      * Steps driven.
      */
@@ -139,6 +143,7 @@ export interface InitOutput {
     readonly pagedrive_rides: (a: number, b: number) => number;
     readonly pagedrive_road: (a: number) => [number, number];
     readonly pagedrive_seen: (a: number) => [number, number];
+    readonly pagedrive_shown: (a: number, b: number, c: number, d: number, e: number, f: number, g: number) => [number, number, number];
     readonly pagedrive_ticks: (a: number) => number;
     readonly pagedrive_turn: (a: number, b: number) => [number, number, number];
     readonly pagedrive_wheel: (a: number, b: number, c: number, d: number, e: number, f: number) => number;

@@ -209,7 +209,7 @@ export class PageDrive {
         return PageDrive.__wrap(ret[0]);
     }
     /**
-     * Rides so many steps.
+     * Rides so many steps. What is shown again is over where it was.
      * @param {number} steps
      * @returns {boolean}
      */
@@ -237,6 +237,36 @@ export class PageDrive {
         var v1 = getArrayF64FromWasm0(ret[0], ret[1]).slice();
         wasm.__wbindgen_free(ret[0], ret[1] * 8, 8);
         return v1;
+    }
+    /**
+     * A drive by hand once more, as a ride: `lines` is its record.
+     * @param {string} json
+     * @param {number} seconds
+     * @param {string} seed
+     * @param {string} lines
+     * @returns {PageDrive}
+     */
+    static shown(json, seconds, seed, lines) {
+        const val4 = +seconds;
+        let ptr0, len0, ptr1, len1, ptr2, len2;
+        try {
+            ptr0 = passStringToWasm0(json, wasm.__wbindgen_malloc, wasm.__wbindgen_realloc);
+            len0 = WASM_VECTOR_LEN;
+            ptr1 = passStringToWasm0(seed, wasm.__wbindgen_malloc, wasm.__wbindgen_realloc);
+            len1 = WASM_VECTOR_LEN;
+            ptr2 = passStringToWasm0(lines, wasm.__wbindgen_malloc, wasm.__wbindgen_realloc);
+            len2 = WASM_VECTOR_LEN;
+        } catch (e) {
+            if (ptr2) { wasm.__wbindgen_free(ptr2, len2 * 1, 1); }
+            if (ptr1) { wasm.__wbindgen_free(ptr1, len1 * 1, 1); }
+            if (ptr0) { wasm.__wbindgen_free(ptr0, len0 * 1, 1); }
+            throw e;
+        }
+        const ret = wasm.pagedrive_shown(ptr0, len0, val4, ptr1, len1, ptr2, len2);
+        if (ret[2]) {
+            throw takeFromExternrefTable0(ret[1]);
+        }
+        return PageDrive.__wrap(ret[0]);
     }
     /**
      * Steps driven.
