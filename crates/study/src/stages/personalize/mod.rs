@@ -105,6 +105,9 @@ struct Task<'a> {
     use_adb: bool,
 }
 
+/// What is fitted, and which drives have no score, with what is said of it.
+type Tasks<'a> = (Vec<Task<'a>>, Vec<(String, String)>);
+
 impl Stage for Personalize {
     const NAME: &'static str = "personalize";
     const FAILURE: &'static str = "could not personalize";
@@ -242,7 +245,7 @@ impl Personalize {
         &self,
         drives: &'a [Drive],
         score: impl Fn(&Drive) -> Result<(Option<AdbScore>, bool), StudyError>,
-    ) -> Result<(Vec<Task<'a>>, Vec<(String, String)>), StudyError> {
+    ) -> Result<Tasks<'a>, StudyError> {
         let (mut tasks, mut unscored) = (Vec::new(), Vec::new());
         for drive in drives {
             let (adb, usable) = score(drive)?;

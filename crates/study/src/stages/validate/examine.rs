@@ -156,6 +156,9 @@ struct Ridden {
     read_back: Option<Embedding>,
 }
 
+/// Rides across the dial; the angle of each, in rad, and by how much it moves S, in points.
+type Sideways<'a> = (Vec<Ride<'a>>, Vec<(f64, f64)>);
+
 /// What a model learns of everybody's two drives: of the tested without their score and with it, of those it learned from without.
 struct Fits {
     known_first: Vec<Personalized>,
@@ -311,7 +314,7 @@ impl Examination<'_> {
         model: &Model,
         axis: &LinearHead,
         scored: &[Embedding],
-    ) -> Result<(Vec<Ride<'_>>, Vec<(f64, f64)>), StudyError> {
+    ) -> Result<Sideways<'_>, StudyError> {
         let ellipse = PerpendicularEllipse::of(model)?;
         let (mut rides, mut moved) = (Vec::new(), Vec::new());
         for (person, w) in self.people.test.iter().zip(scored) {
