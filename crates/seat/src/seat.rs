@@ -217,8 +217,8 @@ impl Seat {
 
     /// Whether people ride, or drive by hand alone so that a model can learn from them.
     pub fn rides(&self) -> bool {
-        let elsewhere = plan::ridden_elsewhere(&self.settings.design);
-        (self.model.is_some() || elsewhere) && self.asks(ProtocolStep::Rides)
+        let can_ride = self.model.is_some() || !self.settings.design.needs_a_model();
+        can_ride && self.asks(ProtocolStep::Rides)
     }
 
     fn asks(&self, step: ProtocolStep) -> bool {

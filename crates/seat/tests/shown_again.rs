@@ -6,7 +6,7 @@ mod support;
 
 use maveric_seat_page::{Record, replay};
 use std::{fs, path::Path};
-use support::{STUDY, Script, Server, TAB, driven, entered, folder_of, opened};
+use support::{STUDY, Script, Server, TAB, driven, entered, folder_of, go_on, opened};
 
 /// A study of one's own drive beside the average driver's; the debriefing says so.
 fn study() -> tempfile::TempDir {
@@ -74,6 +74,39 @@ fn a_ride_goes_through_the_same_states_as_the_drive_that_it_shows() {
         told.contains("P001-calm: 20 s") && !told.contains("another drive"),
         "{told}"
     );
+}
+
+#[test]
+fn nothing_but_the_own_drive_is_shown_without_a_model() {
+    let design = STUDY
+        .replace(
+            "[model]\nfile = \"lab.maveric\"\n[style]\nscore = \"adb.total\"\n",
+            "",
+        )
+        .replace(
+            "[[condition]]\nid = \"sporty\"\ncar = { dial = 8, recorded = true }\n",
+            "",
+        )
+        .replace(
+            "car = { dial = -8, recorded = true }",
+            "car = { replay = \"own\" }",
+        )
+        .replace(
+            "ride_s = 10",
+            "ride_s = 20\nworld = \"same\"\ndebrief = \"debrief.md\"",
+        );
+    let folder = folder_of(&design);
+    fs::write(folder.path().join("debrief.md"), "It was your own drive.").unwrap();
+    let settings = maveric_seat::SeatSettings {
+        model: None,
+        ..support::settings(folder.path())
+    };
+    let seat = maveric_seat::Seat::open(&folder.path().join("seat/seat.db"), settings).unwrap();
+    let server = Server::of(seat, |_| {});
+    let token = opened(&server);
+    while go_on(&server, &token) {}
+    let [own, again] = ["P001-own", "P001-calm"].map(|name| record(folder.path(), name));
+    assert!(again.shows(&own) && again.end == own.end);
 }
 
 #[test]
