@@ -1,6 +1,7 @@
 //! How strongly things hang together: one file.
 
 use crate::{error::ParticipantError, person::Trait, presses::PressModel};
+use maveric_domain::{Design, Scale};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
@@ -197,6 +198,18 @@ impl Effects {
             .flat_map(|p| p.causes.values_mut());
         causes.for_each(|effect| *effect *= factor);
         scaled
+    }
+
+    /// The scales that a design asks after a ride and of which no effect is known: they are answered at random.
+    pub fn unknown_of<'a>(
+        &'a self,
+        design: &'a Design,
+        scales: &'a [Scale],
+    ) -> impl Iterator<Item = &'a Scale> {
+        let after = &design.protocol().after;
+        let unknown = move |scale: &&Scale| !self.ratings.contains_key(&scale.id);
+        let scales = scales.iter().filter(move |scale| after.contains(&scale.id));
+        scales.filter(unknown)
     }
 
     /// Says whether the numbers make sense.

@@ -168,19 +168,13 @@ struct Driven {
 impl World {
     /// Every drive and ride that the design asks of a person.
     fn drives(&self, person: &Participant, baseline: ConditionId, seed: u64) -> Driven {
-        let rides = |condition: ConditionId| {
-            let occasions = self.design.occasions(condition).into_iter();
-            occasions.map(move |occasion| Ride {
-                condition,
-                occasion,
-            })
-        };
         let angle = PopulationModel::angle(person, seed);
-        let by_hand = rides(baseline).skip(1);
+        let by_hand = self.design.rides(baseline).skip(1);
         let by_hand = by_hand.map(|ride| (ride, CarSetting::ByHand));
         let ridden = self.design.conditions().iter().flat_map(|condition| {
             let setting = CarSetting::of(condition, angle, self.points);
-            rides(condition.id).map(move |ride| (ride, setting))
+            let rides = self.design.rides(condition.id);
+            rides.map(move |ride| (ride, setting))
         });
         let settings: Vec<(Ride, CarSetting)> = by_hand.chain(ridden).collect();
         let labels: Vec<String> = settings.iter().map(|(ride, _)| ride.to_string()).collect();
@@ -216,22 +210,14 @@ impl World {
             answers.extend(rated.answers);
             for (ride, _) in trials {
                 let (moment, missing) = (Moment::After(*ride), effects.missing_rate);
-                let scales = self.asked_without_effects();
-                answers.extend(answer_at_random(&person.id, moment, scales, missing, seed));
+                let unknown = effects.unknown_of(&self.design, scales);
+                answers.extend(answer_at_random(&person.id, moment, unknown, missing, seed));
                 probes.extend(self.probes(&person.id, *ride, seed));
             }
         }
         let mut scores = maveric_measures::score(scales, &answers, None)?.scores;
         scores.extend(score_probes(scales, &probes)?);
         Ok(scores)
-    }
-
-    /// What is asked after the rides and of which no effect is known: answered at random, as `maveric rate` does.
-    fn asked_without_effects(&self) -> impl Iterator<Item = &Scale> {
-        let after = &self.design.protocol().after;
-        let known = |scale: &Scale| self.effects.ratings.contains_key(&scale.id);
-        let scales = self.scales.iter();
-        scales.filter(move |scale| after.contains(&scale.id) && !known(scale))
     }
 
     /// What is answered on the way, at random; nothing where nothing is asked.

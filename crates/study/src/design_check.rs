@@ -77,14 +77,8 @@ pub fn check_design(study: &DesignFile) -> Result<(), StudyError> {
 fn drives_of(study: &DesignFile, people: &People) -> Vec<DriveId> {
     let labels = study.design.labels();
     let people = people.enrolled.iter();
-    let rides = labels.iter().flat_map(|&condition| {
-        let occasions = study.design.occasions(condition).into_iter();
-        occasions.map(move |occasion| Ride {
-            condition,
-            occasion,
-        })
-    });
-    let rides: Vec<Ride> = rides.collect();
+    let rides = labels.iter();
+    let rides: Vec<Ride> = rides.flat_map(|&label| study.design.rides(label)).collect();
     people
         .flat_map(|p| rides.iter().map(|&ride| DriveId::in_condition(&p.id, ride)))
         // Of two ids too long for one there is no drive.

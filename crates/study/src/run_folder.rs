@@ -61,6 +61,11 @@ pub fn items_path(out: &Path) -> PathBuf {
     beside(out, "_items.csv")
 }
 
+/// The file beside `out` that holds the answers to each item in each condition.
+pub fn item_means_path(out: &Path) -> PathBuf {
+    beside(out, "_item_means.csv")
+}
+
 /// The file beside `out` that holds the means of the study's own measures.
 pub fn own_path(out: &Path) -> PathBuf {
     beside(out, "_own.csv")
@@ -246,7 +251,8 @@ pub(crate) fn read_study(
     let of_design = measured.iter().filter(|d| design.knows(d.meta.condition));
     one_drive_a_condition(&measurements, of_design)?;
     let scales = read_scales(&study.resolve(&design.files().scales))?;
-    let (answered, stopped) = (answered(folder, study)?, study.stopped()?);
+    let stopped = study.stopped()?;
+    let answered = answered(folder, study, &stopped)?;
     let mut post = if_there(&folder.join("rating_scores.csv"), read_scores)?;
     post.extend(of_stopped(&stopped, &scales, &answered, study)?);
     let tables = Tables {
@@ -282,9 +288,10 @@ pub(crate) fn read_study(
     Ok(StudyData::new(design, tables)?.with_presses(rides, moments))
 }
 
-/// The files with what [`read_study`] reads.
+/// The files with what [`read_study`] reads, for paths from `root`.
 pub(crate) fn study_files(
     files: Files,
+    root: &Path,
     folder: &Path,
     study: &DesignFile,
     participants: Option<&Path>,
@@ -311,7 +318,10 @@ pub(crate) fn study_files(
             study.resolve(&design.people().file),
         ]),
     };
-    if reads_answers(study) {
+    let stopped = study.resolve(Path::new(STOPPED));
+    let is_stopped = root.join(&stopped).is_file();
+    files = files.reads_if_there([stopped]);
+    if design.exclude().judges_answers() || is_stopped {
         let answers = study.resolve(&design.files().answers);
         files = files
             .reads_if_there(Some(answers).filter(|_| design.files().software == Software::Table))
@@ -333,10 +343,16 @@ fn made<T: Default>(
     }
 }
 
-/// Answers by which the design's rules judge sheets: those among the results, and the design's own table of them.
-fn answered(folder: &Path, study: &DesignFile) -> Result<Answered, StudyError> {
+/// Single answers, where they are read: those among the results, and the design's own table of them.
+///
+/// They are read where the design's rules judge sheets, or rides were stopped, of which nothing is scored among the results.
+fn answered(
+    folder: &Path,
+    study: &DesignFile,
+    stopped: &[Stopped],
+) -> Result<Answered, StudyError> {
     let mut found = Answered::default();
-    if !reads_answers(study) {
+    if !study.design.exclude().judges_answers() && stopped.is_empty() {
         return Ok(found);
     }
     for table in answer_tables(folder, study) {
@@ -345,11 +361,6 @@ fn answered(folder: &Path, study: &DesignFile) -> Result<Answered, StudyError> {
         found.probes.extend(more.probes);
     }
     Ok(found)
-}
-
-/// Whether single answers are read: where the design's rules judge sheets, or rides were stopped, of which nothing is scored among the results.
-fn reads_answers(study: &DesignFile) -> bool {
-    study.design.exclude().judges_answers() || study.resolve(Path::new(STOPPED)).is_file()
 }
 
 /// Scores of the sheets about rides that were stopped, and of what was answered during them.

@@ -138,16 +138,8 @@ pub(super) fn own(
 ) -> BTreeMap<ConditionId, BTreeMap<ParticipantId, OwnValues>> {
     let mut own: BTreeMap<ConditionId, BTreeMap<ParticipantId, OwnValues>> = BTreeMap::new();
     for row in rows {
-        let keeps = |occasion| {
-            let condition = row.condition;
-            let ride = Ride {
-                condition,
-                occasion,
-            };
-            left_out.keeps(&row.participant, ride)
-        };
-        let mut occasions = design.occasions(row.condition).into_iter();
-        if there.contains(&row.participant) && occasions.any(keeps) {
+        let keeps = |ride| left_out.keeps(&row.participant, ride);
+        if there.contains(&row.participant) && design.rides(row.condition).any(keeps) {
             let people = own.entry(row.condition).or_default();
             let values = people.entry(row.participant).or_default();
             values.insert(row.measure, row.value);

@@ -42,7 +42,12 @@ pub use protocol_check::DRIVES_S;
 pub use which::WHICH;
 pub use williams::{Square, williams, williams_rows};
 
-use crate::{condition::ConditionId, occasion::Occasion, survey::Scale, units::SpeedUnit};
+use crate::{
+    condition::ConditionId,
+    occasion::{Occasion, Ride},
+    survey::Scale,
+    units::SpeedUnit,
+};
 use std::collections::BTreeMap;
 
 /// A study: who takes part, in which conditions, what is measured and what is compared.
@@ -313,6 +318,15 @@ impl Design {
         };
         let session = |s| (1..=trials).filter_map(move |t| Occasion::new(s, t));
         (1..=sessions).flat_map(session).collect()
+    }
+
+    /// Every drive or ride of a person under a label, as [`Design::occasions`] has them.
+    pub fn rides(&self, condition: ConditionId) -> impl Iterator<Item = Ride> + use<> {
+        let occasions = self.occasions(condition).into_iter();
+        occasions.map(move |occasion| Ride {
+            condition,
+            occasion,
+        })
     }
 
     /// What is left out before anything is computed.

@@ -39,7 +39,7 @@ impl Stage for Analyse {
         let study = DesignFile::below_or_paper(root, design)?;
         let files = Files::default().reads_design(design);
         let participants = self.participants.as_deref();
-        Ok(study_files(files, &self.results, &study, participants).writes([&self.out]))
+        Ok(study_files(files, root, &self.results, &study, participants).writes([&self.out]))
     }
 
     /// Runs every analysis that the design asks for and writes the results.

@@ -5,11 +5,11 @@ use crate::{
     error::StudyError,
     once::count,
     outcome::{Outcome, Watch},
-    presses::PressTables,
+    presses::{PressTables, events_path},
     run_folder::{press_moments_path, presses_path, read_effects, read_effects_on, read_scales},
     stage::{Files, Stage},
     tables::{
-        drives::read_drives,
+        drives::drives_in,
         measurements::{MeasuredDrive, one_drive_a_condition, read_measurements},
         participants::read_participants,
         surveys::write_answers,
@@ -77,10 +77,13 @@ pub struct Ratings {
 }
 
 impl Rate {
-    /// The tables of what is pressed; none where the effects do not say when.
-    fn pressed_tables(&self) -> Vec<PathBuf> {
-        let says = read_effects(&self.effects).is_ok_and(|effects| effects.presses.is_some());
-        if says && self.drives.is_some() {
+    /// The tables of what is pressed, for paths from `root`; none where the effects do not say when, or a seat wrote down what was.
+    fn pressed_tables(&self, root: &Path) -> Vec<PathBuf> {
+        let effects = read_effects(&root.join(&self.effects));
+        let says = effects.is_ok_and(|effects| effects.presses.is_some());
+        let study = DesignFile::below(root, self.design.as_deref());
+        let seat = study.is_some_and(|study| root.join(events_path(&study)).is_file());
+        if says && !seat && self.drives.is_some() {
             vec![
                 presses_path(&self.measures),
                 press_moments_path(&self.measures),
@@ -90,17 +93,22 @@ impl Rate {
         }
     }
 
-    /// Lets those who are tested press on their rides; how many rides and presses there are.
+    /// Lets those who are tested press on their rides; how many rides and presses there are. What was pressed in a seat stays.
     fn press(
         &self,
+        study: &DesignFile,
         model: Option<&PressModel>,
         tested: &BTreeSet<ParticipantId>,
     ) -> Result<Option<(usize, usize)>, StudyError> {
         let Some((model, folder)) = model.zip(self.drives.as_ref()) else {
             return Ok(None);
         };
+        if events_path(study).is_file() {
+            return Ok(None);
+        }
         let mut tables = PressTables::default();
-        for drive in read_drives(folder)? {
+        for drive in drives_in(folder)? {
+            let drive = drive?;
             let meta = drive.meta();
             let (who, ride) = (&meta.participant, meta.ride());
             if meta.driven_by == DrivenBy::Automated && tested.contains(who) {
@@ -118,7 +126,7 @@ impl Stage for Rate {
     const FAILURE: &'static str = "could not rate";
     type Result = Ratings;
 
-    fn files(&self, _root: &Path) -> Result<Files, StudyError> {
+    fn files(&self, root: &Path) -> Result<Files, StudyError> {
         Ok(Files::default()
             .reads([
                 &self.measures,
@@ -129,7 +137,7 @@ impl Stage for Rate {
             .reads(&self.drives)
             .reads_design(self.design.as_deref())
             .writes([&self.out])
-            .writes(self.pressed_tables()))
+            .writes(self.pressed_tables(root)))
     }
 
     /// Lets each synthetic participant who is tested rate the conditions that they sat through and that the car drove; a condition
@@ -166,7 +174,7 @@ impl Stage for Rate {
             sheets.raters,
             self.out.to_slash_lossy()
         )];
-        let pressed = self.press(asking.effects.presses.as_ref(), &tested)?;
+        let pressed = self.press(&study, asking.effects.presses.as_ref(), &tested)?;
         summary.extend(pressed.map(|(rides, presses)| {
             format!(
                 "{} on {} of made-up people: {}",
@@ -262,13 +270,7 @@ impl<'a> Asking<'a> {
         };
         let order = person.order.iter().filter(simulated);
         let mut rides: Vec<Ride> = order
-            .flat_map(|&condition| {
-                let occasions = self.design.occasions(condition).into_iter();
-                occasions.map(move |occasion| Ride {
-                    condition,
-                    occasion,
-                })
-            })
+            .flat_map(|&condition| self.design.rides(condition))
             .collect();
         rides.sort_by_key(|ride| ride.occasion);
         rides
@@ -335,12 +337,9 @@ impl<'a> Asking<'a> {
         let warnings = rated.warnings.iter().map(ToString::to_string);
         sheets.warnings.extend(warnings);
         sheets.answers.extend(rated.answers);
-        let after = &self.design.protocol().after;
         for (ride, _) in &trials {
-            let known = |scale: &Scale| self.effects.ratings.contains_key(&scale.id);
-            let scales = self.scales.iter();
-            let scales = scales.filter(|scale| after.contains(&scale.id) && !known(scale));
-            let given = answer_at_random(who, Moment::After(*ride), scales, rate, self.seed);
+            let unknown = self.effects.unknown_of(self.design, self.scales);
+            let given = answer_at_random(who, Moment::After(*ride), unknown, rate, self.seed);
             sheets.answers.extend(given);
         }
         sheets.raters += 1;

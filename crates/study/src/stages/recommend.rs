@@ -51,7 +51,7 @@ impl Stage for Recommend {
     fn files(&self, root: &Path) -> Result<Files, StudyError> {
         let study = DesignFile::below_or_paper(root, self.design.as_deref())?;
         let files = Files::default().reads_design(self.design.as_deref());
-        Ok(study_files(files, &self.results, &study, None)
+        Ok(study_files(files, root, &self.results, &study, None)
             .reads_if_there([study.resolve(Path::new("seat"))])
             .writes(&self.out))
     }
