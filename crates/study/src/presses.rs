@@ -103,6 +103,12 @@ impl PressTables {
         self.moments.extend(press_moments(drive, times));
     }
 
+    /// Adds what another has, after its own.
+    pub(crate) fn extend(&mut self, other: Self) {
+        self.rides.extend(other.rides);
+        self.moments.extend(other.moments);
+    }
+
     /// Writes both beside the measurements; how many rides and presses there are.
     pub(crate) fn write(&self, measurements: &Path) -> Result<(usize, usize), StudyError> {
         write_rows(TableName::Presses, &presses_path(measurements), &self.rides)?;

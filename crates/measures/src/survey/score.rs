@@ -215,22 +215,24 @@ fn unanswered(
     known: &BTreeSet<&ParticipantId>,
 ) -> Vec<ScoreWarning> {
     let asked: BTreeSet<(Moment, usize)> = sheets.keys().map(|(_, m, s)| (*m, *s)).collect();
+    let mut own: BTreeMap<&ParticipantId, BTreeSet<(Moment, usize)>> = BTreeMap::new();
+    for (participant, moment, position) in sheets.keys() {
+        let own = own.entry(participant).or_default();
+        own.insert((*moment, *position));
+    }
     let mut warnings = Vec::new();
     for &participant in known {
-        if !sheets.keys().any(|(p, _, _)| p == participant) {
+        let Some(own) = own.get(participant) else {
             warnings.push(ScoreWarning::NoAnswers {
                 participant: participant.clone(),
             });
             continue;
-        }
+        };
+        let after = own.iter().filter(|(m, _)| matches!(m, Moment::After(_)));
+        let after: BTreeSet<usize> = after.map(|(_, position)| *position).collect();
         for &(moment, position) in &asked {
-            let answered_after_another = || {
-                sheets.keys().any(|(p, m, s)| {
-                    p == participant && *s == position && matches!(m, Moment::After(_))
-                })
-            };
-            let expected = moment.condition().is_none() || answered_after_another();
-            if expected && !sheets.contains_key(&(participant.clone(), moment, position)) {
+            let expected = moment.condition().is_none() || after.contains(&position);
+            if expected && !own.contains(&(moment, position)) {
                 warnings.push(ScoreWarning::Unanswered {
                     participant: participant.clone(),
                     moment,

@@ -7,6 +7,7 @@ use super::{
 };
 use crate::words::{capital, omnibus, with_unit};
 use maveric_analysis::{BesideLent, Contrast, Kept, Panel};
+use maveric_domain::ConditionId;
 use maveric_domain::design::Compare;
 use maveric_report::{
     ReportError,
@@ -19,6 +20,30 @@ use maveric_report::{
     tables::Table,
 };
 use minijinja::{Value, context};
+use serde::Serialize;
+
+/// What was answered to an item of a score that is tested without some of its items.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct ItemInCondition {
+    /// The outcome, as results call it.
+    pub outcome: String,
+    /// What the page calls the score.
+    pub title: String,
+    /// Its number in the scale.
+    pub item: u32,
+    /// Its words, where the scale has them.
+    pub words: String,
+    /// Whether the other test leaves it out.
+    pub is_dropped: bool,
+    /// After which condition.
+    pub condition: ConditionId,
+    /// People who answered.
+    pub n: usize,
+    /// Mean answer, not reversed.
+    pub mean: f64,
+    /// Its standard deviation over people.
+    pub sd: Option<f64>,
+}
 
 /// Up to so many conditions every pair has its bracket.
 const MOST_WITH_ALL_PAIRS: usize = 4;
@@ -40,11 +65,15 @@ pub(super) fn ends(panel: &Panel) -> Option<(f64, f64)> {
 }
 
 impl StudyPage<'_> {
-    /// What the conditions did; `drive` is one of them from above.
+    /// What the conditions did; `drive` is one of them from above, `items` those of scores that are tested without some.
     ///
     /// # Errors
     /// [`ReportError`] for a figure that cannot be drawn, or a text that asks for a value which is not given.
-    pub fn conditions(&self, drive: Option<&TimeSpace>) -> Result<Section, ReportError> {
+    pub fn conditions(
+        &self,
+        drive: Option<&TimeSpace>,
+        items: &[ItemInCondition],
+    ) -> Result<Section, ReportError> {
         // A panel without a single value has nothing to show: the exclusions say who is missing and why.
         let has_values = |p: &&Panel| p.rows.iter().flatten().any(Option::is_some);
         let drawn: Vec<&Panel> = self.analysis.panels.iter().filter(has_values).collect();
@@ -55,8 +84,11 @@ impl StudyPage<'_> {
             let panels = DifferencePanels {
                 panels: panels.collect::<Result<_, _>>()?,
                 from,
+                part: None,
             };
-            figures.push(difference_panels(&panels, self.context)?);
+            for part in panels.parts() {
+                figures.push(difference_panels(&part, self.context)?);
+            }
         }
         figures.extend(self.interaction()?);
         if let Some(drive) = drive {
@@ -72,6 +104,9 @@ impl StudyPage<'_> {
         tables.push(self.contrasts()?);
         tables.extend(self.carry_over()?);
         tables.extend(self.sensitivity()?);
+        if !items.is_empty() {
+            tables.push(self.texts.table("items", items)?);
+        }
         for lent in &self.analysis.lent {
             tables.push(self.beside_lent(lent)?);
         }

@@ -14,6 +14,7 @@ mod results;
 mod retest;
 mod tested;
 
+pub use conditions::ItemInCondition;
 pub use line::{line_panels, steps};
 pub use methods::Paragraph;
 pub use people::{ParticipantGroup, Reliability};

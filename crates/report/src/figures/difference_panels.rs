@@ -14,6 +14,43 @@ pub struct DifferencePanels {
     pub panels: Vec<DifferencePanel>,
     /// The drive that the values are differences from; none where some are not.
     pub from: Option<ConditionId>,
+    /// Which of how many parts this is, counted from 1; none where all panels fit one printed page: see [`DifferencePanels::parts`].
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub part: Option<(usize, usize)>,
+}
+
+/// Highest figure that a printed page holds above its caption, in millimetres.
+const PAGE_MM: f64 = 240.0;
+
+impl DifferencePanels {
+    /// The same panels as figures that a printed page holds each, in order.
+    #[must_use]
+    pub fn parts(self) -> Vec<Self> {
+        let (columns, height) = self.shape();
+        let most = columns * (PAGE_MM / height) as usize;
+        let count = self.panels.len().div_ceil(most);
+        if count <= 1 {
+            return vec![self];
+        }
+        let pieces = self.panels.chunks(most).enumerate();
+        let part = |(at, panels): (usize, &[DifferencePanel])| Self {
+            panels: panels.to_vec(),
+            from: self.from,
+            part: Some((at + 1, count)),
+        };
+        pieces.map(part).collect()
+    }
+
+    /// Panels in a row, and the height of one in millimetres: a condition needs its room, so with more of them fewer panels stand in a row.
+    fn shape(&self) -> (usize, f64) {
+        let conditions = self.panels.iter().map(|panel| panel.conditions.len());
+        match conditions.max().unwrap_or(0) {
+            ..=4 => (3, 64.0),
+            5..=6 => (2, 64.0),
+            // Many names read upwards.
+            _ => (1, 88.0),
+        }
+    }
 }
 
 /// One measure.
@@ -92,31 +129,31 @@ pub fn difference_panels(
         check.finite("a pair's p", panel.pairs.iter().map(|pair| pair.p_holm))?;
         check.at_least(1, "values", panel.rows.iter().flatten().flatten().count())?;
     }
-    let conditions = input.panels.iter().map(|panel| panel.conditions.len());
-    // A condition needs its room: with more of them fewer panels stand in a row.
-    let columns = match conditions.max().unwrap_or(0) {
-        ..=4 => 3,
-        5..=6 => 2,
-        _ => 1,
-    };
+    let (columns, height) = input.shape();
     let grid = Grid::of(input.panels.len(), columns, (10.0, 11.0));
-    // Many names read upwards.
-    let height = if columns == 1 { 88.0 } else { 64.0 };
     let width = match columns {
         3 => grid.width_mm(),
         2 => TWO_COLUMNS_MM / 2.0 * grid.columns as f64,
         _ => TWO_COLUMNS_MM,
     };
+    let what = match input.from {
+        Some(from) => format!(
+            "Difference between each condition and {}",
+            context.look(from).words()
+        ),
+        None => "The outcomes in each condition".to_owned(),
+    };
+    let part = input
+        .part
+        .map(|(part, of)| format!(", part {part} of {of}"));
+    let part = part.unwrap_or_default();
     let plan = Plan {
-        name: NAME.to_owned(),
-        size_mm: (width, height * grid.rows() + 3.0),
-        title: match input.from {
-            Some(from) => format!(
-                "Difference between each condition and {}",
-                context.look(from).words()
-            ),
-            None => "The outcomes in each condition".to_owned(),
+        name: match input.part {
+            None | Some((1, _)) => NAME.to_owned(),
+            Some((part, _)) => format!("{NAME}-{part}"),
         },
+        size_mm: (width, height * grid.rows() + 3.0),
+        title: format!("{what}{part}"),
         caption: caption(input, context, (grid, width)),
         alt: alternative(input, context),
         shows: Shows::Participants,
@@ -317,6 +354,7 @@ mod tests {
                 range: None,
             }],
             from: Some(id("own")),
+            part: None,
         }
     }
 
@@ -367,6 +405,22 @@ mod tests {
         assert!(figure.svg.contains(">no values</text>"));
         let said = "Nobody has a value of Mean velocity in Slower.";
         assert!(figure.caption.contains(said), "{}", figure.caption);
+    }
+
+    #[test]
+    fn more_panels_than_a_page_holds_are_parts_with_names_of_their_own() {
+        let mut many = panel(rows(6));
+        many.panels = vec![many.panels[0].clone(); 9];
+        assert_eq!(many.clone().parts(), [many.clone()]);
+        many.panels.push(many.panels[0].clone());
+        let parts = many.parts();
+        let panels: Vec<usize> = parts.iter().map(|part| part.panels.len()).collect();
+        assert_eq!(panels, [9, 1]);
+        let drawn = parts.iter().map(|p| difference_panels(p, &Context::real()));
+        let drawn: Vec<Figure> = drawn.map(Result::unwrap).collect();
+        assert_eq!(drawn[0].name, "difference-panels");
+        assert_eq!(drawn[1].name, "difference-panels-2");
+        assert!(drawn[1].title.ends_with(", part 2 of 2"));
     }
 
     #[test]

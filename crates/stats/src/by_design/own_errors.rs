@@ -132,18 +132,18 @@ impl Fit {
             });
             shared.push(q);
         }
+        // The entries δᵢⱼ own − qᵢᵀ I⁻¹ qⱼ of all pairs of people: their trace, and the sum of their squares, in which those of the
+        // second part alone are the trace of (I⁻¹ Σ q qᵀ)².
         let (mut trace, mut squares) = (0.0, 0.0);
-        for (i, q) in shared.iter().enumerate() {
-            let side = self.inverse.times(q);
-            for (j, other) in shared.iter().enumerate() {
-                let alone = if i == j { own[i] } else { 0.0 };
-                let entry = alone - other.transposed_times(&side)[(0, 0)];
-                squares += entry * entry;
-                if i == j {
-                    trace += entry;
-                }
-            }
+        let mut products = Matrix::zeros(columns, columns);
+        for (alone, q) in own.iter().zip(&shared) {
+            let common = q.transposed_times(&self.inverse.times(q))[(0, 0)];
+            trace += alone - common;
+            squares += alone * (alone - 2.0 * common);
+            products.add(&q.times(&q.transposed()), 1.0);
         }
+        let products = self.inverse.times(&products);
+        squares += products.trace_of_product(&products);
         let df = Some(trace * trace / squares).filter(|df| df.is_finite());
         (variance > 0.0).then(|| MarginalContrast::of(estimate, variance.sqrt(), df))
     }

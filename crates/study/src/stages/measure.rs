@@ -5,18 +5,19 @@ use crate::{
     error::StudyError,
     gate::{Gate, counted},
     once::{count, told_once},
-    outcome::{Outcome, Watch},
+    outcome::{Outcome, Watch, all_cores, for_each_on},
     presses::{PressTables, Presses, events_path},
     run_folder::{own_path, press_moments_path, presses_path},
     stage::{Files, Stage},
     tables::{
         TableName,
-        drives::drives_in,
+        drives::{drive_paths, read_drive},
         measurements::{MeasuredDrive, write_measurements},
         own_measures::{OwnMeasures, read_own_measures},
         write_rows,
     },
 };
+use maveric_analysis::Why;
 use maveric_domain::{ConditionId, DriveId, ParticipantId};
 use maveric_measures::objective::{self, Comparable, Exposure, comparable};
 use path_slash::PathExt as _;
@@ -72,7 +73,7 @@ impl Stage for Measure {
             .writes([&self.out]);
         let study = DesignFile::below(root, design);
         let seat = study.as_ref().map(events_path);
-        let files = match seat.filter(|events| events.is_file()) {
+        let files = match seat.filter(|events| root.join(events).is_file()) {
             Some(events) => files
                 .reads([events])
                 .writes([presses_path(&self.out), press_moments_path(&self.out)]),
@@ -90,85 +91,32 @@ impl Stage for Measure {
     fn work(&self, watch: Watch<'_>) -> Result<Outcome<Measured>, StudyError> {
         let study = DesignFile::here(self.design.as_deref())?;
         let measures = measures_of(study.as_ref());
-        let names: Vec<&'static str> = measures.iter().map(|m| m.name).collect();
-        let gate = study
-            .as_ref()
-            .map(|study| Gate::of(study, self.participants.as_deref()))
-            .transpose()?;
         let own = self.average_own(study.as_ref())?;
         let presses = study.as_ref().map(Presses::of).transpose()?.flatten();
-        let mut pressed = PressTables::default();
-        let (mut rows, mut left_out, mut exposures) = (Vec::new(), Vec::new(), Vec::new());
-        let mut from: BTreeMap<DriveId, &PathBuf> = BTreeMap::new();
-        for (done, folder) in self.drives.iter().enumerate() {
-            for drive in drives_in(folder)? {
-                let drive = drive?;
-                watch.check()?;
-                if let Some(first) = from.insert(drive.meta().drive.clone(), folder) {
-                    return Err(StudyError::BadFile {
-                        path: folder.clone(),
-                        problem: format!(
-                            "holds drive {}, which {} holds too",
-                            drive.meta().drive,
-                            first.to_slash_lossy()
-                        ),
-                        help: Some(
-                            "measure each drive once: leave out one of the folders or files"
-                                .to_owned(),
-                        ),
-                    });
-                }
-                let duration_s = drive.rows().time_s.last().copied().unwrap_or(0.0);
-                let why = gate
-                    .as_ref()
-                    .and_then(|g| g.drive(drive.meta(), duration_s));
-                if let Some(why) = why {
-                    left_out.push((drive.meta().drive.clone(), why));
-                    continue;
-                }
-                let values = measures
-                    .iter()
-                    .map(|m| (m.name.to_owned(), m.of(&drive)))
-                    .collect();
-                rows.push(MeasuredDrive {
-                    meta: drive.meta().clone(),
-                    values,
-                    counted_s: None,
-                });
-                exposures.push((done, Exposure::of(&drive)));
-                if let Some(times) = presses.as_ref().and_then(|p| p.during(&drive)) {
-                    pressed.add(times, &drive);
-                }
-            }
-            watch.step(done + 1, self.drives.len(), "folders measured")?;
-        }
+        let (mut met, left_out) =
+            self.drives(study.as_ref(), &measures, presses.as_ref(), watch)?;
         let compared = |condition: ConditionId| {
             study.as_ref().is_none_or(|study| {
                 let design = &study.design;
                 design.baseline_id() == Some(condition) || design.condition(condition).is_some()
             })
         };
-        let parts = comparable_parts(&rows, &exposures, compared);
-        let cut = count_in_parts(&self.drives, &measures, &parts, &mut rows, watch)?;
+        let parts = comparable_parts(&met, compared);
+        let cut = count_in_parts(&measures, &parts, &mut met, watch)?;
+        let mut pressed = PressTables::default();
+        let mut rows = Vec::new();
+        for drive in met {
+            pressed.extend(drive.pressed);
+            rows.push(drive.row);
+        }
         write_measurements(&self.out, &rows)?;
         let pressed = presses.map(|_| pressed.write(&self.out)).transpose()?;
-        let missing: Vec<usize> = names
-            .iter()
-            .map(|name| rows.iter().filter(|r| r.values[*name].is_none()).count())
-            .collect();
-        let mut warnings: Vec<String> = measures
-            .iter()
-            .zip(&missing)
-            .filter(|(_, count)| **count > 0)
-            .map(|(m, count)| {
-                format!(
-                    "{count} of {} drives have no {}: {}",
-                    rows.len(),
-                    m.title.to_lowercase(),
-                    m.why_missing
-                )
-            })
-            .collect();
+        let missing = |m: &&objective::Measure| {
+            let without = rows.iter().filter(|row| row.values[m.name].is_none());
+            without.count()
+        };
+        let missing: Vec<usize> = measures.iter().map(missing).collect();
+        let mut warnings = why_missing(&measures, &missing, rows.len());
         warnings.extend(cut);
         let out = left_out.iter();
         let out = out.map(|(drive, why)| (drive.to_string(), why.to_string()));
@@ -195,7 +143,7 @@ impl Stage for Measure {
         Ok(Outcome {
             value: Measured {
                 drives: rows.len(),
-                measures: names,
+                measures: measures.iter().map(|m| m.name).collect(),
                 missing,
                 own: own.value,
             },
@@ -205,7 +153,84 @@ impl Stage for Measure {
     }
 }
 
+/// A drive that is let in, as it was measured.
+struct Met {
+    path: PathBuf,
+    row: MeasuredDrive,
+    exposure: Exposure,
+    pressed: PressTables,
+}
+
+/// Drives that a rule left out, and why.
+type LeftOut = Vec<(DriveId, Why)>;
+
 impl Measure {
+    /// Measures the drives of all folders; a drive a thread is in memory at a time.
+    fn drives(
+        &self,
+        study: Option<&DesignFile>,
+        measures: &[&objective::Measure],
+        presses: Option<&Presses>,
+        watch: Watch<'_>,
+    ) -> Result<(Vec<Met>, LeftOut), StudyError> {
+        let gate = study.map(|study| Gate::of(study, self.participants.as_deref()));
+        let gate = gate.transpose()?;
+        let folders = self.drives.iter().map(|folder| drive_paths(folder));
+        let paths: Vec<PathBuf> = folders.collect::<Result<Vec<_>, _>>()?.concat();
+        let measured = for_each_on(all_cores(), &paths, watch, "drives measured", |path| {
+            let drive = read_drive(path)?;
+            let meta = drive.meta();
+            let duration_s = drive.rows().time_s.last().copied().unwrap_or(0.0);
+            let out = gate.as_ref().and_then(|g| g.drive(meta, duration_s));
+            if let Some(why) = out {
+                return Ok(Err((meta.drive.clone(), why)));
+            }
+            let mut pressed = PressTables::default();
+            if let Some(times) = presses.and_then(|p| p.during(&drive)) {
+                pressed.add(times, &drive);
+            }
+            let value = |m: &&objective::Measure| (m.name.to_owned(), m.of(&drive));
+            Ok(Ok(Met {
+                path: path.clone(),
+                row: MeasuredDrive {
+                    meta: meta.clone(),
+                    values: measures.iter().map(value).collect(),
+                    counted_s: None,
+                },
+                exposure: Exposure::of(&drive),
+                pressed,
+            }))
+        })?;
+        let mut from: BTreeMap<&DriveId, &Path> = BTreeMap::new();
+        for (drive, path) in measured.iter().zip(&paths) {
+            let id = match drive {
+                Ok(met) => &met.row.meta.drive,
+                Err((id, _)) => id,
+            };
+            let folder = path.parent().unwrap_or(path);
+            if let Some(first) = from.insert(id, folder) {
+                return Err(StudyError::BadFile {
+                    path: folder.to_owned(),
+                    problem: format!(
+                        "holds drive {id}, which {} holds too",
+                        first.to_slash_lossy()
+                    ),
+                    help: Some(
+                        "measure each drive once: leave out one of the folders or files".to_owned(),
+                    ),
+                });
+            }
+        }
+        let (mut met, mut left_out) = (Vec::new(), Vec::new());
+        for drive in measured {
+            match drive {
+                Ok(drive) => met.push(drive),
+                Err(out) => left_out.push(out),
+            }
+        }
+        Ok((met, left_out))
+    }
+
     /// Averages the study's own measures over sessions and trials and writes the means; how many these are.
     fn average_own(&self, study: Option<&DesignFile>) -> Result<Outcome<usize>, StudyError> {
         let declared = study.filter(|s| !s.design.measures().is_empty());
@@ -268,79 +293,87 @@ fn measures_of(study: Option<&DesignFile>) -> Vec<&'static objective::Measure> {
     measures.chain(objective::met()).collect()
 }
 
-/// A drive that is not compared whole: its row, its folder, and the part of it that is.
-type Part = (usize, usize, Comparable);
+/// How many drives have no value of each measure, and why that may be.
+fn why_missing(measures: &[&objective::Measure], missing: &[usize], drives: usize) -> Vec<String> {
+    let missed = measures
+        .iter()
+        .zip(missing)
+        .filter(|(_, count)| **count > 0);
+    let told = missed.map(|(m, count)| {
+        format!(
+            "{count} of {drives} drives have no {}: {}",
+            m.title.to_lowercase(),
+            m.why_missing
+        )
+    });
+    told.collect()
+}
+
+/// A drive that is not compared whole, and the part of it that is.
+type Part = (usize, Comparable);
 
 /// The drives of people whose drives differ in length, of those that are compared with each other.
-fn comparable_parts(
-    rows: &[MeasuredDrive],
-    exposures: &[(usize, Exposure)],
-    compared: impl Fn(ConditionId) -> bool,
-) -> Vec<Part> {
+fn comparable_parts(met: &[Met], compared: impl Fn(ConditionId) -> bool) -> Vec<Part> {
     let mut people: BTreeMap<&ParticipantId, Vec<usize>> = BTreeMap::new();
-    for (at, row) in rows.iter().enumerate() {
-        if compared(row.meta.condition) {
-            people.entry(&row.meta.participant).or_default().push(at);
+    for (at, drive) in met.iter().enumerate() {
+        let meta = &drive.row.meta;
+        if compared(meta.condition) {
+            people.entry(&meta.participant).or_default().push(at);
         }
     }
     let mut parts = Vec::new();
     for drives in people.values() {
-        let of: Vec<Exposure> = drives.iter().map(|&at| exposures[at].1.clone()).collect();
-        let found = drives.iter().zip(comparable(&of));
-        let cut = found.filter(|(_, part)| *part != Comparable::Whole);
-        parts.extend(cut.map(|(&at, part)| (at, exposures[at].0, part)));
+        let exposures = drives.iter().map(|&at| met[at].exposure.clone());
+        let exposures: Vec<Exposure> = exposures.collect();
+        let found = drives.iter().copied().zip(comparable(&exposures));
+        parts.extend(found.filter(|(_, part)| *part != Comparable::Whole));
     }
     parts
 }
 
 /// Takes counts and extremes from the comparable part of each of these drives; says in a sentence each what was cut and what has no value.
 fn count_in_parts(
-    folders: &[PathBuf],
     measures: &[&objective::Measure],
     parts: &[Part],
-    rows: &mut [MeasuredDrive],
+    met: &mut [Met],
     watch: Watch<'_>,
 ) -> Result<Vec<String>, StudyError> {
     let grows: Vec<_> = measures.iter().filter(|m| m.grows).collect();
-    let of: BTreeMap<DriveId, (usize, Comparable)> = parts
-        .iter()
-        .map(|(at, _, part)| (rows[*at].meta.drive.clone(), (*at, *part)))
-        .collect();
-    let mut too_little = Vec::new();
-    let needed: BTreeSet<usize> = parts.iter().map(|(_, folder, _)| *folder).collect();
-    for folder in needed {
-        let folder = &folders[folder];
-        for drive in drives_in(folder)? {
-            let drive = drive?;
-            watch.check()?;
-            let Some(&(at, part)) = of.get(&drive.meta().drive) else {
-                continue;
-            };
-            let piece = match part {
-                Comparable::Whole => continue,
-                Comparable::Until(end_s) => {
-                    rows[at].counted_s = Some(end_s);
-                    let time_s = &drive.rows().time_s;
-                    let end = time_s[0] + end_s;
-                    drive.slice(0, time_s.partition_point(|&t| t <= end)).ok()
-                }
-                Comparable::TooLittle { left_s, of_s } => {
-                    too_little.push(format!(
-                        "drive {}: {left_s:.0} s of the {of_s:.0} s of the person’s shortest drive are left once their drives have met as many \
-                         lead vehicles, expected at least 80 %: it has no count and no smallest gap",
-                        drive.meta().drive
-                    ));
-                    None
-                }
-            };
-            for measure in &grows {
-                let value = piece.as_ref().and_then(|piece| measure.of(piece));
-                rows[at].values.insert(measure.name.to_owned(), value);
+    let mut in_order: Vec<&Part> = parts.iter().collect();
+    in_order.sort_by_key(|part| part.0);
+    let values = for_each_on(all_cores(), &in_order, watch, "drives counted", |part| {
+        let piece = match part.1 {
+            Comparable::Until(end_s) => {
+                let drive = read_drive(&met[part.0].path)?;
+                let time_s = &drive.rows().time_s;
+                let end = time_s[0] + end_s;
+                drive.slice(0, time_s.partition_point(|&t| t <= end)).ok()
             }
+            Comparable::Whole | Comparable::TooLittle { .. } => None,
+        };
+        let value = |m: &&&objective::Measure| piece.as_ref().and_then(|piece| m.of(piece));
+        Ok(grows.iter().map(value).collect::<Vec<_>>())
+    })?;
+    let mut too_little = Vec::new();
+    for ((at, part), values) in in_order.into_iter().zip(values) {
+        let row = &mut met[*at].row;
+        match part {
+            Comparable::Whole => continue,
+            Comparable::Until(end_s) => row.counted_s = Some(*end_s),
+            Comparable::TooLittle { left_s, of_s } => too_little.push(format!(
+                "drive {}: {left_s:.0} s of the {of_s:.0} s of the person’s shortest drive are left once their drives have met as many \
+                 lead vehicles, expected at least 80 %: it has no count and no smallest gap",
+                row.meta.drive
+            )),
         }
+        let named = grows.iter().map(|m| m.name.to_owned());
+        row.values.extend(named.zip(values));
     }
     let cut = parts.len() - too_little.len();
-    let people: BTreeSet<_> = parts.iter().map(|p| &rows[p.0].meta.participant).collect();
+    let people: BTreeSet<_> = parts
+        .iter()
+        .map(|p| &met[p.0].row.meta.participant)
+        .collect();
     let mut said = Vec::new();
     if !parts.is_empty() {
         let titles: Vec<String> = grows.iter().map(|m| m.title.to_lowercase()).collect();
@@ -349,7 +382,7 @@ fn count_in_parts(
              (`counted_s`; {cut} of {} drives)",
             count(people.len(), "person has", "people have"),
             titles.join(" and "),
-            rows.len()
+            met.len()
         ));
     }
     said.extend(too_little);

@@ -41,7 +41,7 @@ pub fn versions() -> BTreeMap<String, String> {
         ("codebook", 2),
         ("export", 6),
         ("ingest", 14),
-        ("score", 7),
+        ("score", 8),
         ("train", 10),
         ("personalize", 9),
         ("steer", 6),
@@ -55,7 +55,7 @@ pub fn versions() -> BTreeMap<String, String> {
         ("recommend", 4),
         ("rehearse", 8),
         ("rehearse-dial", 5),
-        ("report", 18),
+        ("report", 19),
     ]
     .map(|(command, version)| (command.to_owned(), version.to_string()))
     .into()

@@ -1,5 +1,7 @@
 //! `score`: questionnaire answers to scores and reliabilities.
 
+mod item_means;
+
 use crate::{
     design::DesignFile,
     error::StudyError,
@@ -7,7 +9,7 @@ use crate::{
     mean::{mean, sd},
     once::count,
     outcome::{Outcome, Watch},
-    run_folder::{exclusions_path, items_path, read_scales, reliabilities_path},
+    run_folder::{exclusions_path, item_means_path, items_path, read_scales, reliabilities_path},
     stage::{Files, Stage},
     stages::import::told_as_export,
     tables::{
@@ -17,6 +19,8 @@ use crate::{
         write_rows,
     },
 };
+pub use item_means::ItemMean;
+use item_means::item_means;
 use maveric_analysis::Why;
 use maveric_domain::{Answer, Moment, ParticipantId, ProbeAnswer, Scale, Score, Subscale};
 use maveric_measures::{
@@ -54,7 +58,7 @@ pub struct ScoreAnswers {
     /// Score all answers, or only those given after a drive
     #[arg(long, value_enum, default_value_t)]
     pub moments: Moments,
-    /// Scores to write; NAME_reliabilities.csv, NAME_items.csv and NAME_exclusions.csv go beside them
+    /// Scores to write; NAME_reliabilities.csv, NAME_items.csv, NAME_item_means.csv and NAME_exclusions.csv go beside them
     #[arg(long)]
     pub out: PathBuf,
 }
@@ -227,7 +231,15 @@ impl Stage for ScoreAnswers {
             .reads(&self.drives)
             .reads_people(root, self.design.as_deref(), self.participants.as_deref())
             .writes([&self.out])
-            .writes([reliabilities_path, items_path, exclusions_path].map(|of| of(&self.out))))
+            .writes(
+                [
+                    reliabilities_path,
+                    items_path,
+                    item_means_path,
+                    exclusions_path,
+                ]
+                .map(|of| of(&self.out)),
+            ))
     }
 
     /// Scores answers by the scales of a folder and writes scores and reliabilities.
@@ -291,6 +303,11 @@ impl Stage for ScoreAnswers {
             .collect();
         write_scores(&self.out, &scored.scores)?;
         write_reliabilities(&self.out, &reliabilities)?;
+        write_rows(
+            TableName::ItemMeans,
+            &item_means_path(&self.out),
+            item_means(&answers),
+        )?;
         let doubted = warnings.iter().map(|warning| Exclusion {
             who: warning.participant().to_string(),
             what: "questionnaires".to_owned(),

@@ -239,33 +239,7 @@ impl Stage for Simulate {
             refuse_learned_from_gone(study, &self.model)?;
         }
         let model = read_model(&self.model)?;
-        let mut conditions = read_conditions(&self.conditions)?;
-        if let Some(study) = &study {
-            // A sweep drives what the design does not name; of what it names, only what is not recorded elsewhere.
-            let simulated = |id| study.design.condition(id).is_some_and(Condition::simulated);
-            conditions.retain(|row| row.sweep.is_some() || simulated(row.condition));
-            if conditions.is_empty() {
-                let problem = "holds no condition that the design lets the program drive";
-                return Err(StudyError::file(&self.conditions, problem));
-            }
-        }
-        // A ride in each session and trial; in another world, since its name is another.
-        let occasions = |row: &ConditionRow| match &study {
-            Some(study) if row.sweep.is_none() => study.design.occasions(row.condition),
-            _ => vec![Occasion::FIRST],
-        };
-        let mut names = BTreeSet::new();
-        for drive in conditions
-            .iter()
-            .flat_map(|row| occasions(row).into_iter().map(|on| row.drive_on(on)))
-        {
-            let drive = drive?;
-            if !names.insert(drive.clone()) {
-                let problem = format!("two rows are drive {drive}, expected a name for each");
-                return Err(StudyError::file(&self.conditions, problem));
-            }
-        }
-        refuse_foreign(&self.out.join("drives"), names.iter().map(DriveId::as_str))?;
+        let conditions = self.conditions_to_drive(study.as_ref())?;
         let people = || conditions.iter().map(|row| &row.participant);
         for whose in self.scenes.iter().chain(&self.logs) {
             whose.check(people())?;
@@ -279,86 +253,24 @@ impl Stage for Simulate {
             known(participant, people())?;
         }
         let scenario = read_scenario(self.scenario.as_deref(), self.duration_s)?;
-        let varying = self.varying(study.as_ref(), &conditions)?;
-        let rows = conditions.iter().zip(varying);
-        let rows = rows.flat_map(|(row, varying)| {
-            let each = occasions(row).into_iter();
-            each.map(move |on| (row, on, varying))
-        });
-        let rows: Vec<(&ConditionRow, Occasion, Option<Variability>)> = rows.collect();
-        let driven = for_each_on(self.jobs, &rows, watch, "drives", |(row, on, varying)| {
-            drive(
-                self,
-                &model,
-                &scenario,
-                (*row, *on, varying.as_ref()),
-                logged.cover(&row.participant),
-                watched.as_deref() == Some(row.participant.as_str()),
-            )
+        let rides = self.rides(study.as_ref(), &conditions)?;
+        let ended = for_each_on(self.jobs, &rides, watch, "drives", |ride| {
+            let who = &ride.row.participant;
+            let is_watched = watched.as_deref() == Some(who.as_str());
+            drive(self, &model, &scenario, ride, logged.cover(who), is_watched)
         })?;
         let mut stopped = Vec::new();
-        let driven: Vec<Driven> = driven
+        let driven: Vec<Driven> = ended
             .into_iter()
             .filter_map(|ended| ended.map_err(|why| stopped.push(why)).ok())
             .collect();
-        let ended = stopped.iter().map(|(drive, why)| EndedEarly {
-            drive: drive.to_string(),
-            what: why.to_string(),
-        });
-        let exclusions = self.out.join("drives").join("exclusions.csv");
-        write_rows(TableName::EndedEarly, &exclusions, ended)?;
         let ended_early = stopped.len();
-        if let (true, Some((_, why))) = (driven.is_empty(), stopped.pop()) {
-            return Err(why.into());
-        }
-        let list: Vec<(DriveMeta, usize, f64)> =
-            driven.iter().map(|d| (d.0.clone(), d.1, d.2)).collect();
-        let drives = self.out.join("drives");
-        let unlogged = list.iter().filter(|d| !logged.cover(&d.0.participant));
-        let unlogged = unlogged.map(|d| d.0.drive.clone());
-        for gone in former_drives(&drives, list.iter().map(|d| d.0.drive.as_str()))
-            .into_iter()
-            .chain(unlogged)
-        {
-            remove_former(&log_of(&self.out, gone.as_str()))?;
-        }
-        write_drive_list(&drives, &list)?;
-        let rollouts = driven.iter().map(|d| (("drive", &d.0.drive), &d.3));
-        write_rows(
-            TableName::Rollouts,
-            &self.out.join("rollouts.csv"),
-            rollouts,
-        )?;
+        self.write(&driven, &mut stopped, &logged)?;
         if let Some(page) = &self.watch {
             write_page(self, page, &driven)?;
         }
-        let total =
-            |of: fn(&RolloutReport) -> u32| driven.iter().map(|d| of(&d.3) as usize).sum::<usize>();
         let strangers = strangers(&conditions);
-        let value = Simulated {
-            beyond: strangers.keys().map(|who| (*who).clone()).collect(),
-            drives: driven.len(),
-            collisions: total(|r| r.collisions),
-            rule_violations: total(|r| r.rule_violations),
-            interventions: total(|r| r.interventions),
-        };
-        let collisions = (value.collisions > 0)
-            .then(|| format!("{} collisions: see rollouts.csv", value.collisions));
-        let beyond = beyond::named(
-            "participant",
-            strangers.iter().map(|(who, why)| (who.to_string(), *why)),
-            "; the car drives all the same, in a style that says little of this person",
-        );
-        let early = (ended_early > 0).then(|| {
-            format!(
-                "{} left out: see drives/exclusions.csv",
-                count(
-                    ended_early,
-                    "drive ended early and is",
-                    "drives ended early and are"
-                )
-            )
-        });
+        let value = Simulated::of(&driven, &strangers);
         let mut summary = vec![format!(
             "{} AV drives, {} collisions, {} safety interventions: {}",
             value.drives,
@@ -373,11 +285,50 @@ impl Stage for Simulate {
             ));
         }
         Ok(Outcome {
+            warnings: warnings(&value, ended_early, &strangers),
             value,
             summary,
-            warnings: collisions.into_iter().chain(early).chain(beyond).collect(),
         })
     }
+}
+
+impl Simulated {
+    fn of(driven: &[Driven], strangers: &BTreeMap<&ParticipantId, &BeyondWhy>) -> Self {
+        let total =
+            |of: fn(&RolloutReport) -> u32| driven.iter().map(|d| of(&d.report) as usize).sum();
+        Self {
+            drives: driven.len(),
+            collisions: total(|r| r.collisions),
+            rule_violations: total(|r| r.rule_violations),
+            interventions: total(|r| r.interventions),
+            beyond: strangers.keys().map(|who| (*who).clone()).collect(),
+        }
+    }
+}
+
+fn warnings(
+    value: &Simulated,
+    ended_early: usize,
+    strangers: &BTreeMap<&ParticipantId, &BeyondWhy>,
+) -> Vec<String> {
+    let collisions = (value.collisions > 0)
+        .then(|| format!("{} collisions: see rollouts.csv", value.collisions));
+    let early = (ended_early > 0).then(|| {
+        format!(
+            "{} left out: see drives/exclusions.csv",
+            count(
+                ended_early,
+                "drive ended early and is",
+                "drives ended early and are"
+            )
+        )
+    });
+    let beyond = beyond::named(
+        "participant",
+        strangers.iter().map(|(who, why)| (who.to_string(), *why)),
+        "; the car drives all the same, in a style that says little of this person",
+    );
+    collisions.into_iter().chain(early).chain(beyond).collect()
 }
 
 /// Whoever's style is driven though their own drive is beyond what the model has learned from.
@@ -389,6 +340,95 @@ fn strangers(conditions: &[ConditionRow]) -> BTreeMap<&ParticipantId, &BeyondWhy
 }
 
 impl Simulate {
+    /// The rows to drive: of a sweep all, since the design does not name them; of what it names, only what is not recorded elsewhere.
+    fn conditions_to_drive(
+        &self,
+        study: Option<&DesignFile>,
+    ) -> Result<Vec<ConditionRow>, StudyError> {
+        let mut conditions = read_conditions(&self.conditions)?;
+        if let Some(study) = study {
+            let simulated = |id| study.design.condition(id).is_some_and(Condition::simulated);
+            conditions.retain(|row| row.sweep.is_some() || simulated(row.condition));
+            if conditions.is_empty() {
+                let problem = "holds no condition that the design lets the program drive";
+                return Err(StudyError::file(&self.conditions, problem));
+            }
+        }
+        Ok(conditions)
+    }
+
+    /// A ride of each condition in each session and trial, every one with a name of its own, and so in another world.
+    fn rides<'a>(
+        &self,
+        study: Option<&DesignFile>,
+        conditions: &'a [ConditionRow],
+    ) -> Result<Vec<Ride<'a>>, StudyError> {
+        let varying = self.varying(study, conditions)?;
+        let (mut rides, mut names) = (Vec::new(), BTreeSet::new());
+        for (row, varying) in conditions.iter().zip(varying) {
+            let occasions = match study {
+                Some(study) if row.sweep.is_none() => study.design.occasions(row.condition),
+                _ => vec![Occasion::FIRST],
+            };
+            for occasion in occasions {
+                let id = row.drive_on(occasion)?;
+                if !names.insert(id.clone()) {
+                    let problem = format!("two rows are drive {id}, expected a name for each");
+                    return Err(StudyError::file(&self.conditions, problem));
+                }
+                rides.push(Ride {
+                    row,
+                    id,
+                    occasion,
+                    varying,
+                });
+            }
+        }
+        refuse_foreign(&self.out.join("drives"), names.iter().map(DriveId::as_str))?;
+        Ok(rides)
+    }
+
+    /// Writes what was driven and what ended early, and removes logs that an earlier run wrote and this one does not.
+    ///
+    /// # Errors
+    /// Why the last drive ended, where no drive is left; a file that cannot be written.
+    fn write(
+        &self,
+        driven: &[Driven],
+        stopped: &mut Vec<Stopped>,
+        logged: &Logged<'_>,
+    ) -> Result<(), StudyError> {
+        let drives = self.out.join("drives");
+        let ended = stopped.iter().map(|(drive, why)| EndedEarly {
+            drive: drive.to_string(),
+            what: why.to_string(),
+        });
+        write_rows(TableName::EndedEarly, &drives.join("exclusions.csv"), ended)?;
+        if let (true, Some((_, why))) = (driven.is_empty(), stopped.pop()) {
+            return Err(why.into());
+        }
+        let unlogged = driven.iter().map(|d| &d.meta);
+        let unlogged = unlogged.filter(|meta| !logged.cover(&meta.participant));
+        let unlogged = unlogged.map(|meta| meta.drive.clone());
+        for gone in former_drives(&drives, driven.iter().map(|d| d.meta.drive.as_str()))
+            .into_iter()
+            .chain(unlogged)
+        {
+            remove_former(&log_of(&self.out, gone.as_str()))?;
+        }
+        let list: Vec<(DriveMeta, usize, f64)> = driven
+            .iter()
+            .map(|d| (d.meta.clone(), d.rows, d.duration_s))
+            .collect();
+        write_drive_list(&drives, &list)?;
+        let rollouts = driven.iter().map(|d| (("drive", &d.meta.drive), &d.report));
+        write_rows(
+            TableName::Rollouts,
+            &self.out.join("rollouts.csv"),
+            rollouts,
+        )
+    }
+
     /// What wanders in each of `conditions`: as in the person's own drive where the design says so, nothing elsewhere.
     fn varying(
         &self,
@@ -436,7 +476,22 @@ impl Simulate {
     }
 }
 
-type Driven = (DriveMeta, usize, f64, RolloutReport, Option<WatchedDrive>);
+/// A ride to drive.
+struct Ride<'a> {
+    row: &'a ConditionRow,
+    id: DriveId,
+    occasion: Occasion,
+    varying: Option<Variability>,
+}
+
+/// A drive that was driven to its end; with what the page plays where it is watched.
+struct Driven {
+    meta: DriveMeta,
+    rows: usize,
+    duration_s: f64,
+    report: RolloutReport,
+    watched: Option<WatchedDrive>,
+}
 
 /// Writes the page that plays the drives kept for it, the own drive first.
 fn write_page(options: &Simulate, page: &Path, driven: &[Driven]) -> Result<(), StudyError> {
@@ -444,7 +499,7 @@ fn write_page(options: &Simulate, page: &Path, driven: &[Driven]) -> Result<(), 
         None => Vec::new(),
         Some(log) => read_watched(log, &IngestSettings::default())?,
     };
-    drives.extend(driven.iter().filter_map(|d| d.4.clone()));
+    drives.extend(driven.iter().filter_map(|d| d.watched.clone()));
     let scenario = match &options.scenario {
         Some(path) => path.to_slash_lossy().into_owned(),
         None => "the paper's".to_owned(),
@@ -491,23 +546,18 @@ fn drive(
     options: &Simulate,
     model: &Model,
     scenario: &Scenario,
-    (row, occasion, varying): (&ConditionRow, Occasion, Option<&Variability>),
+    ride: &Ride<'_>,
     logged: bool,
     watched: bool,
 ) -> Result<Result<Driven, Stopped>, StudyError> {
-    let id = row.drive_on(occasion)?;
+    let (id, row) = (ride.id.clone(), ride.row);
     let seed = stream_seed(options.seed, &[id.as_str(), "world"]);
-    let driven = drive_style(model, &row.embedding, varying, scenario, seed)?;
+    let driven = drive_style(model, &row.embedding, ride.varying.as_ref(), scenario, seed)?;
     if let Some(why) = driven.stopped {
         return Ok(Err((id, why)));
     }
-    let meta = DriveMeta::new(
-        id,
-        row.participant.clone(),
-        row.condition,
-        DrivenBy::Automated,
-    )
-    .on(occasion);
+    let who = row.participant.clone();
+    let meta = DriveMeta::new(id, who, row.condition, DrivenBy::Automated).on(ride.occasion);
     if logged {
         let scenes = options.scenes.as_ref();
         let beside = Beside {
@@ -520,14 +570,18 @@ fn drive(
     }
     let made = Drive::from_recording(meta.clone(), &driven.recording)?;
     write_drive(&options.out.join("drives"), &made)?;
-    let duration = made.rows().time_s.last().copied().unwrap_or(0.0);
-    let kept = watched.then(|| {
+    let watched = watched.then(|| {
         let interventions = Some(braking(&driven.trace));
         let road = centre_line(scenario, &driven.recording);
         WatchedDrive::new(meta.clone(), &driven.recording, interventions, road)
     });
-    let kept = kept.transpose()?;
-    Ok(Ok((meta, made.len(), duration, driven.report, kept)))
+    Ok(Ok(Driven {
+        meta,
+        rows: made.len(),
+        duration_s: made.rows().time_s.last().copied().unwrap_or(0.0),
+        report: driven.report,
+        watched: watched.transpose()?,
+    }))
 }
 
 /// Where a road that bends lies on the map, over the stretch that is driven and seen.

@@ -25,6 +25,7 @@ pub enum TableName {
     Factors,
     Files,
     Forgotten,
+    ItemMeans,
     Items,
     LearningCurve,
     LeftOut,

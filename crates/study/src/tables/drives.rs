@@ -89,11 +89,18 @@ pub fn read_drives(folder: &Path) -> Result<Vec<Drive>, StudyError> {
 /// Reads the drives of a folder one after the other, ordered by file name: many do not fit into memory.
 ///
 /// # Errors
-/// [`StudyError::BadFile`] for a folder without drives or, where `drives.csv` lists what was made there, with another one; of each
-/// drive as [`read_drive`].
+/// As [`drive_paths`]; of each drive as [`read_drive`].
 pub fn drives_in(
     folder: &Path,
 ) -> Result<impl Iterator<Item = Result<Drive, StudyError>>, StudyError> {
+    Ok(drive_paths(folder)?.into_iter().map(|p| read_drive(&p)))
+}
+
+/// The files of the drives of a folder, ordered by name.
+///
+/// # Errors
+/// [`StudyError::BadFile`] for a folder without drives or, where `drives.csv` lists what was made there, with another one.
+pub(crate) fn drive_paths(folder: &Path) -> Result<Vec<PathBuf>, StudyError> {
     let paths = drive_files(folder)?;
     if paths.is_empty() {
         return Err(StudyError::BadFile {
@@ -105,7 +112,7 @@ pub fn drives_in(
     if folder.join(LIST).is_file() {
         refuse_foreign(folder, [])?;
     }
-    Ok(paths.into_iter().map(|p| read_drive(&p)))
+    Ok(paths)
 }
 
 /// Refuses a folder to write into that holds a drive which neither its `drives.csv` lists nor `now` replaces: nobody knows who made

@@ -93,5 +93,6 @@ pub(crate) fn input() -> DifferencePanels {
             ),
         ],
         from: None,
+        part: None,
     }
 }

@@ -155,22 +155,9 @@ impl Stage for Ingest {
         spare_inputs(tables, [&*list, &exclusions])?;
         let aside = Aside::new(&self.out)?;
         let numbered: Vec<(usize, &logs::Log)> = logs.iter().enumerate().collect();
-        let written =
-            for_each_on(
-                self.jobs,
-                &numbered,
-                watch,
-                "logs ingested",
-                |log| match write_log(*log, aside.path()) {
-                    Ok(written) => Ok(Ok(written)),
-                    Err(StudyError::Ingest(error)) => Ok(Err((log.1.path.clone(), error))),
-                    Err(StudyError::Domain(error)) => {
-                        let (path, source) = (log.1.path.clone(), error);
-                        Ok(Err((path.clone(), IngestError::Refused { path, source })))
-                    }
-                    Err(error) => Err(error),
-                },
-            )?;
+        let written = for_each_on(self.jobs, &numbered, watch, "logs ingested", |log| {
+            log_or_why(*log, aside.path())
+        })?;
         let mut failed = Vec::new();
         let read = written
             .into_iter()
@@ -180,24 +167,7 @@ impl Stage for Ingest {
             return Err(none_ingested(failed));
         }
         let failed: Vec<FailedLog> = failed.into_iter().map(FailedLog::from).collect();
-        if let (true, Some(first)) = (drives.is_empty(), left_out.first()) {
-            return Err(StudyError::NotPossible {
-            problem: format!("no drive is let in; {}: {}", first.meta.drive, first.why),
-            help: Some(
-                "say whose drives these are under [names] of the mapping, or add people and conditions to the study".to_owned(),
-            ),
-        });
-        }
-        let mut ids = BTreeSet::new();
-        if let Some(twice) = drives.iter().find(|d| !ids.insert(&d.meta.drive)) {
-            return Err(StudyError::NotPossible {
-                problem: format!(
-                    "two logs, or two vehicles of one, make the drive `{}`",
-                    twice.meta.drive
-                ),
-                help: Some("leave one of them out, or ingest them into two folders".to_owned()),
-            });
-        }
+        some_let_in_and_none_twice(&drives, &left_out)?;
         if let (Some(study), Some(gate)) = (&study, &gate) {
             orders_agree(study, self.participants.as_deref(), gate, &drives)?;
         }
@@ -209,21 +179,8 @@ impl Stage for Ingest {
             put_in_place(&drive.file, &place)?;
         }
         write_exclusions(&self.out, &drives, &left_out, &failed)?;
-        let mut warnings: Vec<String> = failed.iter().map(FailedLog::to_string).collect();
-        let doubts = drives.iter().flat_map(|d| &d.warnings);
-        let doubts = doubts.map(|w| (w.file.to_slash_lossy().into_owned(), w));
-        warnings.extend(doubted(doubts));
         drives.sort_by(|a, b| a.meta.drive.cmp(&b.meta.drive));
-        let alone = drives.iter().filter(|d| !d.led).map(|d| {
-            let why = "no lead vehicle in any row; it cannot teach following or lane changes";
-            (d.meta.drive.to_string(), why.to_owned())
-        });
-        warnings.extend(told_once("drive", alone));
-        let out = left_out.iter();
-        let out = out.map(|out| (out.meta.drive.to_string(), out.why.to_string()));
-        warnings.extend(told_once("drive", out));
-        let parts = parts::maybe_parts(&drives.iter().map(|d| &d.meta), &left_out);
-        warnings.extend(told_once("drive", parts));
+        let warnings = warnings(&drives, &left_out, &failed);
         let sights = sights(&drives);
         let rows = drives.iter().map(|d| d.rows).sum();
         let list: Vec<(DriveMeta, usize, f64)> = drives
@@ -260,6 +217,66 @@ impl Stage for Ingest {
             warnings,
         })
     }
+}
+
+/// Writes the drives of a log aside; why there are none where the log is at fault.
+fn log_or_why(
+    log: (usize, &logs::Log),
+    aside: &Path,
+) -> Result<Result<Vec<Written>, (PathBuf, IngestError)>, StudyError> {
+    match write_log(log, aside) {
+        Ok(written) => Ok(Ok(written)),
+        Err(StudyError::Ingest(error)) => Ok(Err((log.1.path.clone(), error))),
+        Err(StudyError::Domain(source)) => {
+            let path = log.1.path.clone();
+            Ok(Err((path.clone(), IngestError::Refused { path, source })))
+        }
+        Err(error) => Err(error),
+    }
+}
+
+fn some_let_in_and_none_twice(
+    drives: &[Written],
+    left_out: &[LeftOutDrive],
+) -> Result<(), StudyError> {
+    if let (true, Some(first)) = (drives.is_empty(), left_out.first()) {
+        return Err(StudyError::NotPossible {
+            problem: format!("no drive is let in; {}: {}", first.meta.drive, first.why),
+            help: Some(
+                "say whose drives these are under [names] of the mapping, or add people and conditions to the study".to_owned(),
+            ),
+        });
+    }
+    let mut ids = BTreeSet::new();
+    match drives.iter().find(|d| !ids.insert(&d.meta.drive)) {
+        None => Ok(()),
+        Some(twice) => Err(StudyError::NotPossible {
+            problem: format!(
+                "two logs, or two vehicles of one, make the drive `{}`",
+                twice.meta.drive
+            ),
+            help: Some("leave one of them out, or ingest them into two folders".to_owned()),
+        }),
+    }
+}
+
+/// What was left out, repaired or is doubtful, in sentences; the drives by name.
+fn warnings(drives: &[Written], left_out: &[LeftOutDrive], failed: &[FailedLog]) -> Vec<String> {
+    let mut warnings: Vec<String> = failed.iter().map(FailedLog::to_string).collect();
+    let doubts = drives.iter().flat_map(|d| &d.warnings);
+    let doubts = doubts.map(|w| (w.file.to_slash_lossy().into_owned(), w));
+    warnings.extend(doubted(doubts));
+    let alone = drives.iter().filter(|d| !d.led).map(|d| {
+        let why = "no lead vehicle in any row; it cannot teach following or lane changes";
+        (d.meta.drive.to_string(), why.to_owned())
+    });
+    warnings.extend(told_once("drive", alone));
+    let out = left_out.iter();
+    let out = out.map(|out| (out.meta.drive.to_string(), out.why.to_string()));
+    warnings.extend(told_once("drive", out));
+    let parts = parts::maybe_parts(&drives.iter().map(|d| &d.meta), left_out);
+    warnings.extend(told_once("drive", parts));
+    warnings
 }
 
 /// What the rigs see that do not see everything, a line each.

@@ -10,7 +10,7 @@ use path_slash::PathExt as _;
 use std::path::{Path, PathBuf};
 
 /// What the page of a study is made from, beside the drives.
-pub(super) const READ: [&str; 11] = [
+pub(super) const READ: [&str; 12] = [
     "analysis.json",
     "model_training.json",
     "model_embeddings.csv",
@@ -20,6 +20,7 @@ pub(super) const READ: [&str; 11] = [
     "scores.csv",
     "scores_reliabilities.csv",
     "scores_exclusions.csv",
+    "rating_scores_item_means.csv",
     "rating_scores_reliabilities.csv",
     "rating_scores_exclusions.csv",
 ];

@@ -51,6 +51,15 @@ pub struct DrawReport {
     pub command: Option<String>,
 }
 
+impl DrawReport {
+    /// The value of a parameter of the run.
+    fn parameter(&self, key: &str) -> Option<&str> {
+        let mut all = self.parameters.iter();
+        let (_, value) = all.find(|(name, _)| name == key)?;
+        Some(value)
+    }
+}
+
 /// What was written.
 #[derive(Debug, Clone, Serialize)]
 pub struct Reported {

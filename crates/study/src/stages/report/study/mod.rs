@@ -2,6 +2,7 @@
 
 mod car;
 mod embedding;
+mod items;
 mod learned;
 mod nameless;
 mod not_there;
@@ -28,9 +29,11 @@ use crate::{
     run_folder::{durations, lists, read_scenario},
     stages::{freeze::declared, train::TrainingSummary},
     tables::{drives::read_drive, measurements::MeasuredDrive},
+    watching::WatchedDrive,
 };
 use car::section_car;
 use embedding::{live, section_embedding};
+use items::items_of_reduced;
 use learned::section_model;
 use maveric_domain::Road;
 use maveric_model::Model;
@@ -42,6 +45,7 @@ use maveric_report::{
     html::{Methods, Provenance, Section},
     tables::Exclusion,
 };
+use maveric_simulator::Scenario;
 use nameless::Nameless;
 pub(in crate::stages::report) use run::Run;
 use setting::{listed_exclusions, reliabilities};
@@ -67,29 +71,17 @@ pub(super) fn page(
         (&study.design, &run.analysis.flow),
     )?;
     let (road, minutes) = driven(folder, &run)?;
-    let given = |key| {
-        let mut all = options.parameters.iter();
-        all.find(|(name, _)| name == key).map(|(_, value)| value)
-    };
-    let scenario = given("scenario").map(|path| read_scenario(Some(Path::new(path)), None));
+    let scenario = options.parameter("scenario");
+    let scenario = scenario.map(|path| read_scenario(Some(Path::new(path)), None));
     let scenario = scenario.transpose()?;
     let own_claims = study.design.files().claims.as_ref();
-    let claims = options
-        .claims
-        .clone()
-        .or_else(|| own_claims.map(|c| study.resolve(c)));
-    let ledger = match &claims {
-        Some(path) => {
-            let setup = setup(&run, road.as_ref(), minutes, scenario.as_ref())?;
-            let claimed = claims::load(&read_text(path)?)?;
-            let mut ledger = claims::join(&claimed, &results(&run, &people, &setup))?;
-            for row in ledger.iter_mut().filter(|row| row.ours.is_some()) {
-                row.made = Some(made(&row.claim.key));
-            }
-            Some(ledger)
-        }
-        None => None,
-    };
+    let own_claims = own_claims.map(|c| study.resolve(c));
+    let claims = options.claims.clone().or(own_claims);
+    let ledger = claims.as_ref().map(|path| {
+        let setup = setup(&run, road.as_ref(), minutes, scenario.as_ref())?;
+        ledger(path, &results(&run, &people, &setup))
+    });
+    let ledger = ledger.transpose()?;
     let facts = Facts {
         training: run.training.as_ref(),
         embedding_size: run.model.as_ref().map(Model::embedding_size),
@@ -105,78 +97,39 @@ pub(super) fn page(
     let reliabilities = reliabilities(folder, &run.scales)?;
     let logs = watch::logs(folder, &study, &run);
     let watched = watch::drives(&logs)?;
-    let mut supplement = Vec::from_iter(section_model(&run, &page)?);
-    if let Some(scenario) = scenario.as_ref().filter(|_| run.analysis.synthetic) {
-        let sources = given("population_sources").map(Path::new);
-        let seed = run.seed().unwrap_or_default();
-        supplement.push(section_car(scenario, sources, seed, &page)?);
-    }
+    let supplement = supplement(options, &run, scenario.as_ref(), &page)?;
     let said = declared(&study)?;
-    // What nobody declared is called what it is, once something was declared.
-    let undeclared = |section: Option<Section>| -> Result<Option<Section>, StudyError> {
-        let Some(section) = section else {
-            return Ok(None);
-        };
-        if said.is_empty() {
-            return Ok(Some(section));
-        }
-        let texts = page
-            .texts
-            .with(&BTreeMap::from([("title", &section.title)]));
-        let title = texts.text("exploratory")?;
-        Ok(Some(Section { title, ..section }))
+    let asked = Asked {
+        people: &people,
+        reliabilities: &reliabilities,
+        is_declared: !said.is_empty(),
     };
-    let shown = run.own_style();
-    let shown = shown.or(run.design.conditions().first().map(|c| c.id));
-    let drive = watched.iter().find(|d| Some(d.meta.condition) == shown);
-    let mut sections = vec![page.conditions(drive.and_then(watch::diagram).as_ref())?];
-    sections.extend(undeclared(section_embedding(folder, &run, &page)?)?);
-    sections.extend(undeclared(page.kept()?)?);
-    sections.extend(page.homophily()?);
-    sections.extend(page.presses()?);
-    sections.extend(page.repeats()?);
-    let simulated = run.design.conditions().iter().find(|c| c.simulated());
-    let view = run.own_style().or(simulated.map(|c| c.id));
-    let view = scene::view(&folder.join("av/logs"), view)?;
-    sections.push(page.setting(
-        run.model.is_some(),
-        view.as_ref(),
-        &people.groups(),
-        &reliabilities,
-    )?);
+    let mut sections = sections(folder, &run, &page, (&asked, &watched))?;
     let missing = missing(&study, folder, options.participants.as_deref())?;
     sections.extend(not_there::section_missing(&run, &missing)?);
     not_there::list(&options.out, &missing)?;
     let nameless = Nameless::of(&study, folder, participants)?;
     let exclusions = nameless.counted(left_out(&run).chain(listed_exclusions(folder)?));
     let exclusions = each_reason_once(exclusions);
-    let mut warnings: Vec<String> = run
-        .training
-        .iter()
-        .flat_map(|t| t.warnings.clone())
-        .collect();
-    if let Some(share) = run.analysis.beyond_training.filter(|s| *s > 0.0) {
-        let texts = page.texts.with(&BTreeMap::from([("share", share)]));
-        warnings.push(texts.text("beyond")?);
-    }
+    let warnings = warnings(&run, &page)?;
     let mut moving = Vec::from_iter(live(folder, &run)?);
     moving.extend(watch::player(&run, watched));
     // Without its figure, a part that moves has nothing to stand for it on paper.
-    let drawn = |name: &String| {
-        sections
-            .iter()
-            .chain(&supplement)
-            .flat_map(|s| &s.figures)
-            .any(|f| f.name == *name)
-    };
-    moving.retain(|live| drawn(&live.below));
+    let mut drawn = BTreeSet::new();
+    for section in sections.iter().chain(&supplement) {
+        drawn.extend(section.figures.iter().map(|f| f.name.as_str()));
+    }
+    moving.retain(|live| drawn.contains(live.below.as_str()));
     let files = parameter_files(&options.parameters);
-    let shown = in_folder(folder, &READ).into_iter();
-    let shown = shown.chain([run.model_file.clone(), participants.to_owned()]);
-    let parameters = options
-        .parameters
-        .iter()
-        .map(|(name, value)| (format!("pipeline: {name}"), value.clone()));
+    let shown = study.path.iter().chain(&files).cloned();
+    let shown = nameless.files(shown_whole(&shown.collect::<Vec<_>>())?);
+    let read = in_folder(folder, &READ).into_iter();
+    let read = read
+        .chain([run.model_file.clone(), participants.to_owned()])
+        .chain(study.path.clone())
+        .chain(claims)
+        .chain(files)
+        .chain(logs);
     let mut report = Report {
         glossary: glossary(),
         cards: cards(&run, &reliabilities, ledger.as_deref())?,
@@ -186,14 +139,7 @@ pub(super) fn page(
         supplement,
         methods: Methods {
             text: page.methods_on_page()?,
-            files: nameless.files(shown_whole(
-                &study
-                    .path
-                    .iter()
-                    .cloned()
-                    .chain(files.clone())
-                    .collect::<Vec<_>>(),
-            )?),
+            files: shown,
         },
         ledger: ledger.clone(),
         exclusions,
@@ -202,21 +148,108 @@ pub(super) fn page(
             version: env!("CARGO_PKG_VERSION").to_owned(),
             seed: run.seed(),
             command: options.command.clone().unwrap_or_default(),
-            parameters: parameters
-                .chain(run.training.iter().flat_map(parameters_of))
-                .collect(),
-            inputs: hashed(
-                shown
-                    .chain(study.path.clone())
-                    .chain(claims)
-                    .chain(files)
-                    .chain(logs),
-            )?,
+            parameters: parameters(options, &run),
+            inputs: hashed(read)?,
         },
         ..Report::new(study.design.title(), page.subtitle()?, &run.context)
     };
     report.beside = page.manuscript(&report, &run.scales, &reliabilities)?;
     Ok((report, page.lines()?))
+}
+
+/// The paper's claims in this file, each with our result and what made it.
+fn ledger(path: &Path, ours: &BTreeMap<String, f64>) -> Result<Vec<LedgerRow>, StudyError> {
+    let claimed = claims::load(&read_text(path)?)?;
+    let mut ledger = claims::join(&claimed, ours)?;
+    for row in ledger.iter_mut().filter(|row| row.ours.is_some()) {
+        row.made = Some(made(&row.claim.key));
+    }
+    Ok(ledger)
+}
+
+/// How the model was learned, and the car that made-up people drove.
+fn supplement(
+    options: &DrawReport,
+    run: &Run,
+    scenario: Option<&Scenario>,
+    page: &StudyPage<'_>,
+) -> Result<Vec<Section>, StudyError> {
+    let mut supplement = Vec::from_iter(section_model(run, page)?);
+    if let Some(scenario) = scenario.filter(|_| run.analysis.synthetic) {
+        let sources = options.parameter("population_sources").map(Path::new);
+        let seed = run.seed().unwrap_or_default();
+        supplement.push(section_car(scenario, sources, seed, page)?);
+    }
+    Ok(supplement)
+}
+
+/// Who was asked what, and whether what is tested was declared before.
+struct Asked<'a> {
+    people: &'a People,
+    reliabilities: &'a [Reliability],
+    is_declared: bool,
+}
+
+/// The results, from the conditions to the setting.
+fn sections(
+    folder: &Path,
+    run: &Run,
+    page: &StudyPage<'_>,
+    (asked, watched): (&Asked<'_>, &[WatchedDrive]),
+) -> Result<Vec<Section>, StudyError> {
+    // What nobody declared is called what it is, once something was declared.
+    let undeclared = |section: Option<Section>| -> Result<Option<Section>, StudyError> {
+        let Some(section) = section else {
+            return Ok(None);
+        };
+        if !asked.is_declared {
+            return Ok(Some(section));
+        }
+        let titled = BTreeMap::from([("title", &section.title)]);
+        let title = page.texts.with(&titled).text("exploratory")?;
+        Ok(Some(Section { title, ..section }))
+    };
+    let own = run.own_style();
+    let mut conditions = run.design.conditions().iter();
+    let shown = own.or(conditions.clone().next().map(|c| c.id));
+    let drive = watched.iter().find(|d| Some(d.meta.condition) == shown);
+    let drive = drive.and_then(watch::diagram);
+    let items = items_of_reduced(folder, run)?;
+    let mut sections = vec![page.conditions(drive.as_ref(), &items)?];
+    sections.extend(undeclared(section_embedding(folder, run, page)?)?);
+    sections.extend(undeclared(page.kept()?)?);
+    sections.extend(page.homophily()?);
+    sections.extend(page.presses()?);
+    sections.extend(page.repeats()?);
+    let view = own.or(conditions.find(|c| c.simulated()).map(|c| c.id));
+    let view = scene::view(&folder.join("av/logs"), view)?;
+    sections.push(page.setting(
+        run.model.is_some(),
+        view.as_ref(),
+        &asked.people.groups(),
+        asked.reliabilities,
+    )?);
+    Ok(sections)
+}
+
+/// What the training warned of, and whose styles lie beyond it.
+fn warnings(run: &Run, page: &StudyPage<'_>) -> Result<Vec<String>, StudyError> {
+    let training = run.training.iter();
+    let mut warnings: Vec<String> = training.flat_map(|t| t.warnings.clone()).collect();
+    if let Some(share) = run.analysis.beyond_training.filter(|s| *s > 0.0) {
+        let texts = page.texts.with(&BTreeMap::from([("share", share)]));
+        warnings.push(texts.text("beyond")?);
+    }
+    Ok(warnings)
+}
+
+/// Those of the pipeline and of the training.
+fn parameters(options: &DrawReport, run: &Run) -> Vec<(String, String)> {
+    let named = options.parameters.iter();
+    let pipeline = named.map(|(name, value)| (format!("pipeline: {name}"), value.clone()));
+    pipeline
+        .chain(run.training.iter().flat_map(parameters_of))
+        .collect()
 }
 
 /// The road, and how long the baseline drives of those who were tested took, in minutes; of any drive where there is no baseline.

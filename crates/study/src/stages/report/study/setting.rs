@@ -48,7 +48,7 @@ pub(super) fn reliabilities(
 }
 
 /// What its file calls a subscale: `Mini-IPIP: Openness`; the ids where there is no file.
-fn titled(scales: &[Scale], scale: &str, subscale: &str) -> String {
+pub(super) fn titled(scales: &[Scale], scale: &str, subscale: &str) -> String {
     let Some(known) = scales.iter().find(|s| s.id == scale) else {
         return format!("{scale}: {subscale}");
     };
