@@ -333,6 +333,8 @@ fn somebody_elses_style_is_ridden_at_ones_own_score_and_whose_it_was_is_kept_for
         "12 people were lent the style of",
         "Do people tell which ride was in their own style?",
         "Differences by another choice",
+        "Item by item, the scores that are tested without some of their items",
+        "2 I felt at ease. (left out)",
     ]);
     // All say the same of the two rides, and half of them rode in their own style first: half are right.
     let analysis: serde_json::Value =
@@ -352,6 +354,10 @@ fn somebody_elses_style_is_ridden_at_ones_own_score_and_whose_it_was_is_kept_for
     );
     let scores = read(&study, "mine/results/rating_scores.csv");
     assert!(scores.contains(",calm,total_without_2,"), "{scores}");
+    let items = read(&study, "mine/results/rating_scores_item_means.csv");
+    for row in ["calm,1,mine,12,", "calm,2,other,12,"] {
+        assert!(items.contains(row), "{items}");
+    }
     // What is given away names no donor by an id.
     study.write("mine/key.txt", "no key of anybody's, for a test alone");
     let export = "export --key key.txt --out given";

@@ -99,7 +99,8 @@ fn unanswered(data: &StudyData, outcome: &Outcome) -> bool {
 fn beyond_training(data: &StudyData) -> Option<f64> {
     let shifted = data.shifted();
     let rows = data.conditions.iter().filter(|row| {
-        shifted.contains(&row.condition) && data.participants.contains(&row.participant)
+        let tested = data.participants.binary_search(&row.participant);
+        shifted.contains(&row.condition) && tested.is_ok()
     });
     let beyond: Vec<bool> = rows.map(|row| row.beyond_training).collect();
     let share = beyond.iter().filter(|b| **b).count() as f64 / beyond.len() as f64;

@@ -1,6 +1,7 @@
 //! The tables of a study, side by side.
 
 mod cells;
+mod places;
 mod tables;
 
 pub use tables::Tables;
@@ -20,6 +21,7 @@ use maveric_domain::{
     design::{Condition, Quantity, ScoreName, Sign},
     press::{PressMoment, PressedRide},
 };
+use places::Places;
 use std::{
     collections::{BTreeMap, BTreeSet},
     num::NonZeroU32,
@@ -34,13 +36,15 @@ pub struct StudyData {
     /// Those who were tested and drove or rated something, or were measured, in order.
     pub participants: Vec<ParticipantId>,
     /// What was measured, a row a drive.
-    pub measurements: Vec<MeasuredDrive>,
+    pub(crate) measurements: Vec<MeasuredDrive>,
     /// Fitted embeddings.
-    pub embeddings: Vec<EmbeddingRow>,
+    pub(crate) embeddings: Vec<EmbeddingRow>,
     /// Where in style space each condition lies.
-    pub conditions: Vec<ConditionRow>,
+    pub(crate) conditions: Vec<ConditionRow>,
     /// How many there were at each step.
     pub flow: Flow,
+    /// Where rows of the tables above stand.
+    places: Places,
     people: BTreeMap<ParticipantId, Person>,
     scales: Vec<Scale>,
     /// Where people left the dial, a ride each.
@@ -117,6 +121,7 @@ impl StudyData {
             pre: Scores::of(&pre),
             post: Scores::of(&post),
             of_stopped,
+            places: Places::of(&measurements, &tables.embeddings, &tables.conditions),
             measurements,
             embeddings: tables.embeddings,
             conditions: tables.conditions,
@@ -166,7 +171,7 @@ impl StudyData {
             return 0;
         };
         let of_score = |score: &&Score| {
-            let known = self.participants.contains(&score.participant);
+            let known = self.participants.binary_search(&score.participant).is_ok();
             let same = score.scale == name.scale && score.subscale == name.subscale;
             known && same
         };
@@ -217,6 +222,11 @@ impl StudyData {
     /// Where somebody left the dial, a ride each.
     pub fn settled(&self, participant: &ParticipantId) -> &[Settled] {
         self.settled.get(participant).map_or(&[], Vec::as_slice)
+    }
+
+    /// What was measured, a row a drive.
+    pub fn measurements(&self) -> &[MeasuredDrive] {
+        &self.measurements
     }
 
     /// Whether the people are made up: the design says so, or a drive was a driver model's.
@@ -314,12 +324,10 @@ impl StudyData {
         participant: &ParticipantId,
         adb_used: bool,
     ) -> Option<&EmbeddingRow> {
-        self.embeddings.iter().find(|e| {
-            e.participant == *participant
-                && Some(e.condition) == self.design.baseline_id()
-                && e.session == session
-                && e.adb_used == adb_used
-        })
+        let baseline = self.design.baseline_id()?;
+        let whose = (participant.clone(), baseline, session, adb_used);
+        let at = self.places.embeddings.get(&whose)?;
+        self.embeddings.get(*at)
     }
 
     /// How many rides of a participant in a condition of the first session count.
@@ -344,11 +352,9 @@ impl StudyData {
     /// A measure of the baseline drive that a participant made after the first, of those who drove twice.
     pub fn second_drive(&self, participant: &ParticipantId, measure: &str) -> Option<f64> {
         let baseline = self.design.baseline_id()?;
-        let own =
-            |d: &&MeasuredDrive| d.meta.participant == *participant && d.meta.condition == baseline;
-        let mut drives: Vec<&MeasuredDrive> = self.measurements.iter().filter(own).collect();
-        drives.sort_by_key(|d| d.meta.occasion());
-        drives.get(1)?.values.get(measure).copied().flatten()
+        let drives = self.places.drives.get(&(participant.clone(), baseline))?;
+        let second = self.measurements.get(*drives.get(1)?)?;
+        second.values.get(measure).copied().flatten()
     }
 
     /// Whether any tested person's drive has this measure, or any of them was measured so.
@@ -377,6 +383,14 @@ impl StudyData {
         self.embedding_in(FIRST, participant, adb_used)
     }
 
+    /// The same of other embeddings.
+    #[cfg(test)]
+    pub(crate) fn with_embeddings(mut self, embeddings: Vec<EmbeddingRow>) -> Self {
+        self.places = Places::of(&self.measurements, &embeddings, &self.conditions);
+        self.embeddings = embeddings;
+        self
+    }
+
     /// A questionnaire score from before the drives, or from the end where it was asked then alone.
     pub fn pre(&self, participant: &ParticipantId, name: &ScoreName) -> Option<f64> {
         let at = |moment| {
@@ -403,8 +417,8 @@ impl StudyData {
         participant: &ParticipantId,
         condition: ConditionId,
     ) -> Option<&ConditionRow> {
-        let row = |c: &&ConditionRow| c.participant == *participant && c.condition == condition;
-        self.conditions.iter().find(row)
+        let whose = (participant.clone(), condition);
+        self.conditions.get(*self.places.conditions.get(&whose)?)
     }
 
     /// Subscales of a scale from before the drives, in the order in which they were scored.

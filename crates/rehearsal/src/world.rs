@@ -425,10 +425,10 @@ mod tests {
             twice.study(40, 3).unwrap().data,
         );
         // Four conditions with two rides and a drive by hand, in each of two sessions.
-        assert_eq!(twice.measurements.len(), 40 * 2 * (4 * 2 + 1));
+        assert_eq!(twice.measurements().len(), 40 * 2 * (4 * 2 + 1));
         let first = |data: &StudyData| {
             let first = data
-                .measurements
+                .measurements()
                 .iter()
                 .filter(|d| d.meta.ride().occasion == maveric_domain::Occasion::FIRST);
             first.cloned().collect::<Vec<_>>()

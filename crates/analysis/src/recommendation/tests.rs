@@ -396,11 +396,11 @@ fn what_eight_people_like_is_found_again_in_their_ratings_and_in_their_trait() {
     let turned = |r: &Reason| r.because == "own turns of the dial";
     assert!(found.reasons.iter().any(turned));
     // From a drive that the model has met nobody with the dial has no place to turn from, unless the design lets it.
-    let mut stranger = data.clone();
-    stranger.embeddings = vec![EmbeddingRow {
+    let beyond = EmbeddingRow {
         beyond_why: Some(BeyondWhy::Scale),
         ..crate::testing::position(PEOPLE - 1, 0.0)
-    }];
+    };
+    let mut stranger = data.clone().with_embeddings(vec![beyond]);
     let none = learned.recommendation(&stranger, last);
     assert_eq!(none.beyond, Some(BeyondWhy::Scale));
     assert!(none.preferred.is_none() && none.before_riding.is_none() && none.next.is_none());
@@ -414,7 +414,6 @@ fn what_eight_people_like_is_found_again_in_their_ratings_and_in_their_trait() {
 
 #[test]
 fn on_the_scale_both_uncertainties_add_up_as_squares() {
-    let mut data = eight(below);
     let row = |i: usize, position: f64| EmbeddingRow {
         adb_hat: Some(30.0 + 9.0 * position),
         line_position_se: Some(0.5),
@@ -423,7 +422,7 @@ fn on_the_scale_both_uncertainties_add_up_as_squares() {
         posted_unseen: None,
         ..crate::testing::position(i, position)
     };
-    data.embeddings = vec![row(0, 1.0), row(1, -1.0)];
+    let data = eight(below).with_embeddings(vec![row(0, 1.0), row(1, -1.0)]);
     let preferred = Preferred {
         points: 6.0,
         low: 0.0,
@@ -445,13 +444,12 @@ fn on_the_scale_both_uncertainties_add_up_as_squares() {
 
 #[test]
 fn a_recommendation_that_the_scale_has_no_score_for_has_none_and_no_interval_leaves_the_scale() {
-    let mut data = eight(below);
     let row = |i: usize, position: f64| EmbeddingRow {
         adb_hat: Some(30.0 + 9.0 * position),
         line_position_se: Some(0.5),
         ..crate::testing::position(i, position)
     };
-    data.embeddings = vec![row(0, 1.0), row(1, -1.0)];
+    let mut data = eight(below).with_embeddings(vec![row(0, 1.0), row(1, -1.0)]);
     assert_eq!(data.style_range(), None);
     let ranged = DESIGN.replace("points = 15", "points = 15\nrange = [11, 55]");
     data.design = Design::from_toml(&ranged).unwrap();

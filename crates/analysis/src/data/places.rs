@@ -1,0 +1,43 @@
+//! Where the rows of a person stand in the tables: a study may have many people.
+
+use maveric_domain::{ConditionId, ConditionRow, EmbeddingRow, MeasuredDrive, ParticipantId};
+use std::{collections::BTreeMap, num::NonZeroU32};
+
+/// Whose drive an embedding is of, in which session, and whether the score took part in its fit.
+type OfEmbedding = (ParticipantId, ConditionId, NonZeroU32, bool);
+
+/// The number of a row by whose it is; of equal ones the first.
+#[derive(Debug, Clone, Default)]
+pub(super) struct Places {
+    pub(super) conditions: BTreeMap<(ParticipantId, ConditionId), usize>,
+    pub(super) embeddings: BTreeMap<OfEmbedding, usize>,
+    /// Of a person's drives in a condition all, as they were driven.
+    pub(super) drives: BTreeMap<(ParticipantId, ConditionId), Vec<usize>>,
+}
+
+impl Places {
+    pub(super) fn of(
+        measurements: &[MeasuredDrive],
+        embeddings: &[EmbeddingRow],
+        conditions: &[ConditionRow],
+    ) -> Self {
+        let mut places = Self::default();
+        for (at, row) in conditions.iter().enumerate() {
+            let key = (row.participant.clone(), row.condition);
+            places.conditions.entry(key).or_insert(at);
+        }
+        for (at, row) in embeddings.iter().enumerate() {
+            let whose = row.participant.clone();
+            let key = (whose, row.condition, row.session, row.adb_used);
+            places.embeddings.entry(key).or_insert(at);
+        }
+        for (at, drive) in measurements.iter().enumerate() {
+            let key = (drive.meta.participant.clone(), drive.meta.condition);
+            places.drives.entry(key).or_default().push(at);
+        }
+        for drives in places.drives.values_mut() {
+            drives.sort_by_key(|&at| measurements[at].meta.occasion());
+        }
+        places
+    }
+}
