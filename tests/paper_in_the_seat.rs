@@ -333,7 +333,7 @@ fn somebody_elses_style_is_ridden_at_ones_own_score_and_whose_it_was_is_kept_for
         "12 people were lent the style of",
         "Do people tell which ride was in their own style?",
         "Differences by another choice",
-        "Item by item, the scores that are tested without some of their items",
+        "Mean answer to each item, of scores that are also tested without some",
         "2 I felt at ease. (left out)",
     ]);
     // All say the same of the two rides, and half of them rode in their own style first: half are right.

@@ -524,6 +524,21 @@ fn the_cause_of_made_up_presses_is_found_at_its_size_and_none_where_there_is_non
     study.maveric_in("mine", &run).ok();
     let ([estimate, se], any) = braking_before_a_press(&study);
     assert!(!any && estimate.abs() < 3.0 * se, "{estimate} {se}");
+    // What was pressed in a seat is not made up.
+    let table = study.path("mine/results/measurements_presses.csv");
+    let pressed = std::fs::read_to_string(&table).unwrap();
+    let events = "participant,step,page,moment,attempt,time_s,what,value,at\n";
+    let events = study.write("mine/seat/events.csv", events);
+    let rate = "rate --measures results/measurements.parquet --participants participants.csv --effects effects.toml --scales scales \
+                --drives results/av/drives --out rated.csv --seed 7";
+    let told = study.maveric_in("mine", &rate.split_whitespace().collect::<Vec<_>>());
+    assert!(
+        told.ok()
+            .stderr
+            .contains("seat/events.csv says what was pressed")
+    );
+    assert_eq!(std::fs::read_to_string(&table).unwrap(), pressed);
+    std::fs::remove_file(events).unwrap();
     change(&study, "mine/effects.toml", "braking_mps2 =", "breaking =");
     let words = ["effects.toml", "presses.causes.breaking"];
     study.maveric_in("mine", &run).failed(1, &words);

@@ -33,7 +33,7 @@ use tables::Who;
 pub struct StudyData {
     /// What the study is.
     pub design: Design,
-    /// Those who were tested and drove or rated something, or were measured, in order.
+    /// Those who were tested and drove or rated something, or were measured, sorted: they are searched so.
     pub participants: Vec<ParticipantId>,
     /// What was measured, a row a drive.
     pub(crate) measurements: Vec<MeasuredDrive>,
@@ -383,7 +383,7 @@ impl StudyData {
         self.embedding_in(FIRST, participant, adb_used)
     }
 
-    /// The same of other embeddings.
+    /// The same study with other embeddings.
     #[cfg(test)]
     pub(crate) fn with_embeddings(mut self, embeddings: Vec<EmbeddingRow>) -> Self {
         self.places = Places::of(&self.measurements, &embeddings, &self.conditions);

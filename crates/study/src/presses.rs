@@ -32,6 +32,11 @@ pub(crate) fn events_path(study: &DesignFile) -> PathBuf {
     study.resolve(&Path::new(SEAT).join(EVENTS))
 }
 
+/// Whether a seat wrote down what was pressed in a study, its paths seen from `root`; the paper's own design has no seat.
+pub(crate) fn is_pressed_in_seat(root: &Path, study: &DesignFile) -> bool {
+    study.path.is_some() && root.join(events_path(study)).is_file()
+}
+
 /// When people pressed: in s since the start of each ride of the seat.
 pub(crate) struct Presses(BTreeMap<(ParticipantId, String), Vec<f64>>);
 
@@ -41,10 +46,10 @@ impl Presses {
     /// # Errors
     /// [`StudyError`] naming the table with row and column for events that cannot be read.
     pub(crate) fn of(study: &DesignFile) -> Result<Option<Self>, StudyError> {
-        let path = events_path(study);
-        if !path.is_file() {
+        if !is_pressed_in_seat(Path::new(""), study) {
             return Ok(None);
         }
+        let path = events_path(study);
         Ok(Some(Self::from_events(&read_rows(&path)?)))
     }
 

@@ -345,7 +345,8 @@ fn made<T: Default>(
 
 /// Single answers, where they are read: those among the results, and the design's own table of them.
 ///
-/// They are read where the design's rules judge sheets, or rides were stopped, of which nothing is scored among the results.
+/// They are read where the design's rules judge sheets, or rides were stopped, of which nothing is scored among the results. (A table of
+/// stopped rides without a row reads nothing, though [`study_files`] names the answers then too.)
 fn answered(
     folder: &Path,
     study: &DesignFile,

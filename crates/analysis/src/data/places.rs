@@ -6,12 +6,12 @@ use std::{collections::BTreeMap, num::NonZeroU32};
 /// Whose drive an embedding is of, in which session, and whether the score took part in its fit.
 type OfEmbedding = (ParticipantId, ConditionId, NonZeroU32, bool);
 
-/// The number of a row by whose it is; of equal ones the first.
+/// Where the first row of each person stands, by what it is of.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Places {
     pub(super) conditions: BTreeMap<(ParticipantId, ConditionId), usize>,
     pub(super) embeddings: BTreeMap<OfEmbedding, usize>,
-    /// Of a person's drives in a condition all, as they were driven.
+    /// All drives of a person in a condition, in the order driven.
     pub(super) drives: BTreeMap<(ParticipantId, ConditionId), Vec<usize>>,
 }
 

@@ -32,7 +32,9 @@ impl DifferencePanels {
         if count <= 1 {
             return vec![self];
         }
-        let pieces = self.panels.chunks(most).enumerate();
+        // As many in each, in whole rows.
+        let each = self.panels.len().div_ceil(count).next_multiple_of(columns);
+        let pieces = self.panels.chunks(each).enumerate();
         let part = |(at, panels): (usize, &[DifferencePanel])| Self {
             panels: panels.to_vec(),
             from: self.from,
@@ -415,7 +417,7 @@ mod tests {
         many.panels.push(many.panels[0].clone());
         let parts = many.parts();
         let panels: Vec<usize> = parts.iter().map(|part| part.panels.len()).collect();
-        assert_eq!(panels, [9, 1]);
+        assert_eq!(panels, [6, 4]);
         let drawn = parts.iter().map(|p| difference_panels(p, &Context::real()));
         let drawn: Vec<Figure> = drawn.map(Result::unwrap).collect();
         assert_eq!(drawn[0].name, "difference-panels");

@@ -132,8 +132,8 @@ impl Fit {
             });
             shared.push(q);
         }
-        // The entries δᵢⱼ own − qᵢᵀ I⁻¹ qⱼ of all pairs of people: their trace, and the sum of their squares, in which those of the
-        // second part alone are the trace of (I⁻¹ Σ q qᵀ)².
+        // The entries δᵢⱼ ownᵢ − qᵢᵀ I⁻¹ qⱼ of all pairs of people: their trace, and the sum of their squares; the squares of the second
+        // part alone add up to the trace of (I⁻¹ Σ q qᵀ)².
         let (mut trace, mut squares) = (0.0, 0.0);
         let mut products = Matrix::zeros(columns, columns);
         for (alone, q) in own.iter().zip(&shared) {
@@ -144,7 +144,7 @@ impl Fit {
         }
         let products = self.inverse.times(&products);
         squares += products.trace_of_product(&products);
-        let df = Some(trace * trace / squares).filter(|df| df.is_finite());
+        let df = Some(trace * trace / squares).filter(|df| df.is_finite() && *df > 0.0);
         (variance > 0.0).then(|| MarginalContrast::of(estimate, variance.sqrt(), df))
     }
 }

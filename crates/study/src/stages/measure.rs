@@ -6,7 +6,7 @@ use crate::{
     gate::{Gate, counted},
     once::{count, told_once},
     outcome::{Outcome, Watch, all_cores, for_each_on},
-    presses::{PressTables, Presses, events_path},
+    presses::{PressTables, Presses, events_path, is_pressed_in_seat},
     run_folder::{own_path, press_moments_path, presses_path},
     stage::{Files, Stage},
     tables::{
@@ -72,10 +72,10 @@ impl Stage for Measure {
             .reads_people(root, design, self.participants.as_deref())
             .writes([&self.out]);
         let study = DesignFile::below(root, design);
-        let seat = study.as_ref().map(events_path);
-        let files = match seat.filter(|events| root.join(events).is_file()) {
-            Some(events) => files
-                .reads([events])
+        let seat = study.as_ref().filter(|s| is_pressed_in_seat(root, s));
+        let files = match seat {
+            Some(study) => files
+                .reads([events_path(study)])
                 .writes([presses_path(&self.out), press_moments_path(&self.out)]),
             None => files,
         };
@@ -91,10 +91,12 @@ impl Stage for Measure {
     fn work(&self, watch: Watch<'_>) -> Result<Outcome<Measured>, StudyError> {
         let study = DesignFile::here(self.design.as_deref())?;
         let measures = measures_of(study.as_ref());
+        let gate = study.as_ref();
+        let gate = gate.map(|study| Gate::of(study, self.participants.as_deref()));
+        let gate = gate.transpose()?;
         let own = self.average_own(study.as_ref())?;
         let presses = study.as_ref().map(Presses::of).transpose()?.flatten();
-        let (mut met, left_out) =
-            self.drives(study.as_ref(), &measures, presses.as_ref(), watch)?;
+        let (mut met, left_out) = self.drives(gate.as_ref(), &measures, presses.as_ref(), watch)?;
         let compared = |condition: ConditionId| {
             study.as_ref().is_none_or(|study| {
                 let design = &study.design;
@@ -165,23 +167,21 @@ struct Met {
 type LeftOut = Vec<(DriveId, Why)>;
 
 impl Measure {
-    /// Measures the drives of all folders; a drive a thread is in memory at a time.
+    /// Measures the drives of all folders, about one a thread in memory at a time.
     fn drives(
         &self,
-        study: Option<&DesignFile>,
+        gate: Option<&Gate>,
         measures: &[&objective::Measure],
         presses: Option<&Presses>,
         watch: Watch<'_>,
     ) -> Result<(Vec<Met>, LeftOut), StudyError> {
-        let gate = study.map(|study| Gate::of(study, self.participants.as_deref()));
-        let gate = gate.transpose()?;
         let folders = self.drives.iter().map(|folder| drive_paths(folder));
         let paths: Vec<PathBuf> = folders.collect::<Result<Vec<_>, _>>()?.concat();
         let measured = for_each_on(all_cores(), &paths, watch, "drives measured", |path| {
             let drive = read_drive(path)?;
             let meta = drive.meta();
             let duration_s = drive.rows().time_s.last().copied().unwrap_or(0.0);
-            let out = gate.as_ref().and_then(|g| g.drive(meta, duration_s));
+            let out = gate.and_then(|g| g.drive(meta, duration_s));
             if let Some(why) = out {
                 return Ok(Err((meta.drive.clone(), why)));
             }

@@ -5,7 +5,7 @@ use crate::{
     error::StudyError,
     once::count,
     outcome::{Outcome, Watch},
-    presses::{PressTables, events_path},
+    presses::{PressTables, events_path, is_pressed_in_seat},
     run_folder::{press_moments_path, presses_path, read_effects, read_effects_on, read_scales},
     stage::{Files, Stage},
     tables::{
@@ -82,8 +82,8 @@ impl Rate {
         let effects = read_effects(&root.join(&self.effects));
         let says = effects.is_ok_and(|effects| effects.presses.is_some());
         let study = DesignFile::below(root, self.design.as_deref());
-        let seat = study.is_some_and(|study| root.join(events_path(&study)).is_file());
-        if says && !seat && self.drives.is_some() {
+        let in_seat = study.is_some_and(|study| is_pressed_in_seat(root, &study));
+        if says && !in_seat && self.drives.is_some() {
             vec![
                 presses_path(&self.measures),
                 press_moments_path(&self.measures),
@@ -93,19 +93,15 @@ impl Rate {
         }
     }
 
-    /// Lets those who are tested press on their rides; how many rides and presses there are. What was pressed in a seat stays.
+    /// Lets those who are tested press on their rides; how many rides and presses there are.
     fn press(
         &self,
-        study: &DesignFile,
         model: Option<&PressModel>,
         tested: &BTreeSet<ParticipantId>,
     ) -> Result<Option<(usize, usize)>, StudyError> {
         let Some((model, folder)) = model.zip(self.drives.as_ref()) else {
             return Ok(None);
         };
-        if events_path(study).is_file() {
-            return Ok(None);
-        }
         let mut tables = PressTables::default();
         for drive in drives_in(folder)? {
             let drive = drive?;
@@ -174,7 +170,16 @@ impl Stage for Rate {
             sheets.raters,
             self.out.to_slash_lossy()
         )];
-        let pressed = self.press(&study, asking.effects.presses.as_ref(), &tested)?;
+        let mut warnings = sheets.warnings;
+        let mut model = asking.effects.presses.as_ref();
+        if model.is_some() && is_pressed_in_seat(Path::new(""), &study) {
+            model = None;
+            warnings.push(format!(
+                "{} says what was pressed: no presses are made up",
+                events_path(&study).to_slash_lossy()
+            ));
+        }
+        let pressed = self.press(model, &tested)?;
         summary.extend(pressed.map(|(rides, presses)| {
             format!(
                 "{} on {} of made-up people: {}",
@@ -190,7 +195,7 @@ impl Stage for Rate {
                 presses: pressed.map(|(_, presses)| presses),
             },
             summary,
-            warnings: sheets.warnings,
+            warnings,
         })
     }
 }

@@ -24,7 +24,7 @@ use item_means::item_means;
 use maveric_analysis::Why;
 use maveric_domain::{Answer, Moment, ParticipantId, ProbeAnswer, Scale, Score, Subscale};
 use maveric_measures::{
-    ItemMatrix, ScoreWarning,
+    ItemMatrix,
     survey::{SheetTime, attention_missed, response_styles, score_probes, too_fast},
 };
 use maveric_report::tables::Exclusion;
@@ -279,23 +279,18 @@ impl Stage for ScoreAnswers {
             None => scales,
         };
         let mut scored = maveric_measures::score(&scales, &answers, participants.as_deref())?;
-        probes.retain(|p| {
-            participants
-                .as_ref()
-                .is_none_or(|ids| ids.contains(&p.participant))
-        });
+        let takes_part = |who: &ParticipantId| {
+            let people = participants.as_ref();
+            people.is_none_or(|people| people.contains(who))
+        };
+        probes.retain(|p| takes_part(&p.participant));
         scored.scores.extend(score_probes(&scales, &probes)?);
         let mut warnings = scored.warnings;
-        let known = |w: &ScoreWarning| {
-            participants
-                .as_ref()
-                .is_none_or(|p| p.contains(w.participant()))
-        };
         let doubtful = response_styles(&scales, &answers)
             .into_iter()
             .chain(attention_missed(&scales, &answers))
             .chain(too_fast(&times));
-        warnings.extend(doubtful.filter(known));
+        warnings.extend(doubtful.filter(|w| takes_part(w.participant())));
         let reliabilities: Vec<Reliability> = scored
             .matrices
             .iter()
@@ -306,7 +301,10 @@ impl Stage for ScoreAnswers {
         write_rows(
             TableName::ItemMeans,
             &item_means_path(&self.out),
-            item_means(&answers),
+            item_means(
+                &scales,
+                answers.iter().filter(|a| takes_part(&a.participant)),
+            ),
         )?;
         let doubted = warnings.iter().map(|warning| Exclusion {
             who: warning.participant().to_string(),

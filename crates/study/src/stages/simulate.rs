@@ -265,7 +265,7 @@ impl Stage for Simulate {
             .filter_map(|ended| ended.map_err(|why| stopped.push(why)).ok())
             .collect();
         let ended_early = stopped.len();
-        self.write(&driven, &mut stopped, &logged)?;
+        self.write(&driven, stopped, &logged)?;
         if let Some(page) = &self.watch {
             write_page(self, page, &driven)?;
         }
@@ -395,7 +395,7 @@ impl Simulate {
     fn write(
         &self,
         driven: &[Driven],
-        stopped: &mut Vec<Stopped>,
+        mut stopped: Vec<Stopped>,
         logged: &Logged<'_>,
     ) -> Result<(), StudyError> {
         let drives = self.out.join("drives");

@@ -1,7 +1,7 @@
 //! What was answered to each item in each condition.
 
 use crate::mean::{mean, sd};
-use maveric_domain::{Answer, ConditionId, Moment, ParticipantId};
+use maveric_domain::{Answer, ConditionId, Moment, ParticipantId, Scale};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
@@ -17,11 +17,22 @@ pub struct ItemMean {
     pub sd: Option<f64>,
 }
 
-/// Each item's answers after each condition: by scale, item and condition.
-pub(super) fn item_means(answers: &[Answer]) -> Vec<ItemMean> {
-    type People<'a> = BTreeMap<&'a ParticipantId, Vec<f64>>;
+/// What each person answered.
+type People<'a> = BTreeMap<&'a ParticipantId, Vec<f64>>;
+
+/// The mean answer to each item after each condition, by scale, item and condition; of items whose answers are numbers, and that are no
+/// check of attention.
+pub(super) fn item_means<'a>(
+    scales: &[Scale],
+    answers: impl Iterator<Item = &'a Answer>,
+) -> Vec<ItemMean> {
+    let counts = |answer: &Answer| {
+        let scale = scales.iter().find(|s| s.id == answer.scale);
+        let item = scale.and_then(|s| s.item(answer.item));
+        item.is_some_and(|item| item.kind.rates() && item.expected.is_none())
+    };
     let mut items: BTreeMap<(&str, u32, ConditionId), People<'_>> = BTreeMap::new();
-    for answer in answers {
+    for answer in answers.filter(|answer| counts(answer)) {
         if let (Moment::After(ride), Some(value)) = (answer.moment, answer.answer) {
             let item = (answer.scale.as_str(), answer.item, ride.condition);
             let people = items.entry(item).or_default();
@@ -48,7 +59,10 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_person_with_two_rides_counts_once_and_what_was_asked_before_does_not() {
+    fn a_person_with_two_rides_counts_once_and_what_was_asked_before_or_to_be_read_does_not() {
+        let scale = "id = \"calm\"\ntitle = \"Calm\"\nreference = \"made up\"\nmin = 1\nmax = 7\n\
+                     [[item]]\ntext = \"Choose 2.\"\nexpected = 2\n[[item]]\ntext = \"I was calm.\"\n";
+        let scale = Scale::from_toml(scale).unwrap();
         let answer = |who: &str, moment: &str, answer: Option<i32>| Answer {
             participant: ParticipantId::new(who).unwrap(),
             moment: moment.parse().unwrap(),
@@ -63,8 +77,12 @@ mod tests {
             answer("B", "sporty", Some(4)),
             answer("B", "sporty:s1:t2", None),
             answer("B", "mild", Some(5)),
+            Answer {
+                item: 1,
+                ..answer("B", "mild", Some(2))
+            },
         ];
-        let found = item_means(&answers);
+        let found = item_means(&[scale], answers.iter());
         let said: Vec<_> = found
             .iter()
             .map(|row| (row.condition.as_str(), row.item, row.n, row.mean, row.sd))

@@ -19,16 +19,19 @@ pub(super) const FRAMES: Channel = Channel {
     topic: "/maveric/frames",
     schema: (
         "foxglove.FrameTransform",
-        include_str!("schemas/FrameTransform.json"),
+        include_str!("scene/schemas/FrameTransform.json"),
     ),
 };
 pub(super) const SIGNALS: Channel = Channel {
     topic: "/maveric/signals",
-    schema: ("maveric.Signals", include_str!("schemas/Signals.json")),
+    schema: (
+        "maveric.Signals",
+        include_str!("scene/schemas/Signals.json"),
+    ),
 };
 pub(super) const DECISIONS: Channel = Channel {
     topic: super::decisions::TOPIC,
-    schema: ("foxglove.Log", include_str!("schemas/Log.json")),
+    schema: ("foxglove.Log", include_str!("scene/schemas/Log.json")),
 };
 
 /// A channel of JSON messages.
@@ -43,7 +46,7 @@ impl Channel {
     const fn scene(topic: &'static str) -> Self {
         let schema = (
             "foxglove.SceneUpdate",
-            include_str!("schemas/SceneUpdate.json"),
+            include_str!("scene/schemas/SceneUpdate.json"),
         );
         Self { topic, schema }
     }

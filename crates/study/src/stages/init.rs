@@ -24,10 +24,10 @@ const FOLDERS: [&str; 2] = ["logs", "surveys"];
 
 /// Name and text of the files of every study, beside the questionnaires.
 const FILES: [(&str, &str); 4] = [
-    ("README.md", include_str!("README.md")),
-    ("consent.md", include_str!("consent.md")),
-    ("mapping.toml", include_str!("mapping.toml")),
-    ("surveys/columns.toml", include_str!("columns.toml")),
+    ("README.md", include_str!("init/README.md")),
+    ("consent.md", include_str!("init/consent.md")),
+    ("mapping.toml", include_str!("init/mapping.toml")),
+    ("surveys/columns.toml", include_str!("init/columns.toml")),
 ];
 
 /// The world: that of the seat where people drive, that of the paper where they are made up.
