@@ -89,7 +89,8 @@ pub fn read_drives(folder: &Path) -> Result<Vec<Drive>, StudyError> {
 /// Reads the drives of a folder one after the other, ordered by file name: many do not fit into memory.
 ///
 /// # Errors
-/// As [`drive_paths`]; of each drive as [`read_drive`].
+/// [`StudyError::BadFile`] for a folder without drives or, where `drives.csv` lists what was made there, with another one; of each
+/// drive as [`read_drive`].
 pub fn drives_in(
     folder: &Path,
 ) -> Result<impl Iterator<Item = Result<Drive, StudyError>>, StudyError> {
@@ -99,7 +100,7 @@ pub fn drives_in(
 /// The files of the drives of a folder, ordered by name.
 ///
 /// # Errors
-/// [`StudyError::BadFile`] for a folder without drives or, where `drives.csv` lists what was made there, with another one.
+/// As [`drives_in`].
 pub(crate) fn drive_paths(folder: &Path) -> Result<Vec<PathBuf>, StudyError> {
     let paths = drive_files(folder)?;
     if paths.is_empty() {
