@@ -32,7 +32,7 @@ use maveric_stats::AlphaAnalysis;
 use path_slash::PathExt as _;
 use serde::{Deserialize, Serialize};
 use std::{
-    collections::BTreeMap,
+    collections::{BTreeMap, BTreeSet},
     path::{Path, PathBuf},
 };
 
@@ -279,8 +279,10 @@ impl Stage for ScoreAnswers {
             None => scales,
         };
         let mut scored = maveric_measures::score(&scales, &answers, participants.as_deref())?;
+        let people = participants.as_deref();
+        let people: Option<BTreeSet<&ParticipantId>> = people.map(|ids| ids.iter().collect());
         let takes_part = |who: &ParticipantId| {
-            let people = participants.as_ref();
+            let people = people.as_ref();
             people.is_none_or(|people| people.contains(who))
         };
         probes.retain(|p| takes_part(&p.participant));
