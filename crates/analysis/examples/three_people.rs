@@ -44,8 +44,8 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
             });
         }
     }
-    let found = analyse(&StudyData::new(&design, tables)?, Purpose::Report)?;
-    for contrast in &found.panels[0].contrasts {
+    let analysis = analyse(&StudyData::new(&design, tables)?, Purpose::Report)?;
+    for contrast in &analysis.panels[0].contrasts {
         let [kmh, p] = [contrast.mean_difference, contrast.p_holm];
         println!(
             "{} - {}: {kmh:.2?} km/h, p {p:.3?}",

@@ -128,13 +128,13 @@ fn notes(data: &StudyData) -> Vec<String> {
     if !driven {
         notes.push("There are no drives: nothing that a drive shows is measured.".to_owned());
     }
-    let own = data.design.measures().iter();
-    let own = own.filter(|m| !data.is_measured(&m.id));
-    let own: Vec<&str> = own.map(|m| m.title.as_str()).collect();
-    if !own.is_empty() {
+    let unmeasured = data.design.measures().iter();
+    let unmeasured = unmeasured.filter(|m| !data.is_measured(&m.id));
+    let unmeasured: Vec<&str> = unmeasured.map(|m| m.title.as_str()).collect();
+    if !unmeasured.is_empty() {
         notes.push(format!(
             "Nobody has a value of these measures of the study’s own: {}.",
-            own.join("; ")
+            unmeasured.join("; ")
         ));
     }
     if cross && conditions.len() > 1 && crossed(&conditions).is_none() {
@@ -148,11 +148,11 @@ fn notes(data: &StudyData) -> Vec<String> {
 }
 
 fn exclusions(panels: &[Panel], reproduction: &[Reproduction]) -> Vec<Exclusion> {
-    let mut found = Vec::new();
+    let mut exclusions = Vec::new();
     // Whoever is left out of everybody's panel is left out of the group's as well.
     for panel in panels.iter().filter(|p| p.group.is_none()) {
         for who in &panel.dropped {
-            found.push(Exclusion {
+            exclusions.push(Exclusion {
                 who: who.clone(),
                 what: format!("comparison of {}", panel.title.to_lowercase()),
                 why: if panel.without_order.contains(who) {
@@ -166,7 +166,7 @@ fn exclusions(panels: &[Panel], reproduction: &[Reproduction]) -> Vec<Exclusion>
         }
     }
     for row in reproduction.iter().filter(|a| a.dropped > 0) {
-        found.push(Exclusion {
+        exclusions.push(Exclusion {
             who: format!("{} participants", row.dropped),
             what: format!(
                 "accuracy of {} in {}",
@@ -177,5 +177,5 @@ fn exclusions(panels: &[Panel], reproduction: &[Reproduction]) -> Vec<Exclusion>
                 .to_owned(),
         });
     }
-    found
+    exclusions
 }

@@ -19,7 +19,7 @@ pub struct OrderBalance {
 /// Where one condition stood.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct PlacesOf {
-    /// The condition.
+    /// The condition whose places are counted.
     pub condition: ConditionId,
     /// How many people met it first, second and so on.
     pub places: Vec<usize>,
@@ -71,7 +71,7 @@ impl OrderBalance {
                 if let Some(count) = row.places.get_mut(place) {
                     *count += 1;
                 }
-                let before = place.checked_sub(1).and_then(|at| numbers[at]);
+                let before = place.checked_sub(1).and_then(|place| numbers[place]);
                 if let Some(count) = before.and_then(|before| row.after.get_mut(before)) {
                     *count += 1;
                 }
@@ -82,12 +82,12 @@ impl OrderBalance {
             _ => true,
         };
         let places = even(rows.iter().flat_map(|row| row.places.clone()).collect());
-        let others = |(at, row): (usize, &PlacesOf)| -> Vec<usize> {
+        let others = |(number, row): (usize, &PlacesOf)| -> Vec<usize> {
             let others = row
                 .after
                 .iter()
                 .enumerate()
-                .filter(|(before, _)| *before != at);
+                .filter(|(before, _)| *before != number);
             others.map(|(_, count)| *count).collect()
         };
         let succession = even(rows.iter().enumerate().flat_map(others).collect());

@@ -23,10 +23,10 @@ use std::collections::BTreeSet;
 pub(crate) fn by_factor(
     design: &Design,
     columns: &DesignColumns<'_>,
-    found: &Chosen<FactorialFinding>,
+    chosen: &Chosen<FactorialFinding>,
 ) -> Result<(ByFactor, Vec<String>), AnalysisError> {
     let is_within = |name: &str| columns.within.iter().any(|(within, _)| *within == name);
-    let factors = found.found.anova.levels.iter();
+    let factors = chosen.found.anova.levels.iter();
     let factors: Vec<TestedFactor> = factors
         .map(|(name, levels)| TestedFactor {
             name: name.to_owned(),
@@ -41,7 +41,7 @@ pub(crate) fn by_factor(
             .iter()
             .map(|(name, levels)| (name.as_str(), choice(levels)))
             .collect();
-        match level_contrast(columns, found, &parts) {
+        match level_contrast(columns, chosen, &parts) {
             Ok(test) => contrasts.push(FactorContrast {
                 levels: parts.into_iter().map(|(n, c)| (n.to_owned(), c)).collect(),
                 test,
@@ -64,8 +64,8 @@ pub(crate) fn by_factor(
     }
     Ok((
         ByFactor {
-            means: means(&factors, columns, found),
-            simple: simple_effects(columns, found)?,
+            means: means(&factors, columns, chosen),
+            simple: simple_effects(columns, chosen)?,
             contrasts,
             factors,
         },
@@ -94,9 +94,9 @@ fn in_words(design: &Design, declared: &LevelContrast) -> String {
 fn means(
     factors: &[TestedFactor],
     columns: &DesignColumns<'_>,
-    found: &Chosen<FactorialFinding>,
+    chosen: &Chosen<FactorialFinding>,
 ) -> Vec<LevelMean> {
-    let anova = &found.found.anova;
+    let anova = &chosen.found.anova;
     let people = complete(columns, &anova.dropped);
     let mut means = Vec::new();
     for mask in 1..1_usize << factors.len() {
@@ -210,9 +210,9 @@ pub(crate) fn check(data: &StudyData) -> Result<(), AnalysisError> {
             });
         }
         for (factor, levels) in declared {
-            let unknown = |found: &str, known: Vec<String>| AnalysisError::UnknownLevel {
+            let unknown = |level: &str, known: Vec<String>| AnalysisError::UnknownLevel {
                 factor: factor.clone(),
-                found: found.to_owned(),
+                found: level.to_owned(),
                 known,
             };
             if !tested.contains(&factor.as_str()) {

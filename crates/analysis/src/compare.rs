@@ -21,23 +21,23 @@ use std::{cmp::Ordering, collections::BTreeMap};
 
 /// A panel an outcome over everybody, and one a group of people where the design divides them; those that only a hypothesis asks for last.
 pub(crate) fn panels(data: &StudyData, purpose: Purpose) -> Result<Vec<Panel>, AnalysisError> {
-    let mut asked = outcomes(data);
+    let mut tested = outcomes(data);
     for hypothesis in data.design.hypotheses() {
-        if !asked.iter().any(|a| a.id == hypothesis.outcome) {
-            asked.push(outcome(data, &hypothesis.outcome));
+        if !tested.iter().any(|a| a.id == hypothesis.outcome) {
+            tested.push(outcome(data, &hypothesis.outcome));
         }
     }
-    let mut found = Vec::new();
-    for asked in &asked {
-        found.push(whole(data, purpose, asked)?);
+    let mut panels = Vec::new();
+    for asked in &tested {
+        panels.push(whole(data, purpose, asked)?);
         let mut family = Vec::new();
         for (group, people) in groups(data) {
             family.push(panel(data, purpose, asked, Some(group), &people)?);
         }
         correct(&mut family)?;
-        found.extend(family);
+        panels.extend(family);
     }
-    Ok(found)
+    Ok(panels)
 }
 
 /// The panel of an outcome over everybody.
@@ -54,14 +54,14 @@ pub(crate) fn whole(
 /// The people of each combination of the factors' levels, in order; nobody where no factor divides them.
 fn groups(data: &StudyData) -> Vec<(Group, Vec<ParticipantId>)> {
     let factors = data.design.factors();
-    let mut found: BTreeMap<Vec<String>, Vec<ParticipantId>> = BTreeMap::new();
+    let mut by_levels: BTreeMap<Vec<String>, Vec<ParticipantId>> = BTreeMap::new();
     for p in data.participants.iter().filter(|_| !factors.is_empty()) {
         let level = |f: &Factor| {
             let level = data.column(p, &f.name);
             level.unwrap_or("not given").to_owned()
         };
         let levels = factors.iter().map(level).collect();
-        found.entry(levels).or_default().push(p.clone());
+        by_levels.entry(levels).or_default().push(p.clone());
     }
     let title = |f: &Factor| data.design.factor_label(&f.name);
     let factor = factors.iter().map(title).collect::<Vec<_>>().join(" × ");
@@ -75,7 +75,7 @@ fn groups(data: &StudyData) -> Vec<(Group, Vec<ParticipantId>)> {
             .join(", "),
         level: levels.join(", "),
     };
-    let groups = found.into_iter();
+    let groups = by_levels.into_iter();
     groups
         .map(|(levels, people)| (group(levels), people))
         .collect()
@@ -88,7 +88,7 @@ fn panel(
     group: Option<Group>,
     people: &[ParticipantId],
 ) -> Result<Panel, AnalysisError> {
-    let mut plan = Plan::of(data, asked, group, people);
+    let mut plan = Plan::new(data, asked, group, people);
     let (subjects, values) = plan.whole_rows();
     plan.judge(purpose)?;
     plan.contrast(&subjects, &values)?;
@@ -108,7 +108,7 @@ struct Plan<'a> {
 
 impl<'a> Plan<'a> {
     /// Who has what in which condition, before anything is tested.
-    fn of(
+    fn new(
         data: &'a StudyData,
         asked: &'a Asked,
         group: Option<Group>,
@@ -132,7 +132,7 @@ impl<'a> Plan<'a> {
             Some(b) => difference_from_own(asked.value(data, p, c), asked.value(data, p, b)),
             None => asked.value(data, p, c),
         };
-        let period = Period::of(data, asked, (&conditions, people), group.is_some());
+        let period = Period::for_outcome(data, asked, (&conditions, people), group.is_some());
         let placed = |p: &ParticipantId| conditions.iter().all(|c| data.period(p, *c).is_some());
         let unplaced = |p: &&ParticipantId| period == Period::Taken && !placed(p);
         let without_order = people
@@ -220,11 +220,11 @@ impl<'a> Plan<'a> {
         let panel = &mut self.panel;
         match compared {
             Ok(Compared {
-                found,
+                comparison,
                 by_factor,
                 carry_over,
             }) => {
-                panel.reasons = found.reasons().to_vec();
+                panel.reasons = comparison.reasons().to_vec();
                 panel.carry_over = carry_over;
                 if let Some((by_factor, untested)) = by_factor {
                     panel.reasons.extend(untested);
@@ -233,7 +233,7 @@ impl<'a> Plan<'a> {
                     let why = "the declared contrasts of factors have no test: this test is not one of several factors";
                     panel.reasons.push(why.to_owned());
                 }
-                panel.comparison = Some(found);
+                panel.comparison = Some(comparison);
             }
             Err(why) => panel.reasons.push(why),
         }
@@ -288,7 +288,7 @@ impl<'a> Plan<'a> {
                 Some(baseline) => {
                     from_zero(&panel.conditions, values, baseline, pair, expected(pair))?
                 }
-                None => Contrast::of(&pairs, pair, expected(pair)),
+                None => Contrast::from_posthoc(&pairs, pair, expected(pair)),
             });
         }
         let people: Vec<[usize; 3]> = panel.contrasts.iter().map(|c| counted(panel, c)).collect();
@@ -316,12 +316,16 @@ fn cut_drives(data: &StudyData, asked: &Asked, people: &[ParticipantId]) -> Opti
     let grows = asked.column().and_then(objective::find)?.grows;
     let ids = data.design.conditions().iter().map(|c| c.id);
     let ids: Vec<ConditionId> = ids.chain(data.design.baseline_id()).collect();
-    let of = |p: &ParticipantId| {
+    let cut_count = |p: &ParticipantId| {
         ids.iter()
             .filter(|c| data.counted_s(p, **c).is_some())
             .count()
     };
-    let cut: Vec<usize> = people.iter().map(of).filter(|drives| *drives > 0).collect();
+    let cut: Vec<usize> = people
+        .iter()
+        .map(cut_count)
+        .filter(|drives| *drives > 0)
+        .collect();
     (grows && !cut.is_empty()).then(|| {
         format!(
             "people whose drives differ in length ({}): their values are those of the part of each drive ({} in all) that is as long as the \
@@ -334,15 +338,15 @@ fn cut_drives(data: &StudyData, asked: &Asked, people: &[ParticipantId]) -> Opti
 
 /// People whose first value lies above the second, at it, and below it.
 fn counted(panel: &Panel, contrast: &Contrast) -> [usize; 3] {
-    let mut found = [0; 3];
+    let mut counts = [0; 3];
     for [first, second] in values(panel, contrast.first, contrast.second) {
-        found[match first.total_cmp(&second) {
+        counts[match first.total_cmp(&second) {
             Ordering::Greater => 0,
             Ordering::Equal => 1,
             Ordering::Less => 2,
         }] += 1;
     }
-    found
+    counts
 }
 
 /// The declared contrasts, and those that a hypothesis about this outcome adds; each that one is about the way round it says it, so that

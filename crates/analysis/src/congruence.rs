@@ -35,7 +35,7 @@ pub(crate) fn by_rating(data: &StudyData) -> Result<Vec<CongruenceRow>, Analysis
     let subjects: Vec<String> = cells.iter().map(|(p, _)| p.to_string()).collect();
     let row = |(person, condition)| data.condition(person, condition);
     let moved: Vec<Option<f64>> = cells.iter().map(|c| row(*c)?.moved_points).collect();
-    let own: Vec<Option<f64>> = cells
+    let own_style: Vec<Option<f64>> = cells
         .iter()
         .map(|c| {
             let row = row(*c)?;
@@ -54,27 +54,34 @@ pub(crate) fn by_rating(data: &StudyData) -> Result<Vec<CongruenceRow>, Analysis
             .iter()
             .map(|(p, c)| data.rated(p, *c, name).map(|rated| better * rated))
             .collect();
-        let complete = |at: &usize| liking[*at].and(moved[*at]).and(own[*at]).is_some();
-        let people = (0..cells.len()).filter(complete).map(|at| cells[at].0);
+        let complete = |index: &usize| {
+            liking[*index]
+                .and(moved[*index])
+                .and(own_style[*index])
+                .is_some()
+        };
+        let people = (0..cells.len())
+            .filter(complete)
+            .map(|index| cells[index].0);
         let n = people.collect::<BTreeSet<_>>().len();
         let fit = |beside: &[(&str, Predictor)]| {
             let rows = CongruenceData {
                 subjects: &subjects,
                 liking: &liking,
                 moved: &moved,
-                own: &own,
+                own: &own_style,
                 beside,
             };
             congruence(&rows, near_points)
         };
         let with_period = data.has_orders().then(|| fit(&period));
-        let told = |fitted: &Result<_, StatsError>| {
+        let separable = |fitted: &Result<_, StatsError>| {
             !matches!(
                 fitted,
                 Err(StatsError::Collinear { .. } | StatsError::OneLevel { .. })
             )
         };
-        let with_period = with_period.filter(told);
+        let with_period = with_period.filter(separable);
         let period = with_period.is_some();
         let (model, why_not) = match with_period.unwrap_or_else(|| fit(&[])) {
             Ok(model) => (Some(model), None),
@@ -129,7 +136,7 @@ mod tests {
     }
 
     fn verdict(analysis: &Analysis) -> Option<Verdict> {
-        finding::of(&analysis.findings, Question::Congruence).map(|f| f.verdict)
+        finding::by_question(&analysis.findings, Question::Congruence).map(|f| f.verdict)
     }
 
     #[test]
@@ -147,7 +154,7 @@ mod tests {
         assert_eq!(verdict(&analysed(liked(24, |_| 10.0, 0.01))), Some(Fails));
         // Everybody wants the same car, wherever their own style lies.
         let one_car = analysed(liked(24, |own| 30.0 - own, 0.01));
-        let parts = &finding::of(&one_car.findings, Question::Congruence)
+        let parts = &finding::by_question(&one_car.findings, Question::Congruence)
             .unwrap()
             .parts;
         let of: Vec<(&str, Verdict)> = parts.iter().map(|p| (p.of.as_str(), p.verdict)).collect();
@@ -165,7 +172,7 @@ mod tests {
     fn what_is_liked_least_near_ones_own_style_fails_and_has_no_top() {
         let worst = analysed(liked(24, |_| 0.0, -0.01));
         assert_eq!(verdict(&worst), Some(Fails));
-        let finding = finding::of(&worst.findings, Question::Congruence).unwrap();
+        let finding = finding::by_question(&worst.findings, Question::Congruence).unwrap();
         assert!(finding.parts.iter().all(|part| part.estimate.is_none()));
         let flat = analysed(liked(24, |_| 0.0, 0.0));
         let region = row(&flat).model.as_ref().unwrap().turn.region;

@@ -27,28 +27,27 @@ impl Contrast {
     }
 
     /// First minus second, whichever way round the test looked at them.
-    pub(crate) fn of(
+    pub(crate) fn from_posthoc(
         tested: &Posthoc,
         [first, second]: [ConditionId; 2],
         expected: Option<Sign>,
     ) -> Self {
-        let found = tested.pairs.get(&format!("{first}|{second}"));
-        let (found, sign) = match found {
-            Some(found) => (Some(found), 1.0),
+        let (pair, sign) = match tested.pairs.get(&format!("{first}|{second}")) {
+            Some(pair) => (Some(pair), 1.0),
             None => (tested.pairs.get(&format!("{second}|{first}")), -1.0),
         };
-        let Some(found) = found else {
+        let Some(pair) = pair else {
             return Self::untested([first, second], expected);
         };
-        let mut effect = found.effect.clone();
+        let mut effect = pair.effect.clone();
         if sign < 0.0 {
             effect.value = effect.value.map(|v| -v);
             (effect.ci_low, effect.ci_high) =
                 (effect.ci_high.map(|v| -v), effect.ci_low.map(|v| -v));
         }
         // Wilcoxon's sum of positive ranks turns into that of the negative ones.
-        let statistic = found.statistic.map(|s| match (tested.test, sign < 0.0) {
-            (PosthocTest::Wilcoxon, true) => (found.n_used * (found.n_used + 1)) as f64 / 2.0 - s,
+        let statistic = pair.statistic.map(|s| match (tested.test, sign < 0.0) {
+            (PosthocTest::Wilcoxon, true) => (pair.n_used * (pair.n_used + 1)) as f64 / 2.0 - s,
             (_, true) => -s,
             (_, false) => s,
         });
@@ -57,13 +56,13 @@ impl Contrast {
             second,
             expected,
             people: [0; 3],
-            mean_difference: Some(sign * found.mean_diff).filter(|d| d.is_finite()),
+            mean_difference: Some(sign * pair.mean_diff).filter(|d| d.is_finite()),
             statistic,
-            df: found.df.map(|df| df as f64),
+            df: pair.df.map(|df| df as f64),
             se: None,
             interval: None,
             effect: Some(effect),
-            p: found.p,
+            p: pair.p,
             p_holm: None,
         }
     }
@@ -136,15 +135,15 @@ pub(crate) fn from_zero(
 ) -> Result<Contrast, AnalysisError> {
     let [first, second] = pair;
     let other = if first == baseline { second } else { first };
-    let Some(at) = conditions.iter().position(|c| *c == other) else {
+    let Some(column) = conditions.iter().position(|c| *c == other) else {
         return Ok(Contrast::untested(pair, expected));
     };
-    let rows: Vec<Vec<f64>> = values.iter().map(|row| vec![row[at], 0.0]).collect();
+    let rows: Vec<Vec<f64>> = values.iter().map(|row| vec![row[column], 0.0]).collect();
     let subjects: Vec<String> = (0..rows.len()).map(|i| i.to_string()).collect();
     let names = [other.to_string(), baseline.to_string()];
     let tested = WithinSubjects::from_rows(&names, &subjects, &rows)?;
-    let found = compare(&tested, ALPHA)?;
-    Ok(Contrast::of(&found.posthoc, pair, expected))
+    let comparison = compare(&tested, ALPHA)?;
+    Ok(Contrast::from_posthoc(&comparison.posthoc, pair, expected))
 }
 
 #[cfg(test)]
@@ -162,8 +161,8 @@ mod tests {
         let data = WithinSubjects::from_rows(&names, &subjects, &rows).unwrap();
         for test in [PosthocTest::T, PosthocTest::Wilcoxon] {
             let tested = posthoc(&data, test, Adjustment::None, ALPHA).unwrap();
-            let one = Contrast::of(&tested, [calm, sporty], None);
-            let other = Contrast::of(&tested, [sporty, calm], Some(Sign::Minus));
+            let one = Contrast::from_posthoc(&tested, [calm, sporty], None);
+            let other = Contrast::from_posthoc(&tested, [sporty, calm], Some(Sign::Minus));
             let difference = above.iter().sum::<f64>() / 6.0;
             assert!((one.mean_difference.unwrap() - difference).abs() < 1e-12);
             assert!((other.mean_difference.unwrap() + difference).abs() < 1e-12);
@@ -187,7 +186,7 @@ mod tests {
             );
         }
         let tested = posthoc(&data, PosthocTest::T, Adjustment::None, ALPHA).unwrap();
-        let unknown = Contrast::of(&tested, [calm, "own".parse().unwrap()], None);
+        let unknown = Contrast::from_posthoc(&tested, [calm, "own".parse().unwrap()], None);
         assert!(unknown.p.is_none() && unknown.effect.is_none());
         let rows: Vec<Vec<f64>> = above.iter().map(|d| vec![0.0, *d]).collect();
         let zero = from_zero(

@@ -28,24 +28,24 @@ pub(crate) fn correlate(
     y: &[Option<f64>],
     method: CorrelationMethod,
 ) -> Result<Correlation, AnalysisError> {
-    let found = match maveric_stats::correlate(x, y, method, None) {
-        Ok(found) => found,
+    let correlation = match maveric_stats::correlate(x, y, method, None) {
+        Ok(correlation) => correlation,
         Err(StatsError::TooFew { .. }) => return Ok(none("pearson", complete(x, y))),
         Err(error) => return Err(error.into()),
     };
-    let spearman = found
+    let spearman = correlation
         .chosen
         .map_or(method == CorrelationMethod::Spearman, |c| {
             c == CorrelationMethod::Spearman
         });
     let name = if spearman { "spearman" } else { "pearson" };
-    let mut result = none(name, found.n);
+    let mut result = none(name, correlation.n);
     if spearman {
-        if let Some(s) = found.spearman {
+        if let Some(s) = correlation.spearman {
             (result.r, result.p, result.ci_low, result.ci_high) =
                 (s.rho, s.p, s.ci_bw_low, s.ci_bw_high);
         }
-    } else if let Some(p) = found.pearson {
+    } else if let Some(p) = correlation.pearson {
         (result.r, result.p, result.ci_low, result.ci_high) = (p.r, p.p, p.ci_low, p.ci_high);
     }
     Ok(result)
@@ -58,13 +58,13 @@ pub(crate) fn correlate_within(
     y: &[Option<f64>],
 ) -> Result<Correlation, AnalysisError> {
     match rm_correlation(subjects, x, y) {
-        Ok(found) => {
-            let r = found.rm_corr;
+        Ok(within) => {
+            let r = within.rm_corr;
             let df = r.df.unwrap_or(0);
             let method = "rm_corr".to_owned();
             Ok(Correlation {
                 method,
-                n: found.n,
+                n: within.n,
                 df,
                 r: r.r,
                 p: r.p,
@@ -83,7 +83,7 @@ pub(crate) fn circular(
     change: &[Option<f64>],
 ) -> Result<(Option<f64>, Option<f64>), AnalysisError> {
     match circular_linear(angle, change) {
-        Ok(found) => Ok((found.r, found.p)),
+        Ok(association) => Ok((association.r, association.p)),
         Err(StatsError::TooFew { .. }) => Ok((None, None)),
         Err(error) => Err(error.into()),
     }

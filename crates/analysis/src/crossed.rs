@@ -20,8 +20,8 @@ pub(crate) fn crossed(conditions: &[&Condition]) -> Option<Vec<Within>> {
     let mut factors = Vec::new();
     let mut cells = 1;
     for name in names {
-        let of = conditions.iter().map(|c| c.levels.get(name).cloned());
-        let levels: Vec<String> = of.collect::<Option<_>>()?;
+        let levels = conditions.iter().map(|c| c.levels.get(name).cloned());
+        let levels: Vec<String> = levels.collect::<Option<_>>()?;
         let mut different = levels.clone();
         different.sort_unstable();
         different.dedup();
@@ -31,16 +31,16 @@ pub(crate) fn crossed(conditions: &[&Condition]) -> Option<Vec<Within>> {
         cells *= different.len();
         factors.push((name.clone(), levels));
     }
-    let cell = |at: usize| [&factors[0].1[at], &factors[1].1[at]];
+    let cell = |index: usize| [&factors[0].1[index], &factors[1].1[index]];
     let twice = (1..conditions.len()).any(|b| (0..b).any(|a| cell(a) == cell(b)));
     (cells == conditions.len() && !twice).then_some(factors)
 }
 
 /// The factors that these conditions cross; else the conditions themselves are one.
 pub(crate) fn factors_within(design: &Design, conditions: &[ConditionId]) -> Vec<Within> {
-    let found: Option<Vec<&Condition>> =
+    let known: Option<Vec<&Condition>> =
         conditions.iter().map(|id| design.condition(*id)).collect();
-    found.and_then(|all| crossed(&all)).unwrap_or_else(|| {
+    known.and_then(|known| crossed(&known)).unwrap_or_else(|| {
         let names = conditions.iter().map(ToString::to_string).collect();
         vec![(CONDITION.to_owned(), names)]
     })

@@ -43,10 +43,10 @@ fn ridden(people: usize, effect: f64, trend: f64) -> Tables {
         let order = plan.order(i);
         for (k, condition) in CONDITIONS.into_iter().enumerate() {
             let period = order.iter().position(|c| *c == id(condition)).unwrap() as f64;
-            let own = 25.0 + noise(i, 90);
+            let base = 25.0 + noise(i, 90);
             let mut ride = drive(i, condition, None);
-            let speed = own + effect * k as f64 + trend * period + noise(i, k);
-            let gap = own + trend * period + noise(i, 40 + k);
+            let speed = base + effect * k as f64 + trend * period + noise(i, k);
+            let gap = base + trend * period + noise(i, 40 + k);
             ride.values =
                 BTreeMap::from([(SPEED.to_owned(), Some(speed)), (GAP.to_owned(), Some(gap))]);
             tables.measurements.push(ride);
@@ -74,8 +74,8 @@ fn verdicts(a: &Analysis) -> Vec<Verdict> {
 fn a_study_with_orders_has_the_period_in_every_test_and_one_without_has_none() {
     let measured = text(&format!("[[outcome]]\nmeasure = \"{SPEED}\"\n"));
     let with = analysed_by(&measured, ridden(12, 0.5, 0.3));
-    let found = panel(&with, SPEED);
-    let terms: Vec<&str> = found
+    let speed_panel = panel(&with, SPEED);
+    let terms: Vec<&str> = speed_panel
         .comparison
         .as_ref()
         .unwrap()
@@ -84,9 +84,9 @@ fn a_study_with_orders_has_the_period_in_every_test_and_one_without_has_none() {
         .map(|(n, _)| n)
         .collect();
     assert_eq!(terms, ["condition", PERIOD]);
-    assert_eq!(found.test, Some(ContrastTest::Mixed));
+    assert_eq!(speed_panel.test, Some(ContrastTest::Mixed));
     assert!(
-        found
+        speed_panel
             .contrasts
             .iter()
             .all(|c| c.se.is_some() && c.interval.is_some())
@@ -101,7 +101,11 @@ fn a_study_with_orders_has_the_period_in_every_test_and_one_without_has_none() {
     assert!(plain.carry_over.is_none() && plain.balance.is_none());
     // A trend over the rides costs the test without the period, and not the one with it.
     let steep = analysed_by(&measured, ridden(12, 0.5, 3.0));
-    for (a, b) in panel(&steep, SPEED).contrasts.iter().zip(&found.contrasts) {
+    for (a, b) in panel(&steep, SPEED)
+        .contrasts
+        .iter()
+        .zip(&speed_panel.contrasts)
+    {
         assert!((a.mean_difference.unwrap() - b.mean_difference.unwrap()).abs() < 1e-9);
         assert!((a.p.unwrap() - b.p.unwrap()).abs() < 1e-9);
     }
@@ -113,10 +117,13 @@ fn the_choice_by_what_the_data_look_like_is_declared_by_name_and_says_so() {
         "[[outcome]]\nmeasure = \"{SPEED}\"\ntest = \"auto\"\n"
     ));
     let a = analysed_by(&auto, ridden(12, 0.5, 0.3));
-    let found = panel(&a, SPEED);
-    assert!(matches!(found.comparison, Some(ByDesign::OneFactor(_))));
+    let speed_panel = panel(&a, SPEED);
+    assert!(matches!(
+        speed_panel.comparison,
+        Some(ByDesign::OneFactor(_))
+    ));
     assert!(
-        found
+        speed_panel
             .reasons
             .iter()
             .any(|r| r.contains("`test = \"auto\"`"))
@@ -133,7 +140,7 @@ fn primary_outcomes_are_tested_in_the_order_written_until_the_first_that_is_not_
     let second = &closed.primary[1];
     assert_eq!((second.closed_by.as_deref(), second.p), (Some(GAP), None));
     assert_eq!(
-        finding::of(&closed.findings, Question::Primary(2))
+        finding::by_question(&closed.findings, Question::Primary(2))
             .unwrap()
             .verdict,
         NotTested
@@ -142,7 +149,7 @@ fn primary_outcomes_are_tested_in_the_order_written_until_the_first_that_is_not_
     let first = &a.primary[0];
     assert!(first.p.unwrap() < 0.05 && first.interval.unwrap().0 > 0.0);
     assert_eq!(
-        finding::of(&a.findings, Question::Primary(1))
+        finding::by_question(&a.findings, Question::Primary(1))
             .unwrap()
             .verdict,
         Shown
@@ -209,13 +216,13 @@ fn equivalence_is_of_the_model_with_the_narrower_interval_beside_both_one_sided_
 #[test]
 fn carry_over_stands_beside_and_changes_no_verdict() {
     let a = analysed_by(&both(), ridden(16, 0.5, 0.3));
-    let found = panel(&a, SPEED);
-    let Some(CarryOver::Fitted(carried)) = &found.carry_over else {
-        panic!("{:?}", found.carry_over)
+    let speed_panel = panel(&a, SPEED);
+    let Some(CarryOver::Fitted(carried)) = &speed_panel.carry_over else {
+        panic!("{:?}", speed_panel.carry_over)
     };
     assert!((carried.variance_ratio - 1.1).abs() < 1e-12);
     assert_eq!(
-        (carried.effects.len(), found.balance),
+        (carried.effects.len(), speed_panel.balance),
         (4, Some(Balance::PlacesAndSuccession))
     );
     let sum: f64 = carried.effects.values().map(|e| e.estimate).sum();
@@ -229,11 +236,11 @@ fn carry_over_stands_beside_and_changes_no_verdict() {
             .find(|p| p.id == ride.meta.participant)
             .unwrap()
             .order;
-        let at = order
+        let place = order
             .iter()
             .position(|c| *c == ride.meta.condition)
             .unwrap();
-        if at > 0 && order[at - 1] == id("sporty") {
+        if place > 0 && order[place - 1] == id("sporty") {
             *ride.values.get_mut(SPEED).unwrap() = ride.values[SPEED].map(|v| v + 4.0);
         }
     }
@@ -245,8 +252,8 @@ fn carry_over_stands_beside_and_changes_no_verdict() {
         carried.test.p.unwrap() < 0.001 && carried.effects.get("sporty").unwrap().estimate > 2.0
     );
     let pair = |c: &&crate::Contrast| c.first == id("calm") && c.second == id("sporty");
-    let own = panel(&b, SPEED).contrasts.iter().find(pair).unwrap();
-    assert_eq!(b.primary[0].p, own.p);
+    let contrast = panel(&b, SPEED).contrasts.iter().find(pair).unwrap();
+    assert_eq!(b.primary[0].p, contrast.p);
     // A simulation of many studies does without.
     let data = StudyData::new(&design(&both()), ridden(16, 0.5, 0.3)).unwrap();
     let quick = analyse(&data, Purpose::Simulation).unwrap();
@@ -264,19 +271,19 @@ fn people_whose_order_is_not_known_are_left_out_and_named_and_uneven_orders_are_
         tables.people[i].order = order;
     }
     let a = analysed_by(&both(), tables);
-    let found = panel(&a, SPEED);
-    assert_eq!(found.n, 14);
-    assert_eq!(found.without_order, ["P4", "P8"]);
-    assert_eq!(found.dropped, found.without_order);
+    let speed_panel = panel(&a, SPEED);
+    assert_eq!(speed_panel.n, 14);
+    assert_eq!(speed_panel.without_order, ["P4", "P8"]);
+    assert_eq!(speed_panel.dropped, speed_panel.without_order);
     let why = a.exclusions.iter().find(|e| e.who == "P4").unwrap();
     assert!(
         why.why.contains("order in which the conditions were met"),
         "{}",
         why.why
     );
-    assert_eq!(found.balance, Some(Balance::Neither));
+    assert_eq!(speed_panel.balance, Some(Balance::Neither));
     assert!(
-        found
+        speed_panel
             .contrasts
             .iter()
             .all(|c| c.people.iter().sum::<usize>() == 14)
@@ -325,17 +332,20 @@ fn an_item_is_tested_by_its_order_with_the_period_and_has_no_carry_over() {
         }
     }
     let a = analysed_by(&text(rated), tables);
-    let found = panel(&a, "comfort.total");
-    assert!(matches!(found.comparison, Some(ByDesign::Ordinal(_))));
+    let comfort_panel = panel(&a, "comfort.total");
+    assert!(matches!(
+        comfort_panel.comparison,
+        Some(ByDesign::Ordinal(_))
+    ));
     assert_eq!(
-        (found.test, a.primary[0].verdict),
+        (comfort_panel.test, a.primary[0].verdict),
         (Some(ContrastTest::Ordinal), Shown)
     );
     // The difference is that of the answers, not of logits.
     let difference = a.primary[0].mean_difference.unwrap();
     assert!((2.0..4.0).contains(&difference) && a.primary[0].interval.is_none());
     assert_eq!(
-        found.carry_over,
+        comfort_panel.carry_over,
         Some(CarryOver::NotFitted {
             why_not: NoCarryOver::OrderedAnswers
         })
@@ -346,13 +356,15 @@ fn an_item_is_tested_by_its_order_with_the_period_and_has_no_carry_over() {
 fn where_the_declared_test_has_no_result_no_other_steps_in() {
     // A speed is no ordered answer.
     let a = analysed_by(&text(&primary(SPEED, "ordinal")), ridden(16, 0.5, 0.3));
-    let found = panel(&a, SPEED);
-    assert!(found.comparison.is_none() && found.test.is_none());
-    assert!(found.contrasts.len() == 6 && found.contrasts.iter().all(|c| c.p.is_none()));
+    let speed_panel = panel(&a, SPEED);
+    assert!(speed_panel.comparison.is_none() && speed_panel.test.is_none());
     assert!(
-        found.reasons[0].contains("whole number"),
+        speed_panel.contrasts.len() == 6 && speed_panel.contrasts.iter().all(|c| c.p.is_none())
+    );
+    assert!(
+        speed_panel.reasons[0].contains("whole number"),
         "{:?}",
-        found.reasons
+        speed_panel.reasons
     );
     assert_eq!((a.primary[0].p, a.primary[0].verdict), (None, NotShown));
     // One order for all: the condition is one thing with the period.
@@ -362,9 +374,9 @@ fn where_the_declared_test_has_no_result_no_other_steps_in() {
         p.order.clone_from(&order);
     }
     let b = analysed_by(&text(&primary(SPEED, "mixed")), same);
-    let found = panel(&b, SPEED);
-    assert!(found.reasons[0].contains("condition and period cannot be told apart"));
-    assert!(found.contrasts.iter().all(|c| c.p.is_none()));
+    let speed_panel = panel(&b, SPEED);
+    assert!(speed_panel.reasons[0].contains("condition and period cannot be told apart"));
+    assert!(speed_panel.contrasts.iter().all(|c| c.p.is_none()));
 }
 
 #[test]
@@ -374,15 +386,17 @@ fn with_one_order_for_all_an_outcome_without_a_declared_test_is_tested_without_t
     for p in &mut same.people {
         p.order.clone_from(&order);
     }
-    let found = analysed_by(&text(""), same);
-    let found = panel(&found, SPEED);
-    assert!(found.contrasts.iter().all(|c| c.p.is_some()) && found.without_order.is_empty());
+    let analysis = analysed_by(&text(""), same);
+    let speed_panel = panel(&analysis, SPEED);
     assert!(
-        found
+        speed_panel.contrasts.iter().all(|c| c.p.is_some()) && speed_panel.without_order.is_empty()
+    );
+    assert!(
+        speed_panel
             .reasons
             .iter()
             .any(|r| r.contains("do not tell the period")),
         "{:?}",
-        found.reasons
+        speed_panel.reasons
     );
 }

@@ -75,7 +75,7 @@ impl StudyData {
             there,
             left_out,
             flow,
-        } = Who::of(design, &tables);
+        } = Who::new(design, &tables);
         let mut measurements = tables.measurements;
         measurements.retain(|d| left_out.keeps(&d.meta.participant, d.meta.ride()));
         let (mut pre, mut post) = (tables.pre, tables.post);
@@ -98,7 +98,7 @@ impl StudyData {
             });
         }
         let cells = cells::cells(&measurements, &there);
-        let own = cells::own(design, tables.own, (&there, &left_out));
+        let own_measures = cells::own_measures(design, tables.own, (&there, &left_out));
         let participants: Vec<ParticipantId> = there
             .into_iter()
             .filter(|p| left_out.keeps_person(p))
@@ -114,14 +114,14 @@ impl StudyData {
             flow,
             settled: BTreeMap::new(),
             pressed: Default::default(),
-            own,
+            own: own_measures,
             cells,
             before: cells::subscales(&pre),
             after: cells::subscales(&post),
-            pre: Scores::of(&pre),
-            post: Scores::of(&post),
+            pre: Scores::from_rows(&pre),
+            post: Scores::from_rows(&post),
             of_stopped,
-            places: Places::of(&measurements, &tables.embeddings, &tables.conditions),
+            places: Places::new(&measurements, &tables.embeddings, &tables.conditions),
             measurements,
             embeddings: tables.embeddings,
             conditions: tables.conditions,
@@ -141,7 +141,7 @@ impl StudyData {
         for condition in self.design.conditions() {
             let id = condition.id;
             let cells = self.cells.get(&(id, FIRST));
-            let driven = cells.is_some_and(|of| !of.is_empty());
+            let driven = cells.is_some_and(|people| !people.is_empty());
             let measured = self.own.contains_key(&id);
             let rated = |p| {
                 self.after
@@ -183,8 +183,8 @@ impl StudyData {
     pub fn with_turns(mut self, turns: &[Turns]) -> Self {
         for ride in turns {
             if let Some(settled) = ride.settled() {
-                let of = self.settled.entry(ride.participant.clone()).or_default();
-                of.push(settled);
+                let participant = ride.participant.clone();
+                self.settled.entry(participant).or_default().push(settled);
             }
         }
         self
@@ -247,8 +247,12 @@ impl StudyData {
 
     /// The condition that drives as the person does: 0 on the dial.
     pub fn own_style(&self) -> Option<ConditionId> {
-        let own = |c: &&Condition| c.dial() == Some(0.0);
-        self.design.conditions().iter().find(own).map(|c| c.id)
+        let in_own_style = |c: &&Condition| c.dial() == Some(0.0);
+        self.design
+            .conditions()
+            .iter()
+            .find(in_own_style)
+            .map(|c| c.id)
     }
 
     /// The conditions elsewhere on the dial, in the order of the design.
@@ -306,7 +310,7 @@ impl StudyData {
         condition: ConditionId,
         name: &ScoreName,
     ) -> Option<f64> {
-        let at = |moment: Moment| {
+        let score_at = |moment: Moment| {
             let moment = moment.on(Occasion {
                 session,
                 trial: FIRST,
@@ -314,7 +318,7 @@ impl StudyData {
             self.post
                 .get(participant, moment, &name.scale, &name.subscale)
         };
-        at(Moment::after(condition)).or_else(|| at(Moment::probe(condition)))
+        score_at(Moment::after(condition)).or_else(|| score_at(Moment::probe(condition)))
     }
 
     /// The embedding of a participant's baseline drive in a session, fitted with or without the score.
@@ -326,8 +330,8 @@ impl StudyData {
     ) -> Option<&EmbeddingRow> {
         let baseline = self.design.baseline_id()?;
         let whose = (participant.clone(), baseline, session, adb_used);
-        let at = self.places.embeddings.get(&whose)?;
-        self.embeddings.get(*at)
+        let index = self.places.embeddings.get(&whose)?;
+        self.embeddings.get(*index)
     }
 
     /// How many rides of a participant in a condition of the first session count.
@@ -360,9 +364,9 @@ impl StudyData {
     /// Whether any tested person's drive has this measure, or any of them was measured so.
     pub(crate) fn is_measured(&self, measure: &str) -> bool {
         let mut cells = self.cells.values().flat_map(BTreeMap::values);
-        let mut own = self.own.values().flat_map(BTreeMap::values);
+        let mut own_values = self.own.values().flat_map(BTreeMap::values);
         cells.any(|cell| cell.values.get(measure).is_some_and(Option::is_some))
-            || own.any(|values| values.contains_key(measure))
+            || own_values.any(|values| values.contains_key(measure))
     }
 
     /// A measure of every baseline drive that the networks learned from and that has it.
@@ -386,18 +390,18 @@ impl StudyData {
     /// The same study with other embeddings.
     #[cfg(test)]
     pub(crate) fn with_embeddings(mut self, embeddings: Vec<EmbeddingRow>) -> Self {
-        self.places = Places::of(&self.measurements, &embeddings, &self.conditions);
+        self.places = Places::new(&self.measurements, &embeddings, &self.conditions);
         self.embeddings = embeddings;
         self
     }
 
     /// A questionnaire score from before the drives, or from the end where it was asked then alone.
     pub fn pre(&self, participant: &ParticipantId, name: &ScoreName) -> Option<f64> {
-        let at = |moment| {
+        let score_at = |moment| {
             self.pre
                 .get(participant, moment, &name.scale, &name.subscale)
         };
-        at(Moment::Pre).or_else(|| at(Moment::Post))
+        score_at(Moment::Pre).or_else(|| score_at(Moment::Post))
     }
 
     /// A questionnaire score about a condition: from after the ride, or the mean of what was asked during it; of several rides of the first
@@ -423,8 +427,8 @@ impl StudyData {
 
     /// Subscales of a scale from before the drives, in the order in which they were scored.
     pub fn pre_subscales(&self, scale: &str) -> Vec<ScoreName> {
-        let of = self.before.iter().filter(|name| name.scale == scale);
-        of.cloned().collect()
+        let names = self.before.iter().filter(|name| name.scale == scale);
+        names.cloned().collect()
     }
 
     /// Everything that was scored after a condition, in the order in which it was scored.

@@ -27,15 +27,15 @@ pub struct Observed {
 
 /// The outcomes in their order, then every other rating that somebody gave, then what the drives met on their road.
 pub fn observed(data: &StudyData) -> Vec<Observed> {
-    let mut asked = outcomes(data);
+    let mut quantities = outcomes(data);
     for name in data.rated_names() {
-        if !asked.iter().any(|a| a.id == name.to_string()) {
-            asked.push(Asked::score(data, name));
+        if !quantities.iter().any(|a| a.id == name.to_string()) {
+            quantities.push(Asked::score(data, name));
         }
     }
     for met in objective::met().iter().filter(|m| data.is_measured(m.name)) {
-        if !asked.iter().any(|a| a.id == met.name) {
-            asked.push(Asked::measure(&data.design, met.name));
+        if !quantities.iter().any(|a| a.id == met.name) {
+            quantities.push(Asked::measure(&data.design, met.name));
         }
     }
     let baseline = data.design.baseline_id();
@@ -43,9 +43,9 @@ pub fn observed(data: &StudyData) -> Vec<Observed> {
     if let Some(baseline) = baseline.filter(|b| !conditions.contains(b)) {
         conditions.insert(0, baseline);
     }
-    let observed = |asked: Asked| {
+    let observed = |quantity: Asked| {
         let values = |condition: &ConditionId| {
-            let value = |p| asked.value(data, p, *condition);
+            let value = |p| quantity.value(data, p, *condition);
             (*condition, data.participants.iter().map(value).collect())
         };
         let there = |(condition, values): &(ConditionId, Vec<Option<f64>>)| {
@@ -53,24 +53,24 @@ pub fn observed(data: &StudyData) -> Vec<Observed> {
         };
         Observed {
             conditions: conditions.iter().map(values).filter(there).collect(),
-            outcome: asked.id,
-            title: asked.title,
-            unit: asked.unit,
-            factor: asked.factor,
+            outcome: quantity.id,
+            title: quantity.title,
+            unit: quantity.unit,
+            factor: quantity.factor,
         }
     };
-    asked.into_iter().map(observed).collect()
+    quantities.into_iter().map(observed).collect()
 }
 
 /// Each condition of [`observed`] in numbers, in the unit in which people read it.
 pub(crate) fn describe(data: &StudyData) -> Vec<Described> {
-    let mut found = Vec::new();
+    let mut rows = Vec::new();
     for seen in observed(data) {
         for (condition, values) in seen.conditions {
             let shown = values.into_iter().flatten().map(|v| Some(v * seen.factor));
             let values: Vec<Option<f64>> = shown.collect();
-            let shape = normality(&values).ok().map(|found| found.desc);
-            found.push(Described {
+            let shape = normality(&values).ok().map(|tested| tested.desc);
+            rows.push(Described {
                 outcome: seen.outcome.clone(),
                 title: seen.title.clone(),
                 unit: seen.unit.clone(),
@@ -82,5 +82,5 @@ pub(crate) fn describe(data: &StudyData) -> Vec<Described> {
             });
         }
     }
-    found
+    rows
 }

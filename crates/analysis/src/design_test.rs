@@ -55,7 +55,7 @@ pub(crate) enum Period {
 }
 
 impl Period {
-    pub(crate) fn of(
+    pub(crate) fn for_outcome(
         data: &StudyData,
         asked: &Asked,
         (conditions, people): (&[ConditionId], &[ParticipantId]),
@@ -75,7 +75,7 @@ impl Period {
         if several && asked.test.is_none() {
             return Self::SeveralFactors;
         }
-        if asked.test.is_none() && !told(data, conditions, people) {
+        if asked.test.is_none() && !orders_tell_period(data, conditions, people) {
             return Self::NotTold;
         }
         Self::Taken
@@ -99,7 +99,11 @@ impl Period {
 }
 
 /// Whether the orders of these people tell the period from the conditions.
-fn told(data: &StudyData, conditions: &[ConditionId], people: &[ParticipantId]) -> bool {
+fn orders_tell_period(
+    data: &StudyData,
+    conditions: &[ConditionId],
+    people: &[ParticipantId],
+) -> bool {
     let mut met = DesignTable::default();
     let mut cells = Vec::new();
     for person in people {
@@ -118,7 +122,7 @@ fn told(data: &StudyData, conditions: &[ConditionId], people: &[ParticipantId]) 
 
 /// A test with what stands beside it.
 pub(crate) struct Compared {
-    pub(crate) found: ByDesign,
+    pub(crate) comparison: ByDesign,
     /// What the factors did, with the reasons of what was not tested.
     pub(crate) by_factor: Option<(ByFactor, Vec<String>)>,
     pub(crate) carry_over: Option<CarryOver>,
@@ -172,19 +176,19 @@ pub(crate) fn by_design(tested: &Tested) -> Result<Result<Compared, String>, Ana
         exact: tested.purpose == Purpose::Report,
     };
     // What one outcome lacks is no fault of the study.
-    let found = match compare_by_design(&columns, &choice) {
-        Ok(found) => found,
+    let comparison = match compare_by_design(&columns, &choice) {
+        Ok(comparison) => comparison,
         Err(refused) => return Ok(Err(refused.to_string())),
     };
     let (mut factors, mut carried) = (None, None);
     if tested.purpose == Purpose::Report && panel.group.is_none() {
-        factors = match &found {
+        factors = match &comparison {
             ByDesign::Factorial(tests) if tests.found.anova.levels.len() > 1 => {
                 Some(by_factor(&data.design, &columns, tests)?)
             }
             _ => None,
         };
-        carried = match (tested.period, &found) {
+        carried = match (tested.period, &comparison) {
             (Period::Taken, ByDesign::Ordinal(_)) => Some(CarryOver::NotFitted {
                 why_not: NoCarryOver::OrderedAnswers,
             }),
@@ -193,7 +197,7 @@ pub(crate) fn by_design(tested: &Tested) -> Result<Result<Compared, String>, Ana
         };
     }
     Ok(Ok(Compared {
-        found,
+        comparison,
         by_factor: factors,
         carry_over: carried,
     }))
@@ -209,11 +213,18 @@ fn table(
     let design = &data.design;
     let rows = || {
         let people = tested.people.iter().zip(&panel.rows);
-        people.flat_map(|(p, row)| (0..row.len()).map(move |at| (p, at, row[at])))
+        people.flat_map(|(p, row)| (0..row.len()).map(move |column| (p, column, row[column])))
     };
     let within: Vec<Within> = within
         .into_iter()
-        .map(|(name, of)| (name, rows().map(|(_, at, _)| of[at].clone()).collect()))
+        .map(|(name, levels)| {
+            (
+                name,
+                rows()
+                    .map(|(_, column, _)| levels[column].clone())
+                    .collect(),
+            )
+        })
         .collect();
     let level = |p, f: &Factor| data.column(p, &f.name).map(str::to_owned);
     let between: Vec<(String, Vec<Option<String>>)> = between
@@ -238,7 +249,7 @@ fn table(
         periods: rows()
             .filter(|_| tested.period == Period::Taken)
             // Whose order is not known has no values either.
-            .map(|(p, at, _)| data.period(p, panel.conditions[at]).unwrap_or(0))
+            .map(|(p, column, _)| data.period(p, panel.conditions[column]).unwrap_or(0))
             .collect(),
         values: rows().map(|(.., value)| value).collect(),
         within,

@@ -15,13 +15,13 @@ pub enum AnalysisError {
     /// A declared condition in which there is neither a drive nor an answer.
     #[error("nobody drove or rated the condition `{condition}`")]
     NobodyThere {
-        /// The condition.
+        /// Its id in the design.
         condition: ConditionId,
     },
     /// A declared outcome of which nobody has an answer about any condition.
     #[error("`[[outcome]]` names `{outcome}`, which nobody answered after any condition")]
     Unanswered {
-        /// The outcome.
+        /// Its id: the measure or the score that it names.
         outcome: String,
     },
     /// A family of tests that names a scale without answers.
@@ -29,13 +29,13 @@ pub enum AnalysisError {
         "`[homophily] factors` names the scale `{scale}`, which nobody answered before the drives"
     )]
     UnansweredScale {
-        /// The scale.
+        /// Its name as the design writes it.
         scale: String,
     },
     /// A family of tests that names a factor which its scale does not have.
     #[error("`[homophily] factors` names `{scale}.{factor}`, but the factors of {scale} are {}", known.join(", "))]
     UnknownFactor {
-        /// The scale.
+        /// The scale, which has answers.
         scale: String,
         /// The factor asked for.
         factor: String,
@@ -57,7 +57,7 @@ pub enum AnalysisError {
     /// A declared contrast of a level that nobody has.
     #[error("`[contrasts] factors` names `{found}` of `{factor}`, expected one of {}", known.join(", "))]
     UnknownLevel {
-        /// The factor.
+        /// The factor that the contrast is of.
         factor: String,
         /// What the contrast names.
         found: String,
@@ -67,7 +67,7 @@ pub enum AnalysisError {
     /// A declared contrast of a factor that no test has.
     #[error("`[contrasts] factors` names `{factor}`, which is not tested as a factor, expected one of {}", known.join(", "))]
     UntestedFactor {
-        /// The factor.
+        /// What the contrast names as a factor.
         factor: String,
         /// Those that are tested.
         known: Vec<String>,
@@ -75,7 +75,7 @@ pub enum AnalysisError {
     /// Contrasts of levels where one factor alone is tested.
     #[error("`[contrasts] factors` needs two factors, and the design has one: {factor}")]
     OneFactor {
-        /// The one.
+        /// The only factor of the design.
         factor: String,
     },
     /// A declared test that takes no period, where orders are known.
@@ -84,9 +84,9 @@ pub enum AnalysisError {
          expected \"mixed\" or \"ordinal\", which take the period out"
     )]
     NoPeriod {
-        /// The outcome.
+        /// Id of the outcome.
         outcome: String,
-        /// The test.
+        /// The declared test, as the design writes it.
         test: &'static str,
         /// Whose order is known.
         people: usize,

@@ -194,9 +194,9 @@ pub struct Part {
     pub of: String,
     /// People, drivers, drives or studies.
     pub n: usize,
-    /// The estimate.
+    /// What was estimated, such as a mean difference, an effect, a correlation or a share; none where there is none.
     pub estimate: Option<f64>,
-    /// Its interval.
+    /// Lower and upper end of its interval.
     pub interval: Option<(f64, f64)>,
     /// The p that decides.
     pub p: Option<f64>,
@@ -343,20 +343,21 @@ impl Finding {
 
     /// The part with the smallest of a number; parts without one come last.
     pub fn least(&self, number: impl Fn(&Part) -> Option<f64>) -> Option<&Part> {
-        let of = |part: &Part| number(part).unwrap_or(f64::INFINITY);
+        let value_of = |part: &Part| number(part).unwrap_or(f64::INFINITY);
         let mut parts = self.parts.iter();
         let first = parts.next()?;
-        Some(parts.fold(
-            first,
-            |least, part| {
-                if of(part) < of(least) { part } else { least }
-            },
-        ))
+        Some(parts.fold(first, |least, part| {
+            if value_of(part) < value_of(least) {
+                part
+            } else {
+                least
+            }
+        }))
     }
 }
 
 /// The finding of a question, among several.
-pub fn of(findings: &[Finding], question: Question) -> Option<&Finding> {
+pub fn by_question(findings: &[Finding], question: Question) -> Option<&Finding> {
     findings.iter().find(|finding| finding.question == question)
 }
 

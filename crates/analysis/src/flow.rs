@@ -37,7 +37,7 @@ pub struct NotAdmitted {
 /// Those who are left out for one reason.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct LeftOutFor {
-    /// The rule.
+    /// The rule that left them out.
     pub rule: Rule,
     /// In words.
     pub why: String,

@@ -14,7 +14,7 @@ use maveric_stats::{CorrelationMethod, adjust, proportion, simultaneous_interval
 
 /// Scores of each member of the family, once each, in the order declared.
 fn factors(data: &StudyData, family: &Homophily) -> Result<Vec<ScoreName>, AnalysisError> {
-    let mut found: Vec<ScoreName> = Vec::new();
+    let mut names: Vec<ScoreName> = Vec::new();
     for word in &family.factors {
         let (scale, factor) = match word.split_once('.') {
             Some((scale, factor)) => (scale, Some(factor)),
@@ -41,12 +41,12 @@ fn factors(data: &StudyData, family: &Homophily) -> Result<Vec<ScoreName>, Analy
             }
         };
         for name in wanted {
-            if !found.contains(&name) {
-                found.push(name);
+            if !names.contains(&name) {
+                names.push(name);
             }
         }
     }
-    Ok(found)
+    Ok(names)
 }
 
 /// The declared ratings that somebody gave.
@@ -169,9 +169,9 @@ pub(crate) fn preferences(data: &StudyData) -> Vec<Preference> {
             })
             .collect();
         let n = complete.len();
-        let above = |(at, condition): (usize, &ConditionId)| {
-            let above = complete.iter().filter(|(own, o)| o[at] > *own).count();
-            let not_below = complete.iter().filter(|(own, o)| *own <= o[at]).count();
+        let above = |(index, condition): (usize, &ConditionId)| {
+            let above = complete.iter().filter(|(own, o)| o[index] > *own).count();
+            let not_below = complete.iter().filter(|(own, o)| *own <= o[index]).count();
             Above {
                 condition: *condition,
                 above,

@@ -21,15 +21,15 @@ pub(crate) fn verdicts(
     panels: &[Panel],
     primary: &[PrimaryOutcome],
 ) -> Result<Vec<Judged>, AnalysisError> {
-    let mut found = Vec::new();
+    let mut judged = Vec::new();
     for hypothesis in data.design.hypotheses() {
         let whole = |p: &&Panel| p.outcome == hypothesis.outcome && p.group.is_none();
         for panel in panels.iter().filter(whole) {
             let decides = |p: &&PrimaryOutcome| p.is_of(&hypothesis.outcome, hypothesis.contrast);
-            found.push(judge(hypothesis, panel, primary.iter().find(decides))?);
+            judged.push(judge(hypothesis, panel, primary.iter().find(decides))?);
         }
     }
-    Ok(found)
+    Ok(judged)
 }
 
 fn judge(

@@ -37,7 +37,7 @@ pub struct BesideLent {
 /// Own less lent of an outcome, in the unit in which people read it.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct LentContrast {
-    /// The outcome.
+    /// Its id: a measure or a score.
     pub outcome: String,
     /// On the page.
     pub title: String,
@@ -77,13 +77,13 @@ fn beside(
     let lent: Vec<&Lent> = lent.collect();
     let donors: BTreeSet<&DriveId> = lent.iter().map(|l| &l.donor).collect();
     let sum: f64 = lent.iter().map(|l| l.donor_distance_sd).sum();
-    let mut asked = outcomes(data);
+    let mut compared = outcomes(data);
     for measure in BESIDE {
-        if !asked.iter().any(|a| a.id == measure) {
-            asked.push(Asked::measure(&data.design, measure));
+        if !compared.iter().any(|a| a.id == measure) {
+            compared.push(Asked::measure(&data.design, measure));
         }
     }
-    let rows = asked
+    let rows = compared
         .iter()
         .map(|asked| contrast(data, asked, [own, condition]));
     Ok(BesideLent {
@@ -109,8 +109,8 @@ fn contrast(
             pairs.push((p, own, lent));
         }
     }
-    let mean = |of: fn(&(&ParticipantId, f64, f64)) -> f64| {
-        let sum: f64 = pairs.iter().map(of).sum();
+    let mean = |number: fn(&(&ParticipantId, f64, f64)) -> f64| {
+        let sum: f64 = pairs.iter().map(number).sum();
         Some(sum / pairs.len() as f64).filter(|mean| mean.is_finite())
     };
     let differences: Vec<f64> = pairs.iter().map(|(_, own, lent)| own - lent).collect();

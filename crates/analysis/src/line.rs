@@ -65,12 +65,16 @@ pub(crate) fn line(
     let mut rows = Vec::new();
     for asked in outcomes(data).into_iter().filter(|a| a.column().is_some()) {
         let values = own(data, &asked.id);
-        let mut found = row(asked.id, asked.title, asked.unit, values)?;
+        let mut line_row = row(asked.id, asked.title, asked.unit, values)?;
         // Correlated in the unit of the tables, shown in that of people.
         let shown = |v: f64| v * asked.factor;
-        found.ends = found.ends.map(|(low, high)| (shown(low), shown(high)));
-        found.points = found.points.iter().map(|(x, y)| (*x, shown(*y))).collect();
-        rows.push(found);
+        line_row.ends = line_row.ends.map(|(low, high)| (shown(low), shown(high)));
+        line_row.points = line_row
+            .points
+            .iter()
+            .map(|(x, y)| (*x, shown(*y)))
+            .collect();
+        rows.push(line_row);
     }
     let score = data.participants.iter().map(|p| data.pre(p, &style.score));
     rows.push(row(
@@ -107,13 +111,13 @@ pub(crate) fn kept(data: &StudyData) -> Result<Vec<Kept>, AnalysisError> {
         };
         let changes: Vec<Option<f64>> = data.participants.iter().map(change).collect();
         let round = circular(&angles, &changes)?;
-        let asked = Asked::measure(&data.design, measure);
+        let outcome = Asked::measure(&data.design, measure);
         Ok(Kept {
             across,
             from,
             measure: measure.to_owned(),
-            title: asked.title,
-            unit: asked.unit,
+            title: outcome.title,
+            unit: outcome.unit,
             line: correlate(&positions, &own(data, measure), CorrelationMethod::Pearson)?,
             angle: correlate(&angles, &changes, CorrelationMethod::Pearson)?,
             circular_r: round.0,
@@ -121,18 +125,18 @@ pub(crate) fn kept(data: &StudyData) -> Result<Vec<Kept>, AnalysisError> {
             circular_p_holm: None,
             points: pairs(&angles, &changes)
                 .into_iter()
-                .map(|(angle, change)| (angle, change * asked.factor))
+                .map(|(angle, change)| (angle, change * outcome.factor))
                 .collect(),
         })
     };
     let habits = objective::all().iter().filter(|m| m.aggression.is_none());
-    let mut found: Vec<Kept> = habits.map(|m| one(m.name)).collect::<Result<_, _>>()?;
-    let p: Vec<f64> = found.iter().filter_map(|k| k.circular_p).collect();
+    let mut rows: Vec<Kept> = habits.map(|m| one(m.name)).collect::<Result<_, _>>()?;
+    let p: Vec<f64> = rows.iter().filter_map(|k| k.circular_p).collect();
     if !p.is_empty() {
-        let tested = found.iter_mut().filter(|k| k.circular_p.is_some());
+        let tested = rows.iter_mut().filter(|k| k.circular_p.is_some());
         for (kept, holm) in tested.zip(adjust(&p)?.holm) {
             kept.circular_p_holm = Some(holm);
         }
     }
-    Ok(found)
+    Ok(rows)
 }

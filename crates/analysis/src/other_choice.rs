@@ -51,7 +51,7 @@ pub struct SensitivityRow {
     pub differs: Verdict,
     /// Mean difference by the other choice.
     pub other_mean_difference: Option<f64>,
-    /// Its p.
+    /// p of that difference, two-sided.
     pub other_p: Option<f64>,
     /// Of a difference, whether it is there with the same sign by the other choice; else whether one is there by that alone.
     pub other_differs: Verdict,

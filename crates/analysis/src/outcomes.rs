@@ -33,26 +33,26 @@ pub(crate) struct Asked {
 }
 
 impl Asked {
-    fn of(data: &StudyData, outcome: &Outcome) -> Self {
-        let mut asked = match &outcome.quantity {
+    fn from_outcome(data: &StudyData, declared: &Outcome) -> Self {
+        let mut outcome = match &declared.quantity {
             Quantity::Measure(name) => Self::measure(&data.design, name),
             Quantity::Score(name) => Self::score(data, name),
         };
-        if let Some(label) = &outcome.label {
-            asked.title.clone_from(label);
+        if let Some(label) = &declared.label {
+            outcome.title.clone_from(label);
         }
-        asked.same_within = outcome.same_within;
-        (asked.test, asked.primary) = (outcome.test, outcome.primary);
-        asked
+        outcome.same_within = declared.same_within;
+        (outcome.test, outcome.primary) = (declared.test, declared.primary);
+        outcome
     }
 
     /// A measure of the study's own, an objective one, or another column of the measurements.
     pub(crate) fn measure(design: &Design, name: &str) -> Self {
         let known = objective::find(name);
-        let own = design.measure(name);
+        let declared = design.measure(name);
         let speed = design.speed_unit();
-        let [title, unit] = match (own, known) {
-            (Some(own), _) => [own.title.as_str(), own.shown_unit()],
+        let [title, unit] = match (declared, known) {
+            (Some(declared), _) => [declared.title.as_str(), declared.shown_unit()],
             (None, Some(known)) => [known.title, known.shown.unit(speed)],
             (None, None) => [name, ""],
         };
@@ -62,7 +62,7 @@ impl Asked {
             unit: unit.to_owned(),
             factor: known.map_or(1.0, |m| m.shown.factor(speed)),
             same: None,
-            aggression: own.map_or_else(|| known.and_then(|m| m.aggression), |m| m.aggression),
+            aggression: declared.map_or_else(|| known.and_then(|m| m.aggression), |m| m.aggression),
             quantity: Quantity::Measure(name.to_owned()),
             range: None,
             same_within: None,
@@ -126,8 +126,8 @@ impl Asked {
 
     /// Which way a condition is expected to move it against the baseline.
     fn against_baseline(&self, data: &StudyData, condition: &Condition) -> Option<Sign> {
-        let said = condition.expected.get(&self.id).copied();
-        said.or_else(|| Some(self.dial_up(data)? * condition.side()?))
+        let expected = condition.expected.get(&self.id).copied();
+        expected.or_else(|| Some(self.dial_up(data)? * condition.side()?))
     }
 
     /// Which way first minus second is expected to lie: as the design says, else by their places on the dial.
@@ -137,15 +137,16 @@ impl Asked {
         first: ConditionId,
         second: ConditionId,
     ) -> Option<Sign> {
-        let of = |id| data.design.condition(id);
+        let condition_of = |id| data.design.condition(id);
         let is_baseline = |id| data.design.baseline_id() == Some(id);
-        let said = |id| of(id).is_some_and(|c| c.expected.contains_key(&self.id));
-        if !said(first) && !said(second) {
-            let dial = |id| of(id).map_or(is_baseline(id).then_some(0.0), Condition::dial);
+        let declares = |id| condition_of(id).is_some_and(|c| c.expected.contains_key(&self.id));
+        if !declares(first) && !declares(second) {
+            let dial =
+                |id| condition_of(id).map_or(is_baseline(id).then_some(0.0), Condition::dial);
             return Some(self.dial_up(data)? * Sign::of(dial(first)? - dial(second)?)?);
         }
         let place = |id| -> Option<f64> {
-            let condition = of(id);
+            let condition = condition_of(id);
             let sign = condition.and_then(|c| self.against_baseline(data, c));
             let still = is_baseline(id) || condition?.dial() == Some(0.0);
             sign.map(Sign::factor).or(still.then_some(0.0))
@@ -158,7 +159,10 @@ impl Asked {
 pub(crate) fn outcomes(data: &StudyData) -> Vec<Asked> {
     let declared = data.design.outcomes();
     if !declared.is_empty() {
-        return declared.iter().map(|o| Asked::of(data, o)).collect();
+        return declared
+            .iter()
+            .map(|o| Asked::from_outcome(data, o))
+            .collect();
     }
     let measured = objective::all().iter().map(|m| m.name);
     let measured = measured.chain(data.design.measures().iter().map(|m| m.id.as_str()));
@@ -182,7 +186,7 @@ pub(crate) fn outcomes(data: &StudyData) -> Vec<Asked> {
 pub(crate) fn outcome(data: &StudyData, id: &str) -> Asked {
     let declared = data.design.outcomes().iter().find(|o| o.id() == id);
     match (declared, id.parse::<ScoreName>()) {
-        (Some(outcome), _) => Asked::of(data, outcome),
+        (Some(outcome), _) => Asked::from_outcome(data, outcome),
         (None, Ok(name)) => Asked::score(data, &name),
         (None, Err(_)) => Asked::measure(&data.design, id),
     }

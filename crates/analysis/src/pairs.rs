@@ -16,7 +16,7 @@ use maveric_stats::{ByDesign, ChosenTest, PosthocTest};
 pub(crate) fn values(panel: &Panel, first: ConditionId, second: ConditionId) -> Vec<[f64; 2]> {
     let column = |id| panel.conditions.iter().position(|c| *c == id);
     let value = |row: &[Option<f64>], id| match column(id) {
-        Some(at) => row[at],
+        Some(index) => row[index],
         None => (panel.differences_from == Some(id)).then_some(0.0),
     };
     let complete = panel
@@ -51,30 +51,30 @@ pub(crate) fn model_pairs<'a>(
     }
     let within = factors_within(&data.design, &panel.conditions);
     let term: Vec<&str> = within.iter().map(|(name, _)| name.as_str()).collect();
-    let name = |at: usize| {
-        let levels = within.iter().map(|(_, levels)| levels[at].as_str());
+    let name = |index: usize| {
+        let levels = within.iter().map(|(_, levels)| levels[index].as_str());
         levels.collect::<Vec<_>>().join(":")
     };
     let names = panel.conditions.iter().enumerate();
-    let names = names.map(|(at, c)| (*c, name(at))).collect();
+    let names = names.map(|(index, c)| (*c, name(index))).collect();
     let (test, pairs) = match panel.comparison.as_ref()? {
-        ByDesign::Mixed(found) => {
-            let found = &found.found;
-            let of_model = || found.model.contrast.get(&term.join(":"));
-            let own = Some(&found.own_error).filter(|own| !own.is_empty());
-            (ContrastTest::Mixed, own.or_else(of_model)?)
+        ByDesign::Mixed(mixed) => {
+            let fit = &mixed.found;
+            let of_model = || fit.model.contrast.get(&term.join(":"));
+            let own_error = Some(&fit.own_error).filter(|pairs| !pairs.is_empty());
+            (ContrastTest::Mixed, own_error.or_else(of_model)?)
         }
-        ByDesign::Ordinal(found) => (ContrastTest::Ordinal, &found.found.contrast),
+        ByDesign::Ordinal(ordinal) => (ContrastTest::Ordinal, &ordinal.found.contrast),
         _ => return None,
     };
     Some(ModelPairs { test, pairs, names })
 }
 
 /// Ranks where ranks were compared, or the order of the answers alone counts.
-pub(crate) fn test_of_pairs(found: Option<&ByDesign>) -> PosthocTest {
-    let chosen = match found {
-        Some(ByDesign::Factorial(found)) => found.chosen,
-        Some(ByDesign::Ordinal(found)) => found.chosen,
+pub(crate) fn test_of_pairs(comparison: Option<&ByDesign>) -> PosthocTest {
+    let chosen = match comparison {
+        Some(ByDesign::Factorial(factorial)) => factorial.chosen,
+        Some(ByDesign::Ordinal(ordinal)) => ordinal.chosen,
         _ => return PosthocTest::T,
     };
     match chosen {

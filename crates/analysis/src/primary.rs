@@ -17,7 +17,7 @@ impl PrimaryOutcome {
 /// The primary outcomes in the order written, against the panels over everybody.
 pub(crate) fn primary(data: &StudyData, panels: &[Panel]) -> Vec<PrimaryOutcome> {
     let mut closed_by: Option<String> = None;
-    let mut found = Vec::new();
+    let mut rows = Vec::new();
     for outcome in data.design.outcomes() {
         let (Some([first, second]), Some(test)) = (outcome.primary, outcome.test) else {
             continue;
@@ -42,7 +42,7 @@ pub(crate) fn primary(data: &StudyData, panels: &[Panel]) -> Vec<PrimaryOutcome>
         } else {
             significant(n, p)
         };
-        found.push(PrimaryOutcome {
+        rows.push(PrimaryOutcome {
             title: panel.title.clone(),
             unit: panel.unit.clone(),
             first,
@@ -67,7 +67,7 @@ pub(crate) fn primary(data: &StudyData, panels: &[Panel]) -> Vec<PrimaryOutcome>
             closed_by = Some(id);
         }
     }
-    found
+    rows
 }
 
 /// The contrast of two conditions, whichever way round it stands.

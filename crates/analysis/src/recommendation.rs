@@ -54,8 +54,8 @@ impl Learned {
     /// What to recommend to one person. For somebody beyond what the model has learned from the dial is not turned, unless the design
     /// lets it be.
     pub fn recommendation(&self, data: &StudyData, p: &ParticipantId) -> Recommendation {
-        let own = data.embedding(p, true).or_else(|| data.embedding(p, false));
-        let beyond = own.and_then(|row| row.beyond_why.clone());
+        let embedding = data.embedding(p, true).or_else(|| data.embedding(p, false));
+        let beyond = embedding.and_then(|row| row.beyond_why.clone());
         if beyond.is_some() && data.design.beyond() == BeyondRule::LeaveOut {
             return Recommendation {
                 participant: p.clone(),
@@ -128,7 +128,7 @@ fn reasons(learned: &Learned, [before, rated, after]: [&Belief; 3], traits: &[f6
             points: unit * mean[4 + k] * z,
         });
     }
-    let mut own = |because: &str, with: &Belief, without: &Belief| {
+    let mut add_reason = |because: &str, with: &Belief, without: &Belief| {
         let preferred = |belief| learned.preferred(belief, traits);
         if let (Some(with), Some(without)) = (preferred(with), preferred(without)) {
             reasons.push(Reason {
@@ -138,9 +138,9 @@ fn reasons(learned: &Learned, [before, rated, after]: [&Belief; 3], traits: &[f6
             });
         }
     };
-    own("own ratings", rated, before);
+    add_reason("own ratings", rated, before);
     if after != rated {
-        own("own turns of the dial", after, rated);
+        add_reason("own turns of the dial", after, rated);
     }
     reasons.sort_by(|a, b| b.points.abs().total_cmp(&a.points.abs()));
     reasons

@@ -14,9 +14,9 @@ use std::cmp::Ordering;
 
 /// The measures among the outcomes.
 fn measures(data: &StudyData) -> Vec<Asked> {
-    let mut found = outcomes(data);
-    found.retain(|asked| asked.column().is_some());
-    found
+    let mut measures = outcomes(data);
+    measures.retain(|asked| asked.column().is_some());
+    measures
 }
 
 /// Accuracy of each measure, beside what the mean of the training drivers would have reached; nothing without a baseline and a condition
@@ -40,7 +40,7 @@ pub(crate) fn reproduction(
         let pairs: Vec<_> = people()
             .map(|p| (value(p, condition), value(p, baseline)))
             .collect();
-        let found = mean_accuracy(&pairs);
+        let accuracy = mean_accuracy(&pairs);
         let trained = data.training_drives(&asked.id);
         let guess =
             (!trained.is_empty()).then(|| trained.iter().sum::<f64>() / trained.len() as f64);
@@ -51,10 +51,10 @@ pub(crate) fn reproduction(
             .collect();
         Ok(Reproduction {
             condition,
-            mean: found.mean,
-            sd: found.sd,
-            n: found.n,
-            dropped: found.dropped(),
+            mean: accuracy.mean,
+            sd: accuracy.sd,
+            n: accuracy.n,
+            dropped: accuracy.dropped(),
             population_mean: mean_accuracy(&guesses).mean,
             second_drive: mean_accuracy(&again).mean,
             bias: bias(&asked, &pairs)?,
@@ -100,8 +100,8 @@ fn bias(
         .iter()
         .filter_map(|(car, own)| Some((asked.factor * (*car)?, asked.factor * (*own)?)))
         .collect();
-    let own: Vec<Option<f64>> = both.iter().map(|(_, own)| Some(*own)).collect();
-    let half_sd = || Some(0.5 * normality(&own).ok()?.desc.sd?);
+    let own_values: Vec<Option<f64>> = both.iter().map(|(_, own)| Some(*own)).collect();
+    let half_sd = || Some(0.5 * normality(&own_values).ok()?.desc.sd?);
     let Some(same_within) = asked.same_within.or_else(half_sd).filter(|w| *w > 0.0) else {
         return Ok(None);
     };

@@ -91,7 +91,7 @@ pub struct Analysis {
     pub exclusions: Vec<Exclusion>,
 }
 
-/// One correlation.
+/// A correlation of two columns with its test.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct Correlation {
     /// `pearson`, `spearman` or `rm_corr`.
@@ -140,7 +140,7 @@ pub struct LineRow {
     pub title: String,
     /// Unit in which people read it; empty for counts and shares.
     pub unit: String,
-    /// The correlation.
+    /// Pearson's, of the position on the line and the value.
     pub correlation: Correlation,
     /// Values of the drivers lowest and highest on the line.
     pub ends: Option<(f64, f64)>,
@@ -211,7 +211,7 @@ pub struct Described {
     pub title: String,
     /// Unit of the values; empty for counts and shares.
     pub unit: String,
-    /// The condition.
+    /// The condition, or the baseline, in which the values were taken.
     pub condition: ConditionId,
     /// People with a value.
     pub n: usize,
@@ -219,7 +219,7 @@ pub struct Described {
     pub mean: Option<f64>,
     /// Standard deviation over people, over n − 1.
     pub sd: Option<f64>,
-    /// Median.
+    /// Median over people; none without values.
     pub median: Option<f64>,
 }
 
@@ -320,7 +320,7 @@ pub struct LevelMean {
     pub levels: Vec<String>,
     /// People.
     pub n: usize,
-    /// The mean.
+    /// The mean, in the unit of the panel.
     pub mean: f64,
     /// Ends of its 95 % interval, which compares people with others.
     pub interval: Option<(f64, f64)>,
@@ -335,7 +335,7 @@ pub struct LevelMean {
 pub struct FactorContrast {
     /// Factor → its two levels, the first less the second, or the one at which it is held.
     pub levels: Named<LevelChoice>,
-    /// The test.
+    /// The estimate and its test.
     #[serde(flatten)]
     pub test: LevelContrast,
     /// Adjusted after Holm over the declared contrasts of the outcome.
@@ -377,7 +377,7 @@ pub struct Contrast {
     pub expected: Option<Sign>,
     /// People whose first value lies above the second, at it, and below it.
     pub people: [usize; 3],
-    /// Mean difference.
+    /// Mean of first minus second, in the unit of the panel.
     pub mean_difference: Option<f64>,
     /// t or W+ of the test.
     pub statistic: Option<f64>,
@@ -415,7 +415,7 @@ pub struct Nearer {
     pub nearer: usize,
     /// As near: no rank of theirs counts.
     pub tied: usize,
-    /// Farther.
+    /// For how many of them it is farther from the baseline.
     pub farther: usize,
     /// Rank-biserial correlation of the signed ranks, above 0 where it is nearer: 1 if for everybody who is not tied.
     pub effect: Option<f64>,
@@ -438,7 +438,7 @@ pub struct Kept {
     pub measure: String,
     /// Name for people.
     pub title: String,
-    /// Unit.
+    /// Unit in which people read it; empty for counts and shares.
     pub unit: String,
     /// Position on the line against the measure in the baseline drive.
     pub line: Correlation,
@@ -465,7 +465,7 @@ pub struct HomophilyRow {
     pub own: ConditionId,
     /// `own` minus this condition.
     pub versus: ConditionId,
-    /// The rating.
+    /// The rating whose difference between the two is correlated.
     pub rating: ScoreName,
     /// Name for people.
     pub rating_title: String,
@@ -492,7 +492,7 @@ impl HomophilyRow {
 /// Perceived similarity against a rating.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct SimilarityRow {
-    /// The rating.
+    /// What the perceived similarity is correlated with.
     pub rating: ScoreName,
     /// Name for people.
     pub title: String,
@@ -505,7 +505,7 @@ pub struct SimilarityRow {
 /// How a rating depends on the distance of the car from the person's own style.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct CongruenceRow {
-    /// The rating.
+    /// The rating that is explained, higher always better in the model.
     pub rating: ScoreName,
     /// Name for people.
     pub title: String,
@@ -531,7 +531,7 @@ pub struct CongruenceRow {
 /// away from the own style on either side it falls, which is homophily). Unit: `unit_points` points of the style's score.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct MixedRow {
-    /// The rating.
+    /// The rating that the model explains.
     pub rating: ScoreName,
     /// Name for people.
     pub title: String,
@@ -546,7 +546,7 @@ pub struct MixedRow {
 /// How many rated another style above their own.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct Preference {
-    /// The rating.
+    /// What the conditions are compared by.
     pub rating: ScoreName,
     /// Name for people.
     pub title: String,
@@ -563,7 +563,7 @@ pub struct Preference {
 /// How many rated one condition above their own style.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct Above {
-    /// The condition.
+    /// The condition held against the own style.
     pub condition: ConditionId,
     /// Rated it better.
     pub above: usize,
@@ -571,7 +571,7 @@ pub struct Above {
     pub share: Option<Proportion>,
     /// Rated it at least as good.
     pub not_below: usize,
-    /// Their share.
+    /// Share of those who rated it at least as good, with Wilson's 95 % interval.
     pub not_below_share: Option<Proportion>,
 }
 

@@ -12,7 +12,7 @@ pub const FEWEST_FOR_ICC: usize = 30;
 /// How many rides of the first session count, in a condition.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct RidesCounted {
-    /// The condition.
+    /// A condition of which the design asks for several rides.
     pub condition: ConditionId,
     /// Rides that the design asks for.
     pub declared: usize,
@@ -70,7 +70,11 @@ pub(crate) fn repeats(data: &StudyData) -> Result<Option<Repeats>, AnalysisError
     } else {
         Vec::new()
     };
-    let back = |at: &usize| readings.iter().any(|reading| reading.second[*at].is_some());
+    let back = |index: &usize| {
+        readings
+            .iter()
+            .any(|reading| reading.second[*index].is_some())
+    };
     let people = data.participants.len();
     let back = (0..people).filter(back).count();
     let rows = readings.iter().map(Reading::compared);
@@ -92,7 +96,7 @@ fn rides(data: &StudyData) -> Vec<RidesCounted> {
     if declared < 2 {
         return Vec::new();
     }
-    let of = |condition: ConditionId| {
+    let counted = |condition: ConditionId| {
         let counts = data.participants.iter().map(|p| data.rides(p, condition));
         let counts: Vec<usize> = counts.filter(|n| *n > 0).collect();
         let whole = counts.iter().filter(|n| **n >= declared).count();
@@ -104,7 +108,11 @@ fn rides(data: &StudyData) -> Vec<RidesCounted> {
             rides: counts.iter().sum(),
         }
     };
-    data.design.conditions().iter().map(|c| of(c.id)).collect()
+    data.design
+        .conditions()
+        .iter()
+        .map(|c| counted(c.id))
+        .collect()
 }
 
 /// What everybody has in the first and the second session, in the unit in which people read it.
@@ -125,7 +133,8 @@ impl Reading {
         let gone = pairs().filter_map(|(first, second)| first.filter(|_| second.is_none()));
         let gone: Vec<f64> = gone.collect();
         let n = first.len();
-        let found = (n > 1).then(|| icc(&[("first session", &first), ("second session", &second)]));
+        let agreement =
+            (n > 1).then(|| icc(&[("first session", &first), ("second session", &second)]));
         let back: Vec<f64> = first.iter().copied().flatten().collect();
         Ok(Retest {
             condition: self.condition,
@@ -133,7 +142,7 @@ impl Reading {
             title: self.title.clone(),
             unit: self.unit.clone(),
             n,
-            icc: found.transpose()?,
+            icc: agreement.transpose()?,
             mean_back: mean(&back),
             gone: gone.len(),
             mean_gone: mean(&gone),
@@ -144,21 +153,21 @@ impl Reading {
 /// The drive by hand first, with the style that is read from it alone; then each condition.
 fn readings(data: &StudyData) -> Vec<Reading> {
     let sessions = [1, 2].map(|session| Occasion::new(session, 1).unwrap_or_default().session);
-    let asked = outcomes(data);
+    let compared = outcomes(data);
     let baseline = data.design.baseline_id();
     let conditions = data.design.conditions().iter().map(|c| c.id);
     let conditions = conditions.filter(|c| Some(*c) != baseline);
-    let mut found = Vec::new();
+    let mut readings = Vec::new();
     for condition in baseline.into_iter().chain(conditions) {
-        for asked in &asked {
-            let of = |session: NonZeroU32| {
+        for asked in &compared {
+            let values_of = |session: NonZeroU32| {
                 let value = |p: &ParticipantId| {
                     Some(asked.factor * value_in(data, session, asked, (p, condition))?)
                 };
                 data.participants.iter().map(value).collect()
             };
-            let [first, second] = sessions.map(of);
-            found.push(Reading {
+            let [first, second] = sessions.map(values_of);
+            readings.push(Reading {
                 condition,
                 outcome: asked.id.clone(),
                 title: asked.title.clone(),
@@ -168,10 +177,10 @@ fn readings(data: &StudyData) -> Vec<Reading> {
             });
         }
         if Some(condition) == baseline {
-            found.extend(style(data, condition, sessions));
+            readings.extend(style(data, condition, sessions));
         }
     }
-    found
+    readings
 }
 
 fn value_in(
@@ -188,9 +197,9 @@ fn value_in(
 
 /// Place on the line and score, as they are read from driving alone.
 fn style(data: &StudyData, baseline: ConditionId, sessions: [NonZeroU32; 2]) -> Vec<Reading> {
-    let read = |of: fn(&maveric_domain::EmbeddingRow) -> Option<f64>| {
+    let read = |column: fn(&maveric_domain::EmbeddingRow) -> Option<f64>| {
         sessions.map(|session| {
-            let value = |p: &ParticipantId| of(data.embedding_in(session, p, false)?);
+            let value = |p: &ParticipantId| column(data.embedding_in(session, p, false)?);
             data.participants.iter().map(value).collect::<Vec<_>>()
         })
     };
@@ -331,7 +340,7 @@ mod tests {
 
     fn verdict(people: usize, later: impl Fn(usize) -> f64) -> Option<Verdict> {
         let analysis = analysed(tables(people, steady(later)));
-        finding::of(&analysis.findings, Question::Retest).map(|f| f.verdict)
+        finding::by_question(&analysis.findings, Question::Retest).map(|f| f.verdict)
     }
 
     #[test]

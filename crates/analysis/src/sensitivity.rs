@@ -19,13 +19,13 @@ pub(crate) fn sensitivity(
     panels: &[Panel],
     primary: &[PrimaryOutcome],
 ) -> Result<Vec<Sensitivity>, AnalysisError> {
-    let mut found = Vec::new();
+    let mut rows = Vec::new();
     for outcome in data.design.outcomes() {
         if let Some(asked) = Asked::without_items(data, outcome) {
             let other = whole(data, purpose, &asked)?;
             let items = outcome.drop_items.clone();
             let choice = OtherChoice::WithoutItems { items };
-            found.extend(beside(choice, &other, panels, primary));
+            rows.extend(beside(choice, &other, panels, primary));
         }
     }
     let with_stopped = data.with_stopped();
@@ -34,10 +34,10 @@ pub(crate) fn sensitivity(
         if rides > 0 {
             let other = whole(&with_stopped, purpose, &asked)?;
             let choice = OtherChoice::WithStopped { rides };
-            found.extend(beside(choice, &other, panels, primary));
+            rows.extend(beside(choice, &other, panels, primary));
         }
     }
-    Ok(found)
+    Ok(rows)
 }
 
 /// A panel by another choice beside the one that decides; none where that is not there.

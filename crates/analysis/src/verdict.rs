@@ -130,8 +130,8 @@ pub fn equivalent(
         return Ok((few, None));
     }
     let values: Vec<Option<f64>> = differences.iter().copied().map(Some).collect();
-    let found = equivalence_one(&values, 0.0, Bounds::Raw { low, high })?;
-    let test = found.tost.values().next().cloned();
+    let equivalence = equivalence_one(&values, 0.0, Bounds::Raw { low, high })?;
+    let test = equivalence.tost.values().next().cloned();
     let sides = test.as_ref().and_then(|t| t.p_lower.zip(t.p_upper));
     Ok((one_sided(differences.len(), sides), test))
 }

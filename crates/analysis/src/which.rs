@@ -13,7 +13,7 @@ use serde::{Deserialize, Serialize};
 pub struct WhichRide {
     /// The condition in the own style.
     pub own: ConditionId,
-    /// The other.
+    /// The condition that it was held against.
     pub other: ConditionId,
     /// Everybody who was asked; none where nobody was.
     pub all: Option<ForcedChoice>,
@@ -58,8 +58,8 @@ pub(crate) fn which_ride(data: &StudyData) -> Result<Option<WhichRide>, Analysis
         *n += 1;
     }
     let choice = |(correct, n): (usize, usize)| {
-        let asked = (n > 0).then(|| forced_choice(correct, n, 0.95));
-        asked.transpose()
+        let test = (n > 0).then(|| forced_choice(correct, n, 0.95));
+        test.transpose()
     };
     let [first, second] = counts;
     Ok(Some(WhichRide {
@@ -163,7 +163,7 @@ mod tests {
     fn it_is_shown_where_the_whole_interval_lies_above_a_half_and_fails_below() {
         let verdict = |right| {
             let analysis = analysed_by(DESIGN, asked(20, right));
-            finding::of(&analysis.findings, Question::Which)
+            finding::by_question(&analysis.findings, Question::Which)
                 .unwrap()
                 .verdict
         };
@@ -173,7 +173,7 @@ mod tests {
         assert_eq!(verdict(6), Verdict::NotShown);
         assert_eq!(verdict(5), Verdict::Fails);
         let few = analysed_by(DESIGN, asked(5, 5));
-        let few = finding::of(&few.findings, Question::Which).unwrap();
+        let few = finding::by_question(&few.findings, Question::Which).unwrap();
         assert_eq!(few.verdict, Verdict::TooFew);
         near(few.parts[0].estimate, 1.0);
     }

@@ -67,25 +67,25 @@ impl Chance {
             if bytes.is_empty() {
                 bytes.push(0);
             }
-            let at = self.below(bytes.len());
-            let n = (1 + self.below(64)).min(bytes.len() - at);
+            let start = self.below(bytes.len());
+            let n = (1 + self.below(64)).min(bytes.len() - start);
             match self.below(7) {
-                0 => bytes[at] ^= 1 << self.below(8),
+                0 => bytes[start] ^= 1 << self.below(8),
                 1 => {
                     let great = [u64::MAX, 1 << 62, 1 << 31, 0xffff_ffff, 0][self.below(5)];
                     let n = n.min(8);
-                    bytes[at..at + n].copy_from_slice(&great.to_le_bytes()[..n]);
+                    bytes[start..start + n].copy_from_slice(&great.to_le_bytes()[..n]);
                 }
-                2 => drop(bytes.drain(at..at + n)),
+                2 => drop(bytes.drain(start..start + n)),
                 3 => {
-                    let copy = bytes[at..at + n].repeat(1 + self.below(400));
+                    let copy = bytes[start..start + n].repeat(1 + self.below(400));
                     let to = self.below(bytes.len());
                     bytes.splice(to..to, copy);
                 }
-                4 => bytes[at..at + n].fill(self.next() as u8),
+                4 => bytes[start..start + n].fill(self.next() as u8),
                 _ => {
                     let word = WORDS[self.below(WORDS.len())].repeat(1 + self.below(3));
-                    bytes.splice(at..at, word.bytes());
+                    bytes.splice(start..start, word.bytes());
                 }
             }
         }

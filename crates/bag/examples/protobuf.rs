@@ -74,8 +74,13 @@ fn descriptors() -> Vec<u8> {
     FileDescriptorSet { file: vec![file] }.encode_to_vec()
 }
 
-fn scene(of: &MessageDescriptor, objects: u32) -> Vec<u8> {
-    let kind = |name: &str| of.parent_pool().get_message_by_name(name).unwrap();
+fn scene(message_type: &MessageDescriptor, objects: u32) -> Vec<u8> {
+    let kind = |name: &str| {
+        message_type
+            .parent_pool()
+            .get_message_by_name(name)
+            .unwrap()
+    };
     let object = |id: u32| {
         let mut object = DynamicMessage::new(kind("p.Object"));
         object.set_field_by_name("id", Value::U64(u64::from(id) + 1));
@@ -90,7 +95,7 @@ fn scene(of: &MessageDescriptor, objects: u32) -> Vec<u8> {
         }
         Value::Message(object)
     };
-    let mut scene = DynamicMessage::new(of.clone());
+    let mut scene = DynamicMessage::new(message_type.clone());
     scene.set_field_by_name("seconds", Value::I64(1_700_000_000));
     scene.set_field_by_name("object", Value::List((0..objects).map(object).collect()));
     scene.encode_to_vec()
@@ -108,8 +113,8 @@ fn number(message: &DynamicMessage, path: &str) -> f64 {
     }
 }
 
-fn reflected(of: &MessageDescriptor, bytes: &[u8], each: &mut dyn FnMut(&[f64])) {
-    let message = DynamicMessage::decode(of.clone(), bytes).unwrap();
+fn reflected(message_type: &MessageDescriptor, bytes: &[u8], each: &mut dyn FnMut(&[f64])) {
+    let message = DynamicMessage::decode(message_type.clone(), bytes).unwrap();
     let mut row = WANTED.map(|_| f64::NAN);
     row[0] = number(&message, WANTED[0]);
     let objects = message.get_field_by_name("object").unwrap();
@@ -125,7 +130,7 @@ fn reflected(of: &MessageDescriptor, bytes: &[u8], each: &mut dyn FnMut(&[f64]))
 fn main() {
     let data = descriptors();
     let pool = DescriptorPool::decode(&data[..]).unwrap();
-    let of = pool.get_message_by_name("p.Scene").unwrap();
+    let message_type = pool.get_message_by_name("p.Scene").unwrap();
     let channel = Channel {
         id: 0,
         schema_id: 1,
@@ -139,10 +144,10 @@ fn main() {
         data: &data,
     });
     let codec = Codec::compile(&channel, Some(&schema), &WANTED).unwrap();
-    let bytes = scene(&of, 8);
+    let bytes = scene(&message_type, 8);
     let mut row = Vec::new();
     let mut by_plan = |each: &mut dyn FnMut(&[f64])| codec.run(&bytes, &mut row, each).unwrap();
-    let by_reflection = |each: &mut dyn FnMut(&[f64])| reflected(&of, &bytes, each);
+    let by_reflection = |each: &mut dyn FnMut(&[f64])| reflected(&message_type, &bytes, each);
     let (mut some, mut same) = (Vec::new(), Vec::new());
     by_plan(&mut |row| some.extend_from_slice(row));
     by_reflection(&mut |row| same.extend_from_slice(row));

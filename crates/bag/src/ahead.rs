@@ -160,13 +160,13 @@ fn unpack(
     let mut unpacker = Decompressor::new().ok()?;
     let mut magic = [0; mcap::MAGIC.len()];
     source.read(&mut magic)?;
-    let mut at = magic.len() as u64;
+    let mut offset = magic.len() as u64;
     loop {
         let mut head = [0; HEAD];
         source.read(&mut head)?;
         let [opcode, rest @ ..] = head;
         let record = u64::from_le_bytes(rest);
-        let body = at + HEAD as u64;
+        let body = offset + HEAD as u64;
         let next = body.checked_add(record).filter(|next| *next <= length)?;
         if matches!(opcode, 0 | op::DATA_END | op::FOOTER) {
             return None;
@@ -189,7 +189,7 @@ fn unpack(
         } else {
             source.pass_over(record)?;
         }
-        at = next;
+        offset = next;
     }
 }
 

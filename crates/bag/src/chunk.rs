@@ -300,36 +300,36 @@ impl<F: FnMut(u8, Option<&[u8]>)> Splitter<F> {
 
     /// Gives the whole records at the start of `bytes` and returns their length.
     fn split(&mut self, bytes: &[u8]) -> usize {
-        let mut at = 0;
+        let mut used = 0;
         loop {
-            let rest = &bytes[at..];
+            let rest = &bytes[used..];
             if self.pass_over > 0 {
                 let n = self.pass_over.min(rest.len() as u64);
                 self.pass_over -= n;
-                at += n as usize;
+                used += n as usize;
                 if self.pass_over > 0 {
-                    return at;
+                    return used;
                 }
                 continue;
             }
             let Some((&opcode, after)) = rest.split_first() else {
-                return at;
+                return used;
             };
             let Some(length) = Fields(after).u64() else {
-                return at;
+                return used;
             };
             if length > MOST_RECORD as u64 {
                 (self.each)(opcode, None);
                 self.pass_over = length;
-                at += HEAD;
+                used += HEAD;
                 continue;
             }
             let length = length as usize;
             let Some(content) = rest.get(HEAD..HEAD + length) else {
-                return at;
+                return used;
             };
             (self.each)(opcode, Some(content));
-            at += HEAD + length;
+            used += HEAD + length;
         }
     }
 }

@@ -56,8 +56,9 @@ pub struct Columns {
 /// # }
 /// ```
 pub fn to_columns(path: &Path, wanted: &[&str], how: Walk<'_>) -> Result<Columns, BagError> {
-    let taker =
-        |channel: &Channel, schema: Option<&OwnedSchema>| Fields::of(wanted, channel, schema);
+    let taker = |channel: &Channel, schema: Option<&OwnedSchema>| {
+        Fields::for_channel(wanted, channel, schema)
+    };
     let parts = [path.to_owned()];
     finish(path, wanted, read_streams(&parts, how, taker)?)
 }
@@ -79,8 +80,9 @@ pub fn columns_from(
             path: name.to_owned(),
             source,
         })?;
-    let taker =
-        |channel: &Channel, schema: Option<&OwnedSchema>| Fields::of(wanted, channel, schema);
+    let taker = |channel: &Channel, schema: Option<&OwnedSchema>| {
+        Fields::for_channel(wanted, channel, schema)
+    };
     let streams = streams_of(1, taker, |_, visitor| {
         walk_from(name, Cursor::new(&bytes), how, visitor)
     })?;
@@ -105,7 +107,7 @@ struct Fields {
 }
 
 impl Fields {
-    fn of(wanted: &[&str], channel: &Channel, schema: Option<&OwnedSchema>) -> Self {
+    fn for_channel(wanted: &[&str], channel: &Channel, schema: Option<&OwnedSchema>) -> Self {
         let paths = wanted.iter().enumerate();
         let paths = paths.filter_map(|(i, w)| Some((i, within(w, &channel.topic)?)));
         let (places, paths): (Vec<usize>, Vec<&str>) = paths.unzip();
@@ -195,16 +197,17 @@ fn finish(path: &Path, wanted: &[&str], read: Streams<Fields>) -> Result<Columns
             _ if there => {}
             Some((topic, why)) => return Err(BagError::Refused { path, topic, why }),
             None => {
-                let mut found: Vec<String> = streams.into_iter().map(|s| s.channel.topic).collect();
-                found.sort();
-                found.dedup();
+                let mut topics: Vec<String> =
+                    streams.into_iter().map(|s| s.channel.topic).collect();
+                topics.sort();
+                topics.dedup();
                 let like = |topic: &String| strsim::jaro_winkler(topic, name);
-                let nearest = found.iter().max_by(|a, b| like(a).total_cmp(&like(b)));
+                let nearest = topics.iter().max_by(|a, b| like(a).total_cmp(&like(b)));
                 return Err(BagError::UnknownTopic {
                     path,
                     wanted: (*name).to_owned(),
                     nearest: nearest.cloned(),
-                    found,
+                    found: topics,
                 });
             }
         }

@@ -129,23 +129,23 @@ struct Walker<'a, R> {
 
 impl<R: Read + Seek> Walker<'_, R> {
     fn run(&mut self, visitor: &mut impl Visitor) -> Result<(), BagError> {
-        let mut at = mcap::MAGIC.len() as u64;
+        let mut offset = mcap::MAGIC.len() as u64;
         self.start_magic()?;
-        self.resume = at;
+        self.resume = offset;
         loop {
             self.how.go_on()?;
-            let Some((opcode, length)) = self.head(at)? else {
+            let Some((opcode, length)) = self.head(offset)? else {
                 return self.damaged(
-                    at,
+                    offset,
                     "the file ends without a footer: its recording was cut off",
                 );
             };
-            let body = at + HEAD as u64;
+            let body = offset + HEAD as u64;
             let left = self.length - body;
             let start = self.peek(body)?;
             if is_chunk(opcode, length, left, &start) {
-                match self.chunk_at(at, opcode, length, &start, visitor)? {
-                    Some(next) => at = next,
+                match self.chunk_at(offset, opcode, length, &start, visitor)? {
+                    Some(next) => offset = next,
                     None => return Ok(()),
                 }
                 continue;
@@ -154,20 +154,20 @@ impl<R: Read + Seek> Walker<'_, R> {
                 opcode != 0 && length <= left && record::is_plausible(opcode, &start, length);
             if !whole {
                 let what = senseless(opcode, length, left, self.length);
-                self.damaged(at, &what)?;
-                match self.resynchronise(self.resume.max(mcap::MAGIC.len() as u64), at)? {
-                    Some(next) => at = next,
+                self.damaged(offset, &what)?;
+                match self.resynchronise(self.resume.max(mcap::MAGIC.len() as u64), offset)? {
+                    Some(next) => offset = next,
                     None => return Ok(()),
                 }
-                self.resume = at;
+                self.resume = offset;
                 continue;
             }
-            self.resume = at + 1;
+            self.resume = offset + 1;
             if opcode == op::FOOTER {
-                return self.footer(at, length);
+                return self.footer(offset, length);
             }
-            self.plain(at, opcode, length, visitor)?;
-            at = body + length;
+            self.plain(offset, opcode, length, visitor)?;
+            offset = body + length;
         }
     }
 
@@ -184,12 +184,12 @@ impl<R: Read + Seek> Walker<'_, R> {
     /// Reads a record that is no chunk.
     fn plain(
         &mut self,
-        at: u64,
+        offset: u64,
         opcode: u8,
         length: u64,
         visitor: &mut impl Visitor,
     ) -> Result<(), BagError> {
-        let body = at + HEAD as u64;
+        let body = offset + HEAD as u64;
         let wanted = matches!(
             opcode,
             op::HEADER
@@ -207,13 +207,13 @@ impl<R: Read + Seek> Walker<'_, R> {
                 _ => 0,
             };
             self.data_ended = true;
-            let found = self.crc.take().map(crc32fast::Hasher::finalize);
-            if claimed != 0 && found.is_some_and(|found| found != claimed) {
-                return self.damaged(at, "the checksum of the data does not match: something outside the chunks has changed");
+            let computed = self.crc.take().map(crc32fast::Hasher::finalize);
+            if claimed != 0 && computed.is_some_and(|computed| computed != claimed) {
+                return self.damaged(offset, "the checksum of the data does not match: something outside the chunks has changed");
             }
             return Ok(());
         }
-        self.hash(at, body)?;
+        self.hash(offset, body)?;
         if !wanted || length > chunk::MOST_RECORD as u64 {
             if opcode == op::MESSAGE {
                 self.pass_over(visitor);
@@ -231,7 +231,7 @@ impl<R: Read + Seek> Walker<'_, R> {
         } else {
             match record::parse(opcode, &buffer) {
                 Some(record) => self.give(record, visitor),
-                None => self.damaged(at, &format!("record {opcode:#04x} cannot be read"))?,
+                None => self.damaged(offset, &format!("record {opcode:#04x} cannot be read"))?,
             }
         }
         self.buffer = buffer;
@@ -239,22 +239,22 @@ impl<R: Read + Seek> Walker<'_, R> {
     }
 
     /// Checks what the end of the file says of the whole.
-    fn footer(&mut self, at: u64, length: u64) -> Result<(), BagError> {
-        let body = at + HEAD as u64;
+    fn footer(&mut self, offset: u64, length: u64) -> Result<(), BagError> {
+        let body = offset + HEAD as u64;
         self.load(body, length.min(20))?;
         let (summary_start, crc) = match record::account(op::FOOTER, &self.buffer) {
             Some(Account::Footer(footer)) => (footer.summary_start, footer.summary_crc),
             _ => (0, 0),
         };
-        if summary_start > at {
-            return self.damaged(at, "the footer points behind the end of the file");
+        if summary_start > offset {
+            return self.damaged(offset, "the footer points behind the end of the file");
         }
         if crc != 0 && summary_start != 0 {
             self.crc = Some(crc32fast::Hasher::new());
             self.hash(summary_start, body + 16)?;
-            let found = self.crc.take().map(crc32fast::Hasher::finalize);
-            if found != Some(crc) {
-                self.damaged(at, "the checksum of the summary does not match")?;
+            let computed = self.crc.take().map(crc32fast::Hasher::finalize);
+            if computed != Some(crc) {
+                self.damaged(offset, "the checksum of the summary does not match")?;
             }
         }
         let end = body + length;
@@ -266,29 +266,29 @@ impl<R: Read + Seek> Walker<'_, R> {
         }
         if crc != 0 && !self.data_ended {
             // Who writes checksums writes where the data ends.
-            self.damaged(at, "the record that ends the data is missing")?;
+            self.damaged(offset, "the record that ends the data is missing")?;
         }
-        let (found, claimed) = (self.messages, self.claimed_messages);
+        let (read, claimed) = (self.messages, self.claimed_messages);
         match claimed {
             // With damage the difference is no news.
-            Some(claimed) if self.damage.is_empty() && claimed != found => self.damaged(
-                at,
-                &format!("{found} messages were read, {claimed} were written by its statistics"),
+            Some(claimed) if self.damage.is_empty() && claimed != read => self.damaged(
+                offset,
+                &format!("{read} messages were read, {claimed} were written by its statistics"),
             ),
             _ => Ok(()),
         }
     }
 
-    /// Reads the chunk at `at` and gives where to go on; none at the end of the file.
+    /// Reads the chunk at `offset` and gives where to go on; none at the end of the file.
     fn chunk_at(
         &mut self,
-        at: u64,
+        offset: u64,
         opcode: u8,
         length: u64,
         start: &[u8],
         visitor: &mut impl Visitor,
     ) -> Result<Option<u64>, BagError> {
-        let body = at + HEAD as u64;
+        let body = offset + HEAD as u64;
         let left = self.length - body;
         let head = chunk::Head::read(start);
         let inner = head.as_ref().and_then(chunk::Head::content_length);
@@ -297,12 +297,12 @@ impl<R: Read + Seek> Walker<'_, R> {
         self.resume = certain;
         if opcode != op::CHUNK {
             self.damaged(
-                at,
+                offset,
                 &format!("record {opcode:#04x} is a chunk by its content"),
             )?;
         }
         if outer == inner && length <= left {
-            let whole = self.chunk(at, length, false, visitor)?;
+            let whole = self.chunk(offset, length, false, visitor)?;
             let next = body + length;
             if whole {
                 self.resume = next;
@@ -326,13 +326,13 @@ impl<R: Read + Seek> Walker<'_, R> {
         } else {
             "the lengths in a chunk's header contradict each other".to_owned()
         };
-        self.damaged(at, &what)?;
+        self.damaged(offset, &what)?;
         if end.is_none() {
             self.lost = body.saturating_add(inner.map_or(length, |inner| inner.min(length)));
             end = self.resynchronise(certain, certain)?;
         }
         let until = end.unwrap_or(self.length);
-        self.chunk(at, until - body, end.is_none(), visitor)?;
+        self.chunk(offset, until - body, end.is_none(), visitor)?;
         if end.is_none()
             && let Some(damage) = self.damage.last_mut()
         {
@@ -343,12 +343,12 @@ impl<R: Read + Seek> Walker<'_, R> {
         Ok(end)
     }
 
-    /// Opcode and length at `at`; none where the file ends.
-    fn head(&mut self, at: u64) -> Result<Option<(u8, u64)>, BagError> {
-        if self.length.saturating_sub(at) < HEAD as u64 {
+    /// Opcode and length at `offset`; none where the file ends.
+    fn head(&mut self, offset: u64) -> Result<Option<(u8, u64)>, BagError> {
+        if self.length.saturating_sub(offset) < HEAD as u64 {
             return Ok(None);
         }
-        self.seek(at)?;
+        self.seek(offset)?;
         let mut head = [0; HEAD];
         let read = self.file.read_exact(&mut head);
         read.map_err(|e| self.io(e))?;
@@ -362,12 +362,12 @@ impl<R: Read + Seek> Walker<'_, R> {
         Ok(self.buffer.clone())
     }
 
-    fn seek(&mut self, at: u64) -> Result<(), BagError> {
+    fn seek(&mut self, offset: u64) -> Result<(), BagError> {
         let sought = self.file.stream_position().and_then(|now| {
             // A relative seek keeps what is buffered.
-            match i64::try_from(i128::from(at) - i128::from(now)) {
-                Ok(offset) => self.file.seek_relative(offset),
-                Err(_) => self.file.seek(SeekFrom::Start(at)).map(drop),
+            match i64::try_from(i128::from(offset) - i128::from(now)) {
+                Ok(step) => self.file.seek_relative(step),
+                Err(_) => self.file.seek(SeekFrom::Start(offset)).map(drop),
             }
         });
         sought.map_err(|e| self.io(e))
@@ -381,8 +381,8 @@ impl<R: Read + Seek> Walker<'_, R> {
     }
 
     /// Reads `length` bytes, of which the caller knows that the file has them.
-    fn load(&mut self, at: u64, length: u64) -> Result<(), BagError> {
-        self.seek(at)?;
+    fn load(&mut self, offset: u64, length: u64) -> Result<(), BagError> {
+        self.seek(offset)?;
         self.buffer.resize(length as usize, 0);
         let read = self.file.read_exact(&mut self.buffer);
         read.map_err(|e| self.io(e))
@@ -408,21 +408,21 @@ impl<R: Read + Seek> Walker<'_, R> {
     /// Reads a chunk; gives whether it was whole.
     fn chunk(
         &mut self,
-        at: u64,
+        offset: u64,
         length: u64,
         cut: bool,
         visitor: &mut impl Visitor,
     ) -> Result<bool, BagError> {
         if length > chunk::MOST_CHUNK {
-            self.damaged(at, &format!("a chunk of {length} bytes is too large"))?;
+            self.damaged(offset, &format!("a chunk of {length} bytes is too large"))?;
             return Ok(false);
         }
-        self.hash(at, at + HEAD as u64)?;
+        self.hash(offset, offset + HEAD as u64)?;
         let ahead = self.ahead.as_mut();
-        let mut fetched = ahead.and_then(|a| a.take(at + HEAD as u64, length));
+        let mut fetched = ahead.and_then(|a| a.take(offset + HEAD as u64, length));
         match &mut fetched {
             Some(fetched) => std::mem::swap(&mut self.buffer, &mut fetched.packed),
-            None => self.load(at + HEAD as u64, length)?,
+            None => self.load(offset + HEAD as u64, length)?,
         }
         self.hash_buffer();
         let buffer = std::mem::take(&mut self.buffer);
@@ -457,14 +457,14 @@ impl<R: Read + Seek> Walker<'_, R> {
             // What stands before the cut is whole; the cut itself has been reported.
             Verdict::Lost(_) | Verdict::Proven(_) if cut => Ok(false),
             Verdict::Proven(why) => {
-                self.damaged(at, &why)?;
+                self.damaged(offset, &why)?;
                 Ok(true)
             }
             Verdict::Lost(why) => {
                 visitor.roll_back();
                 self.open_again(before.0);
                 (self.last_ns, self.messages) = (before.0, before.1);
-                self.damaged(at, &format!("a chunk is left out: {why}"))?;
+                self.damaged(offset, &format!("a chunk is left out: {why}"))?;
                 Ok(false)
             }
         }

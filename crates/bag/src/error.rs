@@ -45,7 +45,7 @@ pub enum BagError {
         path: PathBuf,
         /// The channel's topic.
         topic: String,
-        /// Why.
+        /// What its schema lacks, or why its encoding cannot be read.
         why: String,
     },
     /// It was told to stop.

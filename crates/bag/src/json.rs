@@ -14,8 +14,8 @@ pub(crate) struct Plan {
 impl Plan {
     /// A plan that fills slot i with the number at path `wanted[i]`: paths as in a ROS message.
     pub(crate) fn compile(wanted: &[&str]) -> Self {
-        let tree = Tree::of(wanted);
-        let slots = Slots::of(wanted, &tree);
+        let tree = Tree::from_wanted(wanted);
+        let slots = Slots::from_wanted(wanted, &tree);
         Self { tree, slots }
     }
 

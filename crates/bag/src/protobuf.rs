@@ -22,7 +22,7 @@ pub(crate) struct Plan {
 struct Node {
     fields: BTreeMap<u64, Field>,
     /// Slots of its own numbers, which are 0 where they are left out.
-    own: Vec<usize>,
+    numbers: Vec<usize>,
 }
 
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -62,16 +62,16 @@ impl Plan {
         let message = pool
             .get_message_by_name(name)
             .ok_or_else(|| format!("type `{name}` is not in its schema"))?;
-        let tree = Tree::of(wanted);
-        let mut found = vec![false; wanted.len()];
-        let root = node(&message, &tree, &mut found);
+        let tree = Tree::from_wanted(wanted);
+        let mut matched = vec![false; wanted.len()];
+        let root = node(&message, &tree, &mut matched);
         let missing =
-            (0..wanted.len()).find(|&i| !found[i] && !super::wanted::may_be_missing(wanted[i]));
+            (0..wanted.len()).find(|&i| !matched[i] && !super::wanted::may_be_missing(wanted[i]));
         if let Some(i) = missing {
             let path = wanted[i].replace('|', "` or `");
             return Err(format!("`{name}` in its schema has no number `{path}`"));
         }
-        let slots = Slots::of(wanted, &tree);
+        let slots = Slots::from_wanted(wanted, &tree);
         Ok(Self { root, slots })
     }
 
@@ -93,39 +93,39 @@ impl Plan {
     }
 }
 
-fn node(message: &MessageDescriptor, tree: &Tree, found: &mut [bool]) -> Node {
+fn node(message: &MessageDescriptor, tree: &Tree, matched: &mut [bool]) -> Node {
     let mut fields = BTreeMap::new();
-    let mut own = Vec::new();
+    let mut numbers = Vec::new();
     for (name, below) in &tree.fields {
         let Some(descriptor) = message.get_field_by_name(name) else {
             continue;
         };
-        let field = field(&descriptor, below, found);
+        let field = field(&descriptor, below, matched);
         if let (Value::Number(_), false) = (&field.value, field.repeated) {
-            own.extend(field.items.values().flatten());
+            numbers.extend(field.items.values().flatten());
         }
         fields.insert(u64::from(descriptor.number()), field);
     }
-    Node { fields, own }
+    Node { fields, numbers }
 }
 
-fn field(descriptor: &FieldDescriptor, tree: &Tree, found: &mut [bool]) -> Field {
+fn field(descriptor: &FieldDescriptor, tree: &Tree, matched: &mut [bool]) -> Field {
     let repeated = descriptor.is_list();
     let mut items = BTreeMap::new();
     let value = match descriptor.kind() {
         Kind::Message(message) if repeated => {
-            let at = |(&i, t): (&usize, &Tree)| (i, node(&message, t, found));
-            let nodes = tree.items.iter().map(at).collect();
-            let each = tree.each.as_deref().map(|t| node(&message, t, found));
+            let indexed = |(&i, t): (&usize, &Tree)| (i, node(&message, t, matched));
+            let nodes = tree.items.iter().map(indexed).collect();
+            let each = tree.each.as_deref().map(|t| node(&message, t, matched));
             Value::Messages(nodes, each)
         }
         Kind::Message(message) => {
-            let one = node(&message, tree, found);
+            let one = node(&message, tree, matched);
             Value::Messages(BTreeMap::from([(0, one)]), None)
         }
         Kind::String if !repeated && !tree.names.is_empty() => {
             for &slot in &tree.names {
-                found[slot] = true;
+                matched[slot] = true;
             }
             Value::Name(tree.names.clone())
         }
@@ -137,7 +137,7 @@ fn field(descriptor: &FieldDescriptor, tree: &Tree, found: &mut [bool]) -> Field
                 items.insert(0, tree.slots.clone());
             }
             for &slot in items.values().flatten() {
-                found[slot] = true;
+                matched[slot] = true;
             }
             Value::Number(kind)
         }
@@ -153,7 +153,7 @@ fn field(descriptor: &FieldDescriptor, tree: &Tree, found: &mut [bool]) -> Field
 impl Node {
     /// Takes what is wanted of a message; none where its bytes do not fit.
     fn walk(&self, bytes: &[u8], taken: &mut Taken) -> Option<()> {
-        taken.set_default(&self.own, 0.0);
+        taken.set_default(&self.numbers, 0.0);
         let mut wire = Wire(bytes);
         let mut places: BTreeMap<u64, usize> = BTreeMap::new();
         while !wire.0.is_empty() {
@@ -178,9 +178,9 @@ impl Field {
     ) -> Option<()> {
         match (&self.value, piece) {
             (Value::Messages(nodes, each), Piece::Bytes(bytes)) => {
-                let at = *place;
+                let index = *place;
                 *place += usize::from(self.repeated);
-                if let Some(node) = nodes.get(&at) {
+                if let Some(node) = nodes.get(&index) {
                     node.walk(bytes, taken)?;
                 } else if let Some(node) = each
                     && self.each
@@ -196,18 +196,18 @@ impl Field {
                 taken.set(slots, name_number(bytes));
                 Some(())
             }
-            (Value::Number(of), Piece::Bytes(bytes)) => {
+            (Value::Number(declared), Piece::Bytes(bytes)) => {
                 // Packed: numbers one after another.
                 let mut packed = Wire(bytes);
-                let kind = wire_kind(of);
+                let kind = wire_kind(declared);
                 while !packed.0.is_empty() {
                     let piece = packed.piece(kind)?;
-                    self.number(of, piece, place, taken)?;
+                    self.number(declared, piece, place, taken)?;
                 }
                 Some(())
             }
-            (Value::Number(of), piece) if kind == wire_kind(of) => {
-                self.number(of, piece, place, taken)
+            (Value::Number(declared), piece) if kind == wire_kind(declared) => {
+                self.number(declared, piece, place, taken)
             }
             _ => None,
         }

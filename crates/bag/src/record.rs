@@ -35,13 +35,13 @@ pub struct Channel {
     pub id: u16,
     /// Number of its schema.
     pub schema_id: u16,
-    /// Its topic.
+    /// As its publisher named it, such as `/odom`; several channels may share it.
     pub topic: String,
     /// How messages are encoded: `cdr`, `ros1`, `json`, `protobuf`, …
     pub encoding: String,
 }
 
-/// One message.
+/// A message as it was recorded, not yet decoded.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Message<'a> {
     /// Number of its channel.
@@ -70,7 +70,7 @@ pub enum Record<'a> {
     Schema(Schema<'a>),
     /// A stream of messages.
     Channel(Channel),
-    /// One message.
+    /// What a channel carried at a time.
     Message(Message<'a>),
     /// Named texts.
     Metadata(Metadata),

@@ -72,7 +72,7 @@ pub(crate) fn streams_of<T: Take, F: FnMut(&Channel, Option<&OwnedSchema>) -> T>
     taker: F,
     walk: impl Fn(usize, &mut Collector<T, F>) -> Result<Walked, BagError>,
 ) -> Result<Streams<T>, BagError> {
-    let all = |collector: &mut Collector<T, F>| -> Result<Vec<Walked>, BagError> {
+    let walk_all = |collector: &mut Collector<T, F>| -> Result<Vec<Walked>, BagError> {
         (0..parts)
             .map(|part| {
                 collector.begin(part);
@@ -81,15 +81,15 @@ pub(crate) fn streams_of<T: Take, F: FnMut(&Channel, Option<&OwnedSchema>) -> T>
             .collect()
     };
     let mut collector = Collector::new(taker, Vec::new());
-    let mut walked = all(&mut collector)?;
+    let mut walked = walk_all(&mut collector)?;
     let known = |d: &Declared| !d.channels.is_empty() || !d.doubtful_channels.is_empty();
-    if collector.found.undeclared > 0 && collector.declared.iter().any(known) {
+    if collector.read.undeclared > 0 && collector.declared.iter().any(known) {
         collector = Collector::new(collector.taker, collector.declared);
-        walked = all(&mut collector)?;
+        walked = walk_all(&mut collector)?;
     }
     Ok(Streams {
         walked,
-        ..collector.found
+        ..collector.read
     })
 }
 
@@ -105,7 +105,7 @@ struct Declared {
 /// Streams under way.
 pub(crate) struct Collector<T, F> {
     taker: F,
-    found: Streams<T>,
+    read: Streams<T>,
     /// Messages so far, with those that were rolled back.
     nth: u32,
     /// By file: what its messages may need before it comes.
@@ -132,7 +132,7 @@ impl<T: Take, F: FnMut(&Channel, Option<&OwnedSchema>) -> T> Collector<T, F> {
     fn new(taker: F, declared: Vec<Declared>) -> Self {
         Self {
             taker,
-            found: Streams {
+            read: Streams {
                 streams: Vec::new(),
                 writer: None,
                 metadata: BTreeMap::new(),
@@ -172,7 +172,7 @@ impl<T: Take, F: FnMut(&Channel, Option<&OwnedSchema>) -> T> Collector<T, F> {
     fn declare(&mut self, channel: Channel) {
         let schema = self.schemas.get(&channel.schema_id);
         let id = channel.id;
-        let same = self.found.streams.iter().position(|s| {
+        let same = self.read.streams.iter().position(|s| {
             s.channel.topic == channel.topic
                 && s.channel.encoding == channel.encoding
                 && match (&s.schema, schema) {
@@ -182,12 +182,12 @@ impl<T: Take, F: FnMut(&Channel, Option<&OwnedSchema>) -> T> Collector<T, F> {
                 }
         });
         let index = same.unwrap_or_else(|| {
-            self.found.streams.push(Stream {
+            self.read.streams.push(Stream {
                 taken: (self.taker)(&channel, schema),
                 schema: schema.cloned(),
                 channel,
             });
-            self.found.streams.len() - 1
+            self.read.streams.len() - 1
         });
         self.ids.insert(id, index);
     }
@@ -197,7 +197,7 @@ impl<T: Take, F: FnMut(&Channel, Option<&OwnedSchema>) -> T> Visitor for Collect
     fn record(&mut self, record: Record<'_>) {
         match record {
             Record::Other => {}
-            Record::Header(_, library) => self.found.writer = Some(library),
+            Record::Header(_, library) => self.read.writer = Some(library),
             Record::Schema(schema) => {
                 if !self.schemas.contains_key(&schema.id) {
                     let (id, schema) = (schema.id, OwnedSchema::from(schema));
@@ -215,44 +215,44 @@ impl<T: Take, F: FnMut(&Channel, Option<&OwnedSchema>) -> T> Visitor for Collect
                 }
             }
             Record::Message(message) => {
-                let found = &mut self.found;
-                found.first_ns = Some(found.first_ns.unwrap_or(message.log_ns).min(message.log_ns));
+                let read = &mut self.read;
+                read.first_ns = Some(read.first_ns.unwrap_or(message.log_ns).min(message.log_ns));
                 self.nth = self.nth.saturating_add(1);
                 let index = self.ids.get(&message.channel);
-                match index.and_then(|&i| found.streams.get_mut(i)) {
+                match index.and_then(|&i| read.streams.get_mut(i)) {
                     Some(stream) => stream.taken.take(message, self.nth),
-                    None => found.undeclared += 1,
+                    None => read.undeclared += 1,
                 }
             }
             Record::Metadata(metadata) => {
-                let named = self.found.metadata.entry(metadata.name);
+                let named = self.read.metadata.entry(metadata.name);
                 named.or_insert(metadata.values);
             }
         }
     }
 
     fn passed_over(&mut self) {
-        self.found.too_long += 1;
+        self.read.too_long += 1;
     }
 
     fn mark(&mut self) {
         self.fresh = Default::default();
-        let found = &mut self.found;
+        let read = &mut self.read;
         self.mark = Mark {
-            first_ns: found.first_ns,
-            undeclared: found.undeclared,
-            too_long: found.too_long,
-            streams: found.streams.len(),
+            first_ns: read.first_ns,
+            undeclared: read.undeclared,
+            too_long: read.too_long,
+            streams: read.streams.len(),
         };
-        found.streams.iter_mut().for_each(|s| s.taken.mark());
+        read.streams.iter_mut().for_each(|s| s.taken.mark());
     }
 
     fn roll_back(&mut self) {
-        let (mark, found) = (self.mark, &mut self.found);
-        (found.first_ns, found.undeclared) = (mark.first_ns, mark.undeclared);
-        found.too_long = mark.too_long;
-        found.streams.truncate(mark.streams);
-        found.streams.iter_mut().for_each(|s| s.taken.roll_back());
+        let (mark, read) = (self.mark, &mut self.read);
+        (read.first_ns, read.undeclared) = (mark.first_ns, mark.undeclared);
+        read.too_long = mark.too_long;
+        read.streams.truncate(mark.streams);
+        read.streams.iter_mut().for_each(|s| s.taken.roll_back());
         // What a damaged chunk declares is believed only if nothing else does.
         let declared = &mut self.declared[self.part];
         let (schemas, channels) = std::mem::take(&mut self.fresh);

@@ -25,8 +25,8 @@ pub type Announced = (Channel, Option<OwnedSchema>, u64);
 fn summary(file: &mut File) -> Option<Vec<u8>> {
     let length = file.metadata().ok()?.len();
     let mut end = [0; END as usize];
-    let at = length.checked_sub(END)?;
-    file.seek(SeekFrom::Start(at)).ok()?;
+    let footer_start = length.checked_sub(END)?;
+    file.seek(SeekFrom::Start(footer_start)).ok()?;
     file.read_exact(&mut end).ok()?;
     if end[0] != op::FOOTER || !end.ends_with(mcap::MAGIC) {
         return None;
@@ -35,7 +35,7 @@ fn summary(file: &mut File) -> Option<Vec<u8>> {
         return None;
     };
     let (start, crc) = (footer.summary_start, footer.summary_crc);
-    let size = at
+    let size = footer_start
         .checked_sub(start)
         .filter(|n| start > 0 && *n <= MOST_SUMMARY)?;
     let mut bytes = vec![0; size as usize];
@@ -137,8 +137,8 @@ pub fn attachment(path: &Path, name: &str) -> Result<Option<Vec<u8>>, BagError> 
         offset: 0,
         ..index.clone()
     };
-    let found = mcap::read::attachment(&record, &alone).map_err(|_| damaged())?;
-    Ok(Some(found.data.into_owned()))
+    let attachment = mcap::read::attachment(&record, &alone).map_err(|_| damaged())?;
+    Ok(Some(attachment.data.into_owned()))
 }
 
 #[cfg(test)]

@@ -12,8 +12,8 @@ pub(crate) fn may_be_missing(path: &str) -> bool {
 
 /// The alternatives of a path, separated by `|`.
 pub(crate) fn alternatives(path: &str) -> impl Iterator<Item = &str> {
-    let all = path.trim_end_matches('?').split('|');
-    all.filter(|p| !p.is_empty())
+    let paths = path.trim_end_matches('?').split('|');
+    paths.filter(|p| !p.is_empty())
 }
 
 /// A name as a number, to compare it with others: of its part behind the last `/`, which may be a namespace's.
@@ -44,7 +44,7 @@ pub(crate) struct Tree {
 
 impl Tree {
     /// The tree of some paths; slot i is path i.
-    pub(crate) fn of(wanted: &[&str]) -> Self {
+    pub(crate) fn from_wanted(wanted: &[&str]) -> Self {
         let mut root = Self::default();
         for (slot, path) in wanted.iter().enumerate() {
             for path in alternatives(path) {
@@ -101,7 +101,7 @@ pub(crate) struct Slots {
 
 impl Slots {
     /// For the paths behind a tree.
-    pub(crate) fn of(wanted: &[&str], tree: &Tree) -> Self {
+    pub(crate) fn from_wanted(wanted: &[&str], tree: &Tree) -> Self {
         let mut in_rows = vec![false; wanted.len()];
         for slot in tree.row_slots() {
             in_rows[slot] = true;
@@ -220,7 +220,6 @@ impl Taken {
         self.rows.truncate(n);
     }
 
-    /// Ends the row.
     pub(crate) fn end_row(&mut self) {
         self.in_row = false;
     }
@@ -230,8 +229,8 @@ impl Taken {
 mod tests {
     use super::*;
     fn slots(wanted: &[&str]) -> (Slots, Tree) {
-        let tree = Tree::of(wanted);
-        (Slots::of(wanted, &tree), tree)
+        let tree = Tree::from_wanted(wanted);
+        (Slots::from_wanted(wanted, &tree), tree)
     }
 
     #[test]
@@ -304,7 +303,7 @@ mod tests {
                 (fits, if fits { MOST_ROWS } else { 0 })
             );
         }
-        assert!(!Taken::new(&Slots::of(&[], &Tree::default())).begin_row());
+        assert!(!Taken::new(&Slots::from_wanted(&[], &Tree::default())).begin_row());
     }
 
     #[test]

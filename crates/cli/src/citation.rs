@@ -52,8 +52,8 @@ pub(crate) fn entries() -> [Entry; 2] {
         ("archiveprefix", "arXiv"),
     ];
     let owned = |fields: &[(&'static str, &str)]| {
-        let own = |&(name, value): &(&'static str, &str)| (name, value.to_owned());
-        fields.iter().map(own).collect()
+        let field = |&(name, value): &(&'static str, &str)| (name, value.to_owned());
+        fields.iter().map(field).collect()
     };
     [
         Entry {

@@ -93,10 +93,12 @@ impl Error for Said {
 }
 
 impl Said {
-    fn of(error: &dyn Error) -> Self {
+    fn from_error(error: &dyn Error) -> Self {
         Self {
             text: printable(&error.to_string()).into_owned(),
-            source: error.source().map(|source| Box::new(Self::of(source))),
+            source: error
+                .source()
+                .map(|source| Box::new(Self::from_error(source))),
         }
     }
 }
@@ -106,7 +108,7 @@ impl Failed {
     fn printable(&self) -> Self {
         Self {
             doing: printable(&self.doing).into_owned(),
-            cause: Box::new(Said::of(&*self.cause)),
+            cause: Box::new(Said::from_error(&*self.cause)),
             help: self
                 .help
                 .as_deref()
@@ -160,7 +162,7 @@ impl Failure {
     }
 
     /// A failure of `doing`, with what to try.
-    pub(crate) fn of(
+    pub(crate) fn new(
         doing: &str,
         cause: impl std::error::Error + Send + Sync + 'static,
         help: Option<String>,

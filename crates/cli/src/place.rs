@@ -37,23 +37,23 @@ fn named(file: &Path) -> Result<PathBuf, Failure> {
     if file != Path::new(DEFAULT_PIPELINE) {
         return Ok(file.to_owned());
     }
-    let own = folders_own(Path::new("")).to_owned();
-    if own == Path::new(PAPER_PIPELINE) && !own.is_file() {
+    let pipeline = folders_own(Path::new("")).to_owned();
+    if pipeline == Path::new(PAPER_PIPELINE) && !pipeline.is_file() {
         return Err(Failure::no_study());
     }
-    if own != Path::new(DESIGNED_PIPELINE) {
-        return Ok(own);
+    if pipeline != Path::new(DESIGNED_PIPELINE) {
+        return Ok(pipeline);
     }
     let doing = "could not make the study's pipeline";
     let study = maveric_study::DesignFile::find(None).map_err(Failure::study(doing))?;
     maveric_study::check_design(&study).map_err(Failure::study(doing))?;
     let text = maveric_study::design_pipeline(&study);
-    if std::fs::read_to_string(&own).is_ok_and(|there| there == text) {
-        return Ok(own);
+    if std::fs::read_to_string(&pipeline).is_ok_and(|there| there == text) {
+        return Ok(pipeline);
     }
-    maveric_study::atomic_write::atomic_write_bytes(&own, text.as_bytes())
+    maveric_study::atomic_write::atomic_write_bytes(&pipeline, text.as_bytes())
         .map_err(Failure::study(doing))?;
-    Ok(own)
+    Ok(pipeline)
 }
 
 /// What every command about a pipeline takes.

@@ -41,6 +41,6 @@ fn written(paths: Vec<PathBuf>) -> Vec<String> {
 /// What is wrong with a command line, without how to use the program.
 fn first_lines(error: &clap::Error) -> String {
     let text = error.to_string();
-    let said = text.split("\n\n").next().unwrap_or_default();
-    said.trim_start_matches("error: ").replace("\n  ", " ")
+    let problem = text.split("\n\n").next().unwrap_or_default();
+    problem.trim_start_matches("error: ").replace("\n  ", " ")
 }

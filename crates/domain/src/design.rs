@@ -159,7 +159,7 @@ impl Design {
         self.baseline.as_ref()
     }
 
-    /// The id of the baseline.
+    /// The label of its drives; `None` without a baseline.
     pub fn baseline_id(&self) -> Option<ConditionId> {
         self.baseline.as_ref().map(|b| b.id)
     }
@@ -275,8 +275,8 @@ impl Design {
     }
 
     fn factor(&self, name: &str) -> Option<&Factor> {
-        let mut all = self.factors.iter().chain(&self.crossed);
-        all.find(|factor| factor.name == name)
+        let mut factors = self.factors.iter().chain(&self.crossed);
+        factors.find(|factor| factor.name == name)
     }
 
     /// The columns of the people's table that the tests need: of factors, then of covariates.
@@ -341,10 +341,10 @@ impl Design {
 
     /// Every label that a drive may have: baseline, conditions, roles; each once, in this order.
     pub fn labels(&self) -> Vec<ConditionId> {
-        let all = self.baseline_id().into_iter();
-        let all = all.chain(self.conditions.iter().map(|c| c.id));
+        let ids = self.baseline_id().into_iter();
+        let ids = ids.chain(self.conditions.iter().map(|c| c.id));
         let mut labels: Vec<ConditionId> = Vec::new();
-        for id in all.chain(self.roles.iter().map(|r| r.id)) {
+        for id in ids.chain(self.roles.iter().map(|r| r.id)) {
             if !labels.contains(&id) {
                 labels.push(id);
             }

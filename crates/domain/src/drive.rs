@@ -66,7 +66,7 @@ impl FromStr for DrivenBy {
 /// Whose drive it is.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct DriveMeta {
-    /// The drive.
+    /// Unique in a study.
     pub drive: DriveId,
     /// The participant whose style it shows.
     pub participant: ParticipantId,
@@ -379,7 +379,7 @@ impl Drive {
         &self.meta
     }
 
-    /// The road.
+    /// Its lanes, their width and the posted speed.
     pub fn road(&self) -> &Road {
         &self.road
     }

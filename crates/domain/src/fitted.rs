@@ -118,7 +118,7 @@ pub struct EmbeddingRow {
     pub beyond_why: Option<BeyondWhy>,
     /// Whether what was posted lies outside what was posted for those learned from; none where nobody can say.
     pub posted_unseen: Option<bool>,
-    /// The embedding.
+    /// Where the drive lies in the model's style space.
     pub embedding: Embedding,
 }
 

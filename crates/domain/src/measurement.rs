@@ -11,7 +11,7 @@ use std::collections::{BTreeMap, BTreeSet};
 /// One measured value of one drive, in the unit that its measure declares.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Measurement {
-    /// The drive.
+    /// Id of the drive that was measured.
     pub drive: DriveId,
     /// Code name of the measure, such as `mean_headway_time_s`: the unit is its suffix.
     pub measure: String,

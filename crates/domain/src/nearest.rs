@@ -11,11 +11,11 @@ const ALIKE: f64 = 0.8;
 /// assert_eq!(nearest("Layuot", ["units", "layout"]), Some("layout"));
 /// assert_eq!(nearest("speed", ["lane"]), None);
 /// ```
-pub fn nearest<'a>(found: &str, possible: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
-    let found = found.to_lowercase();
+pub fn nearest<'a>(given: &str, possible: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
+    let given = given.to_lowercase();
     possible
         .into_iter()
-        .map(|word| (strsim::jaro_winkler(&found, &word.to_lowercase()), word))
+        .map(|word| (strsim::jaro_winkler(&given, &word.to_lowercase()), word))
         .filter(|(alike, _)| *alike >= ALIKE)
         .max_by(|a, b| a.0.total_cmp(&b.0))
         .map(|(_, word)| word)

@@ -24,7 +24,7 @@ pub fn is_first(number: &NonZeroU32) -> bool {
 /// A session, and the drive of a condition within it, both from 1.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 pub struct Occasion {
-    /// The session.
+    /// Which visit of the participant, from 1.
     #[serde(default = "first", skip_serializing_if = "is_first")]
     pub session: NonZeroU32,
     /// The drive of a condition within the session.

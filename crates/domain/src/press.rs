@@ -14,7 +14,7 @@ pub struct PressedRide {
     pub drive: DriveId,
     /// How long it was, in min.
     pub minutes: f64,
-    /// Presses.
+    /// How often the button was pressed.
     pub presses: usize,
 }
 

@@ -127,18 +127,16 @@ impl Recording {
         check_column("ego.y_m", &ego.y_m, rows)?;
         check_column("ego.speed_mps", &ego.speed_mps, rows)?;
         if segment.len() != rows {
-            let found = segment.len();
             return Err(DomainError::LengthMismatch {
                 column: "segment",
-                found,
+                found: segment.len(),
                 expected: rows,
             });
         }
         if let Some(row) = time_s.windows(2).position(|w| w[1] <= w[0]) {
-            let found = time_s[row + 1];
             return Err(DomainError::OutOfRange {
                 name: "time_s",
-                found,
+                found: time_s[row + 1],
                 expected: "later than the row before",
             });
         }
@@ -149,10 +147,9 @@ impl Recording {
             check_column("object.y_m", &track.y_m, m)?;
             check_column("object.speed_mps", &track.speed_mps, m)?;
             if track.first_row + m > rows {
-                let found = track.first_row + m;
                 return Err(DomainError::LengthMismatch {
                     column: "object.x_m",
-                    found,
+                    found: track.first_row + m,
                     expected: rows,
                 });
             }
@@ -199,7 +196,7 @@ impl Recording {
         self.time_s.len()
     }
 
-    /// The road.
+    /// Its lanes, their width and the posted speed.
     pub fn road(&self) -> &Road {
         &self.road
     }
@@ -256,12 +253,12 @@ impl Recording {
     /// The scene of a row that there is, with those of some tracks that are there then.
     fn scene_of<'a>(&self, row: usize, tracks: impl Iterator<Item = &'a ObjectTrack>) -> Scene {
         let vehicles = tracks.filter_map(|track| {
-            let at = row.checked_sub(track.first_row)?;
+            let index = row.checked_sub(track.first_row)?;
             Some(VehicleState {
                 id: track.id,
-                x_m: *track.x_m.get(at)?,
-                y_m: track.y_m[at],
-                speed_mps: track.speed_mps[at],
+                x_m: *track.x_m.get(index)?,
+                y_m: track.y_m[index],
+                speed_mps: track.speed_mps[index],
                 length_m: track.length_m,
             })
         });

@@ -10,7 +10,7 @@ use serde::{Deserialize, Serialize};
 pub struct Road {
     /// Number of lanes, at least 1.
     pub lanes: u8,
-    /// Width of a lane, in m.
+    /// From line to line, in m, the same for all lanes.
     pub lane_width_m: f64,
     /// Posted speed, in m/s.
     pub posted_speed_mps: f64,
@@ -78,7 +78,7 @@ pub struct VehicleState {
 pub struct Scene {
     /// Time since the start of the drive, in s.
     pub time_s: f64,
-    /// Ego.
+    /// The car whose drive it is.
     pub ego: EgoState,
     /// The others, in any order.
     pub vehicles: Vec<VehicleState>,

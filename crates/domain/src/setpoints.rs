@@ -18,7 +18,7 @@ pub enum When {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum LaneWish {
-    /// To stay.
+    /// To keep to the lane that ego is in.
     #[default]
     Stay,
     /// To move one lane to the left, so as to pass.

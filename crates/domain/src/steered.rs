@@ -13,9 +13,9 @@ use serde::{Deserialize, Serialize};
 /// One participant in one condition.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct ConditionRow {
-    /// The participant.
+    /// Whose style the condition starts from.
     pub participant: ParticipantId,
-    /// The condition.
+    /// The label of its drives.
     pub condition: ConditionId,
     /// Ŝ at the embedding, in points; `None` where the model has no style head.
     pub adb_hat: Option<f64>,
@@ -38,7 +38,7 @@ pub struct ConditionRow {
     /// What it is one point of; none for the conditions of a study. In a table its fields are columns of their own.
     #[serde(skip_deserializing)]
     pub sweep: Option<SweepPoint>,
-    /// The embedding.
+    /// The style that is driven, in the model's style space.
     pub embedding: Embedding,
 }
 

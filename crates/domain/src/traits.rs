@@ -9,7 +9,7 @@ use serde::{Deserialize, Serialize};
 /// and the questionnaire answers both start from these, and neither sees the other.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 pub struct LatentTraits {
-    /// a: aggressiveness.
+    /// a: how aggressive the person is, apart from spacing and pace.
     pub aggressiveness: f64,
     /// b: spacing, how much room the person leaves.
     pub spacing: f64,

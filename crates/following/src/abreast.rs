@@ -54,11 +54,11 @@ pub(crate) fn gap_rmse_each(stretch: &Stretch<'_>, laws: &[Law], limits_m: &[f64
         // What is no number is within no limit.
         cars.retain(|car| car.squares <= most(car));
     }
-    let mut found = vec![f64::INFINITY; laws.len()];
+    let mut rmse_m = vec![f64::INFINITY; laws.len()];
     for car in cars {
-        found[car.place] = (car.squares / n).sqrt();
+        rmse_m[car.place] = (car.squares / n).sqrt();
     }
-    found
+    rmse_m
 }
 
 /// Sums over the rows after the first of products of errors of the gap, in m²: those of the first law, and of how far each other law's lie
@@ -102,16 +102,16 @@ fn blocks(stretch: &Stretch<'_>) -> impl Iterator<Item = Range<usize>> {
 /// Drives up to [`LANES`] cars through some rows, as many as `errors`: of each one's gap at each of them, in m.
 fn drive(stretch: &Stretch<'_>, rows: Range<usize>, cars: &mut [Car<'_>], errors: &mut [Lanes]) {
     // A lane without a car repeats the last one.
-    let of = |lane: usize| lane.min(cars.len() - 1);
+    let car_of = |lane: usize| lane.min(cars.len() - 1);
     let mut p = [[0.0; LANES]; NUMBERS];
     for l in 0..LANES {
-        for (lanes, number) in p.iter_mut().zip(numbers(cars[of(l)].law)) {
+        for (lanes, number) in p.iter_mut().zip(numbers(cars[car_of(l)].law)) {
             lanes[l] = number;
         }
     }
     let mut state = State {
-        gap_m: std::array::from_fn(|l| cars[of(l)].gap_m),
-        speed_mps: std::array::from_fn(|l| cars[of(l)].speed_mps),
+        gap_m: std::array::from_fn(|l| cars[car_of(l)].gap_m),
+        speed_mps: std::array::from_fn(|l| cars[car_of(l)].speed_mps),
     };
     let kind = cars[0].law;
     Arch::new().dispatch(
@@ -182,8 +182,8 @@ impl Through<'_> {
             let (mut accel, mut next, mut moved) = ([0.0; LANES], [0.0; LANES], [0.0; LANES]);
             let mut stops = false;
             for l in 0..LANES {
-                let asked = law(l, row, gap[l], speed[l], lead_mps);
-                accel[l] = asked.clamp(MIN_ACCEL_MPS2, MAX_ACCEL_MPS2);
+                let wanted = law(l, row, gap[l], speed[l], lead_mps);
+                accel[l] = wanted.clamp(MIN_ACCEL_MPS2, MAX_ACCEL_MPS2);
                 next[l] = speed[l] + accel[l] * step_s;
                 moved[l] = 0.5 * (speed[l] + next[l]) * step_s;
                 stops |= next[l] < 0.0;

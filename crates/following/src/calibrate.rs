@@ -13,7 +13,7 @@ use serde::{Deserialize, Serialize};
 /// A law and how well it fits what it was fitted to.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Calibrated {
-    /// The law.
+    /// The law with its fitted numbers.
     pub law: Law,
     /// Its closed-loop RMSE of the gap there, mean over the stretches, in m.
     pub fit_gap_rmse_m: f64,
@@ -140,9 +140,9 @@ impl Family {
         settings: &SearchSettings,
         seed: u64,
     ) -> Result<Calibrated, FollowingError> {
-        let cost = GapError::of(self, stretches)?;
-        let found = search(self.bounds(), settings, seed, &cost);
-        Ok(self.calibrated(&found))
+        let cost = GapError::new(self, stretches)?;
+        let minimum = search(self.bounds(), settings, seed, &cost);
+        Ok(self.calibrated(&minimum))
     }
 
     /// Fits the free numbers from those of a law of this family on, which was fitted to much the same stretches: a way down, and no search.
@@ -155,7 +155,7 @@ impl Family {
         stretches: &[Stretch<'_>],
         settings: &SearchSettings,
     ) -> Result<Calibrated, FollowingError> {
-        let cost = GapError::of(self, stretches)?;
+        let cost = GapError::new(self, stretches)?;
         let bounds = self.bounds();
         let numbers = self.numbers(law).into_iter().zip(bounds);
         let point: Vec<f64> = numbers
@@ -165,14 +165,14 @@ impl Family {
             cost: cost.costs(std::slice::from_ref(&point), &[f64::INFINITY])[0],
             point,
         };
-        let found = polish(bounds, start, settings.polishing_steps, &LAST_DIGITS, &cost);
-        Ok(self.calibrated(&found))
+        let minimum = polish(bounds, start, settings.polishing_steps, &LAST_DIGITS, &cost);
+        Ok(self.calibrated(&minimum))
     }
 
-    fn calibrated(self, found: &Minimum) -> Calibrated {
+    fn calibrated(self, minimum: &Minimum) -> Calibrated {
         Calibrated {
-            law: self.law(&found.point),
-            fit_gap_rmse_m: found.cost,
+            law: self.law(&minimum.point),
+            fit_gap_rmse_m: minimum.cost,
         }
     }
 }
@@ -187,7 +187,7 @@ struct GapError<'a> {
 }
 
 impl<'a> GapError<'a> {
-    fn of(family: Family, stretches: &'a [Stretch<'a>]) -> Result<Self, FollowingError> {
+    fn new(family: Family, stretches: &'a [Stretch<'a>]) -> Result<Self, FollowingError> {
         if stretches.is_empty() {
             return Err(FollowingError::TooFewDrivers {
                 found: 0,
@@ -206,8 +206,8 @@ impl Cost for GapError<'_> {
         for stretch in self.stretches {
             let laws: Vec<Law> = left.iter().map(|&i| self.family.law(&points[i])).collect();
             let most: Vec<f64> = left.iter().map(|&i| limits[i] * count - sums[i]).collect();
-            for (&i, found) in left.iter().zip(gap_rmse_each(stretch, &laws, &most)) {
-                sums[i] += found;
+            for (&i, rmse_m) in left.iter().zip(gap_rmse_each(stretch, &laws, &most)) {
+                sums[i] += rmse_m;
             }
             left.retain(|&i| sums[i].is_finite());
         }
@@ -220,11 +220,11 @@ impl Cost for GapError<'_> {
         let laws: Vec<Law> = points.iter().map(|p| self.family.law(p)).collect();
         let mut sum = DMatrix::zeros(n, n);
         for stretch in self.stretches {
-            let found = products(stretch, &laws);
+            let sums = products(stretch, &laws);
             let rows = (stretch.rows.len() - 1) as f64;
-            let rmse = (found[0][0] / rows).sqrt().max(LEAST_RMSE_M);
+            let rmse = (sums[0][0] / rows).sqrt().max(LEAST_RMSE_M);
             let weight = 1.0 / (rows * rmse * self.stretches.len() as f64);
-            sum += DMatrix::from_fn(n, n, |k, l| weight * found[k][l]);
+            sum += DMatrix::from_fn(n, n, |k, l| weight * sums[k][l]);
         }
         sum
     }
@@ -241,12 +241,12 @@ pub(crate) fn own_time_gap_s(
     seed: u64,
 ) -> Result<(f64, Calibrated), FollowingError> {
     let alone = std::slice::from_ref(stretch);
-    let found = Family::IdmTimeGap(all_else).calibrate(alone, settings, seed)?;
-    let time_gap_s = match found.law {
+    let calibrated = Family::IdmTimeGap(all_else).calibrate(alone, settings, seed)?;
+    let time_gap_s = match calibrated.law {
         Law::Idm(law) => law.time_gap_s,
         _ => all_else.time_gap_s,
     };
-    Ok((time_gap_s, found))
+    Ok((time_gap_s, calibrated))
 }
 
 #[cfg(test)]

@@ -26,16 +26,16 @@ pub fn try_over_people(
     for run in runs {
         run.long_enough()?;
     }
-    let mut found = Vec::new();
+    let mut evaluations = Vec::new();
     for fold in 0..folds.min(runs.len()) {
-        let of = |judged: bool| -> Vec<FollowingRun> {
+        let part = |judged: bool| -> Vec<FollowingRun> {
             let people = runs.iter().enumerate();
             people
                 .filter(|(place, _)| (place % folds == fold) == judged)
                 .map(|(_, run)| run.clone())
                 .collect()
         };
-        let (judged, learned) = (of(true), of(false));
+        let (judged, learned) = (part(true), part(false));
         if learned.len() < 2 {
             return Err(FollowingError::TooFewDrivers {
                 found: learned.len(),
@@ -49,9 +49,9 @@ pub fn try_over_people(
         let (mut laws, _) = peers::idm(&judged, &learned, settings)?;
         peers::add_own_idm(&mut laws, &judged, settings)?;
         let networks = train_all(&judged, &learned, settings)?;
-        found.extend(drive(&judged, &laws, &networks, None, settings)?);
+        evaluations.extend(drive(&judged, &laws, &networks, None, settings)?);
     }
-    Ok(found)
+    Ok(evaluations)
 }
 
 /// One candidate on the people of one set or of all.
@@ -73,7 +73,7 @@ pub struct Trial {
     pub person: String,
     /// Which candidate.
     pub method: M,
-    /// RMSE of the gap, in m.
+    /// RMSE of the simulated gap over the person's test rows, in m.
     pub gap_rmse_m: f64,
     /// Whether the simulated gap reached 0.
     pub reached_zero: bool,
@@ -81,7 +81,7 @@ pub struct Trial {
 
 /// The candidates of some people who were tried.
 pub fn trials(drivers: &[DriverEvaluation]) -> Vec<Trial> {
-    let of = |driver: &DriverEvaluation| {
+    let trials_of = |driver: &DriverEvaluation| {
         let candidates = driver
             .methods
             .iter()
@@ -94,7 +94,7 @@ pub fn trials(drivers: &[DriverEvaluation]) -> Vec<Trial> {
         };
         candidates.map(trial).collect::<Vec<_>>()
     };
-    drivers.iter().flat_map(of).collect()
+    drivers.iter().flat_map(trials_of).collect()
 }
 
 /// The candidates of several sets of people, the best first: the rule.
@@ -102,13 +102,13 @@ pub fn trials(drivers: &[DriverEvaluation]) -> Vec<Trial> {
 /// Every set weighs the same, and within a set every person. Ratios, because a metre is little on a track and much in dense traffic.
 /// Whatever reached the leader comes after whatever did not. Candidates without a trial of everybody are left out.
 pub fn ranked(sets: &[Vec<Trial>]) -> Vec<Candidate> {
-    let of = |method: M| {
+    let candidate = |method: M| {
         let in_set = |set: &Vec<Trial>| {
             let people = set.iter().filter(|t| t.method == BESIDE);
             let ratio = |beside: &Trial| {
                 let same = |t: &&Trial| t.method == method && t.person == beside.person;
-                let found = set.iter().find(same)?;
-                Some(libm::log(found.gap_rmse_m / beside.gap_rmse_m))
+                let trial = set.iter().find(same)?;
+                Some(libm::log(trial.gap_rmse_m / beside.gap_rmse_m))
             };
             let ratios = people.map(ratio).collect::<Option<Vec<f64>>>()?;
             (!ratios.is_empty()).then(|| ratios.iter().sum::<f64>() / ratios.len() as f64)
@@ -123,14 +123,14 @@ pub fn ranked(sets: &[Vec<Trial>]) -> Vec<Candidate> {
                 .count(),
         })
     };
-    let mut found: Vec<Candidate> = M::CANDIDATES.into_iter().filter_map(of).collect();
-    found.sort_by(|a, b| {
+    let mut candidates: Vec<Candidate> = M::CANDIDATES.into_iter().filter_map(candidate).collect();
+    candidates.sort_by(|a, b| {
         let reaches = |c: &Candidate| c.reached_zero > 0;
         reaches(a)
             .cmp(&reaches(b))
             .then(a.score.total_cmp(&b.score))
     });
-    found
+    candidates
 }
 
 #[cfg(test)]

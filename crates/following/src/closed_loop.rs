@@ -61,12 +61,12 @@ pub fn simulate(
     speed_mps.push(state.speed_mps);
     let mut reached_zero = false;
     for row in stretch.rows.clone().skip(1) {
-        state = advance(stretch, row, state, &mut law).map_err(|found| {
+        state = advance(stretch, row, state, &mut law).map_err(|accel_mps2| {
             FollowingError::LawNotFinite {
                 driver: stretch.run.driver().to_owned(),
                 law: name.to_owned(),
                 row: row - 1,
-                found,
+                found: accel_mps2,
             }
         })?;
         reached_zero |= state.gap_m <= 0.0;

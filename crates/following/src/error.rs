@@ -41,7 +41,7 @@ pub enum FollowingError {
     LengthMismatch {
         /// The drive.
         driver: String,
-        /// The column.
+        /// Name of the field of [`FollowingColumns`](crate::FollowingColumns).
         column: &'static str,
         /// Its rows.
         found: usize,
@@ -53,7 +53,7 @@ pub enum FollowingError {
     BadValue {
         /// The drive.
         driver: String,
-        /// The column.
+        /// Name of the field of [`FollowingColumns`](crate::FollowingColumns).
         column: &'static str,
         /// Zero-based row.
         row: usize,
@@ -95,7 +95,7 @@ pub enum FollowingError {
     LawNotFinite {
         /// The drive.
         driver: String,
-        /// The law.
+        /// Name of the law that was simulated.
         law: String,
         /// Zero-based row.
         row: usize,

@@ -87,7 +87,7 @@ pub fn evaluate(
 
 fn means(drivers: &[DriverEvaluation]) -> Vec<MethodMean> {
     M::all()
-        .filter_map(|m| MethodMean::of(m, drivers))
+        .filter_map(|m| MethodMean::over(m, drivers))
         .collect()
 }
 
@@ -102,7 +102,7 @@ pub(crate) fn drive(
         .iter()
         .zip(laws)
         .enumerate()
-        .map(|(at, (run, laws))| {
+        .map(|(index, (run, laws))| {
             let test = run.test();
             let mut methods = Vec::new();
             let mut series = recorded_series(run);
@@ -111,8 +111,8 @@ pub(crate) fn drive(
                     test: &test,
                     laws,
                     networks,
-                    at,
-                    f: f.map(|f| (&f.own[at], &f.mean[at])),
+                    index,
+                    f: f.map(|f| (&f.own[index], &f.mean[index])),
                     settings,
                 };
                 let Some(simulated) = driver.drive(method)? else {
@@ -120,7 +120,7 @@ pub(crate) fn drive(
                 };
                 methods.push(MethodErrors {
                     method,
-                    errors: SimulationErrors::of(&test, &simulated),
+                    errors: SimulationErrors::between(&test, &simulated),
                 });
                 let gap_m = each_second(run, &simulated.gap_m);
                 series.simulated.push(MethodSeries {
@@ -144,7 +144,7 @@ struct Driver<'a> {
     laws: &'a Peers,
     /// Networks that drive together, and which of their drivers this is.
     networks: &'a [TrainedFor],
-    at: usize,
+    index: usize,
     f: Option<(&'a DistanceLaw<'a>, &'a DistanceLaw<'a>)>,
     settings: &'a FollowingSettings,
 }
@@ -159,21 +159,23 @@ impl Driver<'_> {
             let count = self.networks.len() as f64;
             let each = self.networks.iter();
             let mut each: Vec<_> = each
-                .map(|trained| trained.network.driving(embedding(trained, self.at)))
+                .map(|trained| trained.network.driving(embedding(trained, self.index)))
                 .collect();
-            let asked =
+            let mean_accel =
                 move |g, v, lead| each.iter_mut().map(|law| law(g, v, lead)).sum::<f64>() / count;
-            (!self.networks.is_empty()).then_some(asked)
+            (!self.networks.is_empty()).then_some(mean_accel)
         };
         match method {
-            M::ClosedLoopOwn => network(|t, at| &t.own[at]).map(|mut law| by(&mut law)),
-            M::ClosedLoopShrunken => network(|t, at| &t.shrunken[at]).map(|mut law| by(&mut law)),
+            M::ClosedLoopOwn => network(|t, index| &t.own[index]).map(|mut law| by(&mut law)),
+            M::ClosedLoopShrunken => {
+                network(|t, index| &t.shrunken[index]).map(|mut law| by(&mut law))
+            }
             M::ClosedLoopMean => {
                 network(|t, _| t.network.mean_embedding()).map(|mut law| by(&mut law))
             }
             M::ClosedLoopAndIdmShrunken => {
                 let idm = self.laws.laws.get(&M::IdmPopulationShrunkenTimeGap);
-                network(|t, at| &t.shrunken[at])
+                network(|t, index| &t.shrunken[index])
                     .zip(idm)
                     .map(|(mut learned, idm)| {
                         let mut idm = idm.law.driving(self.test);
@@ -186,7 +188,7 @@ impl Driver<'_> {
                 .laws
                 .laws
                 .get(&fitted)
-                .map(|found| by(&mut found.law.driving(self.test))),
+                .map(|fitted| by(&mut fitted.law.driving(self.test))),
         }
         .transpose()
         .map(Option::flatten)
@@ -195,7 +197,7 @@ impl Driver<'_> {
     /// Steers to F with the gains of Helly's law of the others.
     fn keeping<'f>(&self, f: &'f DistanceLaw<'_>) -> impl FnMut(f64, f64, f64) -> f64 + 'f {
         let helly = self.laws.laws.get(&M::HellyPopulation);
-        let gains = match helly.map(|found| found.law) {
+        let gains = match helly.map(|fitted| fitted.law) {
             Some(Law::Helly(law)) => law.gains,
             _ => TIME_GAP_GAINS,
         };

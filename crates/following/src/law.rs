@@ -24,7 +24,7 @@ pub enum Law {
 /// Newell 2002.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Newell {
-    /// Delay, in s.
+    /// How much later ego is where the leader was, in s.
     pub delay_s: f64,
     /// Distance, bumper to bumper, in m.
     pub distance_m: f64,
@@ -81,12 +81,12 @@ impl Newell {
     /// it is taken to have kept its first speed.
     fn leader_x_m(self, stretch: &Stretch<'_>, row: usize) -> f64 {
         let columns = stretch.run.columns();
-        let at = row as f64 - self.delay_s * stretch.run.rate_hz();
-        if at <= 0.0 {
-            let before_s = at / stretch.run.rate_hz();
+        let then = row as f64 - self.delay_s * stretch.run.rate_hz();
+        if then <= 0.0 {
+            let before_s = then / stretch.run.rate_hz();
             return columns.leader_x_m[0] + before_s * columns.lead_speed_mps[0];
         }
-        let (before, share) = (at.floor() as usize, at.fract());
+        let (before, share) = (then.floor() as usize, then.fract());
         let low = columns.leader_x_m[before];
         let high = columns.leader_x_m[(before + 1).min(row)];
         low + share * (high - low)

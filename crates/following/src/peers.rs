@@ -34,8 +34,8 @@ pub(crate) fn each<T: Send>(
     runs: &[FollowingRun],
     fit: impl Fn(&FollowingRun) -> Result<T, FollowingError> + Sync + Send,
 ) -> Result<Vec<T>, FollowingError> {
-    let found: Vec<_> = runs.par_iter().map(fit).collect();
-    found.into_iter().collect()
+    let results: Vec<_> = runs.par_iter().map(fit).collect();
+    results.into_iter().collect()
 }
 
 /// A law of all who were learned from, and from there on that of all but one.
@@ -47,7 +47,7 @@ struct Population<'a> {
 }
 
 impl<'a> Population<'a> {
-    fn of(
+    fn calibrate(
         family: Family,
         method: M,
         learned: &'a [FollowingRun],
@@ -75,8 +75,8 @@ impl<'a> Population<'a> {
     }
 }
 
-fn idm_of(found: &Calibrated) -> Idm {
-    let Law::Idm(law) = found.law else {
+fn idm_of(calibrated: &Calibrated) -> Idm {
+    let Law::Idm(law) = calibrated.law else {
         unreachable!("a family gives its own law")
     };
     law
@@ -97,15 +97,16 @@ pub(crate) fn idm(
     settings: &FollowingSettings,
 ) -> Result<(Vec<Peers>, Shrinkage), FollowingError> {
     let search = &settings.search;
-    let own = |population: Idm, stretch: &Stretch<'_>| {
+    let fit_time_gap = |population: Idm, stretch: &Stretch<'_>| {
         let seed = seed(settings, stretch.run.driver(), M::IdmPopulationOwnTimeGap);
         own_time_gap_s(population, stretch, search, seed)
     };
-    let population = Population::of(Family::Idm, M::IdmPopulation, learned, settings)?;
+    let population = Population::calibrate(Family::Idm, M::IdmPopulation, learned, settings)?;
     let of_learned = each(learned, |run| {
         let others = population.without(run.driver())?;
         let [first, second] = run.fit().halves();
-        let log = |half| Ok::<_, FollowingError>(vec![libm::log(own(idm_of(&others), half)?.0)]);
+        let log =
+            |half| Ok::<_, FollowingError>(vec![libm::log(fit_time_gap(idm_of(&others), half)?.0)]);
         let halves = [log(&first)?, log(&second)?];
         Ok((others, halves))
     })?;
@@ -115,10 +116,10 @@ pub(crate) fn idm(
     let place = |run: &FollowingRun| learned.iter().position(|r| r.driver() == run.driver());
     let peers = each(judged, |run| {
         // Strangers have the same others, all who were learned from.
-        let others = place(run).map_or(population.of_all, |at| of_learned[at].0);
+        let others = place(run).map_or(population.of_all, |index| of_learned[index].0);
         let law = idm_of(&others);
         let fit = run.fit();
-        let (own_s, calibrated) = own(law, &fit)?;
+        let (own_s, calibrated) = fit_time_gap(law, &fit)?;
         let mean = libm::log(law.time_gap_s);
         let log = mean + shrinkage.share(fit.seconds()) * (libm::log(own_s) - mean);
         let shrunken = Law::Idm(law.with_time_gap_s(libm::exp(log)));
@@ -149,11 +150,11 @@ pub(crate) fn add_own_idm(
     judged: &[FollowingRun],
     settings: &FollowingSettings,
 ) -> Result<(), FollowingError> {
-    let found = each(judged, |run| {
+    let calibrated = each(judged, |run| {
         let seed = seed(settings, run.driver(), M::IdmOwn);
         Family::Idm.calibrate(&[run.fit()], &settings.search, seed)
     })?;
-    for (peers, law) in peers.iter_mut().zip(found) {
+    for (peers, law) in peers.iter_mut().zip(calibrated) {
         peers.laws.insert(M::IdmOwn, law);
     }
     Ok(())
@@ -171,12 +172,12 @@ pub(crate) fn add_the_rest(
 ) -> Result<(), FollowingError> {
     add_own_idm(peers, judged, settings)?;
     let time_gap_s = |run: &FollowingRun| run.fit().mean_time_gap_s(settings.moving_above_mps);
-    let helly = Population::of(Family::Helly, M::HellyPopulation, learned, settings)?;
-    let found = each(judged, |run| {
+    let helly = Population::calibrate(Family::Helly, M::HellyPopulation, learned, settings)?;
+    let laws_of_each = each(judged, |run| {
         let seed = |method| seed(settings, run.driver(), method);
         let fit = |family: Family, stretches: &[Stretch<'_>], method: M| {
-            let found = family.calibrate(stretches, &settings.search, seed(method))?;
-            Ok((method, found))
+            let calibrated = family.calibrate(stretches, &settings.search, seed(method))?;
+            Ok((method, calibrated))
         };
         let from = others(learned, run.driver());
         let gaps = from
@@ -201,7 +202,7 @@ pub(crate) fn add_the_rest(
             fit(Family::Idm, &test, M::IdmFloor)?,
         ])
     })?;
-    for (peers, laws) in peers.iter_mut().zip(found) {
+    for (peers, laws) in peers.iter_mut().zip(laws_of_each) {
         peers.laws.extend(laws);
     }
     Ok(())

@@ -9,7 +9,7 @@ use serde::{Deserialize, Serialize};
 /// One method on one driver's test rows.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct MethodErrors {
-    /// The method.
+    /// What drove in ego's place.
     pub method: FollowingMethod,
     /// How far it came from the recording.
     #[serde(flatten)]
@@ -19,7 +19,7 @@ pub struct MethodErrors {
 /// One method over all drivers, every driver the same weight.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct MethodMean {
-    /// The method.
+    /// The method that drove in place of every driver.
     pub method: FollowingMethod,
     /// Mean RMSE of the gap, in m.
     pub gap_rmse_m: f64,
@@ -40,9 +40,9 @@ pub struct MethodMean {
 /// Two methods driver by driver: the RMSE of the gap under one less that under the other.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Compared {
-    /// The one.
+    /// The method whose error the difference is taken of.
     pub method: FollowingMethod,
-    /// The other.
+    /// The method whose error is subtracted.
     pub beside: FollowingMethod,
     /// Mean difference, in m; below 0 where `method` is nearer.
     pub mean_m: f64,
@@ -61,7 +61,7 @@ pub struct Compared {
 /// Gap and speed under one method at the times of a [`TestSeries`].
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct MethodSeries {
-    /// The method.
+    /// What drove in ego's place.
     pub method: FollowingMethod,
     /// Simulated gap, in m, 0 where the leader was reached; shape `(k,)`.
     pub gap_m: Vec<f64>,
@@ -154,14 +154,14 @@ impl FollowingEvaluation {
 impl DriverEvaluation {
     /// The gap's RMSE under a method, in m, if it was tried.
     pub fn gap_rmse_m(&self, method: FollowingMethod) -> Option<f64> {
-        let found = self.methods.iter().find(|m| m.method == method);
-        found.map(|m| m.errors.gap_rmse_m)
+        let tried = self.methods.iter().find(|m| m.method == method);
+        tried.map(|m| m.errors.gap_rmse_m)
     }
 }
 
 impl MethodMean {
     /// Over the drivers on whom `method` was tried; `None` without one.
-    pub(crate) fn of(method: FollowingMethod, drivers: &[DriverEvaluation]) -> Option<Self> {
+    pub(crate) fn over(method: FollowingMethod, drivers: &[DriverEvaluation]) -> Option<Self> {
         let errors: Vec<SimulationErrors> = drivers
             .iter()
             .flat_map(|d| &d.methods)
@@ -171,8 +171,8 @@ impl MethodMean {
         if errors.is_empty() {
             return None;
         }
-        let mean = |of: fn(&SimulationErrors) -> f64| {
-            errors.iter().map(of).sum::<f64>() / errors.len() as f64
+        let mean = |error: fn(&SimulationErrors) -> f64| {
+            errors.iter().map(error).sum::<f64>() / errors.len() as f64
         };
         let gaps: Vec<f64> = errors.iter().map(|e| e.gap_rmse_m).collect();
         Some(Self {
@@ -264,7 +264,7 @@ mod tests {
             driven: FollowingMethod::IdmOwn,
             means: all
                 .iter()
-                .filter_map(|m| MethodMean::of(*m, &drivers))
+                .filter_map(|m| MethodMean::over(*m, &drivers))
                 .collect(),
             drivers,
             compared: Vec::new(),

@@ -12,7 +12,7 @@ const TIME_TOLERANCE: f64 = 0.05;
 /// What a following run is made of; every column has shape `(n,)`.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct FollowingColumns {
-    /// Time, in s.
+    /// Time of each row, in s, one sampling step apart.
     pub time_s: Vec<f64>,
     /// Position of the leader along the road, in m. Only its changes are used, so any point of the vehicle will do.
     pub leader_x_m: Vec<f64>,
@@ -115,7 +115,7 @@ impl FollowingRun {
         self.columns.time_s.len()
     }
 
-    /// The columns.
+    /// The recorded columns, checked to be equally long and without gaps in time.
     pub fn columns(&self) -> &FollowingColumns {
         &self.columns
     }

@@ -54,8 +54,14 @@ pub(crate) fn search(
     seed: u64,
     cost: &impl Cost,
 ) -> Minimum {
-    let found = minimise(bounds, settings, seed, cost);
-    polish(bounds, found, settings.polishing_steps, &LAST_DIGITS, cost)
+    let minimum = minimise(bounds, settings, seed, cost);
+    polish(
+        bounds,
+        minimum,
+        settings.polishing_steps,
+        &LAST_DIGITS,
+        cost,
+    )
 }
 
 /// Probability that a trial takes a coordinate from the mutant.
@@ -85,10 +91,10 @@ fn minimise(
         let trials: Vec<Vec<f64>> = (0..members)
             .map(|target| trial(&mut rng, bounds, &points, target))
             .collect();
-        let found = cost.costs(&trials, &costs);
-        for (target, (trial, found)) in trials.into_iter().zip(found).enumerate() {
-            if found <= costs[target] {
-                (points[target], costs[target]) = (trial, found);
+        let trial_costs = cost.costs(&trials, &costs);
+        for (target, (trial, trial_cost)) in trials.into_iter().zip(trial_costs).enumerate() {
+            if trial_cost <= costs[target] {
+                (points[target], costs[target]) = (trial, trial_cost);
             }
         }
         let now = costs.iter().copied().fold(f64::MAX, f64::min);
@@ -176,25 +182,25 @@ pub(crate) fn polish(
     how: &Descent,
     cost: &impl Cost,
 ) -> Minimum {
-    let mut here = start;
+    let mut best_yet = start;
     for _ in 0..steps {
-        let candidates = steps_down(bounds, &here.point, how, cost);
-        let costs = cost.costs(&candidates, &vec![here.cost; candidates.len()]);
+        let candidates = steps_down(bounds, &best_yet.point, how, cost);
+        let costs = cost.costs(&candidates, &vec![best_yet.cost; candidates.len()]);
         let Some(best) = (!costs.is_empty()).then(|| lowest_index(&costs)) else {
             break;
         };
-        let gained = here.cost - costs[best];
+        let gained = best_yet.cost - costs[best];
         if gained > 0.0 {
-            here = Minimum {
+            best_yet = Minimum {
                 point: candidates[best].clone(),
                 cost: costs[best],
             };
         }
-        if gained.is_nan() || gained <= how.closed * here.cost.abs() {
+        if gained.is_nan() || gained <= how.closed * best_yet.cost.abs() {
             break;
         }
     }
-    here
+    best_yet
 }
 
 /// Where steps of every damping lead.

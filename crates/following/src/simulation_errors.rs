@@ -23,7 +23,7 @@ pub struct SimulationErrors {
 
 impl SimulationErrors {
     /// Compares a closed-loop run with the rows of `stretch` that it was made from.
-    pub fn of(stretch: &Stretch<'_>, simulated: &ClosedLoop) -> Self {
+    pub fn between(stretch: &Stretch<'_>, simulated: &ClosedLoop) -> Self {
         let columns = stretch.run.columns();
         let recorded_gap = &columns.gap_m[stretch.rows.clone()];
         let recorded_speed = &columns.ego_speed_mps[stretch.rows.clone()];
@@ -61,7 +61,7 @@ mod tests {
             speed_mps: vec![99.0, 11.0, 12.0],
             reached_zero: false,
         };
-        let errors = SimulationErrors::of(&run.test(), &simulated);
+        let errors = SimulationErrors::between(&run.test(), &simulated);
         assert!((errors.gap_rmse_m - 12.5_f64.sqrt()).abs() < 1e-12);
         assert!((errors.speed_rmse_mps - 2.5_f64.sqrt()).abs() < 1e-12);
         // 25 of 2 times 20²; and (25/20) of 2 times 20.

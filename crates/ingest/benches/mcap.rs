@@ -61,9 +61,9 @@ fn read_container() -> usize {
 
 /// The same file to a complete drive.
 fn read_drive() -> usize {
-    let found = read_log(&LOG, &IngestSettings::default()).unwrap();
-    let found = found.into_iter().next().unwrap();
-    let drive = Drive::from_recording(found.meta, &found.recording).unwrap();
+    let logs = read_log(&LOG, &IngestSettings::default()).unwrap();
+    let log = logs.into_iter().next().unwrap();
+    let drive = Drive::from_recording(log.meta, &log.recording).unwrap();
     drive.len()
 }
 

@@ -64,8 +64,8 @@ fn drive(bencher: divan::Bencher<'_, '_>) {
         ..IngestSettings::default()
     };
     bencher.bench(|| {
-        let found = read_log(path, &settings).unwrap().remove(0);
-        Drive::from_recording(found.meta, &found.recording)
+        let log = read_log(path, &settings).unwrap().remove(0);
+        Drive::from_recording(log.meta, &log.recording)
             .unwrap()
             .len()
     });

@@ -7,8 +7,8 @@ use std::{error::Error, fs::File, path::PathBuf};
 
 fn main() -> Result<(), Box<dyn Error>> {
     let named = std::env::args().nth(1).map(PathBuf::from);
-    let made = named.is_none().then(a_bag).transpose()?;
-    let path = named.or(made.clone()).unwrap_or_default();
+    let temporary = named.is_none().then(a_bag).transpose()?;
+    let path = named.or(temporary.clone()).unwrap_or_default();
 
     let log = read_log(&path, &IngestSettings::default())?.remove(0);
     let drive = Drive::from_recording(log.meta, &log.recording)?;
@@ -18,8 +18,8 @@ fn main() -> Result<(), Box<dyn Error>> {
     let fastest = speeds.iter().flatten().fold(0.0, f64::max);
     println!("at most {fastest:.1} m/s");
 
-    if let Some(made) = made {
-        std::fs::remove_file(made)?;
+    if let Some(temporary) = temporary {
+        std::fs::remove_file(temporary)?;
     }
     Ok(())
 }

@@ -84,31 +84,31 @@ impl Chance {
     /// Changes some bytes: a flip, a run, a great number, a piece cut out, copied or put elsewhere, a word.
     fn damage(&mut self, bytes: &mut Vec<u8>, words: &[&str]) {
         for _ in 0..=self.below(4) {
-            let at = self.below(bytes.len());
-            let n = (1 + self.below(64)).min(bytes.len() - at);
+            let start = self.below(bytes.len());
+            let n = (1 + self.below(64)).min(bytes.len() - start);
             match self.below(8) {
-                0 => bytes[at] ^= 1 << self.below(8),
-                1 => bytes[at..at + n].fill(self.next() as u8),
+                0 => bytes[start] ^= 1 << self.below(8),
+                1 => bytes[start..start + n].fill(self.next() as u8),
                 2 => {
                     let great = [u64::MAX, 1 << 62, 1 << 31, 0xffff_ffff, 0][self.below(5)];
                     let n = n.min(8);
-                    bytes[at..at + n].copy_from_slice(&great.to_le_bytes()[..n]);
+                    bytes[start..start + n].copy_from_slice(&great.to_le_bytes()[..n]);
                 }
                 3 => {
-                    bytes.drain(at..at + n);
+                    bytes.drain(start..start + n);
                 }
                 4 => {
-                    let copy = bytes[at..at + n].to_vec();
+                    let copy = bytes[start..start + n].to_vec();
                     let to = self.below(bytes.len());
                     bytes.splice(to..to, copy);
                 }
-                5 if self.below(4) == 0 => bytes.truncate(at.max(1)),
+                5 if self.below(4) == 0 => bytes.truncate(start.max(1)),
                 6 if !words.is_empty() => {
                     let word = words[self.below(words.len())];
-                    let end = at + self.below(2) * n.min(8);
-                    bytes.splice(at..end, word.bytes());
+                    let end = start + self.below(2) * n.min(8);
+                    bytes.splice(start..end, word.bytes());
                 }
-                _ => bytes[at] = self.next() as u8,
+                _ => bytes[start] = self.next() as u8,
             }
             if bytes.is_empty() {
                 bytes.push(0);
@@ -254,7 +254,7 @@ fn main() {
             .mapping
             .as_ref()
             .is_some_and(Mapping::takes_folders);
-        let found = read_log(if folders { &folder } else { &path }, &settings);
+        let logs = read_log(if folders { &folder } else { &path }, &settings);
         if runs.is_multiple_of(8) {
             let _ = inspect_with(&path, &settings);
             let _ = suggest_mapping(&path);
@@ -262,11 +262,11 @@ fn main() {
         let peak = PEAK.peak_usage().saturating_sub(before);
         most = most.max(peak);
         assert!(peak <= MOST_BYTES, "{peak} bytes for {}", path.display());
-        for drive in found.into_iter().flatten() {
+        for drive in logs.into_iter().flatten() {
             drives += 1;
             let ego = drive.recording.ego();
-            let mut all = ego.x_m.iter().chain(&ego.y_m).chain(&ego.speed_mps);
-            assert!(all.all(|v| v.is_finite()), "{}", path.display());
+            let mut values = ego.x_m.iter().chain(&ego.y_m).chain(&ego.speed_mps);
+            assert!(values.all(|v| v.is_finite()), "{}", path.display());
         }
         runs += 1;
         std::fs::remove_file(&path).unwrap();

@@ -80,17 +80,17 @@ fn main() {
     PEAK.reset_peak_usage();
     let before = PEAK.current_usage();
     let started = Instant::now();
-    let found = read_log(&path, &IngestSettings::default())
+    let log = read_log(&path, &IngestSettings::default())
         .unwrap()
         .remove(0);
     let peak = PEAK.peak_usage() - before;
     println!(
         "read: {} rows, {} tracks in {:.1} s, at most {:.1} MB at once; blake3 {}",
-        found.recording.rows(),
-        found.recording.others().len(),
+        log.recording.rows(),
+        log.recording.others().len(),
         started.elapsed().as_secs_f64(),
         peak as f64 / 1e6,
-        found.sources[0].blake3
+        log.sources[0].blake3
     );
     std::fs::remove_file(&path).unwrap();
 }

@@ -65,7 +65,7 @@ pub(crate) fn assemble(
         path: path.to_owned(),
         source,
     })?
-    .seen_by(target.sees.of(Sees {
+    .seen_by(target.sees.or_shown(Sees {
         // Of an only lane the vehicles beside are left out.
         beside: drive.sees.beside && !target.own_lane_only,
         lanes: drive.sees.lanes && !target.own_lane_only,
@@ -198,7 +198,8 @@ fn keep_seen(
 }
 
 fn ego_track(ego: &EgoSamples, grid: &Grid, length_m: f64, target: &Target<'_>) -> EgoTrack {
-    let column = |values: &[f64]| -> Vec<f64> { grid.rows.iter().map(|r| r.of(values)).collect() };
+    let column =
+        |values: &[f64]| -> Vec<f64> { grid.rows.iter().map(|r| r.interpolated(values)).collect() };
     EgoTrack {
         length_m,
         x_m: column(&ego.x_m),

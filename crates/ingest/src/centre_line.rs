@@ -25,14 +25,14 @@ impl<'a> CentreLine<'a> {
         let segments = points.len().saturating_sub(1);
         let bounds = (0..segments).step_by(BLOCK).map(|first| {
             let within = &points[first..=(first + BLOCK).min(segments)];
-            let of = |axis: usize, f: fn(f64, f64) -> f64, start| {
+            let extreme = |axis: usize, f: fn(f64, f64) -> f64, start| {
                 within.iter().map(|p| p[axis]).fold(start, f)
             };
             [
-                of(0, f64::min, f64::INFINITY),
-                of(1, f64::min, f64::INFINITY),
-                of(0, f64::max, f64::NEG_INFINITY),
-                of(1, f64::max, f64::NEG_INFINITY),
+                extreme(0, f64::min, f64::INFINITY),
+                extreme(1, f64::min, f64::INFINITY),
+                extreme(0, f64::max, f64::NEG_INFINITY),
+                extreme(1, f64::max, f64::NEG_INFINITY),
             ]
         });
         Self {
@@ -45,7 +45,7 @@ impl<'a> CentreLine<'a> {
     /// Way along the line and distance to its left of a place, both in m; the first and last segment go on for ever.
     pub(crate) fn place(&self, x_m: f64, y_m: f64) -> (f64, f64) {
         let last = self.points.len().saturating_sub(2);
-        let (mut nearest, mut found) = (f64::INFINITY, (f64::NAN, f64::NAN));
+        let (mut nearest, mut place) = (f64::INFINITY, (f64::NAN, f64::NAN));
         for (block, [x0, y0, x1, y1]) in self.bounds.iter().enumerate() {
             let (dx, dy) = (x_m - x_m.clamp(*x0, *x1), y_m - y_m.clamp(*y0, *y1));
             let first = block * BLOCK;
@@ -67,11 +67,11 @@ impl<'a> CentreLine<'a> {
                 let distance = libm::hypot(along - kept, left);
                 if distance < nearest {
                     nearest = distance;
-                    found = (self.way_m[i] + kept, distance.copysign(left));
+                    place = (self.way_m[i] + kept, distance.copysign(left));
                 }
             }
         }
-        found
+        place
     }
 
     /// Moves ego and the others into the frame of the road. Samples that are not finite stay so.

@@ -20,10 +20,13 @@ type Span = (i64, i64);
 /// the others, or its speeds, are on two clocks.
 pub(crate) fn one_clock(drive: &mut RawDrive) -> Option<&'static str> {
     let ego = &drive.ego;
-    let of_ego = Times::of(ego);
-    let (of_objects, of_speeds) = (Times::of(&drive.objects), Times::of(&drive.speeds));
-    let all = [&of_ego, &of_objects, &of_speeds];
-    if all.iter().any(|times| times.receipt_back) || ego.is_empty() {
+    let of_ego = Times::from_samples(ego);
+    let (of_objects, of_speeds) = (
+        Times::from_samples(&drive.objects),
+        Times::from_samples(&drive.speeds),
+    );
+    let clocks = [&of_ego, &of_objects, &of_speeds];
+    if clocks.iter().any(|times| times.receipt_back) || ego.is_empty() {
         // Receipt goes back as well: nothing is gained.
         return None;
     }
@@ -80,9 +83,9 @@ struct Times {
 
 impl Times {
     /// Of samples in the order of the file.
-    fn of(samples: &impl Timed) -> Self {
+    fn from_samples(samples: &impl Timed) -> Self {
         let none = (i64::MAX, i64::MIN);
-        let mut found = Self {
+        let mut times = Self {
             back: false,
             receipt_back: false,
             span: none,
@@ -90,12 +93,12 @@ impl Times {
         };
         let grow = |span: &mut Span, t: i64| *span = (span.0.min(t), span.1.max(t));
         for (&stamp, &log) in samples.stamps().iter().zip(samples.receipts()) {
-            found.back |= stamp < found.span.1.saturating_sub(SET_BACK_NS);
-            found.receipt_back |= log < found.receipt_span.1.saturating_sub(SET_BACK_NS);
-            grow(&mut found.span, stamp);
-            grow(&mut found.receipt_span, log);
+            times.back |= stamp < times.span.1.saturating_sub(SET_BACK_NS);
+            times.receipt_back |= log < times.receipt_span.1.saturating_sub(SET_BACK_NS);
+            grow(&mut times.span, stamp);
+            grow(&mut times.receipt_span, log);
         }
-        found
+        times
     }
 }
 

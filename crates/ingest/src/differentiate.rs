@@ -20,7 +20,7 @@ const MOST_SAMPLES: usize = 256;
 /// no speed. Poses alone do not tell reversing: the speed is positive.
 pub(crate) fn fill_speeds(ego: &mut EgoSamples, max_gap_s: f64) {
     let (stamp_ns, n) = (&ego.stamp_ns, ego.len());
-    let at = |i: usize| stamp_ns[i] as f64 / 1e9;
+    let time_s = |i: usize| stamp_ns[i] as f64 / 1e9;
     for i in 0..n {
         if !ego.speed_mps[i].is_nan() {
             continue;
@@ -28,16 +28,16 @@ pub(crate) fn fill_speeds(ego: &mut EgoSamples, max_gap_s: f64) {
         let mut first = i;
         while first > 0
             && i - first < MOST_SAMPLES
-            && at(first) - at(first - 1) <= max_gap_s
-            && (first == i || at(i) - at(first - 1) <= HALF_WINDOW_S)
+            && time_s(first) - time_s(first - 1) <= max_gap_s
+            && (first == i || time_s(i) - time_s(first - 1) <= HALF_WINDOW_S)
         {
             first -= 1;
         }
         let mut last = i;
         while last + 1 < n
             && last - i < MOST_SAMPLES
-            && at(last + 1) - at(last) <= max_gap_s
-            && (last == i || at(last + 1) - at(i) <= HALF_WINDOW_S)
+            && time_s(last + 1) - time_s(last) <= max_gap_s
+            && (last == i || time_s(last + 1) - time_s(i) <= HALF_WINDOW_S)
         {
             last += 1;
         }

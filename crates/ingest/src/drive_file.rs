@@ -4,7 +4,7 @@ use crate::{
     error::IngestError,
     parquet::{is_parquet, parquet_bytes, read_parquet},
     provenance::Provenance,
-    raw::mcap::metadata::{KEYS, Told, told_of},
+    raw::mcap::metadata::{KEYS, MetaValues, meta_entries},
 };
 use maveric_domain::{Drive, drive::Rows};
 use polars::prelude::{Column, DataFrame, DataType, PolarsError};
@@ -72,16 +72,18 @@ pub fn write_drive_to(
     provenance: &Provenance,
 ) -> Result<(), IngestError> {
     let (meta, road) = (drive.meta(), drive.road());
-    let told = told_of(
+    let of_drive = meta_entries(
         meta,
         road,
         drive.rate_hz(),
         drive.has_lateral(),
         drive.sees(),
     );
-    let own = [("version", VERSION.to_owned())].into_iter().chain(told);
-    let own = own.map(|(k, v)| (k.to_owned(), v));
-    let entries = own.chain(provenance.entries.iter().cloned());
+    let entries = [("version", VERSION.to_owned())]
+        .into_iter()
+        .chain(of_drive);
+    let entries = entries.map(|(k, v)| (k.to_owned(), v));
+    let entries = entries.chain(provenance.entries.iter().cloned());
     let entries = entries.map(|(k, v)| (format!("{PREFIX}{k}"), v)).collect();
     let failed = |reason: String| IngestError::WriteDrive {
         drive: meta.drive.to_string(),
@@ -103,17 +105,25 @@ pub fn read_drive_from(path: &Path) -> Result<(Drive, Provenance), IngestError> 
     }
     let file = read_parquet(bytes, None);
     let file = file.map_err(|why| bad(path, format!("cannot be read: {why}")))?;
-    let own = |(key, value): (String, String)| Some((key.strip_prefix(PREFIX)?.to_owned(), value));
-    let told: Vec<(String, String)> = file.metadata.into_iter().filter_map(own).collect();
+    let without_prefix =
+        |(key, value): (String, String)| Some((key.strip_prefix(PREFIX)?.to_owned(), value));
+    let values: Vec<(String, String)> = file
+        .metadata
+        .into_iter()
+        .filter_map(without_prefix)
+        .collect();
     let read = DriveFile {
         path,
-        entries: told.iter().cloned().collect(),
+        entries: values.iter().cloned().collect(),
         frame: file.frame,
         checked: file.checked,
     };
     let drive = read.drive()?;
-    let own = |key: &str| key == "version" || KEYS.contains(&key);
-    let entries = told.into_iter().filter(|(key, _)| !own(key)).collect();
+    let of_drive = |key: &str| key == "version" || KEYS.contains(&key);
+    let entries = values
+        .into_iter()
+        .filter(|(key, _)| !of_drive(key))
+        .collect();
     Ok((drive, Provenance { entries }))
 }
 
@@ -167,15 +177,15 @@ impl DriveFile<'_> {
             gap_behind_left_m: self.numbers("gap_behind_left_m")?,
             gap_behind_right_m: self.numbers("gap_behind_right_m")?,
         };
-        let told = Told {
+        let entries = MetaValues {
             path: self.path,
             values: &self.entries,
         };
-        let rate_hz = told.positive("rate_hz")?;
-        let drive = Drive::from_rows(told.meta()?, told.road()?, rate_hz, rows)
+        let rate_hz = entries.positive("rate_hz")?;
+        let drive = Drive::from_rows(entries.meta()?, entries.road()?, rate_hz, rows)
             .map_err(|e| self.bad(format!("is no drive: {e}")))?
-            .seen_by(told.sees()?);
-        Ok(if told.without_lateral() {
+            .seen_by(entries.sees()?);
+        Ok(if entries.without_lateral() {
             drive.without_lateral()
         } else {
             drive
@@ -187,8 +197,8 @@ impl DriveFile<'_> {
     }
 
     fn column(&self, name: &str) -> Result<&Column, IngestError> {
-        let found = self.frame.column(name);
-        found.map_err(|_| self.bad(format!("has no column `{name}`")))
+        let missing = |_| self.bad(format!("has no column `{name}`"));
+        self.frame.column(name).map_err(missing)
     }
 
     fn numbers(&self, name: &str) -> Result<Vec<Option<f64>>, IngestError> {

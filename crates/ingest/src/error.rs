@@ -69,7 +69,7 @@ pub enum IngestError {
     UnknownTopic {
         /// The file.
         path: PathBuf,
-        /// The topic.
+        /// The first of those that the mapping names.
         topic: String,
         /// The most similar topic there is.
         nearest: Option<String>,
@@ -79,7 +79,7 @@ pub enum IngestError {
     BadMetadata {
         /// The file.
         path: PathBuf,
-        /// The key.
+        /// Its key; of decisions, their topic.
         key: &'static str,
         /// What was found.
         found: String,
@@ -105,7 +105,7 @@ pub enum IngestError {
     UnknownColumn {
         /// The table.
         path: PathBuf,
-        /// The column.
+        /// As the mapping names it.
         column: String,
         /// The most similar column there is.
         nearest: Option<String>,
@@ -119,7 +119,7 @@ pub enum IngestError {
         path: PathBuf,
         /// Data row, counted from 1 below the header.
         row: usize,
-        /// The column.
+        /// Its name in the header.
         column: String,
         /// What was found.
         found: String,
@@ -210,7 +210,7 @@ pub enum IngestError {
     /// A drive that could not be written.
     #[error("could not write drive {drive}: {reason}")]
     WriteDrive {
-        /// The drive.
+        /// Its id.
         drive: String,
         /// Why.
         reason: String,

@@ -70,26 +70,26 @@ const UTF_8: &str = "save it again as CSV in UTF-8 (spreadsheets call it `CSV UT
 
 /// Why a text, or its beginning, cannot be read: what is wrong with its bytes, and what to do.
 pub(crate) fn foreign_text(text: &[u8]) -> Option<(String, &'static str)> {
-    let line = |at: usize| 1 + memchr::memchr_iter(b'\n', &text[..at]).count();
-    if let Some(at) = memchr::memchr(0, text) {
-        let found = format!("its line {} holds a zero byte, expected text", line(at));
-        return Some((found, UTF_8));
+    let line = |offset: usize| 1 + memchr::memchr_iter(b'\n', &text[..offset]).count();
+    if let Some(offset) = memchr::memchr(0, text) {
+        let flaw = format!("its line {} holds a zero byte, expected text", line(offset));
+        return Some((flaw, UTF_8));
     }
     if let Err(e) = std::str::from_utf8(text)
         && e.error_len().is_some()
     {
-        let at = e.valid_up_to();
-        let found = format!(
+        let offset = e.valid_up_to();
+        let flaw = format!(
             "its line {} holds the byte {:02x}, which is not UTF-8",
-            line(at),
-            text[at]
+            line(offset),
+            text[offset]
         );
-        return Some((found, UTF_8));
+        return Some((flaw, UTF_8));
     }
     let returns = || memchr::memchr(b'\r', text.trim_ascii_end()).is_some();
     (memchr::memchr(b'\n', text).is_none() && returns()).then(|| {
-        let found = "its lines end in a carriage return alone, expected a line feed";
-        (found.to_owned(), "save it again as CSV")
+        let flaw = "its lines end in a carriage return alone, expected a line feed";
+        (flaw.to_owned(), "save it again as CSV")
     })
 }
 

@@ -74,13 +74,13 @@ pub struct LogSummary {
 /// One channel of a recording.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct ChannelSummary {
-    /// Its topic.
+    /// As the recording names it, such as `/ego/odometry`.
     pub topic: String,
     /// The type of its messages.
     pub type_name: String,
     /// Encoding of its messages.
     pub encoding: String,
-    /// Encoding of its schema.
+    /// Such as `ros2msg`; empty without a schema.
     pub schema_encoding: String,
     /// Number of messages.
     pub messages: usize,
@@ -99,7 +99,7 @@ pub struct ChannelSummary {
 /// One column of a table.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct ColumnSummary {
-    /// Its name.
+    /// As in the header; behind its file's name where the log is a folder.
     pub name: String,
     /// `numbers`, `whole numbers` or `text`.
     pub kind: &'static str,
@@ -159,14 +159,14 @@ fn inspect_folder(path: &Path, settings: &IngestSettings) -> Result<LogSummary, 
     let mapping = settings.mapping.as_ref().and_then(|m| m.table.as_ref());
     let mapping = mapping.ok_or_else(no_mapping)?;
     let signals = mapping.layout.signals().ok_or_else(no_mapping)?;
-    let mut found = LogSummary {
+    let mut log_summary = LogSummary {
         format: LogFormat::Table,
         ..LogSummary::default()
     };
     for file in signals.files() {
-        let at = path.join(&file);
+        let file_path = path.join(&file);
         // A list of events may be empty.
-        if std::fs::metadata(&at).is_ok_and(|m| m.len() == 0) {
+        if std::fs::metadata(&file_path).is_ok_and(|m| m.len() == 0) {
             continue;
         }
         let of_file = signals
@@ -174,15 +174,17 @@ fn inspect_folder(path: &Path, settings: &IngestSettings) -> Result<LogSummary, 
             .into_iter()
             .filter(|signal| signal.file == file);
         let mapped: Vec<(String, String)> = of_file.flat_map(|signal| signal.columns).collect();
-        let (rows, columns) = table::columns_of_signal(&at, mapping.into(), &mapped)?;
-        found.rows += rows;
-        found.columns.extend(columns.into_iter().map(|mut column| {
-            column.name = format!("{file}: {}", column.name);
-            column
-        }));
+        let (rows, columns) = table::columns_of_signal(&file_path, mapping.into(), &mapped)?;
+        log_summary.rows += rows;
+        log_summary
+            .columns
+            .extend(columns.into_iter().map(|mut column| {
+                column.name = format!("{file}: {}", column.name);
+                column
+            }));
     }
-    table::with_mapping(path, settings, &mut found);
-    Ok(found)
+    table::with_mapping(path, settings, &mut log_summary);
+    Ok(log_summary)
 }
 
 fn inspect_mcap(path: &Path, given: &IngestSettings) -> Result<LogSummary, IngestError> {
@@ -195,16 +197,16 @@ fn inspect_mcap(path: &Path, given: &IngestSettings) -> Result<LogSummary, Inges
             .iter()
             .filter_map(|s| Some((s, s.taken.times.as_ref()?)))
     };
-    let all = || with_times().flat_map(|(_, times)| times.log_ns.iter().copied());
-    let (first, last) = (all().min(), all().max());
+    let receipts_ns = || with_times().flat_map(|(_, times)| times.log_ns.iter().copied());
+    let (first, last) = (receipts_ns().min(), receipts_ns().max());
     let mut channels: Vec<ChannelSummary> = with_times().map(|(s, t)| summary(s, t)).collect();
     channels.sort_by(|a, b| a.topic.cmp(&b.topic));
     let start = first.unwrap_or(0);
-    let mut found = LogSummary {
+    let mut log_summary = LogSummary {
         writer: collected.writer.clone(),
         drive: collected.metadata.get(metadata::NAME).cloned(),
         channels,
-        rows: all().count(),
+        rows: receipts_ns().count(),
         duration_s: first.zip(last).map(|(a, b)| (b - a) as f64 / 1e9),
         gaps: with_times()
             .flat_map(|(s, t)| gaps(&s.channel.topic, &t.log_ns, start))
@@ -226,25 +228,25 @@ fn inspect_mcap(path: &Path, given: &IngestSettings) -> Result<LogSummary, Inges
         Err(_) => String::new(),
     };
     let damage = parts.files.iter().zip(&collected.walked);
-    found.damage = damage
+    log_summary.damage = damage
         .flat_map(|(part, walked)| damage_warnings(part, &walked.damage, first))
         .chain(without_parts(path, &parts))
         .collect();
     // The only sure way to know what reading makes of it is to do it, with what was read.
-    found.would_ingest = match read_recording(path, &parts, collected, &settings) {
+    log_summary.would_ingest = match read_recording(path, &parts, collected, &settings) {
         Ok(drive) => {
             let rows = drive.recording.rows();
-            let said = drive.warnings.into_iter();
-            found
+            let warnings = drive.warnings.into_iter();
+            log_summary
                 .warnings
-                .extend(said.filter(|w| w.kind != WarningKind::Damage));
+                .extend(warnings.filter(|w| w.kind != WarningKind::Damage));
             let sees = drive.recording.sees();
-            found.sees = Some(sees);
+            log_summary.sees = Some(sees);
             format!("one drive of {rows} rows {what}{}", seen_in_words(sees))
         }
         Err(error) => format!("nothing: {error}"),
     };
-    Ok(found)
+    Ok(log_summary)
 }
 
 /// What a rig sees, as the end of a sentence; nothing where it sees everything.
@@ -257,15 +259,15 @@ pub(super) fn seen_in_words(sees: Sees) -> String {
 
 /// From which channels a drive would be, and on which terms.
 fn describe(collected: &Collected, choice: &Choice, damaged: bool) -> String {
-    let found = |i: usize| found_of(&collected.streams[i]);
-    let ego = found(choice.ego);
+    let stream = |i: usize| found_of(&collected.streams[i]);
+    let ego = stream(choice.ego);
     let speed = match ego.role {
         Ok(Some(Role::Pose | Role::Frames)) if choice.speed.is_none() => {
             ", its speed differentiated"
         }
         _ => "",
     };
-    let others = match choice.objects.map(found) {
+    let others = match choice.objects.map(stream) {
         Some(objects) => format!("the others from `{}`", objects.topic),
         None => "no other vehicles, so no lead vehicle".to_owned(),
     };

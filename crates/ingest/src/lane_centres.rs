@@ -99,12 +99,12 @@ fn driven(drive: &RawDrive, road: &Road) -> Result<Vec<f64>, String> {
     if centres.len() == expected {
         return Ok(centres);
     }
-    let found: Vec<String> = centres.iter().map(|c| format!("{c:.2}")).collect();
+    let rounded: Vec<String> = centres.iter().map(|c| format!("{c:.2}")).collect();
     Err(format!(
         "vehicles drove in {} lanes (around y = {} m), expected {expected} as in `road.lanes`: which of them they are is not \
          known, so give `lane_edges_m`",
         centres.len(),
-        found.join(", ")
+        rounded.join(", ")
     ))
 }
 

@@ -75,7 +75,7 @@ pub struct Mapping {
 pub struct RoadMapping {
     /// Number of lanes.
     pub lanes: u8,
-    /// Width of a lane, in m.
+    /// From marking to marking, in m; the same in every lane.
     pub lane_width_m: f64,
     /// Posted speed, in m/s: the lead speed that stands for a free road.
     pub posted_speed_mps: f64,
@@ -97,7 +97,7 @@ impl RoadMapping {
         right_lane_centre_y_m: 0.0,
     };
 
-    /// The road.
+    /// These lanes, their width and the posted speed, without the frame.
     pub fn road(&self) -> Road {
         Road {
             lanes: self.lanes,

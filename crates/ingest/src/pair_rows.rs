@@ -50,12 +50,12 @@ fn integrate(ego: &mut EgoSamples, objects: &mut ObjectSamples) {
         ego.x_m[i] = way_m;
     }
     // Without ego in its row nobody knows where the leader was.
-    let mut at = 0;
+    let mut ego_row = 0;
     objects.retain_mut(|o| {
-        while ego.get(at).is_some_and(|s| s.stamp_ns < o.stamp_ns) {
-            at += 1;
+        while ego.get(ego_row).is_some_and(|s| s.stamp_ns < o.stamp_ns) {
+            ego_row += 1;
         }
-        let row = ego.get(at).filter(|s| s.stamp_ns == o.stamp_ns);
+        let row = ego.get(ego_row).filter(|s| s.stamp_ns == o.stamp_ns);
         o.x_m += row.map_or(0.0, |s| s.x_m);
         row.is_some()
     });

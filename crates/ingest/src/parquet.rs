@@ -56,9 +56,9 @@ pub fn parquet_bytes(
         .set_parallel(false)
         .finish(frame)
         .map_err(|e| e.to_string())?;
-    let at = checksum_at(&bytes).ok_or("its checksum has no place in the file")?;
+    let start = checksum_at(&bytes).ok_or("its checksum has no place in the file")?;
     let sum = blake3::hash(&bytes).to_hex();
-    bytes[at..at + DIGITS].copy_from_slice(sum.as_bytes());
+    bytes[start..start + DIGITS].copy_from_slice(sum.as_bytes());
     Ok(bytes)
 }
 
@@ -69,8 +69,8 @@ fn checksum_at(bytes: &[u8]) -> Option<usize> {
     mark.extend([0x18, (BLAKE3.len() + DIGITS) as u8]);
     mark.extend(BLAKE3.as_bytes());
     let last = bytes.len().checked_sub(mark.len() + DIGITS)?;
-    let at = (0..=last).rev().find(|&i| bytes[i..].starts_with(&mark))?;
-    Some(at + mark.len())
+    let start = (0..=last).rev().find(|&i| bytes[i..].starts_with(&mark))?;
+    Some(start + mark.len())
 }
 
 /// Holds bytes against the checksum that they carry; false where they carry none.
@@ -110,16 +110,16 @@ pub fn read_parquet(bytes: Vec<u8>, columns: Option<&[String]>) -> Result<Parque
     let most = MOST_CELLS + CELLS_PER_BYTE * bytes.len() as u64;
     let read = move || -> Result<ParquetFile, String> {
         let mut reader = ParquetReader::new(Cursor::new(bytes));
-        let told = reader.get_metadata().map_err(|e| first_line(&e))?;
-        let entries = told.key_value_metadata().iter().flatten();
+        let footer = reader.get_metadata().map_err(|e| first_line(&e))?;
+        let entries = footer.key_value_metadata().iter().flatten();
         let metadata = entries
             .filter(|kv| kv.key != CHECKSUM)
             .filter_map(|kv| Some((kv.key.clone(), kv.value.clone()?)));
         let metadata = metadata.collect();
-        let groups = told.row_groups.iter();
+        let groups = footer.row_groups.iter();
         let rows = groups.map(|group| group.num_rows() as u64).sum::<u64>();
-        let rows = rows.max(told.num_rows as u64);
-        let width = columns.map_or(told.schema_descr.fields().len(), <[String]>::len) as u64;
+        let rows = rows.max(footer.num_rows as u64);
+        let width = columns.map_or(footer.schema_descr.fields().len(), <[String]>::len) as u64;
         if rows.saturating_mul(width) > most {
             return Err(format!(
                 "it announces {rows} rows of {width} column{}: expected at most {most} cells in a file of this size; write it in several files, or only the rows of the drive",

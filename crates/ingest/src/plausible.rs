@@ -29,16 +29,16 @@ const MOST_SHARE: f64 = 0.25;
 pub(crate) fn refuse_many(
     path: &Path,
     count: usize,
-    of: usize,
+    total: usize,
     what: &str,
 ) -> Result<(), IngestError> {
-    if of < ENOUGH || count as f64 <= MOST_SHARE * of as f64 {
+    if total < ENOUGH || count as f64 <= MOST_SHARE * total as f64 {
         return Ok(());
     }
     Err(IngestError::Implausible {
         path: path.to_owned(),
         count,
-        of,
+        of: total,
         what: what.to_owned(),
     })
 }
@@ -140,14 +140,14 @@ pub(crate) fn doubts(path: &Path, raw: &RawDrive) -> Vec<Warning> {
         }
     };
     let ego = &raw.ego;
-    // Of a sample and the next; a speed that is none is not told.
+    // Of a sample and the next; none where ego stands or its speed is missing.
     let ratio = |i: usize| {
         let dt = ego.stamp_ns[i + 1].saturating_sub(ego.stamp_ns[i]) as f64 / 1e9;
         let v = ego.speed_mps[i].abs();
-        let told = v > MOVING_MPS && dt > 0.0 && dt < 1.0;
+        let usable = v > MOVING_MPS && dt > 0.0 && dt < 1.0;
         let (dx, dy) = (ego.x_m[i + 1] - ego.x_m[i], ego.y_m[i + 1] - ego.y_m[i]);
         let moved = (dx * dx + dy * dy).sqrt();
-        (told && moved > 0.0).then(|| v * dt / moved)
+        (usable && moved > 0.0).then(|| v * dt / moved)
     };
     let ratios = || (0..ego.len().saturating_sub(1)).filter_map(ratio);
     let (least, most) = LENGTHS_M;

@@ -23,13 +23,13 @@ impl Provenance {
         mapping: Option<&Path>,
         settings: &IngestSettings,
     ) -> Result<Self, IngestError> {
-        let all = |text: fn(&Source) -> &str| {
+        let joined = |text: fn(&Source) -> &str| {
             let texts: Vec<&str> = sources.iter().map(text).collect();
             texts.join(" ")
         };
         let mut entries = vec![
-            ("source".to_owned(), all(|s| &s.name)),
-            ("source_blake3".to_owned(), all(|s| &s.blake3)),
+            ("source".to_owned(), joined(|s| &s.name)),
+            ("source_blake3".to_owned(), joined(|s| &s.blake3)),
         ];
         if let Some(mapping) = mapping {
             let (_, mapping) = Source::read(mapping)?;

@@ -217,16 +217,16 @@ pub(crate) fn format_of(path: &Path) -> Result<Format, IngestError> {
         return Ok(Format::Mcap);
     }
     if text && !head.contains(&0) {
-        let found = "it is a text, though its name ends in `.mcap`".to_owned();
+        let what = "it is a text, though its name ends in `.mcap`".to_owned();
         let advice = "give a table the name that it should have (`.csv`), and a mapping";
-        return Err(not_a_log(found, advice));
+        return Err(not_a_log(what, advice));
     }
     // What begins as a text.
     let printed = |b: &u8| !b.is_ascii_control() || b.is_ascii_whitespace();
     if head.iter().take(8).all(printed)
-        && let Some((found, advice)) = foreign_text(&head)
+        && let Some((what, advice)) = foreign_text(&head)
     {
-        return Err(not_a_log(found, advice));
+        return Err(not_a_log(what, advice));
     }
     let first = head.iter().take(8).map(|b| format!("{b:02x}"));
     let first = first.collect::<Vec<String>>().join(" ");

@@ -37,7 +37,7 @@ pub(crate) fn read_table(
     for part in parts {
         files.push((part.clone(), table::take(part, &mut sources)?));
     }
-    let told = told_by_columns(path, &files, mapping, columns)?;
+    let from_columns = captures_from_columns(path, &files, mapping, columns)?;
     let log = TableLog {
         path,
         files,
@@ -51,10 +51,16 @@ pub(crate) fn read_table(
         _ => None,
     };
     let mut left_out = LeftOut::default();
-    let mut found = Vec::new();
+    let mut logs = Vec::new();
     for drive in drives {
-        match ingested(path, drive, &told, settings, headed.unwrap_or(false)) {
-            Ok(drive) => found.push(Ingested {
+        match ingested(
+            path,
+            drive,
+            &from_columns,
+            settings,
+            headed.unwrap_or(false),
+        ) {
+            Ok(drive) => logs.push(Ingested {
                 sources: sources.clone(),
                 ..drive
             }),
@@ -63,13 +69,13 @@ pub(crate) fn read_table(
             Err(error) => return Err(error),
         }
     }
-    let Some(first) = found.first_mut() else {
+    let Some(first) = logs.first_mut() else {
         let what = "it has no vehicle with two rows that have time, number and position";
         let nobody = || IngestError::bad_table(path, what);
         return Err(left_out.first.unwrap_or_else(nobody));
     };
     first.warnings.extend(left_out.warnings(path));
-    Ok(found)
+    Ok(logs)
 }
 
 /// Makes the recording of one drive of a table; `headed` where its rows say headings in the world.
@@ -79,7 +85,7 @@ pub(crate) fn read_table(
 fn ingested(
     path: &Path,
     drive: TableDrive,
-    told: &[(String, String)],
+    from_columns: &[(String, String)],
     settings: &IngestSettings,
     headed: bool,
 ) -> Result<Ingested, IngestError> {
@@ -105,7 +111,7 @@ fn ingested(
         own_lane_only: road.lanes == 1 && !headed,
         ..world
     };
-    captures.extend_from_slice(told);
+    captures.extend_from_slice(from_columns);
     let names = mapping.and_then(|m| m.names.as_ref());
     let meta = meta_of(path, names, &captures, &mut warnings)?;
     let (recording, more) = assemble(path, raw, &target)?;
@@ -170,7 +176,7 @@ impl LeftOut {
 }
 
 /// What columns of the table say throughout, for the names of drives.
-fn told_by_columns(
+fn captures_from_columns(
     path: &Path,
     files: &[(PathBuf, Vec<u8>)],
     mapping: &Mapping,
@@ -185,16 +191,20 @@ fn told_by_columns(
         .map(|column| (column.as_str(), Kind::Word))
         .collect();
     let read = Table::open_all(files.to_vec(), table.into(), &wanted)?;
-    let mut told = Vec::new();
+    let mut captures = Vec::new();
     for (name, column) in &names.columns {
         let mut words: Vec<String> = read.words(column)?.into_iter().flatten().collect();
         words.sort();
         words.dedup();
         match words.as_slice() {
-            [one] => told.push((name.clone(), one.clone())),
+            [one] => captures.push((name.clone(), one.clone())),
             words => {
-                let found = words.join(", ");
-                let held = if found.is_empty() { "nothing" } else { &found };
+                let listed = words.join(", ");
+                let held = if listed.is_empty() {
+                    "nothing"
+                } else {
+                    &listed
+                };
                 let what =
                     "expected one word throughout a file: the names of drives take it from there";
                 let what = format!("column `{column}` holds {held}, {what}");
@@ -202,5 +212,5 @@ fn told_by_columns(
             }
         }
     }
-    Ok(told)
+    Ok(captures)
 }

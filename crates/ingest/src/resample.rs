@@ -20,7 +20,7 @@ pub(crate) struct Row {
 
 impl Row {
     /// The row's value of a column of samples.
-    pub(crate) fn of(&self, values: &[f64]) -> f64 {
+    pub(crate) fn interpolated(&self, values: &[f64]) -> f64 {
         let a = values[self.before];
         if self.weight > 0.0 {
             a + self.weight * (values[self.before + 1] - a)
@@ -105,15 +105,15 @@ pub(crate) fn grid(time_s: &[f64], rate_hz: f64, max_gap_s: f64) -> Grid {
 impl Grid {
     /// Leaves out the rows that another grid has not; a segment begins where either has one.
     pub(crate) fn keep(&mut self, seen: &Self) {
-        let mut at = 0;
+        let mut index = 0;
         // Segments of the last row that was kept, here and there.
         let mut last: Option<(u32, u32)> = None;
         let mut segment = 0;
         self.rows.retain_mut(|row| {
-            while seen.rows.get(at).is_some_and(|s| s.tick < row.tick) {
-                at += 1;
+            while seen.rows.get(index).is_some_and(|s| s.tick < row.tick) {
+                index += 1;
             }
-            let Some(there) = seen.rows.get(at).filter(|s| s.tick == row.tick) else {
+            let Some(there) = seen.rows.get(index).filter(|s| s.tick == row.tick) else {
                 return false;
             };
             let now = (row.segment, there.segment);
@@ -146,7 +146,7 @@ pub(crate) fn speeds(
     let row = |row: &Row| {
         let run = runs.around(row.before);
         let mean = filter.mean(values, run, row);
-        mean.unwrap_or_else(|| row.of(values))
+        mean.unwrap_or_else(|| row.interpolated(values))
     };
     grid.rows.iter().map(row).collect()
 }
@@ -198,22 +198,22 @@ impl<'a> Filter<'a> {
             return None;
         }
         let before = self.stamp_ns[row.before];
-        let at = match self.stamp_ns.get(row.before + 1) {
+        let time_ns = match self.stamp_ns.get(row.before + 1) {
             Some(next) if row.weight > 0.0 => {
                 before + (row.weight * (next - before) as f64).round() as i64
             }
             _ => before,
         };
-        let half_ns = self.widest_ns.min(at - from).min(to - at);
+        let half_ns = self.widest_ns.min(time_ns - from).min(to - time_ns);
         if half_ns as f64 <= step_ns {
             return None;
         }
         // Both ends of the window only ever move on.
         let (mut start, mut end) = (self.window.0.max(first), self.window.1.max(first));
-        while self.stamp_ns[start] < at - half_ns {
+        while self.stamp_ns[start] < time_ns - half_ns {
             start += 1;
         }
-        while end <= last && self.stamp_ns[end] <= at + half_ns {
+        while end <= last && self.stamp_ns[end] <= time_ns + half_ns {
             end += 1;
         }
         self.window = (start, end);
@@ -225,13 +225,13 @@ impl<'a> Filter<'a> {
         if half_ns < self.widest_ns {
             let narrow = |steps: f64| kernel(steps, half_ns as f64 * a_ns);
             let mut pattern = Pattern::default();
-            pattern.become_of(around, at, inner, a_ns, narrow);
+            pattern.become_of(around, time_ns, inner, a_ns, narrow);
             return pattern.mean(values);
         }
-        let alike = self.known.iter().position(|p| p.is(around, at));
+        let alike = self.known.iter().position(|p| p.is(around, time_ns));
         let known = alike.unwrap_or_else(|| {
             self.oldest = (self.oldest + 1) % PATTERNS;
-            self.known[self.oldest].become_of(around, at, inner, a_ns, at_full_width);
+            self.known[self.oldest].become_of(around, time_ns, inner, a_ns, at_full_width);
             self.oldest
         });
         self.known[known].mean(values)
@@ -319,12 +319,12 @@ static FULL_WIDTH: LazyLock<Vec<[f64; 4]>> = LazyLock::new(|| {
 
 /// [`kernel`] at its full width.
 fn at_full_width(steps: f64) -> f64 {
-    let at = steps.abs() * PIECES as f64;
-    let piece = at as usize;
+    let scaled = steps.abs() * PIECES as f64;
+    let piece = scaled as usize;
     let Some([a, b, c, d]) = FULL_WIDTH.get(piece) else {
         return 0.0;
     };
-    let x = at - piece as f64;
+    let x = scaled - piece as f64;
     a + x * (b + x * (c + x * d))
 }
 
@@ -531,6 +531,6 @@ mod tests {
         ];
         assert_eq!(ticks, expected);
         assert_eq!(grid.holes_s, [(0.5, 2.0)]);
-        assert!((grid.rows[3].of(&time) - 0.3).abs() < 1e-12);
+        assert!((grid.rows[3].interpolated(&time) - 0.3).abs() < 1e-12);
     }
 }

@@ -11,7 +11,6 @@ use maveric_domain::Road;
 /// How the samples of a drive become a recording.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Target<'a> {
-    /// The road.
     pub(crate) road: Road,
     /// How the log's frame lies to it.
     pub(crate) frame: FrameKind,

@@ -141,29 +141,29 @@ fn stays(
     tracks: &mut Vec<ObjectTrack>,
 ) {
     let (rate_hz, max_gap_s) = (target.rate_hz, target.max_gap_s);
-    let own = grid(&seconds(&samples.stamp_ns), rate_hz, max_gap_s);
+    let vehicle_grid = grid(&seconds(&samples.stamp_ns), rate_hz, max_gap_s);
     let (stamp_ns, speed) = (&samples.stamp_ns, &samples.speed_mps);
-    let speed_mps = speeds(stamp_ns, speed, &own, rate_hz, max_gap_s);
+    let speed_mps = speeds(stamp_ns, speed, &vehicle_grid, rate_hz, max_gap_s);
     let mut current: Option<(ObjectTrack, u32)> = None;
-    let mut at = 0;
-    for (i, (row, speed_mps)) in own.rows.iter().zip(speed_mps).enumerate() {
+    let mut ego_row = 0;
+    for (i, (row, speed_mps)) in vehicle_grid.rows.iter().zip(speed_mps).enumerate() {
         // Ego's rows and the vehicle's are both rising: walk them side by side.
-        while ego.rows.get(at).is_some_and(|e| e.tick < row.tick) {
-            at += 1;
+        while ego.rows.get(ego_row).is_some_and(|e| e.tick < row.tick) {
+            ego_row += 1;
         }
-        if ego.rows.get(at).is_none_or(|e| e.tick != row.tick) {
+        if ego.rows.get(ego_row).is_none_or(|e| e.tick != row.tick) {
             continue;
         }
         let goes_on = current
             .as_ref()
-            .is_some_and(|(t, s)| *s == row.segment && t.first_row + t.x_m.len() == at);
+            .is_some_and(|(t, s)| *s == row.segment && t.first_row + t.x_m.len() == ego_row);
         if !goes_on {
-            let rest = own.rows[i..].partition_point(|r| r.segment == row.segment);
-            let rows = rest.min(ego.rows.len() - at);
+            let rest = vehicle_grid.rows[i..].partition_point(|r| r.segment == row.segment);
+            let rows = rest.min(ego.rows.len() - ego_row);
             let fresh = ObjectTrack {
                 id: VehicleId(id),
                 length_m: samples.length_m(row.before).unwrap_or(CAR_LENGTH_M),
-                first_row: at,
+                first_row: ego_row,
                 x_m: Vec::with_capacity(rows),
                 y_m: Vec::with_capacity(rows),
                 speed_mps: Vec::with_capacity(rows),
@@ -171,11 +171,11 @@ fn stays(
             tracks.extend(current.replace((fresh, row.segment)).map(|(t, _)| t));
         }
         if let Some((track, _)) = &mut current {
-            track.x_m.push(row.of(&samples.x_m));
+            track.x_m.push(row.interpolated(&samples.x_m));
             track.y_m.push(if target.lane_steps {
                 row.held(&samples.y_m)
             } else {
-                row.of(&samples.y_m)
+                row.interpolated(&samples.y_m)
             });
             track.speed_mps.push(speed_mps);
         }

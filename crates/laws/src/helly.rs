@@ -33,7 +33,7 @@ impl Gains {
 /// stop.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Helly {
-    /// The gains.
+    /// How hard it steers to the leader's speed and to the wanted gap.
     pub gains: Gains,
     /// Wanted gap at standstill, as the line has it, in m.
     pub standstill_gap_m: f64,

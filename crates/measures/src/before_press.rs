@@ -38,7 +38,7 @@ pub fn press_moments(drive: &Drive, presses_s: &[f64]) -> Vec<PressMoment> {
     let soon_after = |t: f64| presses.iter().any(|p| *p < t && t - p <= AFTER_S);
     let counted = presses.iter().copied();
     let counted: Vec<f64> = counted.filter(|t| in_time(*t) && !soon_after(*t)).collect();
-    let exposures = Exposures::of(drive);
+    let exposures = Exposures::from_drive(drive);
     let mut moments = Vec::new();
     for second in 0..end_s.floor() as u32 {
         let start_s = f64::from(second);
@@ -66,7 +66,7 @@ pub fn seconds_of(drive: &Drive) -> Vec<PressMoment> {
     let time_s = &drive.rows().time_s;
     let ends = time_s.first().zip(time_s.last());
     let seconds = ends.map_or(0.0, |(first, last)| last - first).floor() as u32;
-    let exposures = Exposures::of(drive);
+    let exposures = Exposures::from_drive(drive);
     let second = |second| {
         let middle_s = f64::from(second) + 0.5;
         let minute = (middle_s / MINUTE_S) as u32;
@@ -86,7 +86,7 @@ struct Exposures<'a> {
 }
 
 impl<'a> Exposures<'a> {
-    fn of(drive: &'a Drive) -> Self {
+    fn from_drive(drive: &'a Drive) -> Self {
         let rows = drive.rows();
         let along = derivatives(drive, &rows.ego_speed_mps, BORDER_HZ);
         let (acceleration, jerk) = along.map_or((None, None), |[a, j]| (Some(a), Some(j)));

@@ -37,7 +37,7 @@ pub enum MeasureError {
         moment: Moment,
         /// The scale's id.
         scale: String,
-        /// The item.
+        /// Its number in the scale.
         item: u32,
         /// Number of items of the scale.
         items: u32,
@@ -53,7 +53,7 @@ pub enum MeasureError {
         moment: Moment,
         /// The scale's id.
         scale: String,
-        /// The item.
+        /// Its number in the scale.
         item: u32,
         /// The answer.
         found: i32,
@@ -69,7 +69,7 @@ pub enum MeasureError {
         moment: Moment,
         /// The scale's id.
         scale: String,
-        /// The item.
+        /// Its number in the scale.
         item: u32,
     },
 }

@@ -32,7 +32,7 @@ pub type Window = [f64; FEATURES];
 pub fn windows(drive: &Drive) -> Vec<Window> {
     let rows = drive.rows();
     let length = ((WINDOW_S * drive.rate_hz()).round() as usize).max(1);
-    let mut found = Vec::new();
+    let mut windows = Vec::new();
     let mut start = 0;
     while start + length <= drive.len() {
         let end = start + length;
@@ -40,15 +40,15 @@ pub fn windows(drive: &Drive) -> Vec<Window> {
             start = cut;
             continue;
         }
-        found.push(window(drive, start..end));
+        windows.push(window(drive, start..end));
         start = end;
     }
-    found
+    windows
 }
 
-fn window(drive: &Drive, at: Range<usize>) -> Window {
+fn window(drive: &Drive, range: Range<usize>) -> Window {
     let rows = drive.rows();
-    let n = at.len() as f64;
+    let n = range.len() as f64;
     let half = 0.5 * drive.road().lane_width_m;
     let gap = |row: usize| {
         let speed = rows.ego_speed_mps[row];
@@ -64,7 +64,7 @@ fn window(drive: &Drive, at: Range<usize>) -> Window {
     };
     let apart = ((0.5 * drive.rate_hz()).round() as usize).max(1);
     let step_s = apart as f64 / drive.rate_hz();
-    let speeds: Vec<f64> = at
+    let speeds: Vec<f64> = range
         .clone()
         .step_by(apart)
         .map(|r| rows.ego_speed_mps[r])
@@ -78,11 +78,11 @@ fn window(drive: &Drive, at: Range<usize>) -> Window {
     };
     let acceleration = differences(&speeds);
     [
-        at.clone().map(|r| rows.ego_speed_mps[r]).sum::<f64>() / n,
-        at.clone().map(gap).sum::<f64>() / n,
+        range.clone().map(|r| rows.ego_speed_mps[r]).sum::<f64>() / n,
+        range.clone().map(gap).sum::<f64>() / n,
         root(&acceleration),
         root(&differences(&acceleration)),
-        at.map(|r| rows.ego_y_m[r]).sum::<f64>() / n,
+        range.map(|r| rows.ego_y_m[r]).sum::<f64>() / n,
     ]
 }
 
@@ -93,11 +93,11 @@ pub struct Spread([Option<f64>; FEATURES]);
 impl Spread {
     /// Over all windows of `drives`; 1 for a number that does not vary.
     pub fn of<'a>(drives: impl Iterator<Item = &'a [Window]>) -> Self {
-        let all: Vec<&Window> = drives.flatten().collect();
-        let n = all.len().max(1) as f64;
+        let windows: Vec<&Window> = drives.flatten().collect();
+        let n = windows.len().max(1) as f64;
         Self(std::array::from_fn(|k| {
-            let mean = all.iter().map(|w| w[k]).sum::<f64>() / n;
-            let sd = (all.iter().map(|w| (w[k] - mean).powi(2)).sum::<f64>() / n).sqrt();
+            let mean = windows.iter().map(|w| w[k]).sum::<f64>() / n;
+            let sd = (windows.iter().map(|w| (w[k] - mean).powi(2)).sum::<f64>() / n).sqrt();
             Some(if sd > 1e-9 { sd } else { 1.0 })
         }))
     }
@@ -120,8 +120,8 @@ impl Spread {
     }
 
     fn square(&self, a: &Window, b: &Window) -> f64 {
-        let of = |k: usize| Some(((a[k] - b[k]) / self.0[k]?).powi(2));
-        (0..FEATURES).filter_map(of).sum()
+        let term = |k: usize| Some(((a[k] - b[k]) / self.0[k]?).powi(2));
+        (0..FEATURES).filter_map(term).sum()
     }
 }
 
@@ -177,15 +177,15 @@ pub fn discrepancy(
         }
     }
     let mut first: Vec<bool> = (0..size).map(|i| i < m).collect();
-    let found = mmd2(&kernel, &first, m, n);
+    let observed = mmd2(&kernel, &first, m, n);
     let mut rng = Pcg64Mcg::seed_from_u64(stream_seed(seed, &["likeness", "permutations"]));
     let mut as_far = 0;
     for _ in 0..permutations {
         first.shuffle(&mut rng);
-        as_far += usize::from(mmd2(&kernel, &first, m, n) >= found);
+        as_far += usize::from(mmd2(&kernel, &first, m, n) >= observed);
     }
     Some(Discrepancy {
-        mmd2: found,
+        mmd2: observed,
         p: (permutations > 0).then(|| (as_far + 1) as f64 / (permutations + 1) as f64),
         divergence: divergence(&squares, m, n, spread.columns()),
     })
@@ -210,14 +210,14 @@ fn mmd2(kernel: &[f64], first: &[bool], m: usize, n: usize) -> f64 {
 /// ln of the ratio of densities at each of the first `m`, by the distance to the fifth neighbour among either set.
 fn divergence(squares: &[f64], m: usize, n: usize, columns: usize) -> f64 {
     let size = m + n;
-    let fifth = |mut found: Vec<f64>| {
-        let (_, square, _) = found.select_nth_unstable_by(NEIGHBOUR - 1, f64::total_cmp);
+    let fifth = |mut squares: Vec<f64>| {
+        let (_, square, _) = squares.select_nth_unstable_by(NEIGHBOUR - 1, f64::total_cmp);
         square.sqrt().max(LEAST_DISTANCE)
     };
     let ratio = |i: usize| {
         let line = &squares[i * size..(i + 1) * size];
-        let own = (0..m).filter(|&j| j != i).map(|j| line[j]).collect();
-        libm::log(fifth(line[m..].to_vec()) / fifth(own))
+        let within = (0..m).filter(|&j| j != i).map(|j| line[j]).collect();
+        libm::log(fifth(line[m..].to_vec()) / fifth(within))
     };
     let mean = (0..m).map(ratio).sum::<f64>() / m as f64;
     columns as f64 * mean + libm::log(n as f64 / (m as f64 - 1.0))

@@ -20,8 +20,8 @@ fn main() -> Result<(), ModelError> {
     let trained = train(&given, &params, 1, &mut |_| ControlFlow::Continue(()))?;
     let axis = LinearHead::aggression(&trained.model)?;
     for ((drive, embedding), (_, adb)) in trained.embeddings.iter().zip(&recorded) {
-        let (said, read) = (adb.points(), axis.read(embedding)?);
-        println!("{drive}: {said:.0} points said, {read:.0} read");
+        let (stated, read) = (adb.points(), axis.read(embedding)?);
+        println!("{drive}: {stated:.0} points said, {read:.0} read");
     }
 
     let habits = drives::Habits {
@@ -35,12 +35,12 @@ fn main() -> Result<(), ModelError> {
     println!("new driver: known to {sd:.2} SD of drivers along aggression");
     for points in [-15.0, 0.0, 15.0] {
         let moved = axis.shift(&fit.embedding, points)?;
-        let own = Habits::new(&trained.model, &moved.embedding)?;
+        let moved_habits = Habits::new(&trained.model, &moved.embedding)?;
         println!(
             "{points:+3} points: S reads {:.0}, {:.1} m/s, merges back {:.2} s ahead",
             moved.to_points,
-            own.free_speed_mps(None).unwrap_or_default(),
-            own.merge_back_s().unwrap_or_default()
+            moved_habits.free_speed_mps(None).unwrap_or_default(),
+            moved_habits.merge_back_s().unwrap_or_default()
         );
     }
     Ok(())

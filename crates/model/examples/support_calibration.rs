@@ -26,9 +26,9 @@ fn drive(scenario: &Scenario, people: &People, seed: u64, person: usize) -> Resu
         spacing: normal(),
         pace: normal(),
     };
-    let of = |what: &str| stream_seed(seed, &[what, &name]);
-    let who = people.draw(&traits, of("person"), of("day"));
-    let driven = rollout(scenario, Driver::from(&who), of("world"))?;
+    let seed_of = |what: &str| stream_seed(seed, &[what, &name]);
+    let who = people.draw(&traits, seed_of("person"), seed_of("day"));
+    let driven = rollout(scenario, Driver::from(&who), seed_of("world"))?;
     let meta = DriveMeta::named(
         format!("p{person}-own"),
         format!("p{person}"),
@@ -40,7 +40,7 @@ fn drive(scenario: &Scenario, people: &People, seed: u64, person: usize) -> Resu
 
 fn main() -> Result<(), Failure> {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
-    let [learned, heads, from, of] = &arguments[..] else {
+    let [learned, heads, from, fresh_source] = &arguments[..] else {
         return Err("give: PEOPLE linear|paper LEARNED FRESH".into());
     };
     let learned: usize = learned.parse()?;
@@ -51,7 +51,7 @@ fn main() -> Result<(), Failure> {
             path => toml::from_str(&std::fs::read_to_string(path)?)?,
         })
     };
-    let (learned_from, fresh_of) = (people(from)?, people(of)?);
+    let (learned_from, fresh_of) = (people(from)?, people(fresh_source)?);
     let settings = TrainSettings {
         heads: heads.parse::<HeadsKind>()?,
         ..TrainSettings::default()
@@ -60,7 +60,7 @@ fn main() -> Result<(), Failure> {
     let results: Vec<Vec<(f64, Option<String>, usize)>> = (0..trainings as u64)
         .into_par_iter()
         .map(|training| {
-            let all: Vec<Drive> = (0..2 * learned)
+            let drives: Vec<Drive> = (0..2 * learned)
                 .map(|person| {
                     let people = if person < learned {
                         &learned_from
@@ -70,7 +70,7 @@ fn main() -> Result<(), Failure> {
                     drive(&scenario, people, 1000 + training, person)
                 })
                 .collect::<Result<_, Failure>>()?;
-            let (from, fresh) = all.split_at(learned);
+            let (from, fresh) = drives.split_at(learned);
             let given: Vec<TrainingDrive<'_>> = from
                 .iter()
                 .map(|drive| TrainingDrive { drive, adb: None })
@@ -99,7 +99,7 @@ fn main() -> Result<(), Failure> {
         .map(|(i, p)| (p - i as f64 / n).abs().max((p - (i + 1) as f64 / n).abs()));
     let beyond: Vec<&String> = rows.iter().filter_map(|r| r.1.as_ref()).collect();
     println!(
-        "{heads} heads learned from {learned} of {from}, {n} fresh people of {of}: D = {:.3}, beyond {} {beyond:?}",
+        "{heads} heads learned from {learned} of {from}, {n} fresh people of {fresh_source}: D = {:.3}, beyond {} {beyond:?}",
         distance.fold(0.0, f64::max),
         beyond.len()
     );

@@ -16,12 +16,15 @@ fn main() -> Result<(), Box<dyn Error>> {
     let path = std::env::args().nth(1).unwrap_or(shipped.to_owned());
     let text = std::fs::read_to_string(&path).map_err(|e| format!("{path}: {e}"))?;
     let mut lines_of: BTreeMap<&str, Vec<Vec<&str>>> = BTreeMap::new();
-    for (at, line) in text.lines().enumerate().skip(1) {
+    for (index, line) in text.lines().enumerate().skip(1) {
         let cells: Vec<&str> = line.split(',').collect();
         if cells.len() != 9 {
-            return Err(
-                format!("{path}: line {}: {} cells, expected 9", at + 1, cells.len()).into(),
-            );
+            return Err(format!(
+                "{path}: line {}: {} cells, expected 9",
+                index + 1,
+                cells.len()
+            )
+            .into());
         }
         lines_of.entry(cells[0]).or_default().push(cells);
     }

@@ -67,30 +67,30 @@ pub fn variants(base: &TrainSettings, sizes: &[usize], windows_s: &[f64]) -> Vec
     };
     let networks =
         |name: String, change: &dyn Fn(&mut TrainSettings)| learned(name, HeadsKind::Paper, change);
-    let mut all = vec![networks(format!("size {}", base.embedding_size), &|_| {})];
+    let mut variants = vec![networks(format!("size {}", base.embedding_size), &|_| {})];
     for &size in sizes.iter().filter(|&&s| s != base.embedding_size) {
-        all.push(networks(format!("size {size}"), &|s| {
+        variants.push(networks(format!("size {size}"), &|s| {
             s.embedding_size = size;
         }));
     }
-    all.push(networks("without M (no L5)".to_owned(), &|s| {
+    variants.push(networks("without M (no L5)".to_owned(), &|s| {
         s.loss_weights.mutual_information = 0.0;
     }));
-    all.push(networks("without S (no L4)".to_owned(), &|s| {
+    variants.push(networks("without S (no L4)".to_owned(), &|s| {
         s.loss_weights.aggression = 0.0;
     }));
-    all.push(networks("Gaussian L5".to_owned(), &|s| {
+    variants.push(networks("Gaussian L5".to_owned(), &|s| {
         s.mutual_information_loss = crate::MutualInformationLoss::GaussianLikelihood;
     }));
     for &window_s in windows_s {
-        all.push(networks(format!("window {window_s} s"), &|s| {
+        variants.push(networks(format!("window {window_s} s"), &|s| {
             s.window_s = window_s;
         }));
     }
-    all.push(networks("without w".to_owned(), &|s| {
+    variants.push(networks("without w".to_owned(), &|s| {
         s.embedding_learning_rate = 0.0;
     }));
-    all.push(learned(
+    variants.push(learned(
         "linear heads".to_owned(),
         HeadsKind::Linear,
         &|_| {},
@@ -100,11 +100,11 @@ pub fn variants(base: &TrainSettings, sizes: &[usize], windows_s: &[f64]) -> Vec
         ("own means", VariantKind::OwnMeans),
         ("own time gap", VariantKind::OwnTimeGap),
     ];
-    all.extend(baselines.map(|(name, kind)| Variant {
+    variants.extend(baselines.map(|(name, kind)| Variant {
         name: name.to_owned(),
         kind,
     }));
-    all
+    variants
 }
 
 /// How the drivers are split.
@@ -129,7 +129,7 @@ impl Default for AblationSettings {
 /// One variant on every drive.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct VariantResult {
-    /// Its name.
+    /// Name of the [`Variant`].
     pub name: String,
     /// Drives in the order given; `None`: too short to be known and judged.
     pub of_each: Vec<Option<HeldOut>>,
@@ -140,7 +140,7 @@ pub struct VariantResult {
 pub struct Ablated {
     /// The drives, in the order given.
     pub drives: Vec<DriveId>,
-    /// The settings.
+    /// Folds of drivers, and which share of an unseen drive is known.
     pub settings: AblationSettings,
     /// The variants; the first is the one that the others are compared with.
     pub variants: Vec<VariantResult>,
@@ -181,10 +181,10 @@ pub fn ablate(
             let with_folds = || drives.iter().zip(&fold_of);
             let seen = with_folds().filter(|(_, f)| **f != fold);
             let seen: Vec<TrainingDrive<'_>> = seen.map(|(d, _)| *d).collect();
-            let judge = Judge::of(&variant.kind, &seen, seed)?;
-            for ((drive, of_fold), found) in with_folds().zip(&mut of_each) {
+            let judge = Judge::train(&variant.kind, &seen, seed)?;
+            for ((drive, of_fold), result) in with_folds().zip(&mut of_each) {
                 if *of_fold == fold {
-                    *found = judge.held_out(drive.drive, known)?;
+                    *result = judge.held_out(drive.drive, known)?;
                 }
             }
         }
@@ -240,7 +240,11 @@ enum Knows {
 }
 
 impl Judge {
-    fn of(kind: &VariantKind, seen: &[TrainingDrive<'_>], seed: u64) -> Result<Self, ModelError> {
+    fn train(
+        kind: &VariantKind,
+        seen: &[TrainingDrive<'_>],
+        seed: u64,
+    ) -> Result<Self, ModelError> {
         let settings = match kind {
             VariantKind::Learned(settings) => (**settings).clone(),
             _ => TrainSettings::default(),
@@ -249,16 +253,16 @@ impl Judge {
         for drive in seen {
             of_each.extend(long_enough(drive.drive, &settings)?);
         }
-        let weights = RowWeights::of(of_each.iter().flatten());
-        let own = || OwnMeans::of(&of_each, &weights);
+        let weights = RowWeights::from_rows(of_each.iter().flatten());
+        let own_means = || OwnMeans::learn(&of_each, &weights);
         let learned = match kind {
             VariantKind::Learned(settings) => {
                 let go_on = &mut |_: &_| ControlFlow::Continue(());
                 Knows::Model(Box::new(train(seen, settings, seed, go_on)?.model))
             }
-            VariantKind::LinearWindows => Knows::Linear(LinearWindows::of(&of_each, &weights)),
-            VariantKind::OwnMeans => Knows::Means(own()),
-            VariantKind::OwnTimeGap => Knows::TimeGap(own()),
+            VariantKind::LinearWindows => Knows::Linear(LinearWindows::learn(&of_each, &weights)),
+            VariantKind::OwnMeans => Knows::Means(own_means()),
+            VariantKind::OwnTimeGap => Knows::TimeGap(own_means()),
         };
         Ok(Self {
             settings,
@@ -273,12 +277,12 @@ impl Judge {
         let Some((known, unseen)) = cut(&rows, known_share) else {
             return Ok(None);
         };
-        let said = match &self.learned {
+        let predictions = match &self.learned {
             Knows::Model(model) => match model.kind() {
                 HeadsKind::Linear => {
                     let fit = Personalizer::of_first(model, known_share)?.fit(drive, None)?;
                     let habits = Habits::new(model, &fit.embedding)?;
-                    said(&habits, drive.road().posted_speed_mps, unseen)
+                    predict(&habits, drive.road().posted_speed_mps, unseen)
                 }
                 HeadsKind::Paper => {
                     let (paper, mean) = (model.paper()?, model.mean_embedding().coordinates());
@@ -291,11 +295,11 @@ impl Judge {
                 }
             },
             Knows::Linear(linear) => linear.say(known, unseen),
-            Knows::Means(own) => vec![own.say(known); unseen.len()],
-            Knows::TimeGap(own) => unseen.iter().map(|r| own.by_time_gap(known, r)).collect(),
+            Knows::Means(means) => vec![means.say(known); unseen.len()],
+            Knows::TimeGap(means) => unseen.iter().map(|r| means.by_time_gap(known, r)).collect(),
         };
-        Ok(Some(HeldOut::of(
-            said.into_iter().zip(unseen),
+        Ok(Some(HeldOut::from_predictions(
+            predictions.into_iter().zip(unseen),
             &self.weights,
         )))
     }
@@ -311,10 +315,10 @@ fn long_enough(drive: &Drive, settings: &TrainSettings) -> Result<Option<Vec<Row
 
 /// What a driver's habits say of rows: the own gap while following, and the own free speed or, behind somebody nearer than that
 /// gap, theirs.
-fn said(habits: &Habits, posted_mps: f64, rows: &[Row]) -> Vec<Said> {
+fn predict(habits: &Habits, posted_mps: f64, rows: &[Row]) -> Vec<Said> {
     let free_mps = habits.free_speed_mps(Some(posted_mps));
     let gap_m = |lead_mps: f64| Some(habits.following_gap_s(free_mps?, lead_mps)? * lead_mps);
-    let of = |row: &Row| Said {
+    let prediction = |row: &Row| Said {
         following_distance_m: gap_m(row.lead_speed_mps),
         log_odds: None,
         speed_mps: free_mps.map(|v| match row.following_distance_m {
@@ -322,7 +326,7 @@ fn said(habits: &Habits, posted_mps: f64, rows: &[Row]) -> Vec<Said> {
             None => v,
         }),
     };
-    rows.iter().map(of).collect()
+    rows.iter().map(prediction).collect()
 }
 
 #[cfg(test)]

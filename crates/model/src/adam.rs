@@ -30,9 +30,9 @@ impl Adam {
         let rate = (rate / correction(FIRST_DECAY)) as f32;
         let second_scale = (1.0 / correction(SECOND_DECAY)) as f32;
         let moments = self.first.iter_mut().zip(&mut self.second);
-        let all = values.iter_mut().zip(gradient).zip(moments);
+        let entries = values.iter_mut().zip(gradient).zip(moments);
         Arch::new().dispatch(|| {
-            for ((value, &g), (first, second)) in all {
+            for ((value, &g), (first, second)) in entries {
                 let g = g * scale;
                 *first = FIRST_DECAY * *first + (1.0 - FIRST_DECAY) * g;
                 *second = SECOND_DECAY * *second + (1.0 - SECOND_DECAY) * g * g;
@@ -51,12 +51,12 @@ pub(crate) fn decay_and_norm(
 ) -> f64 {
     const LANES: usize = crate::fused::matrix::LANES;
     let mut sums = [0.0_f32; LANES];
-    let all = gradient
+    let blocks = gradient
         .chunks_exact_mut(LANES)
         .zip(values.chunks_exact(LANES))
         .zip(is_weight.chunks_exact(LANES));
     Arch::new().dispatch(|| {
-        for ((gradient, values), mask) in all {
+        for ((gradient, values), mask) in blocks {
             for lane in 0..LANES {
                 let g = gradient[lane] + decay * mask[lane] * values[lane];
                 gradient[lane] = g;

@@ -38,32 +38,32 @@ pub fn minimise(
 ) -> DVector<f64> {
     let d = start.len();
     let mut x = start;
-    let mut here = f(&x);
+    let mut current = f(&x);
     let mut inverse = DMatrix::identity(d, d);
     let (mut idle, mut iterations) = (0, 0);
     while iterations < most_iterations && idle < PATIENCE {
-        let mut direction = -(&inverse * &here.gradient);
-        let slope = direction.dot(&here.gradient);
-        if slope.is_nan() || -slope <= ROUNDING * here.value.abs() {
+        let mut direction = -(&inverse * &current.gradient);
+        let slope = direction.dot(&current.gradient);
+        if slope.is_nan() || -slope <= ROUNDING * current.value.abs() {
             break;
         }
         direction *= (LONGEST / direction.norm()).min(1.0);
-        let Some((candidate, there)) = line_search(&mut f, &x, &here, &direction) else {
+        let Some((candidate, there)) = line_search(&mut f, &x, &current, &direction) else {
             break;
         };
         iterations += 1;
         update(
             &mut inverse,
             &(&candidate - &x),
-            &(&there.gradient - &here.gradient),
+            &(&there.gradient - &current.gradient),
         );
-        let gained = here.value - there.value;
-        idle = if gained <= ROUNDING * here.value.abs() {
+        let gained = current.value - there.value;
+        idle = if gained <= ROUNDING * current.value.abs() {
             idle + 1
         } else {
             0
         };
-        (x, here) = (candidate, there);
+        (x, current) = (candidate, there);
     }
     x
 }
@@ -72,17 +72,17 @@ pub fn minimise(
 fn line_search(
     f: &mut impl FnMut(&DVector<f64>) -> Evaluated,
     x: &DVector<f64>,
-    here: &Evaluated,
+    current: &Evaluated,
     direction: &DVector<f64>,
 ) -> Option<(DVector<f64>, Evaluated)> {
-    let slope = direction.dot(&here.gradient);
+    let slope = direction.dot(&current.gradient);
     let (mut low, mut high) = (0.0, f64::INFINITY);
     let mut share = 1.0;
     let mut lower = None;
     for _ in 0..TRIES {
         let candidate = x + share * direction;
         let there = f(&candidate);
-        let enough = here.value + SUFFICIENT * share * slope + ROUNDING * here.value.abs();
+        let enough = current.value + SUFFICIENT * share * slope + ROUNDING * current.value.abs();
         if there.value <= enough {
             if direction.dot(&there.gradient) >= FLATTER * slope {
                 return Some((candidate, there));

@@ -57,10 +57,10 @@ impl RowSet {
     /// Brings rows into a tile as they are.
     pub(crate) fn fill(&self, rows: impl Iterator<Item = usize>, tile: &mut Tile) {
         let numbers = self.window_numbers();
-        for (at, row) in rows.enumerate() {
+        for (index, row) in rows.enumerate() {
             let window = &self.windows[row * numbers..][..numbers];
-            tile.windows.row_mut(at)[..numbers].copy_from_slice(window);
-            tile.known[at] = self.known[row];
+            tile.windows.row_mut(index)[..numbers].copy_from_slice(window);
+            tile.known[index] = self.known[row];
         }
     }
 }
@@ -126,19 +126,21 @@ impl Data {
         rows_of_each: Vec<Vec<Row>>,
         warnings: Vec<ModelWarning>,
     ) -> Self {
-        let all = || rows_of_each.iter().flatten();
-        let grid = || all().filter(|row| row.on_grid);
+        let all_rows = || rows_of_each.iter().flatten();
+        let grid = || all_rows().filter(|row| row.on_grid);
         let scores = || used.iter().filter_map(|d| d.adb.map(AdbScore::points));
         let scaling = Scaling {
-            signals: std::array::from_fn(|s| Standardization::of(grid().map(|row| now(row, s)))),
-            following_distance: Standardization::of(
-                all().filter_map(|row| row.following_distance_m),
+            signals: std::array::from_fn(|s| {
+                Standardization::from_values(grid().map(|row| now(row, s)))
+            }),
+            following_distance: Standardization::from_values(
+                all_rows().filter_map(|row| row.following_distance_m),
             ),
-            aggression: Standardization::of(scores()),
+            aggression: Standardization::from_values(scores()),
         };
-        let row_weights = RowWeights::of(all());
+        let row_weights = RowWeights::from_rows(all_rows());
         // Over all rows, grid or not, the mean weight in L3 is 1: a batch is drawn from them all.
-        let level = all().count() as f64 / grid().count().max(1) as f64;
+        let level = all_rows().count() as f64 / grid().count().max(1) as f64;
         let mut rows = RowSet::default();
         for (index, of_drive) in rows_of_each.iter().enumerate() {
             for row in of_drive {
@@ -152,7 +154,8 @@ impl Data {
         }
         let speeds = || grid().map(|row| row.ego_speed_mps);
         let mean_speed = |rows: &Vec<Row>| {
-            Standardization::of(rows.iter().filter(|r| r.on_grid).map(|r| r.ego_speed_mps)).mean
+            Standardization::from_values(rows.iter().filter(|r| r.on_grid).map(|r| r.ego_speed_mps))
+                .mean
         };
         let first = scores().next();
         let scores_differ =

@@ -151,8 +151,8 @@ fn likeliest(
     for _ in 0..ROUNDS {
         let mut sum = DMatrix::zeros(d, d);
         for (difference, error) in differences {
-            let all = (share * error + &twice).cholesky()?;
-            let gain = all.solve(&twice).transpose();
+            let total = (share * error + &twice).cholesky()?;
+            let gain = total.solve(&twice).transpose();
             let mean = &gain * difference;
             sum += &mean * mean.transpose() + &twice - &gain * &twice;
         }
@@ -167,17 +167,22 @@ fn likeliest(
     let of_each = differences.iter().map(|(difference, error)| {
         // Of a direction in which the drives say nothing every share is as likely.
         let eigen = error.clone().symmetric_eigen();
-        let told = (0..d).filter(|j| eigen.eigenvalues[*j] < SILENT);
-        let told = eigen
+        let directions = (0..d).filter(|j| eigen.eigenvalues[*j] < SILENT);
+        let directions = eigen
             .eigenvectors
-            .select_columns(told.collect::<Vec<_>>().iter());
-        if told.ncols() == 0 {
+            .select_columns(directions.collect::<Vec<_>>().iter());
+        if directions.ncols() == 0 {
             return Some(0.0);
         }
-        let all = (told.transpose() * (share * error + &twice) * &told).cholesky()?;
-        let difference = told.transpose() * difference;
-        let away = difference.dot(&all.solve(&difference));
-        let determinant: f64 = all.l().diagonal().iter().map(|x| 2.0 * libm::log(*x)).sum();
+        let total = (directions.transpose() * (share * error + &twice) * &directions).cholesky()?;
+        let difference = directions.transpose() * difference;
+        let away = difference.dot(&total.solve(&difference));
+        let determinant: f64 = total
+            .l()
+            .diagonal()
+            .iter()
+            .map(|x| 2.0 * libm::log(*x))
+            .sum();
         Some(-0.5 * (away + determinant))
     });
     let log_likelihood = of_each.sum::<Option<f64>>()?;
@@ -197,8 +202,10 @@ fn reading(drive: &Posterior, prior: bool) -> Option<(DVector<f64>, DMatrix<f64>
     }
     let precision = covariance.try_inverse()?;
     let right = &precision * mean;
-    let own = precision - DMatrix::identity(d, d);
-    let error = of_symmetric(&(0.5 * (&own + own.transpose())), |v| 1.0 / v.max(LEAST));
+    let information = precision - DMatrix::identity(d, d);
+    let error = of_symmetric(&(0.5 * (&information + information.transpose())), |v| {
+        1.0 / v.max(LEAST)
+    });
     Some((&error * right, error))
 }
 

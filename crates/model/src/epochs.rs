@@ -8,7 +8,7 @@ use std::ops::ControlFlow;
 /// A drive to learn from, and its driver's ADB score where there is one.
 #[derive(Debug, Clone, Copy)]
 pub struct TrainingDrive<'a> {
-    /// The drive.
+    /// The recording that style is learned from.
     pub drive: &'a Drive,
     /// The score; L4 is taken over the drives that have one.
     pub adb: Option<AdbScore>,

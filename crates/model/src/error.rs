@@ -31,13 +31,13 @@ pub enum ModelError {
     /// Two drives with one identifier.
     #[error("drive {drive} is given twice")]
     DuplicateDrive {
-        /// The drive.
+        /// The identifier that both have.
         drive: DriveId,
     },
     /// A drive without rows to fit an embedding to.
     #[error("drive {drive} lasts {found_s} s, expected at least {expected_s} s (one window)")]
     DriveTooShort {
-        /// The drive.
+        /// The drive that is too short.
         drive: DriveId,
         /// Its duration within the rows that may be used, in s.
         found_s: f64,
@@ -105,7 +105,7 @@ pub enum ModelError {
         "score `{score}`: {found} training drives have it, expected at least {expected} (two more than the embedding has numbers)"
     )]
     TooFewScores {
-        /// The score.
+        /// Name of the score.
         score: String,
         /// Scored training drives.
         found: usize,
@@ -115,7 +115,7 @@ pub enum ModelError {
     /// A score that is the same for every driver.
     #[error("score `{score}` is {found} for every training drive, expected drivers that differ")]
     ConstantScore {
-        /// The score.
+        /// Name of the score.
         score: String,
         /// What it is.
         found: f64,
@@ -125,7 +125,7 @@ pub enum ModelError {
         "score `{score}`: the {drives} training drives that have it do not differ in every direction of style space"
     )]
     FlatEmbeddings {
-        /// The score.
+        /// Name of the score.
         score: String,
         /// Drives with the score.
         drives: usize,
@@ -264,7 +264,7 @@ pub enum ModelWarning {
     /// A drive that was not used.
     #[error("drive {drive} left out: {found_s} s, shorter than one window of {expected_s} s")]
     DriveLeftOut {
-        /// The drive.
+        /// The drive that is too short.
         drive: DriveId,
         /// Its duration, in s.
         found_s: f64,
@@ -283,7 +283,7 @@ pub enum ModelWarning {
     /// A drive that shows no habit.
     #[error("drive {drive} left out: it shows no habit")]
     NoHabits {
-        /// The drive.
+        /// The drive in which no head has an event.
         drive: DriveId,
     },
     /// A loss without data.

@@ -27,19 +27,19 @@ pub struct HeldOut {
 }
 
 impl HeldOut {
-    pub(crate) fn of<'a>(
-        said: impl IntoIterator<Item = (Said, &'a Row)>,
+    pub(crate) fn from_predictions<'a>(
+        predictions: impl IntoIterator<Item = (Said, &'a Row)>,
         weights: &RowWeights,
     ) -> Self {
         let mut sums = [(0.0, 0.0); 3];
-        for (said, row) in said {
+        for (prediction, row) in predictions {
             let [following, change, grid, _] = weights.of_row(row);
             let squared = |a: Option<f64>, b: Option<f64>| Some((a? - b?).powi(2));
-            let surprised = said.log_odds.zip(row.lane_change);
+            let surprised = prediction.log_odds.zip(row.lane_change);
             let surprised =
                 surprised.map(|(odds, change)| surprise(if change { -odds } else { odds }));
-            let gap = squared(said.following_distance_m, row.following_distance_m);
-            let speed = squared(said.speed_mps, Some(row.ego_speed_mps));
+            let gap = squared(prediction.following_distance_m, row.following_distance_m);
+            let speed = squared(prediction.speed_mps, Some(row.ego_speed_mps));
             let losses = [(gap, following), (surprised, change), (speed, grid)];
             for (sum, (loss, weight)) in sums.iter_mut().zip(losses) {
                 if let Some(loss) = loss.filter(|_| weight > 0.0) {

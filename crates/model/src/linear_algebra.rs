@@ -7,17 +7,17 @@ pub(crate) fn symmetric_eigen(matrix: &DMatrix<f64>) -> (Vec<f64>, DMatrix<f64>)
     if matrix.is_empty() {
         return (Vec::new(), matrix.clone());
     }
-    let found = SymmetricEigen::new(matrix.clone());
+    let eigen = SymmetricEigen::new(matrix.clone());
     let mut order: Vec<usize> = (0..matrix.nrows()).collect();
-    order.sort_by(|&i, &j| found.eigenvalues[j].total_cmp(&found.eigenvalues[i]));
+    order.sort_by(|&i, &j| eigen.eigenvalues[j].total_cmp(&eigen.eigenvalues[i]));
     let columns: Vec<DVector<f64>> = order
         .iter()
         .map(|&i| {
-            let vector = found.eigenvectors.column(i);
+            let vector = eigen.eigenvectors.column(i);
             vector * vector[vector.iamax()].signum()
         })
         .collect();
-    let values = order.iter().map(|&i| found.eigenvalues[i]).collect();
+    let values = order.iter().map(|&i| eigen.eigenvalues[i]).collect();
     (values, DMatrix::from_columns(&columns))
 }
 

@@ -189,9 +189,10 @@ impl Sums {
     /// squared error itself, is as good a normal: the higher bound counts.
     fn bound(&self, embedding_size: usize) -> Option<f64> {
         let half_d = 0.5 * embedding_size as f64;
-        let own = self.log_likelihood.mean()? + half_d * (1.0 + libm::log(std::f64::consts::TAU));
+        let by_likelihood =
+            self.log_likelihood.mean()? + half_d * (1.0 + libm::log(std::f64::consts::TAU));
         let error = self.reading.mean()?.max(f64::MIN_POSITIVE);
-        Some(own.max(-half_d * libm::log(error)))
+        Some(by_likelihood.max(-half_d * libm::log(error)))
     }
 
     pub(crate) fn terms(&self, aggression: Option<f64>, embedding_size: usize) -> LossTerms {
@@ -254,8 +255,8 @@ pub(crate) fn aggression(
         let Some(score) = *score else { continue };
         let w = &embeddings[index * d..(index + 1) * d];
         let pairs = parameters.iter().zip(w);
-        let found = pairs.fold(parameters[d], |sum, (&by, &w)| sum + by * w);
-        let (loss, slope) = squared_error(found, score, share);
+        let predicted = pairs.fold(parameters[d], |sum, (&by, &w)| sum + by * w);
+        let (loss, slope) = squared_error(predicted, score, share);
         sum += loss;
         for i in 0..d {
             gradient[i] += slope * w[i];

@@ -52,7 +52,7 @@ pub struct LinearHeads {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct TrainingEmbedding {
-    /// The drive.
+    /// The drive that was trained on.
     pub drive: DriveId,
     /// Where training put it.
     pub embedding: Embedding,
@@ -227,9 +227,9 @@ impl Model {
     pub fn parameters(&self) -> usize {
         match self.heads() {
             Heads::Linear(linear) => {
-                let of = |h: &FittedHead| h.common.len() + h.slopes.len() + 2;
+                let count = |h: &FittedHead| h.common.len() + h.slopes.len() + 2;
                 let style = linear.style.as_ref().map_or(0, |s| s.gradient.len() + 2);
-                linear.heads.iter().map(of).sum::<usize>() + style
+                linear.heads.iter().map(count).sum::<usize>() + style
             }
             Heads::Paper(paper) => paper.parameters.len(),
         }
@@ -296,9 +296,9 @@ impl Habits {
         let linear = model.linear()?;
         model.check(embedding)?;
         let w = embedding.coordinates();
-        let own = linear.heads.iter().map(|fitted| OwnHead::new(fitted, w));
+        let own_heads = linear.heads.iter().map(|fitted| OwnHead::new(fitted, w));
         Ok(Self {
-            own: own.collect(),
+            own: own_heads.collect(),
             posted: model.posted().copied(),
         })
     }

@@ -42,16 +42,16 @@ pub fn from_bytes(bytes: &[u8]) -> Result<Model, ModelError> {
     let end = newline.ok_or(ModelError::NotAModelFile)?;
     let header = std::str::from_utf8(&bytes[..end]).map_err(|_| ModelError::NotAModelFile)?;
     let words: Vec<&str> = header.split(' ').collect();
-    let [first, found, rest @ ..] = words.as_slice() else {
+    let [first, version, rest @ ..] = words.as_slice() else {
         return Err(ModelError::NotAModelFile);
     };
-    let found: u32 = match found.parse() {
-        Ok(found) if *first == MAGIC => found,
+    let version: u32 = match version.parse() {
+        Ok(version) if *first == MAGIC => version,
         _ => return Err(ModelError::NotAModelFile),
     };
-    if found != VERSION {
+    if version != VERSION {
         return Err(ModelError::OtherVersion {
-            found,
+            found: version,
             expected: VERSION,
         });
     }
@@ -67,9 +67,12 @@ pub fn from_bytes(bytes: &[u8]) -> Result<Model, ModelError> {
         });
     }
     let expected = u64::from_str_radix(sum, 16).map_err(|_| ModelError::NotAModelFile)?;
-    let found = checksum(body);
-    if found != expected {
-        return Err(ModelError::Damaged { found, expected });
+    let computed = checksum(body);
+    if computed != expected {
+        return Err(ModelError::Damaged {
+            found: computed,
+            expected,
+        });
     }
     serde_json::from_slice(body).map_err(|e| ModelError::bad_file(e.to_string()))
 }

@@ -23,7 +23,7 @@ pub struct Architecture {
     pub encoder_units: usize,
     /// Numbers in each of z_l and z_v.
     pub encoding_size: usize,
-    /// Steps of a window.
+    /// Samples of each signal in a window.
     pub window_steps: usize,
 }
 
@@ -33,14 +33,14 @@ impl Architecture {
     pub fn operations_per_row(&self) -> f64 {
         let networks = Networks::new(*self);
         let weights = |layer: &Dense| layer.inputs * layer.outputs;
-        let all: usize = networks
+        let weight_count: usize = networks
             .all()
             .iter()
             .flat_map(|m| m.iter())
             .map(weights)
             .sum();
         let free = weights(&networks.lane_encoder[0]) + weights(&networks.speed_encoder[0]);
-        (6 * all - 2 * free) as f64
+        (6 * weight_count - 2 * free) as f64
     }
 }
 

@@ -44,7 +44,7 @@ pub(crate) struct OwnMeans {
 
 impl OwnMeans {
     /// Learns what others do from the rows of each.
-    pub(crate) fn of(of_each: &[Vec<Row>], weights: &RowWeights) -> Self {
+    pub(crate) fn learn(of_each: &[Vec<Row>], weights: &RowWeights) -> Self {
         let [keeping, changing] = seconds(of_each.iter().flatten());
         Self {
             following_distance_m: mean(of_each.iter().flat_map(|rows| gaps(rows))),

@@ -136,7 +136,7 @@ impl TrainSettings {
     /// [`ModelError::BadSetting`] naming the first that is not.
     pub fn check(&self) -> Result<(), ModelError> {
         let s = self;
-        for (name, found, most, expected) in [
+        for (name, value, most, expected) in [
             ("embedding_size", s.embedding_size, 64, "1 to 64"),
             ("hidden_units", s.hidden_units, 4096, "1 to 4096"),
             ("hidden_layers", s.hidden_layers, 8, "1 to 8"),
@@ -151,16 +151,16 @@ impl TrainSettings {
                 "a length of 1 to 1000 samples",
             ),
         ] {
-            check(name, found as f64, (1..=most).contains(&found), expected)?;
+            check(name, value as f64, (1..=most).contains(&value), expected)?;
         }
-        for (name, found) in [
+        for (name, value) in [
             ("window_s", s.window_s),
             ("window_rate_hz", s.window_rate_hz),
             ("row_rate_hz", s.row_rate_hz),
             ("learning_rate", s.learning_rate),
             ("gradient_clip", s.gradient_clip),
         ] {
-            check(name, found, found > 0.0, "a finite number above 0")?;
+            check(name, value, value > 0.0, "a finite number above 0")?;
         }
         let others = [
             ("gap_scale_m", s.gap_scale_m),
@@ -168,8 +168,8 @@ impl TrainSettings {
             ("weight_decay", s.weight_decay),
             ("window_noise", s.window_noise),
         ];
-        for (name, found) in others.into_iter().chain(s.loss_weights.named()) {
-            check(name, found, found >= 0.0, "a finite number, 0 or above")?;
+        for (name, value) in others.into_iter().chain(s.loss_weights.named()) {
+            check(name, value, value >= 0.0, "a finite number, 0 or above")?;
         }
         share("fit_fraction", s.fit_fraction)?;
         let kept_back = s.validation_fraction;
@@ -191,24 +191,24 @@ impl TrainSettings {
 /// Whether a setting is a number that fits.
 pub(crate) fn check(
     name: &'static str,
-    found: f64,
+    value: f64,
     fits: bool,
     expected: &'static str,
 ) -> Result<(), ModelError> {
-    if found.is_finite() && fits {
+    if value.is_finite() && fits {
         Ok(())
     } else {
         Err(ModelError::BadSetting {
             name,
-            found,
+            found: value,
             expected,
         })
     }
 }
 
 /// Whether a share of a drive is one.
-pub(crate) fn share(name: &'static str, found: f64) -> Result<(), ModelError> {
-    check(name, found, found > 0.0 && found <= 1.0, "above 0, up to 1")
+pub(crate) fn share(name: &'static str, value: f64) -> Result<(), ModelError> {
+    check(name, value, value > 0.0 && value <= 1.0, "above 0, up to 1")
 }
 
 #[cfg(test)]

@@ -175,12 +175,12 @@ impl<'a> Personalizer<'a> {
             }
             Shown::Rows(rows) => {
                 let mut rows = NetworkRows::new(self.model.paper()?, rows, points);
-                let found = rows.solve(self.model.mean_embedding().coordinates());
-                let found = match days {
-                    Some(days) => days.added_to(found),
-                    None => found,
+                let posterior = rows.solve(self.model.mean_embedding().coordinates());
+                let posterior = match days {
+                    Some(days) => days.added_to(posterior),
+                    None => posterior,
                 };
-                (found, rows.len())
+                (posterior, rows.len())
             }
         })
     }

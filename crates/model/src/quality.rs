@@ -15,7 +15,7 @@ const SHARES: [f64; 9] = [0.01, 0.05, 0.1, 0.25, 0.5, 0.75, 0.9, 0.95, 0.99];
 /// How good the predictions are over some rows, without noise on their windows.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Quality {
-    /// Rows.
+    /// Rows predicted, on the grid or not.
     pub rows: usize,
     /// Of P(change); `None` without rows, or where no change was learned from.
     pub lane_change: Option<Calibration>,
@@ -53,9 +53,9 @@ pub struct CalibrationBin {
 /// Prediction minus observation.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Residuals {
-    /// Rows.
+    /// Rows with a prediction and an observation.
     pub rows: usize,
-    /// Mean.
+    /// Mean: above 0 where predictions are too high.
     pub mean: f64,
     /// Root of the mean square.
     pub rmse: f64,
@@ -65,7 +65,7 @@ pub struct Residuals {
 
 impl Quality {
     /// Of what was said of rows, C having learned with these weights.
-    pub(crate) fn of(said: &[(Said, &Row)], weights: &RowWeights) -> Self {
+    pub(crate) fn from_predictions(predictions: &[(Said, &Row)], weights: &RowWeights) -> Self {
         let gap = |(s, r): &(Said, &Row)| Some(s.following_distance_m? - r.following_distance_m?);
         let speed = |(s, r): &(Said, &Row)| Some(s.speed_mps? - r.ego_speed_mps);
         let chance = |(s, r): &(Said, &Row)| {
@@ -76,12 +76,14 @@ impl Quality {
                 seconds: r.stands_for_s,
             })
         };
-        let on_grid = said.iter().filter(|(_, r)| r.on_grid);
+        let on_grid = predictions.iter().filter(|(_, r)| r.on_grid);
         Self {
-            rows: said.len(),
-            lane_change: Calibration::of(said.iter().filter_map(chance).collect()),
-            following_distance_m: Residuals::of(said.iter().filter_map(gap).collect()),
-            speed_mps: Residuals::of(on_grid.filter_map(speed).collect()),
+            rows: predictions.len(),
+            lane_change: Calibration::from_chances(predictions.iter().filter_map(chance).collect()),
+            following_distance_m: Residuals::from_values(
+                predictions.iter().filter_map(gap).collect(),
+            ),
+            speed_mps: Residuals::from_values(on_grid.filter_map(speed).collect()),
         }
     }
 }
@@ -95,7 +97,7 @@ struct Chance {
 }
 
 impl Calibration {
-    fn of(mut chances: Vec<Chance>) -> Option<Self> {
+    fn from_chances(mut chances: Vec<Chance>) -> Option<Self> {
         chances.sort_by(|a, b| a.probability.total_cmp(&b.probability));
         let total: f64 = chances.iter().map(|c| c.seconds).sum();
         let mut bins = [CalibrationBin::default(); BINS];
@@ -125,16 +127,16 @@ impl Calibration {
 }
 
 impl Residuals {
-    fn of(mut values: Vec<f64>) -> Option<Self> {
+    fn from_values(mut values: Vec<f64>) -> Option<Self> {
         values.sort_by(f64::total_cmp);
         let n = values.len() as f64;
         let last = values.len().checked_sub(1)?;
         let quantiles = SHARES.map(|share| {
             // Between the two nearest, as R's type 7.
-            let at = share * last as f64;
-            let low = at.floor() as usize;
+            let position = share * last as f64;
+            let low = position.floor() as usize;
             let high = (low + 1).min(last);
-            let between = at - low as f64;
+            let between = position - low as f64;
             (share, values[low] + between * (values[high] - values[low]))
         });
         Some(Self {
@@ -162,13 +164,13 @@ mod tests {
             })
             .collect()
         };
-        let good = Calibration::of(chances(1.0)).unwrap();
+        let good = Calibration::from_chances(chances(1.0)).unwrap();
         assert_eq!(good.bins.len(), BINS);
         assert!(good.expected_calibration_error < 1e-12);
         assert!((good.observed - 0.45).abs() < 1e-12);
-        let bad = Calibration::of(chances(0.5)).unwrap();
+        let bad = Calibration::from_chances(chances(0.5)).unwrap();
         assert!((bad.expected_calibration_error - 0.225).abs() < 1e-12);
-        assert_eq!(Calibration::of(Vec::new()), None);
+        assert_eq!(Calibration::from_chances(Vec::new()), None);
     }
 
     #[test]
@@ -181,7 +183,7 @@ mod tests {
         };
         let mut chances = vec![chance(true, 0.05); 20];
         chances.extend(vec![chance(false, 1.0); 9]);
-        let found = Calibration::of(chances).unwrap();
+        let found = Calibration::from_chances(chances).unwrap();
         assert!((found.observed - 0.1).abs() < 1e-12);
         let predicted = found
             .bins
@@ -193,12 +195,12 @@ mod tests {
 
     #[test]
     fn residuals_have_their_moments_and_quantiles() {
-        let found = Residuals::of((-50..=50).map(f64::from).collect()).unwrap();
+        let found = Residuals::from_values((-50..=50).map(f64::from).collect()).unwrap();
         assert!(found.mean.abs() < 1e-12);
         assert!((found.rmse - 850.0_f64.sqrt()).abs() < 1e-12);
         assert!((found.quantiles[0].1 + 49.0).abs() < 1e-12);
         assert!((found.quantiles[4].1).abs() < 1e-12);
-        assert_eq!(Residuals::of(Vec::new()), None);
+        assert_eq!(Residuals::from_values(Vec::new()), None);
     }
 
     #[test]
@@ -223,7 +225,7 @@ mod tests {
             log_odds: Some((0.02_f64 / 0.98).ln() + 3.0),
             speed_mps: Some(29.0),
         };
-        let found = Quality::of(&[(said, &row)], &weights);
+        let found = Quality::from_predictions(&[(said, &row)], &weights);
         assert!((found.lane_change.unwrap().bins[0].predicted - 0.02).abs() < 1e-9);
         assert!((found.following_distance_m.unwrap().mean - 3.0).abs() < 1e-12);
         assert!((found.speed_mps.unwrap().mean + 1.0).abs() < 1e-12);

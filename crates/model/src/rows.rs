@@ -62,13 +62,13 @@ pub(crate) fn rows_of(
     let mut buffer = WindowBuffer::new(settings.windows);
     let mut due = f64::NEG_INFINITY;
     let mut rows = Vec::new();
-    for at in 0..end {
-        let time = columns.time_s[at];
-        if at > 0 && columns.segment[at] != columns.segment[at - 1] {
+    for row in 0..end {
+        let time = columns.time_s[row];
+        if row > 0 && columns.segment[row] != columns.segment[row - 1] {
             buffer.clear();
             due = f64::NEG_INFINITY;
         }
-        let Some(situation) = drive.situation(at) else {
+        let Some(situation) = drive.situation(row) else {
             break;
         };
         buffer.push(&situation)?;
@@ -80,21 +80,21 @@ pub(crate) fn rows_of(
                 time + grid_s
             };
         }
-        let starting = columns.lane_change[at];
+        let starting = columns.lane_change[row];
         if !(on_grid || starting) {
             continue;
         }
         let Some(window) = buffer.window() else {
             continue;
         };
-        let following = on_grid && columns.following[at];
+        let following = on_grid && columns.following[row];
         rows.push(Row {
             window: window.values,
-            lead_speed_mps: columns.lead_speed_mps[at],
-            ego_speed_mps: columns.ego_speed_mps[at],
+            lead_speed_mps: columns.lead_speed_mps[row],
+            ego_speed_mps: columns.ego_speed_mps[row],
             on_grid,
-            following_distance_m: following.then(|| columns.lead_dx_m[at]),
-            lane_change: (starting || columns.changing[at] == 0).then_some(starting),
+            following_distance_m: following.then(|| columns.lead_dx_m[row]),
+            lane_change: (starting || columns.changing[row] == 0).then_some(starting),
             stands_for_s: if starting { row_s } else { grid_s },
         });
     }
@@ -133,7 +133,7 @@ pub(crate) struct RowWeights {
 
 impl RowWeights {
     /// Weights from all training rows; a loss without rows, or L2 without both classes, gets 0.
-    pub(crate) fn of<'a>(rows: impl Iterator<Item = &'a Row>) -> Self {
+    pub(crate) fn from_rows<'a>(rows: impl Iterator<Item = &'a Row>) -> Self {
         let (mut grid, mut following) = (0.0, 0.0);
         let mut counts = [0.0; 2];
         let mut seconds = [0.0; 2];
@@ -145,7 +145,7 @@ impl RowWeights {
                 seconds[usize::from(change)] += row.stands_for_s;
             }
         }
-        let share = |n: f64, of: f64| if n > 0.0 { of / n } else { 0.0 };
+        let share = |n: f64, whole: f64| if n > 0.0 { whole / n } else { 0.0 };
         let both = counts[0] > 0.0 && counts[1] > 0.0;
         let half = if both { 0.5 * grid } else { 0.0 };
         Self {
@@ -247,7 +247,7 @@ mod tests {
             .iter()
             .flat_map(|(d, _)| rows_of(d, &settings(), 1.0).unwrap())
             .collect();
-        let weights = RowWeights::of(rows.iter());
+        let weights = RowWeights::from_rows(rows.iter());
         let sum = |i: usize| rows.iter().map(|r| weights.of_row(r)[i]).sum::<f64>();
         for loss in 1..4 {
             assert!((sum(loss) - sum(0)).abs() < 1e-6 * sum(0));

@@ -7,7 +7,6 @@ use serde::{Deserialize, Serialize};
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct Standardization {
-    /// Mean.
     pub(crate) mean: f64,
     /// Standard deviation; 1 where the quantity did not vary.
     pub(crate) sd: f64,
@@ -15,7 +14,7 @@ pub(crate) struct Standardization {
 
 impl Standardization {
     /// Mean and SD of `values`; 0 and 1 of nothing.
-    pub(crate) fn of(values: impl Iterator<Item = f64> + Clone) -> Self {
+    pub(crate) fn from_values(values: impl Iterator<Item = f64> + Clone) -> Self {
         let n = values.clone().count() as f64;
         if n < 1.0 {
             return Self { mean: 0.0, sd: 1.0 };
@@ -61,14 +60,14 @@ mod tests {
 
     #[test]
     fn a_constant_is_only_shifted() {
-        let s = Standardization::of([3.0, 3.0, 3.0].into_iter());
+        let s = Standardization::from_values([3.0, 3.0, 3.0].into_iter());
         assert!((s.apply(3.0)).abs() < 1e-12);
         assert!((s.sd - 1.0).abs() < 1e-12);
     }
 
     #[test]
     fn undo_is_the_inverse() {
-        let s = Standardization::of([1.0, 2.0, 6.0].into_iter());
+        let s = Standardization::from_values([1.0, 2.0, 6.0].into_iter());
         assert!((s.undo(s.apply(4.2)) - 4.2).abs() < 1e-12);
     }
 }

@@ -87,24 +87,24 @@ pub(crate) fn select(
             break;
         }
         let mut report = trainer.epoch(number)?;
-        let (sums, said) = say(&trainer.model()?, &judged)?;
+        let (sums, predictions) = say(&trainer.model()?, &judged)?;
         let losses = sums.terms(None, settings.embedding_size);
         let total = losses.total(&data.active_weights(&settings.loss_weights));
         report.validation = Some(losses);
         report.validation_total = Some(total);
         if total < least {
-            (kept_epoch, least, best) = (number, total, said);
+            (kept_epoch, least, best) = (number, total, predictions);
         }
         epochs.push(report);
         tell(observe, &report)?;
     }
     let unseen = || judged.iter().flat_map(|(_, unseen)| *unseen);
-    let own = OwnMeans::of(&data.rows_of_each, &data.row_weights);
-    let own = judged
+    let means = OwnMeans::learn(&data.rows_of_each, &data.row_weights);
+    let predicted = judged
         .iter()
-        .flat_map(|(known, unseen)| vec![own.say(known); unseen.len()]);
+        .flat_map(|(known, unseen)| vec![means.say(known); unseen.len()]);
     let weights = &data.row_weights;
-    let own_means = HeldOut::of(own.zip(unseen()), weights);
+    let own_means = HeldOut::from_predictions(predicted.zip(unseen()), weights);
     let best: Vec<(Said, &Row)> = best.into_iter().zip(unseen()).collect();
     Ok(Some(Selection {
         stopped_early: epochs.len() < settings.epochs,
@@ -112,8 +112,8 @@ pub(crate) fn select(
         kept_epoch: kept_epoch.max(1),
         people: people.len(),
         drives: judged.len(),
-        quality: Quality::of(&best, weights),
-        networks: HeldOut::of(best, weights),
+        quality: Quality::from_predictions(&best, weights),
+        networks: HeldOut::from_predictions(best, weights),
         own_means,
     }))
 }
@@ -127,10 +127,10 @@ fn say(model: &Model, judged: &[(&[Row], &[Row])]) -> Result<(Sums, Vec<Said>), 
         NetworkRows::new(paper, unseen, None).say(w.as_slice())
     };
     let each: Vec<_> = judged.par_iter().map(one).collect();
-    let (mut sums, mut all) = (Sums::default(), Vec::new());
-    for (of_drive, said) in each {
+    let (mut sums, mut predictions) = (Sums::default(), Vec::new());
+    for (of_drive, of_rows) in each {
         sums.merge(&of_drive);
-        all.extend(said);
+        predictions.extend(of_rows);
     }
-    Ok((sums, all))
+    Ok((sums, predictions))
 }

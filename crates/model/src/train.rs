@@ -101,18 +101,18 @@ fn train_networks(
 fn quality(model: &Model, data: &Data) -> Result<Quality, ModelError> {
     let paper = model.paper()?;
     let each = model.training().par_iter().zip(&data.rows_of_each);
-    let said = each.map(|(t, rows)| {
+    let predictions = each.map(|(t, rows)| {
         NetworkRows::new(paper, rows, None)
             .say(t.embedding.coordinates())
             .1
     });
-    let said: Vec<Vec<_>> = said.collect();
-    let said: Vec<_> = said
+    let predictions: Vec<Vec<_>> = predictions.collect();
+    let predictions: Vec<_> = predictions
         .into_iter()
         .flatten()
         .zip(data.rows_of_each.iter().flatten())
         .collect();
-    Ok(Quality::of(&said, &data.row_weights))
+    Ok(Quality::from_predictions(&predictions, &data.row_weights))
 }
 
 #[cfg(test)]

@@ -34,8 +34,8 @@ fn gather(data: &RowSet, rows: &[u32], (noise, d): (f32, usize), seed: u64, tile
     let numbers = data.window_numbers();
     let steps = numbers / SIGNALS;
     let middle = (steps - 1) as f32 / 2.0;
-    for at in 0..rows.len() {
-        let window = &mut tile.windows.row_mut(at)[..numbers];
+    for row in 0..rows.len() {
+        let window = &mut tile.windows.row_mut(row)[..numbers];
         for values in window.chunks_exact_mut(steps) {
             let offset: f32 = StandardNormal.sample(&mut rng);
             let slope: f32 = StandardNormal.sample(&mut rng);
@@ -45,7 +45,7 @@ fn gather(data: &RowSet, rows: &[u32], (noise, d): (f32, usize), seed: u64, tile
                 *value += first + unit * step as f32;
             }
         }
-        for epsilon in &mut tile.noise.row_mut(at)[..d] {
+        for epsilon in &mut tile.noise.row_mut(row)[..d] {
             *epsilon = StandardNormal.sample(&mut rng);
         }
     }
@@ -125,7 +125,7 @@ impl<'a> Trainer<'a> {
         let raw: Vec<DVector<f64>> = raw
             .map(|w| DVector::from_iterator(d, w.iter().map(|&x| f64::from(x))))
             .collect();
-        let (whitening, white) = Whitening::of(&raw, d);
+        let (whitening, white) = Whitening::from_embeddings(&raw, d);
         let mut training = Vec::with_capacity(white.len());
         for ((drive, w), &mean_speed_mps) in
             data.drives.iter().zip(&white).zip(&data.mean_speed_mps)
@@ -198,7 +198,7 @@ impl<'a> Trainer<'a> {
         let settings = self.settings;
         let rate = cosine(step, self.epochs * self.batches);
         let rows = &self.order[range];
-        let at = At {
+        let point = At {
             packed: &self.packed,
             embeddings: &self.embeddings,
             weights: self.weights,
@@ -211,7 +211,7 @@ impl<'a> Trainer<'a> {
         let data = &self.data.rows;
         let noise = (settings.window_noise as f32, settings.embedding_size);
         let sums = self.kernel.evaluate(
-            &at,
+            &point,
             rows.len(),
             |row| data.drive_of[rows[row] as usize],
             |tile, range| {
@@ -224,8 +224,8 @@ impl<'a> Trainer<'a> {
         let by_embedding = &self.kernel.embedding_gradient;
         let decay = settings.weight_decay as f32;
         let squares = decay_and_norm(gradient, &self.packed, &self.is_weight, decay);
-        let own = by_embedding.iter().map(|&g| f64::from(g * g)).sum::<f64>();
-        let norm = (squares + own).sqrt();
+        let embedding_squares = by_embedding.iter().map(|&g| f64::from(g * g)).sum::<f64>();
+        let norm = (squares + embedding_squares).sqrt();
         let clip = (settings.gradient_clip / norm.max(settings.gradient_clip)) as f32;
         let rates = [settings.learning_rate, settings.embedding_learning_rate];
         let [by_weight, by_w] = rates.map(|r| r * rate);
@@ -239,8 +239,11 @@ impl<'a> Trainer<'a> {
     fn aggression(&mut self) -> Option<f64> {
         let layer = &self.kernel.layout.style[0];
         let d = self.settings.embedding_size;
-        let own = layer.embedding_weights(&self.packed);
-        let mut parameters: Vec<f32> = own.chunks_exact(layer.width).map(|l| l[0]).collect();
+        let layer_weights = layer.embedding_weights(&self.packed);
+        let mut parameters: Vec<f32> = layer_weights
+            .chunks_exact(layer.width)
+            .map(|l| l[0])
+            .collect();
         parameters.push(layer.biases(&self.packed)[0]);
         let mut gradient = vec![0.0; d + 1];
         let l4 = aggression(

@@ -25,7 +25,10 @@ pub(crate) struct Whitening {
 
 impl Whitening {
     /// Whitening of these embeddings, and they whitened; a direction in which they do not differ keeps its scale.
-    pub(crate) fn of(embeddings: &[DVector<f64>], d: usize) -> (Self, Vec<DVector<f64>>) {
+    pub(crate) fn from_embeddings(
+        embeddings: &[DVector<f64>],
+        d: usize,
+    ) -> (Self, Vec<DVector<f64>>) {
         let (mean, covariance) = moments(embeddings, d);
         let largest = covariance
             .symmetric_eigenvalues()
@@ -72,7 +75,7 @@ mod tests {
     fn whitened_points_have_identity_covariance_and_go_back() {
         let points = [[1.0, 2.0], [2.0, 5.0], [-1.0, 0.5], [0.3, -3.0]];
         let points = points.map(|p| DVector::from_column_slice(&p));
-        let (whitening, white) = Whitening::of(&points, 2);
+        let (whitening, white) = Whitening::from_embeddings(&points, 2);
         let (mean, covariance) = moments(&white, 2);
         assert!(mean.norm() < 1e-9);
         assert!((covariance - DMatrix::identity(2, 2)).norm() < 1e-9);
@@ -84,7 +87,7 @@ mod tests {
     #[test]
     fn a_direction_without_variance_keeps_its_scale() {
         let points = [[1.0, 3.0], [2.0, 3.0]].map(|p| DVector::from_column_slice(&p));
-        let (whitening, white) = Whitening::of(&points, 2);
+        let (whitening, white) = Whitening::from_embeddings(&points, 2);
         assert!(white.iter().all(|w| w.iter().all(|x| x.is_finite())));
         assert!((whitening.undo(&[0.0, 1.0])[1] - 4.0).abs() < 1e-9);
     }

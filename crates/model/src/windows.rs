@@ -150,14 +150,14 @@ impl WindowBuffer {
         let &(now, _) = self.samples.back()?;
         let steps = self.settings.steps();
         let mut values = vec![0.0; SIGNALS * steps];
-        let mut at = 0;
+        let mut index = 0;
         for step in 0..steps {
             let time = now - (steps - 1 - step) as f64 / self.settings.window_rate_hz;
-            while at + 1 < self.samples.len() && self.samples[at + 1].0 <= time {
-                at += 1;
+            while index + 1 < self.samples.len() && self.samples[index + 1].0 <= time {
+                index += 1;
             }
-            let (before, low) = self.samples[at];
-            let (share, high) = match self.samples.get(at + 1) {
+            let (before, low) = self.samples[index];
+            let (share, high) = match self.samples.get(index + 1) {
                 Some(&(after, high)) if time > before => ((time - before) / (after - before), high),
                 _ => (0.0, low),
             };

@@ -8,7 +8,7 @@ pub fn glossary() -> Vec<(String, String)> {
     let rows = GLOSSARY
         .lines()
         .filter(|l| l.starts_with("| ") && !l.starts_with("| word"));
-    let mut found = Vec::new();
+    let mut entries = Vec::new();
     for row in rows {
         let mut cells = row.trim_matches('|').splitn(2, '|').map(str::trim);
         let (Some(terms), Some(meaning)) = (cells.next(), cells.next()) else {
@@ -27,11 +27,11 @@ pub fn glossary() -> Vec<(String, String)> {
                 || term.contains(' ')
                 || RARE.contains(&term.as_str());
             if rare && term.chars().count() > 1 || term == "λ" {
-                found.push((term, meaning.clone()));
+                entries.push((term, meaning.clone()));
             }
         }
     }
-    found
+    entries
 }
 
 /// Terms in small letters that a reader may not know.

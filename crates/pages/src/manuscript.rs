@@ -36,8 +36,8 @@ impl Manuscript {
     /// # Errors
     /// [`ReportError::Template`] for a document that cannot be packed.
     pub(crate) fn files(&self, report: &Report) -> Result<Vec<RenderedFile>, ReportError> {
-        let all = report.all_sections().flat_map(|section| &section.tables);
-        let named = numbers::numbers(&report.cards, all);
+        let tables = report.all_sections().flat_map(|section| &section.tables);
+        let named = numbers::numbers(&report.cards, tables);
         let listed = references::listed(&self.references);
         let method = [&self.methods[..], &listed].concat();
         let cited = references::cited(&self.references);

@@ -157,16 +157,18 @@ fn lent(c: &Condition) -> Option<Value> {
 
 fn outcome(design: &Design, o: &Outcome) -> Value {
     let known = objective::find(&o.id());
-    let own = design.measure(&o.id());
+    let own_measure = design.measure(&o.id());
     let title = || {
-        let own = own.map(|m| m.title.as_str());
-        own.or_else(|| known.map(|m| m.title)).map(str::to_owned)
+        let own_title = own_measure.map(|m| m.title.as_str());
+        own_title
+            .or_else(|| known.map(|m| m.title))
+            .map(str::to_owned)
     };
     context! {
         id => o.id(),
         label => o.label.clone().or_else(title),
         description => known.map(|m| m.description),
-        own_unit => own.map(|m| m.unit.as_str()),
+        own_unit => own_measure.map(|m| m.unit.as_str()),
         same => o.same_within.map(|within| within.to_string()),
     }
 }

@@ -35,7 +35,7 @@ use serde::Serialize;
 
 /// What the page of a study is made from.
 pub struct StudyPage<'a> {
-    /// Its design.
+    /// Conditions, outcomes and scales, as `study.toml` declares them.
     pub design: &'a Design,
     /// Its results.
     pub analysis: &'a Analysis,

@@ -91,8 +91,9 @@ impl TableText {
     ) -> Result<Table, ReportError> {
         let environment = environment();
         let page = &context! { rows => rows.clone(), ..page.clone() };
-        let of = |e: minijinja::Error| failed(format!("{place}: {e:#}"));
-        let say = |text: &str, values: &Value| environment.render_str(text, values).map_err(of);
+        let failure = |e: minijinja::Error| failed(format!("{place}: {e:#}"));
+        let say =
+            |text: &str, values: &Value| environment.render_str(text, values).map_err(failure);
         let mut notes = Vec::new();
         for note in &self.notes {
             notes.extend(Some(say(note, page)?).filter(|note| !note.is_empty()));
@@ -114,23 +115,27 @@ impl TableText {
             rows: vec![Vec::new(); rows.len()],
         };
         if let Some(id) = &self.id {
-            let id = environment.compile_expression(id).map_err(of)?;
+            let id = environment.compile_expression(id).map_err(failure)?;
             let ids = rows.iter().map(|row| Ok(id.eval(row.clone())?.to_string()));
-            data.ids = ids.collect::<Result<_, minijinja::Error>>().map_err(of)?;
+            data.ids = ids
+                .collect::<Result<_, minijinja::Error>>()
+                .map_err(failure)?;
         }
         for column in &self.columns {
-            for values in column.copies(&environment, page).map_err(of)? {
+            for values in column.copies(&environment, page).map_err(failure)? {
                 let head = column
                     .head
                     .as_deref()
                     .map(|head| say(head, &values))
                     .transpose()?;
-                let expression = environment.compile_expression(&column.value).map_err(of)?;
+                let expression = environment
+                    .compile_expression(&column.value)
+                    .map_err(failure)?;
                 for (at, row) in rows.iter().enumerate() {
                     let row = context! { ..row.clone(), ..values.clone() };
-                    let found = expression.eval(row.clone());
-                    let cell = found
-                        .and_then(|found| column.cell(&found, column.decimals(&environment, row)?));
+                    let value = expression.eval(row.clone());
+                    let cell = value
+                        .and_then(|value| column.cell(&value, column.decimals(&environment, row)?));
                     let named = head
                         .as_deref()
                         .or(column.key.as_deref())

@@ -85,18 +85,18 @@ pub fn omnibus(design: &Design, panel: &Panel, short: bool) -> String {
         };
     };
     if let Some(found) = found.one_factor() {
-        let said = if short {
+        let statement = if short {
             found.omnibus.short_statement(found.n)
         } else {
             found.omnibus.statement(found.n)
         };
-        return said.map_or_else(
+        return statement.map_or_else(
             || {
                 let why = found.undefined.get("omnibus").filter(|_| !short);
                 let why = why.map_or_else(String::new, |why| format!(": {why}"));
                 format!("no test statistic{why}")
             },
-            |said| said.markup().to_owned(),
+            |statement| statement.markup().to_owned(),
         );
     }
     // Pairs have a table of their own.
@@ -105,7 +105,7 @@ pub fn omnibus(design: &Design, panel: &Panel, short: bool) -> String {
     let is_covariate = |part: &str| design.covariates().iter().any(|c| c.column == part);
     let beside = |part: &str| is_covariate(part) || part == PERIOD;
     let counts = |name: &str| !short || !name.split(':').any(beside);
-    let all: Vec<String> = found
+    let statements: Vec<String> = found
         .statements()
         .into_iter()
         .filter(|(name, _)| effects.len() == 1 || effects.iter().any(|(e, _)| e == name))
@@ -119,11 +119,11 @@ pub fn omnibus(design: &Design, panel: &Panel, short: bool) -> String {
             ),
         })
         .collect();
-    match (&all[..], short || effects.len() == 1) {
+    match (&statements[..], short || effects.len() == 1) {
         ([], _) => "no test statistic: see the reasons in the analysis".to_owned(),
         ([first, ..], true) if effects.len() == 1 => first.clone(),
         ([.., last], true) => last.clone(),
-        (all, false) => all.join("; "),
+        (statements, false) => statements.join("; "),
     }
 }
 
@@ -230,8 +230,8 @@ pub(crate) fn correlation_of_claim(claim: &Claim) -> Option<String> {
     } else {
         printed.value
     };
-    let said = write(claim.printed.value, claim.df? as usize, p);
-    Some(said.markup().to_owned())
+    let statement = write(claim.printed.value, claim.df? as usize, p);
+    Some(statement.markup().to_owned())
 }
 
 /// Whose panel it is, where people are divided.

@@ -26,10 +26,10 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         ("cautious".parse()?, drive(27.0)),
     ];
     for p in &cohort.participants {
-        let own = before
+        let answers = before
             .iter()
             .filter(|a| a.participant == p.id && a.moment == Moment::Pre);
-        let total: i32 = own.filter_map(|a| a.answer).sum();
+        let total: i32 = answers.filter_map(|a| a.answer).sum();
         print!(
             "{} {:2} {:6} ADB {total:2}",
             p.id,

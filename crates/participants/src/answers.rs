@@ -39,7 +39,7 @@ pub fn answer_before(
 ) -> Result<Vec<Answer>, ParticipantError> {
     effects.check()?;
     check_coverage(scales, effects)?;
-    let traits = TraitMixing::of(&cohort.settings)?;
+    let traits = TraitMixing::new(&cohort.settings)?;
     let mut models = Vec::new();
     for scale in scales.iter().filter(|s| s.id != ADB) {
         if let Some(of_scale) = effects.answers.get(&scale.id) {

@@ -50,7 +50,6 @@ pub fn probes_at_random(
     let Some(item) = scale.items.first() else {
         return Vec::new();
     };
-    let asked = asked_s.into_iter();
     let given = |at_s| ProbeAnswer {
         participant: participant.clone(),
         ride,
@@ -58,7 +57,7 @@ pub fn probes_at_random(
         at_s,
         answer: answer(item, missing_rate, &mut rng),
     };
-    asked.map(given).collect()
+    asked_s.into_iter().map(given).collect()
 }
 
 fn answer(item: &Item, missing_rate: f64, rng: &mut Pcg64) -> Option<i32> {

@@ -63,7 +63,7 @@ impl Cohort {
         settings: &CohortSettings,
         design: &Design,
     ) -> Result<Self, ParticipantError> {
-        let mixing = TraitMixing::of(settings)?;
+        let mixing = TraitMixing::new(settings)?;
         let mut cohort = Self {
             participants: Vec::new(),
             learners: learn,
@@ -178,10 +178,10 @@ fn drives(
     settings: &CohortSettings,
     design: &Design,
 ) -> Result<Vec<PlannedDrive>, ParticipantError> {
-    let own = design.baseline().filter(|b| b.by == By::Hand);
-    let in_roles = part == Part::Learn && (participant.professional || own.is_none());
+    let by_hand = design.baseline().filter(|b| b.by == By::Hand);
+    let in_roles = part == Part::Learn && (participant.professional || by_hand.is_none());
     let roles = design.roles().iter().filter(|_| in_roles);
-    let own = own.into_iter().flat_map(|b| {
+    let by_hand = by_hand.into_iter().flat_map(|b| {
         let occasions = match part {
             Part::Learn => vec![Occasion::FIRST],
             Part::Test => design.occasions(b.id),
@@ -213,7 +213,7 @@ fn drives(
         })
     };
     let roles = roles.map(|r| (r.id, Occasion::FIRST, true));
-    own.chain(roles).map(plan).collect()
+    by_hand.chain(roles).map(plan).collect()
 }
 
 #[cfg(test)]

@@ -33,8 +33,8 @@ pub(crate) fn subscale_of<'a>(
     scale: &'a Scale,
     id: &str,
 ) -> Result<&'a Subscale, ParticipantError> {
-    let found = scale.subscales.iter().find(|s| s.id == id);
-    found.ok_or_else(|| ParticipantError::UnknownSubscale {
+    let subscale = scale.subscales.iter().find(|s| s.id == id);
+    subscale.ok_or_else(|| ParticipantError::UnknownSubscale {
         scale: scale.id.clone(),
         subscale: id.to_owned(),
     })

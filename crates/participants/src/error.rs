@@ -29,7 +29,7 @@ pub enum ParticipantError {
     ItemTwice {
         /// Code name of the scale.
         scale: String,
-        /// The item.
+        /// Its number in the scale.
         item: u32,
     },
     /// A scale with models for some items but not for this one.
@@ -37,7 +37,7 @@ pub enum ParticipantError {
     ItemWithoutModel {
         /// Code name of the scale.
         scale: String,
-        /// The item.
+        /// Its number in the scale.
         item: u32,
     },
     /// A subscale with effects but without norms: nothing says how its answers are spread.
@@ -63,7 +63,7 @@ pub enum ParticipantError {
     BadTrial {
         /// Who.
         participant: ParticipantId,
-        /// The condition.
+        /// Its id in the design.
         condition: ConditionId,
         /// What is wrong with it.
         problem: &'static str,

@@ -11,15 +11,15 @@ use std::collections::{BTreeMap, BTreeSet};
 /// The shift that a person would like best, in the unit of [`Perception::shift`](crate::effects::Perception::shift): the truth that an
 /// estimate of preference is held against.
 pub fn preferred_shift(participant: &Participant, effects: &Effects, seed: u64) -> f64 {
-    let own = normal(&mut stream(seed, &[participant.id.as_str(), "preference"]));
+    let draw = normal(&mut stream(seed, &[participant.id.as_str(), "preference"]));
     let by_traits = weighted(participant, &effects.preference.effects);
-    effects.preference.intercept + by_traits + effects.preference.own_sd * own
+    effects.preference.intercept + by_traits + effects.preference.own_sd * draw
 }
 
 fn homophily(participant: &Participant, effects: &Effects, seed: u64) -> f64 {
-    let own = normal(&mut stream(seed, &[participant.id.as_str(), "homophily"]));
+    let draw = normal(&mut stream(seed, &[participant.id.as_str(), "homophily"]));
     let by_traits = weighted(participant, &effects.homophily.effects);
-    effects.homophily.mean + by_traits + effects.homophily.own_sd * own
+    effects.homophily.mean + by_traits + effects.homophily.own_sd * draw
 }
 
 fn weighted(participant: &Participant, effects: &Loadings) -> f64 {
@@ -63,8 +63,8 @@ impl Trial<'_> {
             .get(measure)
             .filter(|s| s.is_finite() && **s > 0.0)?;
         let av = self.values.get(measure).copied().flatten()?;
-        let own = self.own.get(measure).copied().flatten()?;
-        Some(((av - own) / sd).clamp(-LARGEST_DIFFERENCE, LARGEST_DIFFERENCE))
+        let by_hand = self.own.get(measure).copied().flatten()?;
+        Some(((av - by_hand) / sd).clamp(-LARGEST_DIFFERENCE, LARGEST_DIFFERENCE))
     }
 
     /// Sum of weight · value over the measures that can be compared, per unit of their weight, times the whole

@@ -33,7 +33,7 @@ impl ItemModel {
     ///
     /// # Errors
     /// [`ParticipantError::NoNorms`]; [`ParticipantError::BadNorms`] where no item of this range can have them.
-    pub(crate) fn of(scale: &Scale, subscale: &Subscale) -> Result<Self, ParticipantError> {
+    pub(crate) fn from_norms(scale: &Scale, subscale: &Subscale) -> Result<Self, ParticipantError> {
         let Some(norms) = &subscale.norms else {
             return Err(ParticipantError::NoNorms {
                 scale: scale.id.clone(),
@@ -46,7 +46,7 @@ impl ItemModel {
             problem,
         };
         let first = subscale.items.first().and_then(|first| scale.item(*first));
-        let Some(asked) = first else {
+        let Some(first_item) = first else {
             return Err(bad("a sum of others, which the answers to its parts make"));
         };
         let k = subscale.items.len() as f64;
@@ -67,9 +67,9 @@ impl ItemModel {
             mean,
             sd: variance.sqrt(),
             loading: 0.0,
-            min: asked.min,
-            max: asked.max,
-            step: asked.step,
+            min: first_item.min,
+            max: first_item.max,
+            step: first_item.step,
             score_sd,
         };
         item.fit_moments(mean, variance)
@@ -100,8 +100,8 @@ impl ItemModel {
         };
         let sd = crossing(1e-3, 20.0 * width, |sd| centred(sd).moments().1 - variance);
         *self = centred(sd);
-        let found = self.moments();
-        let met = (found.0 - mean).abs() < 1e-6 && (found.1 - variance).abs() < 1e-6;
+        let moments = self.moments();
+        let met = (moments.0 - mean).abs() < 1e-6 && (moments.1 - variance).abs() < 1e-6;
         met.then_some(())
     }
 
@@ -221,7 +221,7 @@ mod tests {
     fn ticked_answers_have_the_moments_and_the_correlation_asked_for() {
         let scale = scale("mdsi");
         for subscale in &scale.subscales {
-            let item = ItemModel::of(&scale, subscale).unwrap();
+            let item = ItemModel::from_norms(&scale, subscale).unwrap();
             let norms = subscale.norms.as_ref().unwrap();
             let (mean, variance) = item.moments();
             assert!((mean - norms.mean).abs() < 1e-6);
@@ -237,12 +237,12 @@ mod tests {
     #[test]
     fn norms_of_a_sum_are_those_of_a_mean_times_the_items() {
         let mut scale = scale("mdsi");
-        let mean = ItemModel::of(&scale, &scale.subscales[0]).unwrap();
+        let mean = ItemModel::from_norms(&scale, &scale.subscales[0]).unwrap();
         scale.scoring = Scoring::Sum;
         let k = scale.subscales[0].items.len() as f64;
         let norms = scale.subscales[0].norms.as_mut().unwrap();
         (norms.mean, norms.sd) = (k * norms.mean, k * norms.sd);
-        let sum = ItemModel::of(&scale, &scale.subscales[0]).unwrap();
+        let sum = ItemModel::from_norms(&scale, &scale.subscales[0]).unwrap();
         for (one, other) in [
             (mean.mean, sum.mean),
             (mean.sd, sum.sd),
@@ -273,7 +273,7 @@ mod tests {
         let mut scale = scale("mini_ipip");
         let norms = scale.subscales[0].norms.as_mut().unwrap();
         (norms.mean, norms.sd) = (1.1, 1.5);
-        let error = ItemModel::of(&scale, &scale.subscales[0])
+        let error = ItemModel::from_norms(&scale, &scale.subscales[0])
             .unwrap_err()
             .to_string();
         assert!(
@@ -281,7 +281,7 @@ mod tests {
             "{error}"
         );
         scale.subscales[1].norms = None;
-        let error = ItemModel::of(&scale, &scale.subscales[1])
+        let error = ItemModel::from_norms(&scale, &scale.subscales[1])
             .unwrap_err()
             .to_string();
         assert!(

@@ -8,9 +8,9 @@ use std::str::FromStr;
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Gender {
-    /// Female.
+    /// Written `female`.
     Female,
-    /// Male.
+    /// Written `male`.
     Male,
 }
 
@@ -78,13 +78,13 @@ impl FromStr for Population {
 /// The Big Five, each N(0, 1) in the population.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 pub struct Personality {
-    /// Extraversion.
+    /// Extraversion (sociable, talkative).
     pub extraversion: f64,
-    /// Agreeableness.
+    /// Agreeableness (kind, ready to help).
     pub agreeableness: f64,
-    /// Conscientiousness.
+    /// Conscientiousness (orderly, thorough).
     pub conscientiousness: f64,
-    /// Neuroticism.
+    /// Neuroticism (easily upset, changing moods).
     pub neuroticism: f64,
     /// Openness (intellect/imagination).
     pub openness: f64,
@@ -153,7 +153,7 @@ pub struct Participant {
     pub population: Population,
     /// Age in whole years.
     pub age_years: u32,
-    /// Gender.
+    /// As the paper reports it; it decides nothing of how they drive.
     pub gender: Gender,
     /// Whether they drive for a living and also demonstrate other styles.
     pub professional: bool,

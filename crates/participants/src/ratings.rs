@@ -22,7 +22,7 @@ pub enum RatingWarning {
     NotCompared {
         /// Who.
         participant: ParticipantId,
-        /// The condition.
+        /// The one that they rated.
         condition: ConditionId,
         /// Code names of the measures.
         measures: Vec<String>,
@@ -112,8 +112,8 @@ pub fn rate<R: Into<Ride> + Copy>(
             values,
             spread,
         };
-        let made = trial.impression(effects, seed);
-        sat_through.push((place, trial, made));
+        let judged = trial.impression(effects, seed);
+        sat_through.push((place, trial, judged));
     }
     let mut rated = Rated::default();
     for (place, trial, (impression, missing)) in &sat_through {

@@ -25,8 +25,8 @@ pub(crate) struct Factor<'a> {
 pub(crate) struct ScaleModel<'a> {
     pub(crate) scale: &'a Scale,
     pub(crate) factors: Vec<Factor<'a>>,
-    /// What no trait explains = own · draws; shape `(factors, factors)`.
-    own: Vec<Vec<f64>>,
+    /// What no trait explains = own_parts · draws; shape `(factors, factors)`.
+    own_parts: Vec<Vec<f64>>,
 }
 
 impl<'a> ScaleModel<'a> {
@@ -47,7 +47,7 @@ impl<'a> ScaleModel<'a> {
             if let Some(model) = models.get(&subscale.id) {
                 factors.push(Factor {
                     subscale: subscale_of(scale, &subscale.id)?,
-                    item: ItemModel::of(scale, subscale)?,
+                    item: ItemModel::from_norms(scale, subscale)?,
                     loadings: &model.loadings,
                 });
             }
@@ -91,10 +91,10 @@ impl<'a> ScaleModel<'a> {
                     "a correlation larger than its reliability allows",
                 )
             })?;
-            let own = wanted - shared(factors[i].loadings, factors[j].loadings);
-            (rest[i][j], rest[j][i]) = (own, own);
+            let covariance = wanted - shared(factors[i].loadings, factors[j].loadings);
+            (rest[i][j], rest[j][i]) = (covariance, covariance);
         }
-        let own = cholesky(&rest).map_err(|_| {
+        let own_parts = cholesky(&rest).map_err(|_| {
             bad(
                 "correlations",
                 "values that contradict each other or the loadings on traits",
@@ -103,7 +103,7 @@ impl<'a> ScaleModel<'a> {
         Ok(Self {
             scale,
             factors,
-            own,
+            own_parts,
         })
     }
 
@@ -117,6 +117,10 @@ impl<'a> ScaleModel<'a> {
                 .sum();
             traits + own.iter().zip(draws).map(|(w, z)| w * z).sum::<f64>()
         };
-        self.factors.iter().zip(&self.own).map(factor).collect()
+        self.factors
+            .iter()
+            .zip(&self.own_parts)
+            .map(factor)
+            .collect()
     }
 }

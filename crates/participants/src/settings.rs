@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Group {
-    /// Mean age in years.
+    /// Mean age, before rounding to whole years.
     pub mean_age_years: f64,
     /// Standard deviation of age in years, before the tails are cut at 1.5 of them.
     pub sd_age_years: f64,

@@ -22,7 +22,7 @@ impl TraitMixing {
     ///
     /// # Errors
     /// [`ParticipantError::BadSetting`] for a setting out of its range, and where the correlations contradict each other.
-    pub(crate) fn of(settings: &CohortSettings) -> Result<Self, ParticipantError> {
+    pub(crate) fn new(settings: &CohortSettings) -> Result<Self, ParticipantError> {
         use Trait::{
             Aggressiveness, Agreeableness, Conscientiousness, Extraversion, HighVelocity,
             Neuroticism, Openness, Pace, Spacing,
@@ -127,7 +127,7 @@ mod tests {
     #[test]
     fn traits_correlate_as_the_settings_say() {
         let settings = CohortSettings::default();
-        let mixing = TraitMixing::of(&settings).unwrap();
+        let mixing = TraitMixing::new(&settings).unwrap();
         for (x, y, r) in [
             (
                 Trait::Extraversion,
@@ -167,7 +167,7 @@ mod tests {
             agreeableness_openness: -0.9,
             ..CohortSettings::default()
         };
-        let error = TraitMixing::of(&settings).unwrap_err().to_string();
+        let error = TraitMixing::new(&settings).unwrap_err().to_string();
         assert!(error.contains("positive definite"), "{error}");
     }
 }

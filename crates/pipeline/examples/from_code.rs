@@ -12,7 +12,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
             .reads(["hello.txt"])
             .makes(["copy.txt"]),
     ];
-    let pipeline = Pipeline::of("greeting", &stages, &place.root)?;
+    let pipeline = Pipeline::from_stages("greeting", &stages, &place.root)?;
     run(&pipeline, &place, &RunOptions::default(), &mut |_| {})?;
     println!(
         "{}",

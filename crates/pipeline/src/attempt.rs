@@ -206,11 +206,11 @@ impl Workshop<'_> {
     /// Whether a stage is seen to be up to date without reading any file.
     pub(crate) fn is_known_up_to_date(&self, stage: &Stage) -> bool {
         let hasher = self.hasher.remembering();
-        let Ok(now) = Present::of(stage, self.place, &hasher) else {
+        let Ok(now) = Present::look(stage, self.place, &hasher) else {
             return false;
         };
         let ledger = self.ledger();
-        let record = ledger.get().of(stage);
+        let record = ledger.get().record_of(stage);
         now.missing.is_empty()
             && record.is_some_and(|record| {
                 let same = |output: &String| {
@@ -224,14 +224,14 @@ impl Workshop<'_> {
     /// Holds a stage against the ledger and the files as they are.
     pub(crate) fn examine(&self, stage: &Stage, forced: bool) -> Result<Examined, PipelineError> {
         let hasher = &self.hasher;
-        let now = Present::of(stage, self.place, hasher)?;
+        let now = Present::look(stage, self.place, hasher)?;
         if !now.missing.is_empty() {
             let paths = now.missing.clone();
             let cause = FailureCause::InputsMissing { paths };
             let failure = self.failure(stage, &now.files, cause, Vec::new(), None);
             return Ok(Examined::Cannot(failure));
         }
-        let past = Past::of(stage, self.ledger().get());
+        let past = Past::in_ledger(stage, self.ledger().get());
         let mut reasons = past.reasons(stage, &now.made_from, hasher)?;
         if forced {
             reasons.insert(0, Reason::Forced);

@@ -87,14 +87,14 @@ impl Bucket {
             return Ok(false);
         };
         let (key, mut file) = (self.key(name), File::create(target)?);
-        let mut at = 0;
-        while at < stamp.bytes {
-            let range = at..stamp.bytes.min(at + PART);
+        let mut start = 0;
+        while start < stamp.bytes {
+            let range = start..stamp.bytes.min(start + PART);
             let part = self
                 .runtime
                 .block_on(self.store.get_range(&key, range.clone()));
             file.write_all(&part.map_err(io::Error::other)?)?;
-            at = range.end;
+            start = range.end;
         }
         Ok(true)
     }
@@ -150,7 +150,7 @@ impl Bucket {
         if let Some(stamp) = self.stamp("")? {
             return Ok(vec![(String::new(), stamp)]);
         }
-        let mut found = Vec::new();
+        let mut files = Vec::new();
         let mut folders = vec![self.base.clone()];
         while let Some(folder) = folders.pop() {
             let listed = self
@@ -165,11 +165,11 @@ impl Bucket {
                     .flatten()
                     .map(|p| p.as_ref().to_owned())
                     .collect();
-                found.push((parts.join("/"), Stamp::from(object)));
+                files.push((parts.join("/"), Stamp::from(object)));
             }
         }
-        found.sort_by(|a, b| a.0.cmp(&b.0));
-        Ok(found)
+        files.sort_by(|a, b| a.0.cmp(&b.0));
+        Ok(files)
     }
 }
 

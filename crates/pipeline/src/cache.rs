@@ -61,13 +61,13 @@ impl Made {
             let parts = within.strip_prefix('/');
             within.is_empty() || parts.is_some_and(|parts| parts.split('/').all(part))
         };
-        let own = |file: &CachedFile| {
+        let belongs = |file: &CachedFile| {
             stage.outputs.contains(&file.output) && within(&file.within) && is_hash(&file.content)
         };
         self.digest == digest
             && outputs == stage.outputs.iter().collect()
             && contents
-            && self.files.iter().all(own)
+            && self.files.iter().all(belongs)
     }
 }
 
@@ -126,11 +126,11 @@ impl Cache {
         let Some(bytes) = self.store.read(&Self::made_of(stage, digest)) else {
             return Ok(None);
         };
-        let made: Made = serde_json::from_slice(&bytes).map_err(|_| Damaged)?;
-        if !made.is_of(stage, digest) {
+        let cached: Made = serde_json::from_slice(&bytes).map_err(|_| Damaged)?;
+        if !cached.is_of(stage, digest) {
             return Err(Damaged);
         }
-        Ok((!stage.summary || made.summary.is_some()).then_some(made))
+        Ok((!stage.summary || cached.summary.is_some()).then_some(cached))
     }
 
     /// Brings the outputs, for which there is room, as they were; `false` if what is in the
@@ -222,7 +222,7 @@ impl Cache {
                 });
             }
         }
-        let made = Made {
+        let cached = Made {
             digest: digest.to_owned(),
             outputs: outputs.clone(),
             files,
@@ -231,7 +231,7 @@ impl Cache {
             summary: ran.summary.map(str::to_owned),
         };
         let name = Self::made_of(stage, digest);
-        let json = serde_json::to_vec(&made);
+        let json = serde_json::to_vec(&cached);
         let json =
             json.map_err(|e| PipelineError::io("write", &self.store.path(&name))(e.into()))?;
         self.store.write(&name, &json)

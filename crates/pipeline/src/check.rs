@@ -16,7 +16,7 @@ pub(crate) struct Present {
 }
 
 impl Present {
-    pub(crate) fn of(
+    pub(crate) fn look(
         stage: &Stage,
         place: &Place,
         hasher: &Hasher<'_>,
@@ -30,12 +30,12 @@ impl Present {
             }
             files = hasher.shares.files(share, &place.root)?;
         }
-        let made_from = Manifest::of(stage, &files, place.program.as_ref(), hasher)?;
-        let found: BTreeSet<&str> = made_from
+        let made_from = Manifest::list(stage, &files, place.program.as_ref(), hasher)?;
+        let present: BTreeSet<&str> = made_from
             .facts(FactKind::Input)
             .map(|(path, _)| path)
             .collect();
-        let not_found = |path: &&String| !found.contains(path.as_str());
+        let not_found = |path: &&String| !present.contains(path.as_str());
         missing.extend(stage.inputs.iter().filter(not_found).cloned());
         Ok(Self {
             made_from,
@@ -54,9 +54,9 @@ pub(crate) struct Past {
 }
 
 impl Past {
-    pub(crate) fn of(stage: &Stage, ledger: &Ledger) -> Self {
+    pub(crate) fn in_ledger(stage: &Stage, ledger: &Ledger) -> Self {
         Self {
-            record: ledger.of(stage).cloned(),
+            record: ledger.record_of(stage).cloned(),
             begun: ledger.left.contains_key(&stage.key()),
         }
     }

@@ -65,12 +65,12 @@ pub fn clean(
         let Some(stage) = ledger.get().stage_of(key).map(str::to_owned) else {
             continue;
         };
-        let all = cleaning.remove(key, ledger.get(), &mut cleaned)?;
+        let cleared = cleaning.remove(key, ledger.get(), &mut cleaned)?;
         if !dry_run {
             for path in [place.log_of(&stage), place.stdout_of(&stage, key)] {
                 remove(&path).map_err(PipelineError::io("remove", &path))?;
             }
-            if all {
+            if cleared {
                 ledger.forget(key)?;
             }
         }
@@ -115,7 +115,7 @@ impl Cleaning<'_> {
         ledger: &Ledger,
         cleaned: &mut Cleaned,
     ) -> Result<bool, PipelineError> {
-        let mut all = true;
+        let mut cleared = true;
         for (output, made) in ledger.made_by(key) {
             let Some(names) = self.hasher.names(output)? else {
                 continue;
@@ -126,8 +126,8 @@ impl Cleaning<'_> {
                 Made::Files(files) => {
                     let is_foreign = |name: &&String| files.binary_search(name).is_err();
                     let foreign: Vec<String> = names.iter().filter(is_foreign).cloned().collect();
-                    let told = foreign.iter().map(|name| format!("{output}/{name}"));
-                    cleaned.foreign.extend(told);
+                    let paths = foreign.iter().map(|name| format!("{output}/{name}"));
+                    cleaned.foreign.extend(paths);
                     files.to_vec()
                 }
             };
@@ -136,7 +136,7 @@ impl Cleaning<'_> {
                 None => false,
             };
             if edited && !self.force {
-                all = false;
+                cleared = false;
                 cleaned.kept.push(output.to_owned());
                 continue;
             }
@@ -146,7 +146,7 @@ impl Cleaning<'_> {
             }
             cleaned.removed.push(output.to_owned());
         }
-        Ok(all)
+        Ok(cleared)
     }
 
     /// The content of what a run made in an output, without what others put there.

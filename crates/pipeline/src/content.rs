@@ -112,11 +112,11 @@ impl<'a> Hasher<'a> {
             let itself = full.symlink_metadata().is_ok();
             return Ok(itself.then(|| vec![String::new()]));
         }
-        let mut found = Vec::new();
-        list(&full, "", &mut found)?;
-        let mut names: Vec<String> = found
+        let mut entries = Vec::new();
+        list(&full, "", &mut entries)?;
+        let mut names: Vec<String> = entries
             .into_iter()
-            .map(|found| found.within.trim_start_matches('/').to_owned())
+            .map(|entry| entry.within.trim_start_matches('/').to_owned())
             .collect();
         names.sort();
         Ok(Some(names))
@@ -129,11 +129,11 @@ impl<'a> Hasher<'a> {
         files: &[String],
     ) -> Result<String, PipelineError> {
         let full = self.root.join(path);
-        let mut found = Vec::new();
-        list(&full, "", &mut found)?;
+        let mut entries = Vec::new();
+        list(&full, "", &mut entries)?;
         let is_one = |name: &str| files.binary_search_by(|f| (**f).cmp(name)).is_ok();
-        found.retain(|entry| is_one(entry.within.trim_start_matches('/')));
-        self.listing(&found)
+        entries.retain(|entry| is_one(entry.within.trim_start_matches('/')));
+        self.listing(&entries)
     }
 
     /// The files of an output, each below it (empty for a file by itself) and with its
@@ -144,14 +144,14 @@ impl<'a> Hasher<'a> {
         if metadata.is_file() {
             return Ok(Some(vec![(String::new(), self.file(&full, &metadata)?)]));
         }
-        let mut found = Vec::new();
+        let mut entries = Vec::new();
         if metadata.is_dir() {
-            list(&full, "", &mut found)?;
+            list(&full, "", &mut entries)?;
         } else {
             return Ok(None);
         }
         let mut files = Vec::new();
-        for entry in found {
+        for entry in entries {
             match entry.kind {
                 FoundKind::File(full, metadata)
                     if metadata.is_file() && !full.is_symlink() && full.to_str().is_some() =>
@@ -176,21 +176,21 @@ impl<'a> Hasher<'a> {
     }
 
     fn directory(&self, full: &Path) -> Result<String, PipelineError> {
-        let mut found = Vec::new();
-        list(full, "", &mut found)?;
-        self.listing(&found)
+        let mut entries = Vec::new();
+        list(full, "", &mut entries)?;
+        self.listing(&entries)
     }
 
-    fn listing(&self, found: &[Found]) -> Result<String, PipelineError> {
+    fn listing(&self, entries: &[Found]) -> Result<String, PipelineError> {
         let remembered = |entry: &Found| match &entry.kind {
             FoundKind::Link(target) => Some(target.clone()),
             FoundKind::File(full, metadata) => self.remembered(full, metadata),
         };
-        let mut contents: Vec<Option<String>> = found.iter().map(remembered).collect();
+        let mut contents: Vec<Option<String>> = entries.iter().map(remembered).collect();
         // Only what must be read is worth several threads.
         contents
             .par_iter_mut()
-            .zip(found)
+            .zip(entries)
             .filter(|(content, _)| content.is_none())
             .try_for_each(|(content, entry)| {
                 if let FoundKind::File(full, metadata) = &entry.kind {
@@ -199,13 +199,13 @@ impl<'a> Hasher<'a> {
                 Ok(())
             })?;
         let mut listing = blake3::Hasher::new();
-        for (entry, content) in found.iter().zip(contents.iter().flatten()) {
+        for (entry, content) in entries.iter().zip(contents.iter().flatten()) {
             for part in [&entry.within, content] {
                 listing.update(&(part.len() as u64).to_le_bytes());
                 listing.update(part.as_bytes());
             }
         }
-        let files = found.len();
+        let files = entries.len();
         let noun = if files == 1 { "file" } else { "files" };
         Ok(format!("{} in {files} {noun}", listing.finalize().to_hex()))
     }
@@ -216,14 +216,14 @@ impl<'a> Hasher<'a> {
         }
         let guard = self.cache.lock().ok()?;
         let (seen, hash) = guard.0.0.get(self.key(full)?)?;
-        (*seen == Look::of(metadata)).then(|| hash.clone())
+        (*seen == Look::from_metadata(metadata)).then(|| hash.clone())
     }
 
     fn file(&self, full: &Path, metadata: &Metadata) -> Result<String, PipelineError> {
         if let Some(hash) = self.remembered(full, metadata) {
             return Ok(hash);
         }
-        let look = Look::of(metadata);
+        let look = Look::from_metadata(metadata);
         let settled = look.is_settled_at(SystemTime::now());
         let hash = self.read(full, look.size)?;
         if let (true, Some(key), Ok(mut guard)) = (settled, self.key(full), self.cache.lock()) {
@@ -288,7 +288,7 @@ enum FoundKind {
 }
 
 /// Adds all files below `folder` in the order of their names.
-fn list(folder: &Path, prefix: &str, found: &mut Vec<Found>) -> Result<(), PipelineError> {
+fn list(folder: &Path, prefix: &str, files: &mut Vec<Found>) -> Result<(), PipelineError> {
     let failed = || PipelineError::io("read the directory", folder);
     let entries = fs::read_dir(folder).map_err(failed())?;
     let mut names = Vec::new();
@@ -305,7 +305,7 @@ fn list(folder: &Path, prefix: &str, found: &mut Vec<Found>) -> Result<(), Pipel
         let within = format!("{prefix}/{text}");
         let reading = || PipelineError::io("read", &full);
         if kind.is_dir() {
-            list(&full, &within, found)?;
+            list(&full, &within, files)?;
             continue;
         }
         let kind = match fs::metadata(&full) {
@@ -315,7 +315,7 @@ fn list(folder: &Path, prefix: &str, found: &mut Vec<Found>) -> Result<(), Pipel
                 FoundKind::Link(target.to_string_lossy().into_owned())
             }
         };
-        found.push(Found { within, kind });
+        files.push(Found { within, kind });
     }
     Ok(())
 }
@@ -336,7 +336,7 @@ fn fill(file: &mut File, buffer: &mut [u8]) -> std::io::Result<usize> {
 
 impl Look {
     #[cfg(unix)]
-    fn of(metadata: &Metadata) -> Self {
+    fn from_metadata(metadata: &Metadata) -> Self {
         use std::os::unix::fs::MetadataExt;
         let ns = |seconds: i64, ns: i64| seconds.saturating_mul(1_000_000_000).saturating_add(ns);
         Self {
@@ -349,7 +349,7 @@ impl Look {
 
     /// Windows has no time of a change to what is known of a file, and no stable number of it here: when it was made stands for it.
     #[cfg(not(unix))]
-    fn of(metadata: &Metadata) -> Self {
+    fn from_metadata(metadata: &Metadata) -> Self {
         let modified_ns = metadata.modified().map_or(i64::MAX, nanos_since_epoch);
         let made_ns = metadata.created().map_or(0, nanos_since_epoch);
         Self {

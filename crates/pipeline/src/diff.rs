@@ -44,7 +44,7 @@ pub struct RunDifference {
 /// What a stage differs in.
 #[derive(Debug, Clone, PartialEq, serde::Serialize)]
 pub struct StageDifference {
-    /// The stage.
+    /// Its name, with that of its branch in a fan-out.
     pub stage: String,
     /// Command, parameters, versions and inputs that differ, as if the first run were
     /// before the second.
@@ -61,19 +61,19 @@ pub struct StageDifference {
 pub enum FileDifference {
     /// Only one run has it.
     OnlyIn {
-        /// The path.
+        /// Relative to the root, parameters as `{name}`.
         path: String,
         /// Whether it is the first run.
         first: bool,
     },
     /// A picture.
     Figure {
-        /// The path.
+        /// Relative to the root, parameters as `{name}`.
         path: String,
     },
     /// A table or a JSON file.
     Numbers {
-        /// The path.
+        /// Relative to the root, parameters as `{name}`.
         path: String,
         /// How many numbers were compared.
         compared: usize,
@@ -88,12 +88,12 @@ pub enum FileDifference {
     },
     /// Anything else.
     Content {
-        /// The path.
+        /// Relative to the root, parameters as `{name}`.
         path: String,
     },
     /// A file that is no longer what its run had made, so that it cannot be compared.
     Gone {
-        /// The path.
+        /// Relative to the root, parameters as `{name}`.
         path: String,
         /// Whether it is the first run's.
         first: bool,
@@ -204,13 +204,13 @@ fn outputs(
 ) -> Result<Vec<FileDifference>, PipelineError> {
     let never = AtomicBool::new(false);
     let (a, b) = (templated_outputs(before), templated_outputs(now));
-    let mut found = Vec::new();
+    let mut differences = Vec::new();
     for path in a.keys().chain(b.keys()).collect::<BTreeSet<_>>() {
         let ((a_path, a_content), (b_path, b_content)) = match (a.get(path), b.get(path)) {
             (Some(a), Some(b)) => (*a, *b),
             (one, _) => {
                 let (path, first) = (path.clone(), one.is_some());
-                found.push(FileDifference::OnlyIn { path, first });
+                differences.push(FileDifference::OnlyIn { path, first });
                 continue;
             }
         };
@@ -218,8 +218,8 @@ fn outputs(
             continue;
         }
         let is_there = |root, path: &String, content| {
-            let found = Hasher::reading_all(root, &never).content(path)?;
-            Ok::<_, PipelineError>(found.as_ref() == Some(content))
+            let content_now = Hasher::reading_all(root, &never).content(path)?;
+            Ok::<_, PipelineError>(content_now.as_ref() == Some(content))
         };
         for (is_there, first) in [
             (is_there(first, a_path, a_content)?, true),
@@ -227,14 +227,20 @@ fn outputs(
         ] {
             if !is_there {
                 let path = path.clone();
-                found.push(FileDifference::Gone { path, first });
+                differences.push(FileDifference::Gone { path, first });
             }
         }
-        if !matches!(found.last(), Some(FileDifference::Gone { path: gone, .. }) if gone == path) {
-            compare(path, &first.join(a_path), &second.join(b_path), &mut found)?;
+        if !matches!(differences.last(), Some(FileDifference::Gone { path: gone, .. }) if gone == path)
+        {
+            compare(
+                path,
+                &first.join(a_path),
+                &second.join(b_path),
+                &mut differences,
+            )?;
         }
     }
-    Ok(found)
+    Ok(differences)
 }
 
 /// Adds what two files, or all files of two directories, differ in.
@@ -242,7 +248,7 @@ fn compare(
     path: &str,
     a: &Path,
     b: &Path,
-    found: &mut Vec<FileDifference>,
+    differences: &mut Vec<FileDifference>,
 ) -> Result<(), PipelineError> {
     if a.is_dir() && b.is_dir() {
         let names = |folder: &Path| -> Result<BTreeSet<String>, PipelineError> {
@@ -260,10 +266,10 @@ fn compare(
         for name in in_a.union(&in_b) {
             let path = format!("{path}/{name}");
             if in_a.contains(name) && in_b.contains(name) {
-                compare(&path, &a.join(name), &b.join(name), found)?;
+                compare(&path, &a.join(name), &b.join(name), differences)?;
             } else {
                 let first = in_a.contains(name);
-                found.push(FileDifference::OnlyIn { path, first });
+                differences.push(FileDifference::OnlyIn { path, first });
             }
         }
         return Ok(());
@@ -271,7 +277,7 @@ fn compare(
     let read = |path: &Path| fs::read(path).map_err(PipelineError::io("read", path));
     let (a, b) = (read(a)?, read(b)?);
     if a != b {
-        found.push(file_difference(path.to_owned(), &a, &b));
+        differences.push(file_difference(path.to_owned(), &a, &b));
     }
     Ok(())
 }

@@ -19,7 +19,7 @@ struct Node {
 }
 
 impl<'g> Picture<'g> {
-    fn of(graph: &'g Graph<'_>) -> Self {
+    fn new(graph: &'g Graph<'_>) -> Self {
         let mut numbers: BTreeMap<&str, usize> = BTreeMap::new();
         let mut members: Vec<Vec<usize>> = Vec::new();
         for &stage in graph.order() {
@@ -58,7 +58,7 @@ impl<'g> Picture<'g> {
 impl Graph<'_> {
     /// The graph for Graphviz. Here and for Mermaid the stages of a fan-out are drawn as one.
     pub fn dot(&self) -> String {
-        let picture = Picture::of(self);
+        let picture = Picture::new(self);
         let label = |i: usize| &picture.nodes[i].label;
         let node = |node: &Node| format!("  \"{}\";\n", node.label);
         let edge = |(a, b)| format!("  \"{}\" -> \"{}\";\n", label(a), label(b));
@@ -70,7 +70,7 @@ impl Graph<'_> {
 
     /// The graph for Mermaid, which Markdown viewers draw.
     pub fn mermaid(&self) -> String {
-        let picture = Picture::of(self);
+        let picture = Picture::new(self);
         // Ids of our own: Mermaid gives a meaning to words such as `end`.
         let node = |(i, node): (usize, &Node)| format!("  s{i}[\"{}\"]\n", node.label);
         let nodes: String = picture.nodes.iter().enumerate().map(node).collect();

@@ -97,7 +97,7 @@ pub enum PipelineError {
     /// A directory that a stage reads or makes, with our own files in it.
     #[error("`{directory}` of stage `{stage}` holds {}, which the run itself needs", path.to_slash_lossy())]
     HoldsOurs {
-        /// The stage.
+        /// Its name, with that of its branch in a fan-out.
         stage: String,
         /// The input or output.
         directory: String,
@@ -107,7 +107,7 @@ pub enum PipelineError {
     /// A stage that calls our program with a command that it does not have.
     #[error("stage `{stage}` calls `{program} {command}`, but {program} has no such command")]
     UnknownCommand {
-        /// The stage.
+        /// Its name, with that of its branch in a fan-out.
         stage: String,
         /// The program's name.
         program: String,
@@ -131,7 +131,7 @@ pub enum PipelineError {
     NotMade {
         /// The file.
         path: String,
-        /// The ledger.
+        /// The path of the ledger.
         ledger: PathBuf,
         /// A recorded output with a similar name.
         nearest: Option<String>,
@@ -143,13 +143,13 @@ pub enum PipelineError {
         stages: usize,
         /// The cluster's program.
         engine: &'static str,
-        /// Its jobs.
+        /// The ids that the cluster gave its jobs.
         jobs: Vec<String>,
     },
     /// The cluster's program did not do what was asked for.
     #[error("`{command}` failed: {message}")]
     Engine {
-        /// The command.
+        /// The command line that failed.
         command: String,
         /// What it or the system said.
         message: String,
@@ -212,9 +212,9 @@ pub enum PipelineError {
         "`--variant {variant}` cannot move `{output}` of stage `{stage}`: it does not begin with a parameter"
     )]
     NoRoot {
-        /// The variant.
+        /// The name given to `--variant`.
         variant: String,
-        /// The stage.
+        /// The stage that makes the output.
         stage: String,
         /// Its output, as written.
         output: String,
@@ -224,7 +224,7 @@ pub enum PipelineError {
         "`{name}` cannot name a variant: letters, digits, `_` and `-`, the first a letter or digit"
     )]
     BadVariant {
-        /// The name.
+        /// The name as it was given.
         name: String,
     },
     /// The cancel flag was set while files were read.

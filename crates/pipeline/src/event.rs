@@ -17,14 +17,14 @@ pub enum Event<'a> {
     },
     /// A stage wrote a line to its standard error.
     Line {
-        /// The stage.
+        /// Its name, with that of its branch in a fan-out.
         stage: &'a str,
         /// The line, without its end.
         line: &'a str,
     },
     /// A stage has nothing to do.
     UpToDate {
-        /// The stage.
+        /// Its name, with that of its branch in a fan-out.
         stage: &'a str,
         /// How many of the wanted stages are settled, this one included.
         settled: usize,
@@ -33,7 +33,7 @@ pub enum Event<'a> {
     },
     /// A stage has made its outputs.
     Finished {
-        /// The stage.
+        /// Its name, with that of its branch in a fan-out.
         stage: &'a str,
         /// How long it ran, in seconds.
         seconds: f64,
@@ -46,7 +46,7 @@ pub enum Event<'a> {
     },
     /// A stage failed and is tried again.
     Retried {
-        /// The stage.
+        /// Its name, with that of its branch in a fan-out.
         stage: &'a str,
         /// What went wrong.
         cause: &'a FailureCause,
@@ -57,7 +57,7 @@ pub enum Event<'a> {
     },
     /// A stage's outputs were taken from the cache.
     Restored {
-        /// The stage.
+        /// Its name, with that of its branch in a fan-out.
         stage: &'a str,
         /// How many of the wanted stages are settled, this one included.
         settled: usize,

@@ -51,9 +51,9 @@ pub(crate) fn fetch(pipeline: &Pipeline, place: &Place) -> Result<(), PipelineEr
                 "" => place.root.join(seen),
                 name => place.root.join(seen).join(name),
             };
-            let here = fs::metadata(&file).is_ok_and(|m| m.is_file() && m.len() == stamp.bytes);
+            let complete = fs::metadata(&file).is_ok_and(|m| m.is_file() && m.len() == stamp.bytes);
             let same = known.and_then(|known| known.get(&name)) == Some(&stamp);
-            if !(here && same) {
+            if !(complete && same) {
                 let folder = file.parent().unwrap_or(&place.root);
                 fs::create_dir_all(folder).map_err(PipelineError::io("create", folder))?;
                 let beside = tempfile::Builder::new()

@@ -106,14 +106,14 @@ impl<'p> Graph<'p> {
     pub(crate) fn named(&self, targets: &[String]) -> Result<BTreeSet<usize>, PipelineError> {
         let mut named = BTreeSet::new();
         for target in targets {
-            let mut found: BTreeSet<usize> = (0..self.users.len())
+            let mut matches: BTreeSet<usize> = (0..self.users.len())
                 .filter(|&i| self.stage(i).name == *target || self.stage(i).family == *target)
                 .collect();
-            if let (true, Some(path)) = (found.is_empty(), normalise(target)) {
-                found.extend(with_ancestors(&path).find_map(|above| self.makers.get(above)));
-                found.extend(below(&self.makers, &path).map(|(_, maker)| maker));
+            if let (true, Some(path)) = (matches.is_empty(), normalise(target)) {
+                matches.extend(with_ancestors(&path).find_map(|above| self.makers.get(above)));
+                matches.extend(below(&self.makers, &path).map(|(_, maker)| maker));
             }
-            if found.is_empty() {
+            if matches.is_empty() {
                 let stages = self.pipeline.stages().iter().map(|s| s.name.as_str());
                 let outputs = self.makers.keys().map(String::as_str);
                 return Err(PipelineError::UnknownTarget {
@@ -122,7 +122,7 @@ impl<'p> Graph<'p> {
                     nearest: nearest(target, stages.chain(outputs)),
                 });
             }
-            named.extend(found);
+            named.extend(matches);
         }
         Ok(named)
     }
@@ -169,8 +169,10 @@ impl<'p> Graph<'p> {
     ) -> Result<(), PipelineError> {
         for &index in wanted {
             let stage = self.stage(index);
-            let made: BTreeSet<&str> = self.needs[index].iter().map(|n| n.input.as_str()).collect();
-            let missing = |input: &&str| !made.contains(input) && !place.root.join(input).exists();
+            let made_inputs: BTreeSet<&str> =
+                self.needs[index].iter().map(|n| n.input.as_str()).collect();
+            let missing =
+                |input: &&str| !made_inputs.contains(input) && !place.root.join(input).exists();
             if let Some(input) = stage.reads().find(missing) {
                 return Err(PipelineError::MissingInput {
                     stage: stage.name.clone(),
@@ -215,8 +217,8 @@ fn needs(stage: &Stage, makers: &BTreeMap<String, usize>) -> Vec<Need> {
     for input in stage.reads() {
         let above = with_ancestors(input).find_map(|path| makers.get(path));
         let inside = below(makers, input).map(|(_, maker)| maker);
-        let found: BTreeSet<usize> = above.into_iter().chain(inside).copied().collect();
-        needs.extend(found.into_iter().map(|maker| Need {
+        let maker_indices: BTreeSet<usize> = above.into_iter().chain(inside).copied().collect();
+        needs.extend(maker_indices.into_iter().map(|maker| Need {
             input: input.to_owned(),
             maker,
         }));
@@ -255,15 +257,15 @@ fn order(
 /// Walks upstream among stages that all wait until one comes round again.
 fn circle(stages: &[Stage], needs: &[Vec<Need>], stuck: &BTreeSet<usize>) -> Vec<CycleStep> {
     let mut walked: Vec<(usize, &Need)> = Vec::new();
-    let mut here = stuck.first().copied();
-    while let Some(stage) = here {
+    let mut current = stuck.first().copied();
+    while let Some(stage) = current {
         if let Some(start) = walked.iter().position(|(seen, _)| *seen == stage) {
             walked.drain(..start);
             break;
         }
         let next = needs[stage].iter().find(|need| stuck.contains(&need.maker));
         walked.extend(next.map(|need| (stage, need)));
-        here = next.map(|need| need.maker);
+        current = next.map(|need| need.maker);
     }
     let step = |(stage, need): (usize, &Need)| CycleStep {
         stage: stages[stage].name.clone(),

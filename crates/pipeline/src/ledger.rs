@@ -43,7 +43,7 @@ pub struct Ledger {
 #[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Record {
-    /// The stage.
+    /// Its name, with that of its branch in a fan-out.
     pub stage: String,
     /// What `--variant` was, if it was given.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -75,7 +75,7 @@ pub struct Record {
 #[derive(Debug, Clone, Default, PartialEq, serde::Serialize, serde::Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Left {
-    /// The stage.
+    /// Its name, with that of its branch in a fan-out.
     pub stage: String,
     /// Outputs in the making when this was last written: whatever is there, the stage made it.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
@@ -129,7 +129,7 @@ impl Ledger {
     }
 
     /// The last good run of `stage` into the outputs that it has now.
-    pub fn of(&self, stage: &Stage) -> Option<&Record> {
+    pub fn record_of(&self, stage: &Stage) -> Option<&Record> {
         let record = self.run.get(&stage.key());
         record.filter(|record| record.stage == stage.name)
     }
@@ -137,18 +137,18 @@ impl Ledger {
     /// The last good runs of one variant (`None`: those without a name), by stage. Where a
     /// stage has run into several places by `--set`, the one with the fewest settings counts.
     pub fn variant(&self, name: Option<&str>) -> BTreeMap<&str, &Record> {
-        let mut found: BTreeMap<&str, &Record> = BTreeMap::new();
+        let mut records: BTreeMap<&str, &Record> = BTreeMap::new();
         for record in self.run.values() {
             let settings = |record: &Record| record.set.len();
             if record.variant.as_deref() == name
-                && found
+                && records
                     .get(&*record.stage)
                     .is_none_or(|other| settings(record) < settings(other))
             {
-                found.insert(&record.stage, record);
+                records.insert(&record.stage, record);
             }
         }
-        found
+        records
     }
 
     /// The variants of which there are runs, in order.
@@ -159,7 +159,7 @@ impl Ledger {
 
     /// What of each output a run made, or the beginning of one.
     pub(crate) fn made_by(&self, key: &str) -> BTreeMap<&str, Made<'_>> {
-        let mut made = BTreeMap::new();
+        let mut outputs = BTreeMap::new();
         if let Some(record) = self.run.get(key) {
             for (output, content) in &record.outputs {
                 let kind = match record.files.get(output) {
@@ -167,15 +167,15 @@ impl Ledger {
                     None if content.contains(" in ") => Made::If(content),
                     None => Made::Files(ITSELF),
                 };
-                made.insert(output.as_str(), kind);
+                outputs.insert(output.as_str(), kind);
             }
         }
         if let Some(left) = self.left.get(key) {
             let files = left.files.iter();
-            made.extend(files.map(|(output, files)| (output.as_str(), Made::Files(files))));
-            made.extend(left.open.iter().map(|output| (output.as_str(), Made::All)));
+            outputs.extend(files.map(|(output, files)| (output.as_str(), Made::Files(files))));
+            outputs.extend(left.open.iter().map(|output| (output.as_str(), Made::All)));
         }
-        made
+        outputs
     }
 
     /// The stage of a run.
@@ -234,8 +234,9 @@ impl Ledger {
             Made::Files(files) => Some(files.to_vec()),
             Made::All | Made::If(_) => None,
         };
-        let made = self.made_by(key).into_iter();
-        made.filter_map(|(output, made)| Some((output.to_owned(), files(made)?)))
+        let outputs = self.made_by(key).into_iter();
+        outputs
+            .filter_map(|(output, made)| Some((output.to_owned(), files(made)?)))
             .collect()
     }
 

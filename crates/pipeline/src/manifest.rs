@@ -35,7 +35,7 @@ const COMMAND_LINE: &str = "line";
 impl Manifest {
     /// Lists what `stage` would be made from now, `files` being its share of a directory.
     /// An input that is not there has no entry.
-    pub(crate) fn of(
+    pub(crate) fn list(
         stage: &Stage,
         files: &[String],
         program: Option<&Program>,

@@ -28,7 +28,7 @@ pub(crate) fn orphans(graph: &Graph<'_>, ledger: &Ledger) -> Vec<String> {
     let reads: BTreeSet<&str> = stages.iter().flat_map(Stage::reads).collect();
     let read_or_above: BTreeSet<&str> = reads.iter().flat_map(|p| with_ancestors(p)).collect();
     let outputs = stages.iter().flat_map(|stage| &stage.outputs);
-    let made: BTreeSet<&str> = outputs.clone().map(String::as_str).collect();
+    let outputs_made: BTreeSet<&str> = outputs.clone().map(String::as_str).collect();
     let made_or_above: BTreeSet<&str> = outputs.flat_map(|path| with_ancestors(path)).collect();
     let of_a_fan = |stage: &str| {
         let mut ends = stage.match_indices(SEPARATOR).map(|(end, _)| end);
@@ -44,7 +44,7 @@ pub(crate) fn orphans(graph: &Graph<'_>, ledger: &Ledger) -> Vec<String> {
         let is_used = |path: &&str| {
             read_or_above.contains(path)
                 || made_or_above.contains(path)
-                || with_ancestors(path).any(|above| made.contains(above))
+                || with_ancestors(path).any(|above| outputs_made.contains(above))
         };
         let is_read = |path: &&str| {
             let mut above = with_ancestors(path);
@@ -98,15 +98,15 @@ pub(crate) fn once_made(graph: &Graph<'_>, ledger: &Ledger, place: &Place) -> Ve
         let outputs = || stages.iter().flat_map(|stage| &stage.outputs);
         with_ancestors(path).any(|above| outputs().any(|output| output == above))
     };
-    let made = ledger.run.iter().flat_map(|(key, record)| {
+    let makers = ledger.run.iter().flat_map(|(key, record)| {
         let paths = ledger.made_by(key).into_keys();
         paths.map(|path| (path, record.stage.as_str()))
     });
-    let made: BTreeMap<&str, &str> = made.filter(|(_, stage)| !is_there(stage)).collect();
+    let makers: BTreeMap<&str, &str> = makers.filter(|(_, stage)| !is_there(stage)).collect();
     let mut warnings = Vec::new();
     for reader in stages {
         for path in reader.reads().filter(|path| !is_made(path)) {
-            if let Some(stage) = made.get(path)
+            if let Some(stage) = makers.get(path)
                 && place.root.join(path).exists()
             {
                 warnings.push(Warning::OnceMade {
@@ -140,7 +140,7 @@ pub(crate) fn remove(
         });
         let stage = ledger.get().stage_of(&key).unwrap_or_default().to_owned();
         let mut cleaned = Cleaned::default();
-        let mut all = cleaning.remove(&key, ledger.get(), &mut cleaned)?;
+        let mut cleared = cleaning.remove(&key, ledger.get(), &mut cleaned)?;
         let mut kept = cleaned.kept;
         let lies_in_kept =
             |path: &String| with_ancestors(path).any(|a| kept.iter().any(|k| k == a));
@@ -154,9 +154,9 @@ pub(crate) fn remove(
                 files,
                 folders,
             });
-            (kept, all) = (Vec::new(), true);
+            (kept, cleared) = (Vec::new(), true);
         }
-        if all {
+        if cleared {
             ledger.forget(&key)?;
         }
         warnings.push(Warning::NoLongerMade {

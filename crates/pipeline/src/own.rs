@@ -28,10 +28,10 @@ pub(crate) fn foreign(
     ledger: &Ledger,
     hasher: &Hasher<'_>,
 ) -> Result<Vec<String>, PipelineError> {
-    let mut made: Vec<(&str, Made<'_>)> = Vec::new();
+    let mut outputs: Vec<(&str, Made<'_>)> = Vec::new();
     for key in keys {
         for (output, what) in ledger.made_by(key) {
-            made.push(match what {
+            outputs.push(match what {
                 Made::If(content) if hasher.content(output)?.as_deref() == Some(content) => {
                     (output, Made::All)
                 }
@@ -40,7 +40,7 @@ pub(crate) fn foreign(
         }
     }
     let is_made = |path: &str| {
-        made.iter().any(|(output, what)| {
+        outputs.iter().any(|(output, what)| {
             let within = path.strip_prefix(output);
             let within = within.filter(|rest| rest.is_empty() || rest.starts_with('/'));
             let within = within.map(|rest| rest.trim_start_matches('/'));
@@ -194,15 +194,15 @@ impl Graph<'_> {
     /// Whether no stage reads or makes `path` or anything above it.
     fn is_free(&self, path: &str) -> bool {
         let stages = self.pipeline().stages();
-        let mut all = stages
+        let mut paths = stages
             .iter()
             .flat_map(|s| s.reads().chain(s.outputs.iter().map(String::as_str)));
-        !all.any(|used| with_ancestors(path).any(|above| above == used))
+        !paths.any(|used| with_ancestors(path).any(|above| above == used))
     }
 }
 
 /// A path as it is told of, relative to the root.
-pub(crate) fn told(paths: &[String]) -> String {
+pub(crate) fn shortened(paths: &[String]) -> String {
     let shown: Vec<&str> = paths.iter().take(3).map(String::as_str).collect();
     match paths.len() - shown.len() {
         0 => shown.join(", "),

@@ -41,11 +41,11 @@ pub struct Program {
 impl Place {
     /// A run in a folder, with its ledger and logs in `.pipeline` there, of programs by their own names.
     pub fn below(root: &Path) -> Self {
-        let own = root.join(".pipeline");
+        let folder = root.join(".pipeline");
         Self {
             root: root.to_owned(),
-            ledger: own.join("lock"),
-            log_dir: own.join("logs"),
+            ledger: folder.join("lock"),
+            log_dir: folder.join("logs"),
             program: None,
         }
     }
@@ -79,12 +79,12 @@ impl Place {
 
     /// What that executable is given for a stage, of whose directories `files` are its own.
     pub(crate) fn arguments_of(&self, stage: &Stage, files: &[String]) -> Vec<String> {
-        let own = stage.arguments(files);
+        let arguments = stage.arguments(files);
         match &self.program {
             Some(program) if program.name == stage.command[0] => {
-                program.leading.iter().cloned().chain(own).collect()
+                program.leading.iter().cloned().chain(arguments).collect()
             }
-            _ => own,
+            _ => arguments,
         }
     }
 

@@ -25,9 +25,9 @@ pub enum Reason {
         /// The line now.
         now: String,
     },
-    /// A parameter changed.
+    /// A parameter of the stage has another value, is new or is no longer used.
     ParameterChanged {
-        /// Its name.
+        /// The parameter, as the pipeline file calls it.
         name: String,
         /// The value of the last run; `None` if it was not in use.
         before: Option<String>,
@@ -45,7 +45,7 @@ pub enum Reason {
     },
     /// An input has another content.
     InputChanged {
-        /// Its path.
+        /// Relative to the root.
         path: String,
         /// Its content at the last run.
         before: String,
@@ -54,42 +54,42 @@ pub enum Reason {
     },
     /// An input is new.
     InputAdded {
-        /// Its path.
+        /// Relative to the root.
         path: String,
     },
     /// An input of the last run is gone.
     InputRemoved {
-        /// Its path.
+        /// Relative to the root.
         path: String,
     },
     /// Something in what it reads was made by a run, and the pipeline no longer makes it.
     InputNoLongerMade {
-        /// Its path.
+        /// Relative to the root.
         path: String,
     },
     /// An input is not there and no stage makes it: the stage cannot run.
     InputMissing {
-        /// Its path.
+        /// Relative to the root.
         path: String,
     },
     /// An output is not there.
     OutputMissing {
-        /// Its path.
+        /// Relative to the root.
         path: String,
     },
     /// An output is not what the stage had made.
     OutputEdited {
-        /// Its path.
+        /// Relative to the root.
         path: String,
     },
     /// A file in an output was made by no run.
     Foreign {
-        /// Its path.
+        /// Relative to the root.
         path: String,
     },
     /// The last run did not have this output.
     OutputAdded {
-        /// Its path.
+        /// Relative to the root.
         path: String,
     },
 }

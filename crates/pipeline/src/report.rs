@@ -31,7 +31,7 @@ pub enum State {
 #[derive(Debug, Clone, PartialEq, serde::Serialize, thiserror::Error)]
 #[error("stage `{stage}` failed: {cause}")]
 pub struct Failure {
-    /// The stage.
+    /// Its name, with that of its branch in a fan-out.
     pub stage: String,
     /// What went wrong.
     pub cause: FailureCause,
@@ -71,7 +71,7 @@ pub enum FailureCause {
     /// Its program could not be started.
     #[error("`{program}` cannot be started: {message}")]
     NotStarted {
-        /// The program.
+        /// Its path or name, as it was called.
         program: String,
         /// What the system said.
         message: String,
@@ -93,7 +93,7 @@ pub enum FailureCause {
     /// Files stand where it has its outputs that no run made.
     #[error(
         "{} in its outputs, made by no run: move {} away, or run with --move-aside, which puts {} beside with the date",
-        crate::own::told(paths),
+        crate::own::shortened(paths),
         them(paths),
         them(paths)
     )]
@@ -158,7 +158,7 @@ pub struct RunReport {
 /// What became of one stage.
 #[derive(Debug, Clone, PartialEq, serde::Serialize)]
 pub struct StageResult {
-    /// The stage.
+    /// Its name, with that of its branch in a fan-out.
     pub stage: String,
     /// What became of it.
     pub state: State,
@@ -188,7 +188,7 @@ pub enum Warning {
     /// Files that no run had made were moved out of a stage's outputs.
     #[error("{} moved from the outputs of stage `{stage}` into {}", counted(*files), folders.join(", "))]
     MovedAside {
-        /// The stage.
+        /// The stage in whose outputs they lay.
         stage: String,
         /// How many files.
         files: usize,
@@ -223,13 +223,13 @@ pub enum Warning {
     /// The cache held something else for a stage than what it had made.
     #[error("the cache is damaged for stage `{stage}`, which runs instead")]
     CacheDamaged {
-        /// The stage.
+        /// Its name, with that of its branch in a fan-out.
         stage: String,
     },
     /// What a stage made could not be put into the cache.
     #[error("what stage `{stage}` made was not put into the cache: {message}")]
     NotCached {
-        /// The stage.
+        /// Its name, with that of its branch in a fan-out.
         stage: String,
         /// What the system said.
         message: String,
@@ -239,7 +239,7 @@ pub enum Warning {
 /// A parameter that has another value than in the run before.
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord, serde::Serialize)]
 pub struct Setting {
-    /// Its name.
+    /// The parameter, as the pipeline file calls it.
     pub name: String,
     /// Its value then.
     pub before: String,
@@ -287,7 +287,7 @@ fn names(stages: &[String]) -> String {
 /// The standard output of a stage.
 #[derive(Debug, Clone, PartialEq, Eq, serde::Serialize)]
 pub struct Summary {
-    /// The stage.
+    /// Its name, with that of its branch in a fan-out.
     pub stage: String,
     /// What it printed; of a long text the last part.
     pub text: String,

@@ -127,7 +127,7 @@ fn work(
         }
         let mut error = None;
         let mut running = 0;
-        let asked = |index: usize| graph.stage(index).resources.memory_mb.map_or(0, u64::from);
+        let memory_of = |index: usize| graph.stage(index).resources.memory_mb.map_or(0, u64::from);
         let memory = options.memory_mb.or_else(crate::memory::of_this_machine);
         let mut in_use = 0;
         loop {
@@ -140,7 +140,7 @@ fn work(
                 || (!schedule.failures.is_empty() && !options.keep_going);
             while !halted && running < jobs {
                 let fits = |index: usize| {
-                    running == 0 || memory.is_none_or(|all| in_use + asked(index) <= all)
+                    running == 0 || memory.is_none_or(|all| in_use + memory_of(index) <= all)
                 };
                 let Some(index) = schedule.begin_next(fits) else {
                     break;
@@ -150,7 +150,7 @@ fn work(
                     schedule.settle(index, Attempt::UpToDate, observe);
                 } else {
                     running += usize::from(to_workers.send(index).is_ok());
-                    in_use += asked(index);
+                    in_use += memory_of(index);
                 }
             }
             if running == 0 {
@@ -160,12 +160,12 @@ fn work(
                 Ok(Message::News(index, news)) => schedule.hear(index, news, observe),
                 Ok(Message::Ended(index, Ok(attempt))) => {
                     running -= 1;
-                    in_use -= asked(index);
+                    in_use -= memory_of(index);
                     schedule.settle(index, attempt, observe);
                 }
                 Ok(Message::Ended(index, Err(failed))) => {
                     running -= 1;
-                    in_use -= asked(index);
+                    in_use -= memory_of(index);
                     workshop.stop.store(true, Ordering::Relaxed);
                     error.get_or_insert(failed);
                 }

@@ -112,8 +112,8 @@ fn examine(
     let orphans = crate::orphans::orphans(graph, &ledger);
     for &index in graph.order().iter().filter(|index| wanted.contains(index)) {
         let stage = graph.stage(index);
-        let now = Present::of(stage, place, &hasher)?;
-        let past = Past::of(stage, &ledger);
+        let now = Present::look(stage, place, &hasher)?;
+        let past = Past::in_ledger(stage, &ledger);
         let mut reasons = Vec::new();
         if forced.contains(&index) {
             reasons.push(Reason::Forced);
@@ -151,9 +151,9 @@ fn refine(
     missing: &[String],
 ) {
     let needs = graph.needs(index);
-    let made: BTreeSet<&str> = needs.iter().map(|need| need.input.as_str()).collect();
+    let made_inputs: BTreeSet<&str> = needs.iter().map(|need| need.input.as_str()).collect();
     let never_made =
-        |path: &str| !made.contains(path) && missing.iter().any(|missing| missing == path);
+        |path: &str| !made_inputs.contains(path) && missing.iter().any(|missing| missing == path);
     let to_come: BTreeSet<&str> = needs
         .iter()
         .filter(|need| stale.contains(&need.maker))
@@ -167,10 +167,10 @@ fn refine(
         _ => true,
     });
     let makers: BTreeSet<usize> = needs.iter().map(|need| need.maker).collect();
-    let mut told = BTreeSet::new();
+    let mut families = BTreeSet::new();
     for maker in makers.iter().filter(|maker| stale.contains(maker)) {
         let stage = graph.stage(*maker).family.clone();
-        if told.insert(stage.clone()) {
+        if families.insert(stage.clone()) {
             reasons.push(Reason::Upstream { stage });
         }
     }

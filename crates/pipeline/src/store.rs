@@ -76,7 +76,7 @@ impl Store {
 
     /// Brings a file; `false` where there is nothing of this name.
     pub(crate) fn fetch(&self, name: &str, target: &Path) -> Result<bool, PipelineError> {
-        let found = match self {
+        let fetched = match self {
             Self::Folder(folder) => match fs::copy(folder.join(name), target) {
                 // Something else may have its name: that is no file that was kept.
                 Err(_) if !folder.join(name).is_file() => Ok(false),
@@ -85,7 +85,7 @@ impl Store {
             #[cfg(feature = "object-store")]
             Self::Bucket(bucket) => bucket.fetch(name, target),
         };
-        found.map_err(PipelineError::io("write", target))
+        fetched.map_err(PipelineError::io("write", target))
     }
 
     /// Keeps a file, unless its name is taken: names are those of contents.

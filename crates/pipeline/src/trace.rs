@@ -72,7 +72,7 @@ pub struct Source {
 /// # Errors
 /// [`PipelineError::NotMade`] if no stage of the ledger made it; if a file cannot be read.
 pub fn trace(ledger: &Ledger, place: &Place, path: &str) -> Result<Trace, PipelineError> {
-    let makers = Makers::of(ledger);
+    let makers = Makers::from_ledger(ledger);
     let not_made = || PipelineError::NotMade {
         path: path.to_owned(),
         ledger: place.ledger.clone(),
@@ -101,7 +101,7 @@ pub fn trace(ledger: &Ledger, place: &Place, path: &str) -> Result<Trace, Pipeli
             Ok(TracedFile {
                 path: path.to_owned(),
                 content: content.to_owned(),
-                state: FileState::of(path, content, &hasher)?,
+                state: FileState::compare(path, content, &hasher)?,
                 makers: makers
                     .of_path(path)
                     .into_iter()
@@ -140,7 +140,7 @@ pub fn trace(ledger: &Ledger, place: &Place, path: &str) -> Result<Trace, Pipeli
         Ok(Source {
             path: path.to_owned(),
             content: content.to_owned(),
-            state: FileState::of(path, content, &hasher)?,
+            state: FileState::compare(path, content, &hasher)?,
             readers,
         })
     };
@@ -158,7 +158,7 @@ pub fn trace(ledger: &Ledger, place: &Place, path: &str) -> Result<Trace, Pipeli
 struct Makers(BTreeMap<String, String>);
 
 impl Makers {
-    fn of(ledger: &Ledger) -> Self {
+    fn from_ledger(ledger: &Ledger) -> Self {
         let outputs = |(key, record): (&String, &Record)| {
             let paths: Vec<_> = record.outputs.keys().cloned().collect();
             let key = key.clone();
@@ -197,30 +197,31 @@ impl<'a> Walk<'a> {
 
     /// The stages and all before them, each after those that use it.
     fn upstream(&self, first: &BTreeSet<&'a str>) -> Vec<&'a str> {
-        let mut found: BTreeMap<&str, BTreeSet<&str>> = BTreeMap::new();
+        let mut before_each: BTreeMap<&str, BTreeSet<&str>> = BTreeMap::new();
         let mut open: Vec<&'a str> = first.iter().copied().collect();
         while let Some(stage) = open.pop() {
-            if !found.contains_key(stage) {
+            if !before_each.contains_key(stage) {
                 let before = self.before(stage);
                 open.extend(before.iter().copied());
-                found.insert(stage, before);
+                before_each.insert(stage, before);
             }
         }
-        let mut users: BTreeMap<&str, usize> = found.keys().map(|stage| (*stage, 0)).collect();
-        for before in found.values() {
+        let mut users: BTreeMap<&str, usize> =
+            before_each.keys().map(|stage| (*stage, 0)).collect();
+        for before in before_each.values() {
             for stage in before {
                 users.entry(stage).and_modify(|count| *count += 1);
             }
         }
         let mut order: Vec<&'a str> = Vec::new();
         // A ledger that was put together by hand may hold a circle: those come last.
-        while order.len() < found.len() {
+        while order.len() < before_each.len() {
             let next = users.iter().min_by_key(|(_, count)| **count);
             let Some(stage) = next.map(|(stage, _)| *stage) else {
                 break;
             };
             users.remove(stage);
-            for before in &found[stage] {
+            for before in &before_each[stage] {
                 if let Some(count) = users.get_mut(before) {
                     *count = count.saturating_sub(1);
                 }

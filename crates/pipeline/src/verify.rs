@@ -55,7 +55,7 @@ pub enum FileState {
 }
 
 impl FileState {
-    pub(crate) fn of(
+    pub(crate) fn compare(
         path: &str,
         recorded: &str,
         hasher: &Hasher<'_>,
@@ -82,7 +82,7 @@ pub fn verify(pipeline: &Pipeline, place: &Place) -> Result<Verification, Pipeli
     let recorded = pipeline
         .stages()
         .iter()
-        .filter_map(|stage| ledger.of(stage));
+        .filter_map(|stage| ledger.record_of(stage));
     for record in recorded {
         let inputs = record.made_from.facts(FactKind::Input);
         let outputs = record.outputs.iter();
@@ -90,7 +90,7 @@ pub fn verify(pipeline: &Pipeline, place: &Place) -> Result<Verification, Pipeli
         let inputs = inputs.map(|(path, content)| (Role::Input, path, content));
         for (role, path, content) in outputs.chain(inputs) {
             compared.insert(path.to_owned());
-            let state = FileState::of(path, content, &hasher)?;
+            let state = FileState::compare(path, content, &hasher)?;
             if state != FileState::Same {
                 findings.push(Finding {
                     stage: record.stage.clone(),
@@ -116,7 +116,7 @@ pub fn verify(pipeline: &Pipeline, place: &Place) -> Result<Verification, Pipeli
         }
     }
     let stages = pipeline.stages().iter();
-    let never_run = stages.filter(|stage| ledger.of(stage).is_none());
+    let never_run = stages.filter(|stage| ledger.record_of(stage).is_none());
     Ok(Verification {
         compared: compared.len(),
         findings,

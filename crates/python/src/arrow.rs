@@ -9,10 +9,8 @@ pub(crate) enum Cells {
     /// Whole numbers.
     #[pyo3(transparent)]
     Whole(Vec<Option<i64>>),
-    /// Numbers.
     #[pyo3(transparent)]
     Numbers(Vec<Option<f64>>),
-    /// Text.
     #[pyo3(transparent)]
     Text(Vec<Option<String>>),
 }

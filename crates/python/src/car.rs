@@ -2,7 +2,7 @@
 
 use crate::{
     drive::Drive as DriveOfPython,
-    error::{asked_to_stop, raised, said},
+    error::{asked_to_stop, maveric_error, raised},
     model::Style,
 };
 use maveric_domain::{
@@ -38,7 +38,7 @@ fn setpoints(asked: (f64, f64, String)) -> PyResult<Setpoints> {
         "move_out" => LaneWish::MoveOut(When::Now),
         "move_back" => LaneWish::MoveBack(When::Now),
         other => {
-            return Err(said(format!(
+            return Err(maveric_error(format!(
                 "a planner wished `{other}`, expected `stay`, `move_out` or `move_back`"
             )));
         }
@@ -83,9 +83,9 @@ impl Planner {
     #[new]
     #[pyo3(signature = (style, lanes = 2, lane_width_m = 3.66, posted_speed_mps = 24.5872))]
     fn new(style: &Style, lanes: u8, lane_width_m: f64, posted_speed_mps: f64) -> PyResult<Self> {
-        let all = [f64::from(lanes), lane_width_m, posted_speed_mps];
-        if !all.iter().all(|v| v.is_finite() && *v > 0.0) {
-            return Err(said(
+        let numbers = [f64::from(lanes), lane_width_m, posted_speed_mps];
+        if !numbers.iter().all(|v| v.is_finite() && *v > 0.0) {
+            return Err(maveric_error(
                 "a road needs at least one lane, a lane width and a posted speed above 0",
             ));
         }
@@ -129,7 +129,7 @@ impl Planner {
         let around = scene.vehicles.iter();
         let around = around.flat_map(|v| [v.x_m, v.y_m, v.speed_mps, v.length_m]);
         if let Some(bad) = numbers.into_iter().chain(around).find(|v| !v.is_finite()) {
-            return Err(said(format!(
+            return Err(maveric_error(format!(
                 "a scene holds {bad}, expected finite numbers"
             )));
         }
@@ -144,11 +144,11 @@ impl Planner {
                 LaneActivity::Keeping
             },
         };
-        let asked = self.inner.plan(&view);
+        let setpoints = self.inner.plan(&view);
         Ok((
-            asked.speed_mps,
-            asked.following_distance_m,
-            word(asked.wish),
+            setpoints.speed_mps,
+            setpoints.following_distance_m,
+            word(setpoints.wish),
         ))
     }
 }
@@ -189,7 +189,7 @@ impl Callable<'_> {
 impl Plans for Callable<'_> {
     fn plan(&mut self, view: &View<'_>) -> Setpoints {
         match self.ask(view) {
-            Ok(asked) => return asked,
+            Ok(setpoints) => return setpoints,
             Err(error) => drop(self.raised.replace(Some(error))),
         }
         // The session is left before the next row.
@@ -245,11 +245,11 @@ pub fn drive_in<'py>(
     let scenario = scenario_of(scenario, duration_s)?;
     let around = |session: &mut Session<'_>| {
         let ego = session.ego();
-        let told = world.call1(((ego.x_m, ego.y_m, ego.speed_mps, ego.length_m),))?;
-        if told.is_none() {
+        let answer = world.call1(((ego.x_m, ego.y_m, ego.speed_mps, ego.length_m),))?;
+        if answer.is_none() {
             return Ok(false);
         }
-        let vehicles: Vec<Around> = told.extract()?;
+        let vehicles: Vec<Around> = answer.extract()?;
         let vehicles: Vec<VehicleState> = vehicles.into_iter().map(vehicle).collect();
         session.meet(&vehicles).map_err(raised)?;
         Ok(true)

@@ -2,7 +2,7 @@
 
 use crate::{
     arrow::{Columns, Given, Made, table_of},
-    error::{raised, said},
+    error::{maveric_error, raised},
     figures::Figure,
 };
 use maveric_domain::{Answer, Drive as Signals, Moment, ParticipantId, Scale};
@@ -16,7 +16,7 @@ use path_slash::PathExt as _;
 use pyo3::{prelude::*, types::PyDict};
 use std::path::PathBuf;
 
-/// One drive.
+/// A drive's signals, and what reading its file warned of.
 #[pyclass(frozen, module = "maveric")]
 pub struct Drive {
     pub(crate) signals: Signals,
@@ -84,11 +84,11 @@ impl Drive {
 
     /// The objective measures by name; None where the drive has no such value.
     fn measures<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
-        let found = PyDict::new(py);
+        let values = PyDict::new(py);
         for measure in objective::all() {
-            found.set_item(measure.name, measure.of(&self.signals))?;
+            values.set_item(measure.name, measure.of(&self.signals))?;
         }
-        Ok(found)
+        Ok(values)
     }
 
     /// Speed, gap and lane over time.
@@ -184,7 +184,7 @@ pub fn score(
         numbered.map(|item| scale.column_of(item)).collect()
     });
     if items.len() != scale.items.len() {
-        return Err(said(format!(
+        return Err(maveric_error(format!(
             "{} columns of items, expected {}: scale `{}` has that many",
             items.len(),
             scale.count(),
@@ -197,7 +197,7 @@ pub fn score(
         for ((row, person), cell) in people.iter().enumerate().zip(cells) {
             let whole = cell.is_none_or(|v| v.fract() == 0.0 && v.abs() < 1e6);
             let (Some(person), true) = (person, whole) else {
-                return Err(said(format!(
+                return Err(maveric_error(format!(
                     "row {}: expected a name in `{participant}` and a whole number in `{name}`",
                     row + 1
                 )));

@@ -22,7 +22,7 @@ pub(crate) fn raised(error: impl Error) -> PyErr {
 }
 
 /// An error in words.
-pub(crate) fn said(text: impl Into<String>) -> PyErr {
+pub(crate) fn maveric_error(text: impl Into<String>) -> PyErr {
     MavericError::new_err(text.into())
 }
 

@@ -1,6 +1,6 @@
 //! Figures, from exactly the plain numbers that each draws.
 
-use crate::error::{raised, said};
+use crate::error::{maveric_error, raised};
 use maveric_domain::Design;
 use maveric_report::{
     Context, Figure as Drawn, ReportError,
@@ -178,7 +178,7 @@ pub fn draw(
     conditions: Option<&str>,
 ) -> PyResult<Figure> {
     let kind = KINDS.iter().find(|(known, _)| *known == name);
-    let (_, draw) = kind.ok_or_else(|| said(format!("there is no figure `{name}`")))?;
+    let (_, draw) = kind.ok_or_else(|| maveric_error(format!("there is no figure `{name}`")))?;
     let input: Value = serde_json::from_str(input).map_err(raised)?;
     let mut context = synthetic.map_or_else(Context::real, Context::synthetic);
     if let Some(given) = conditions {
@@ -186,13 +186,13 @@ pub fn draw(
     }
     let drawn = py.allow_threads(|| draw(input, &context));
     drawn.map(Figure).map_err(|refused| match refused {
-        Refused::Input(error) => said(format!("figure `{name}`: {error}")),
-        Refused::Unknown(what) => said(format!("figure `{name}` {what}")),
+        Refused::Input(error) => maveric_error(format!("figure `{name}`: {error}")),
+        Refused::Unknown(what) => maveric_error(format!("figure `{name}` {what}")),
         Refused::Figure(error) => raised(error),
     })
 }
 
-/// The figures' names.
+/// What `draw` takes as `name`.
 #[pyfunction]
 pub fn figure_names() -> Vec<&'static str> {
     KINDS.iter().map(|(name, _)| *name).collect()

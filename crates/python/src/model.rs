@@ -2,7 +2,7 @@
 
 use crate::{
     drive::Drive,
-    error::{asked_to_stop, raised, said},
+    error::{asked_to_stop, maveric_error, raised},
 };
 use maveric_domain::{BeyondWhy, Embedding};
 use maveric_model::{
@@ -66,7 +66,7 @@ impl Model {
             "linear" => HeadsKind::Linear,
             "paper" => HeadsKind::Paper,
             other => {
-                return Err(said(format!(
+                return Err(maveric_error(format!(
                     "heads `{other}`, expected `linear` or `paper`"
                 )));
             }
@@ -86,7 +86,7 @@ impl Model {
                 None => None,
                 Some(scores) => match scores.get_item(meta.drive.as_str())? {
                     None => scores.get_item(meta.participant.as_str())?,
-                    found => found,
+                    score => score,
                 },
             };
             let points = score.map(|s| s.extract::<f64>()).transpose()?;
@@ -139,7 +139,7 @@ impl Model {
     fn style(&self, embedding: Vec<f64>) -> PyResult<Style> {
         let expected = self.learned.embedding_size();
         if embedding.len() != expected {
-            return Err(said(format!(
+            return Err(maveric_error(format!(
                 "{} coordinates, expected {expected}: the model's styles have that many",
                 embedding.len()
             )));
@@ -150,11 +150,11 @@ impl Model {
     /// The styles of the drives that were learned from, by the drives' names; none in a model that was read from a file.
     #[getter]
     fn drivers<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
-        let found = PyDict::new(py);
+        let drivers = PyDict::new(py);
         for (drive, embedding) in &self.drivers {
-            found.set_item(drive, self.at(embedding.clone()))?;
+            drivers.set_item(drive, self.at(embedding.clone()))?;
         }
-        Ok(found)
+        Ok(drivers)
     }
 
     /// The style in the middle of those that were learned from.
@@ -246,8 +246,8 @@ impl Style {
     #[getter]
     fn covariance(&self) -> Option<Vec<Vec<f64>>> {
         let size = self.embedding.size();
-        let all = self.covariance.as_ref()?;
-        Some(all.chunks(size).map(<[f64]>::to_vec).collect())
+        let covariance = self.covariance.as_ref()?;
+        Some(covariance.chunks(size).map(<[f64]>::to_vec).collect())
     }
 
     /// What the model reads as the score of aggression, in points; none in a model that saw no scores, and where the scale has no
@@ -302,22 +302,27 @@ impl Style {
         lead_speed_mps: Option<f64>,
     ) -> PyResult<Bound<'py, PyDict>> {
         if lead_speed_mps.is_some_and(|v| !v.is_finite() || v < 0.0) {
-            return Err(said("`lead_speed_mps` must be a finite speed of 0 or more"));
+            return Err(maveric_error(
+                "`lead_speed_mps` must be a finite speed of 0 or more",
+            ));
         }
         let habits = Habits::new(&self.model, &self.embedding).map_err(raised)?;
         let free = habits.free_speed_mps(None);
-        let found = PyDict::new(py);
-        found.set_item("free_speed_mps", free)?;
-        found.set_item("move_out_gap_s", habits.move_out_s())?;
-        found.set_item("merge_back_gap_s", habits.merge_back_s())?;
+        let predicted = PyDict::new(py);
+        predicted.set_item("free_speed_mps", free)?;
+        predicted.set_item("move_out_gap_s", habits.move_out_s())?;
+        predicted.set_item("merge_back_gap_s", habits.merge_back_s())?;
         let both = free.zip(lead_speed_mps);
-        let of = |f: fn(&Habits, f64, f64) -> Option<f64>| {
+        let against_lead = |f: fn(&Habits, f64, f64) -> Option<f64>| {
             both.and_then(|(free, lead)| f(&habits, free, lead))
         };
-        found.set_item("following_gap_s", of(Habits::following_gap_s))?;
-        found.set_item("passes", of(Habits::passes))?;
-        found.set_item("passing_speed_over_mps", of(Habits::passing_speed_over_mps))?;
-        Ok(found)
+        predicted.set_item("following_gap_s", against_lead(Habits::following_gap_s))?;
+        predicted.set_item("passes", against_lead(Habits::passes))?;
+        predicted.set_item(
+            "passing_speed_over_mps",
+            against_lead(Habits::passing_speed_over_mps),
+        )?;
+        Ok(predicted)
     }
 
     fn __repr__(&self) -> PyResult<String> {

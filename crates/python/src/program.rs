@@ -14,7 +14,7 @@ pub fn run(py: Python<'_>, words: Vec<String>, program: String, leading: Vec<Str
     py.allow_threads(|| maveric_cli::run(invocation))
 }
 
-/// The version.
+/// That of `Cargo.toml`, such as `0.1.0`.
 #[pyfunction]
 pub fn version() -> &'static str {
     env!("CARGO_PKG_VERSION")

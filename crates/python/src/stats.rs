@@ -2,7 +2,7 @@
 
 use crate::{
     arrow::{Given, table_of},
-    error::said,
+    error::maveric_error,
 };
 use pyo3::prelude::*;
 
@@ -13,8 +13,8 @@ type Found = (String, Vec<String>, Vec<String>);
 #[pyfunction]
 pub fn stats(py: Python<'_>, words: Vec<String>, data: Given) -> PyResult<Found> {
     let table = table_of(data);
-    let found = py
+    let outcome = py
         .allow_threads(|| maveric_cli::stats_of_table(&words, table))
-        .map_err(said)?;
-    Ok((found.value.to_string(), found.summary, found.warnings))
+        .map_err(maveric_error)?;
+    Ok((outcome.value.to_string(), outcome.summary, outcome.warnings))
 }

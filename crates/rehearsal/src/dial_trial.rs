@@ -50,9 +50,9 @@ impl Method {
 /// How near a method came to the preference that people were made with.
 #[derive(Debug, Clone, Serialize)]
 pub struct Score {
-    /// The method.
+    /// By what the dial was set.
     pub method: Method,
-    /// People.
+    /// New people over all studies.
     pub people: usize,
     /// Share within 5 ADB points, with Wilson's 95 % interval.
     pub within_5: Option<Proportion>,
@@ -100,17 +100,17 @@ struct Truth {
 }
 
 impl Truth {
-    fn of(world: &World, many: &Rehearsed) -> Result<Self, RehearsalError> {
+    fn new(world: &World, many: &Rehearsed) -> Result<Self, RehearsalError> {
         let Effects { perception, .. } = &world.effects;
         let people = &many.data.participants;
-        let own: Vec<&MeasureValues> = people
+        let own_drives: Vec<&MeasureValues> = people
             .iter()
             .filter_map(|p| many.data.drive(p, many.data.design.baseline_id()?))
             .collect();
         let percept = Percept {
             shift: perception.shift.clone(),
             distance: perception.distance.clone(),
-            spread: maveric_domain::spread(&own),
+            spread: maveric_domain::spread(&own_drives),
         };
         let dial = percept
             .dial(&many.data, people)
@@ -155,7 +155,7 @@ impl<'a> DialTrials<'a> {
 
     fn with(world: &'a World, many: usize, seed: u64) -> Result<Self, RehearsalError> {
         let many = world.study(many, seed)?;
-        let truth = Truth::of(world, &many)?;
+        let truth = Truth::new(world, &many)?;
         let percept = Some(truth.percept.clone());
         let ceiling = Learned::from(&many.data, &many.data.participants, percept)?;
         Ok(Self {
@@ -181,8 +181,8 @@ impl<'a> DialTrials<'a> {
         let new = self.world.study(NEW_PEOPLE, new_seed)?;
         let setting = |learned: &Learned, p: &ParticipantId, with_ratings: bool| {
             let belief = learned.belief(&new.data, p, with_ratings);
-            let found = learned.preferred(&belief, &learned.traits(&new.data, p))?;
-            Some((found.points, Some((found.low, found.high))))
+            let preferred = learned.preferred(&belief, &learned.traits(&new.data, p))?;
+            Some((preferred.points, Some((preferred.low, preferred.high))))
         };
         let tried = new.people.iter().map(|person| Tried {
             truth: self.truth.points(self.world, person, new_seed),
@@ -210,7 +210,7 @@ impl<'a> DialTrials<'a> {
         let learned = Learned::from(&old.data, &old.data.participants, None)?;
         let new_seed = stream_seed(seed, &["new people"]);
         let new = self.world.study(NEW_PEOPLE, new_seed)?;
-        let mut found = Vec::new();
+        let mut errors = Vec::new();
         for person in &new.people {
             let rider = Rider {
                 trials: self,
@@ -220,12 +220,12 @@ impl<'a> DialTrials<'a> {
                 seed: new_seed,
             };
             let order = shuffled(stream_seed(new_seed, &[person.id.as_str(), "grid"]));
-            found.push([
+            errors.push([
                 rider.ride(trials, |belief, traits, _| learned.next(belief, traits).0)?,
                 rider.ride(trials, |_, _, trial| SETTINGS[order[trial % order.len()]])?,
             ]);
         }
-        Ok(found)
+        Ok(errors)
     }
 }
 
@@ -286,7 +286,7 @@ impl Rider<'_> {
                 scores.iter().find(is).and_then(|s| s.value)
             };
             if let Some(rating) = learned.rating(score) {
-                let perceived = learned.percept.of(&drives.own, &drives.trials[0]);
+                let perceived = learned.percept.perceived(&drives.own, &drives.trials[0]);
                 let setting = SETTINGS.iter().position(|s| (s - points).abs() < 0.5);
                 let row = Learned::row(&traits, perceived, setting);
                 learned.observe(&mut belief, &row, rating);
@@ -359,15 +359,15 @@ impl TrialError {
     pub fn of(people: &[[Vec<f64>; 2]], trials: usize) -> Vec<Self> {
         (0..=trials)
             .map(|trial| {
-                let of = |m: usize| people.iter().map(|p| p[m][trial]).collect::<Vec<f64>>();
+                let errors_of = |m: usize| people.iter().map(|p| p[m][trial]).collect::<Vec<f64>>();
                 let near = |m: usize| {
-                    let errors = of(m);
+                    let errors = errors_of(m);
                     errors.iter().filter(|e| **e <= 5.0).count() as f64 / errors.len() as f64
                 };
                 Self {
                     trials: trial,
-                    active: mean_and_half(&of(0)),
-                    grid: mean_and_half(&of(1)),
+                    active: mean_and_half(&errors_of(0)),
+                    grid: mean_and_half(&errors_of(1)),
                     within_5: (near(0), near(1)),
                 }
             })

@@ -12,13 +12,13 @@ pub enum RehearsalError {
         "`condition.{condition}.car`: what this car will do cannot be made up, expected {{ dial = POINTS }} or {{ across = true }} to rehearse"
     )]
     UnknownCar {
-        /// The condition.
+        /// Its id in the design.
         condition: maveric_domain::ConditionId,
     },
     /// A probe whose scale no file has.
     #[error("`protocol.probe.scale`: `{scale}`, and no scale has that id")]
     NoProbeScale {
-        /// The scale.
+        /// The id that the design names.
         scale: String,
     },
     /// A design without a drive by hand to compare with.

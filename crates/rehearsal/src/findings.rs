@@ -30,16 +30,16 @@ pub fn single(cell: &Cell) -> Finding {
 /// Would studies of this size show what is there? Each declared hypothesis has to be shown in more than [`POWER`] of them; without any, of
 /// each part of the analysis the test that most studies found.
 pub fn power(cell: &Cell) -> Finding {
-    let part = |of: &str, share: Option<&Proportion>| {
+    let part = |key: &str, share: Option<&Proportion>| {
         // A question that no study could judge is as one of too few.
-        let asked = share.map_or(cell.studies.min(1), |_| cell.studies);
-        Part::share(of, asked, share, (POWER, f64::INFINITY))
+        let judged = share.map_or(cell.studies.min(1), |_| cell.studies);
+        Part::share(key, judged, share, (POWER, f64::INFINITY))
     };
     let parts = if cell.hypotheses.is_empty() {
         let best = cell.best_tests().into_iter();
         best.map(|t: &TestRate| {
-            let of = format!("{}: {}", t.part.title(), t.key);
-            part(&of, t.rate.as_ref())
+            let key = format!("{}: {}", t.part.title(), t.key);
+            part(&key, t.rate.as_ref())
         })
         .collect()
     } else {
@@ -100,8 +100,8 @@ pub fn over_models(values: impl IntoIterator<Item = Option<f64>>) -> Option<(f64
 pub fn own_style(models: &[&[Fidelity]]) -> Finding {
     let first = models.first().copied().unwrap_or_default();
     let part = |(k, row): (usize, &Fidelity)| {
-        let over = |of: fn(&Fidelity) -> Option<f64>| {
-            over_models(models.iter().map(|m| m.get(k).and_then(of)))
+        let over = |number: fn(&Fidelity) -> Option<f64>| {
+            over_models(models.iter().map(|m| m.get(k).and_then(number)))
         };
         let floor = over(|f| f.population_mean).map_or(f64::NEG_INFINITY, |(mean, _)| mean);
         let (mean, range) = over(|f| f.mimic).unzip();
@@ -145,8 +145,8 @@ pub fn dial(models: &[&[Dial]]) -> Finding {
     let sides = rows.flat_map(|d| [(d, "+", &d.aggressive), (d, "-", &d.cautious)]);
     let part = |(d, side, right): (&Dial, &str, &crate::validation::Right)| {
         let share = proportion(right.right, right.n, 0.95).ok();
-        let of = format!("{} {side}", d.title);
-        Part::share(of, right.n, share.as_ref(), (0.5, f64::INFINITY))
+        let key = format!("{} {side}", d.title);
+        Part::share(key, right.n, share.as_ref(), (0.5, f64::INFINITY))
     };
     Finding::every(Question::Dial, sides.map(part).collect())
 }
@@ -211,8 +211,8 @@ pub fn beyond_speed(orders: &[&Order]) -> Finding {
 pub fn recognised_unmet<'a>(rows: impl IntoIterator<Item = &'a Whose>) -> Finding {
     let by_style = rows.into_iter().filter(|w| w.by == By::Line);
     let part = |w: &Whose| {
-        let of = format!("{} among {}", w.sought, w.among);
-        Part::share(of, w.n, w.share.as_ref(), (w.chance, f64::INFINITY))
+        let key = format!("{} among {}", w.sought, w.among);
+        Part::share(key, w.n, w.share.as_ref(), (w.chance, f64::INFINITY))
     };
     Finding::every(Question::Recognised, by_style.map(part).collect())
 }

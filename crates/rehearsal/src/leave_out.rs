@@ -24,7 +24,7 @@ use std::fmt;
 /// A drive of somebody who was told how to drive.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Drove {
-    /// The drive.
+    /// The recording, by its id.
     pub drive: DriveId,
     /// Whose it is.
     pub participant: ParticipantId,
@@ -57,7 +57,7 @@ pub type Styles = Vec<Option<Known>>;
 pub struct Uncounted {
     /// Who.
     pub participant: ParticipantId,
-    /// Why.
+    /// What there is not.
     #[serde(flatten)]
     pub why: Missing,
 }
@@ -68,17 +68,17 @@ pub struct Uncounted {
 pub enum Missing {
     /// They drove in no such role.
     Drive {
-        /// The role.
+        /// The role looked for.
         role: ConditionId,
     },
     /// They drove only once in the role.
     Second {
-        /// The role.
+        /// The role that was to be driven twice.
         role: ConditionId,
     },
     /// Nothing can be read from a drive.
     Reading {
-        /// The drive.
+        /// The drive that shows nothing.
         drive: DriveId,
         /// By what it would be read.
         by: By,
@@ -130,8 +130,8 @@ pub fn people(drives: &[Drove]) -> Vec<ParticipantId> {
 /// The places of somebody's drives in a role, in the order of the drives.
 fn driven(drives: &[Drove], who: &ParticipantId, role: ConditionId) -> Vec<usize> {
     let theirs = |(_, d): &(usize, &Drove)| d.participant == *who && d.role == role;
-    let all = drives.iter().enumerate();
-    all.filter(theirs).map(|(place, _)| place).collect()
+    let places = drives.iter().enumerate().filter(theirs);
+    places.map(|(place, _)| place).collect()
 }
 
 /// Standard errors to either side of an interval that a true difference lies in about 95 times of 100.
@@ -156,7 +156,7 @@ pub fn between_people(
     let mut roles: Vec<ConditionId> = drives.iter().map(|d| d.role).collect();
     roles.sort();
     roles.dedup();
-    let (mut squares, mut free, mut all) = (0.0, 0.0, Vec::new());
+    let (mut squares, mut free, mut values_of_others) = (0.0, 0.0, Vec::new());
     for role in roles {
         let others = drives.iter().zip(values);
         let others = others.filter(|(d, _)| d.participant != *who && d.role == role);
@@ -164,10 +164,10 @@ pub fn between_people(
         let Some(centre) = mean(&known) else { continue };
         squares += known.iter().map(|v| (v - centre).powi(2)).sum::<f64>();
         free += known.len() as f64 - 1.0;
-        all.extend(known);
+        values_of_others.extend(known);
     }
     let sd = (free > 0.0).then(|| (squares / free).sqrt())?;
-    (sd > 0.0).then_some((mean(&all)?, sd))
+    (sd > 0.0).then_some((mean(&values_of_others)?, sd))
 }
 
 #[cfg(test)]

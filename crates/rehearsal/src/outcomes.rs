@@ -104,16 +104,15 @@ fn tests_in(a: &Analysis) -> Vec<Found> {
     tests
 }
 
-/// r and p.
 fn r_and_p(c: &Correlation) -> (Option<f64>, Option<f64>) {
     (c.r, c.p)
 }
 
 /// Tests of which each stands for itself.
 fn alone(a: &Analysis) -> Vec<Found> {
-    let mut found = Vec::new();
+    let mut tests = Vec::new();
     let mut add = |part, key: String, estimate, p| {
-        found.push(Found {
+        tests.push(Found {
             part,
             key,
             family: None,
@@ -136,8 +135,8 @@ fn alone(a: &Analysis) -> Vec<Found> {
     for panel in &a.panels {
         let name = name_of(panel);
         match &panel.comparison {
-            Some(found) => {
-                for (effect, p) in found.effects() {
+            Some(comparison) => {
+                for (effect, p) in comparison.effects() {
                     add(Part::Omnibus, format!("{name}.{effect}"), None, p);
                 }
             }
@@ -185,14 +184,14 @@ fn alone(a: &Analysis) -> Vec<Found> {
         let key = format!("congruence.{}.curvature", row.rating);
         add(Part::Congruence, key, estimate, p);
     }
-    found
+    tests
 }
 
 /// Tests that are corrected together with others.
 fn in_families(a: &Analysis) -> Vec<Found> {
-    let mut found = Vec::new();
+    let mut tests = Vec::new();
     let mut corrected = |part, key: String, family: String, estimate, p, p_holm| {
-        found.push(Found {
+        tests.push(Found {
             part,
             key,
             family: Some(family),
@@ -237,7 +236,7 @@ fn in_families(a: &Analysis) -> Vec<Found> {
             row.p_holm,
         );
     }
-    found
+    tests
 }
 
 /// The outcome, and the group where people are divided.

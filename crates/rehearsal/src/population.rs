@@ -35,11 +35,11 @@ pub struct LineModel {
     pub adb_weight: f64,
 }
 
-/// One measure.
+/// How a measure of a drive is made up.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(untagged)]
 pub enum MeasureModel {
-    /// Drawn.
+    /// Drawn from the person's traits and chance.
     Drawn(Box<DrawnMeasure>),
     /// A gap in seconds, from one in metres.
     Derived(DerivedMeasure),
@@ -138,7 +138,7 @@ pub enum CarSetting {
 
 impl CarSetting {
     /// A study's condition; the angle is used by a move across the dial alone.
-    pub fn of(condition: &Condition, angle: f64, step: f64) -> Self {
+    pub fn for_condition(condition: &Condition, angle: f64, step: f64) -> Self {
         match condition.car {
             Some(Car::Across) => Self::Round(angle),
             _ => Self::Shift(condition.dial().unwrap_or(0.0) / step),
@@ -167,11 +167,11 @@ impl PopulationModel {
     }
 
     fn check(&self) -> Result<(), String> {
-        let within = |name: String, found: f64, low: f64, high: f64| {
-            if (low..=high).contains(&found) {
+        let within = |name: String, value: f64, low: f64, high: f64| {
+            if (low..=high).contains(&value) {
                 Ok(())
             } else {
-                Err(format!("`{name}` is {found}, expected {low} to {high}"))
+                Err(format!("`{name}` is {value}, expected {low} to {high}"))
             }
         };
         within("shared".to_owned(), self.shared, 0.0, 1.0)?;
@@ -277,10 +277,10 @@ impl PopulationModel {
                 continue;
             };
             let mut rng = stream(seed, &[id, "own drive", name]);
-            let own = explained(&m.loadings, person, &mut rng);
+            let own_value = explained(&m.loadings, person, &mut rng);
             let common = normal(&mut rng);
             let differs = [normal(&mut rng), normal(&mut rng)];
-            let shown = m.shown(own, &mut rng);
+            let shown = m.shown(own_value, &mut rng);
             drives.own.insert(name.clone(), shown);
             for ((label, setting), values) in trials.iter().zip(&mut drives.trials) {
                 let mut rng = stream(seed, &[id, "trial", name, label]);
@@ -291,7 +291,7 @@ impl PopulationModel {
                     CarSetting::ByHand => 0.0,
                     CarSetting::Shift(_) | CarSetting::Round(_) => m.bias,
                 };
-                let value = m.shown(own + bias + moved + m.error_sd * error, &mut rng);
+                let value = m.shown(own_value + bias + moved + m.error_sd * error, &mut rng);
                 values.insert(name.clone(), value);
             }
         }
@@ -303,10 +303,10 @@ impl PopulationModel {
             let sets = std::iter::once(&mut drives.own).chain(&mut drives.trials);
             for (label, values) in labels.zip(sets) {
                 let mut rng = stream(seed, &[id, "derived", name, label]);
-                let of = |name: &String| values.get(name).copied().flatten();
+                let value_of = |name: &String| values.get(name).copied().flatten();
                 let scatter = 1.0 + m.scatter * normal(&mut rng);
-                let value = of(&m.metres)
-                    .zip(of(&m.velocity))
+                let value = value_of(&m.metres)
+                    .zip(value_of(&m.velocity))
                     .map(|(d, v)| m.factor * d / v * scatter);
                 values.insert(name.clone(), value);
             }

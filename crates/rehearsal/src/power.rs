@@ -29,8 +29,10 @@ impl Cell {
 
     /// The tests of each part of the analysis that has any.
     pub fn by_part(&self) -> Vec<(Part, Vec<&TestRate>)> {
-        let of = |part: Part| self.tests.iter().filter(move |t| t.part == part);
-        let parts = Part::ALL.into_iter().map(|part| (part, of(part).collect()));
+        let tests_in = |part: Part| self.tests.iter().filter(move |t| t.part == part);
+        let parts = Part::ALL
+            .into_iter()
+            .map(|part| (part, tests_in(part).collect()));
         parts
             .filter(|(_, tests): &(_, Vec<_>)| !tests.is_empty())
             .collect()

@@ -38,7 +38,7 @@ pub struct TestRate {
 pub struct FamilyRate {
     /// Name of the family.
     pub family: String,
-    /// Tests in it.
+    /// Tests that are corrected together.
     pub tests: usize,
     /// Share of studies in which any of them has p < .05, uncorrected.
     pub any_uncorrected: Option<Proportion>,
@@ -66,7 +66,7 @@ pub struct HypothesisRate {
 /// One question of a study's page over the studies of a cell.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct FindingRate {
-    /// The question.
+    /// What the page answers.
     pub question: Question,
     /// Studies that could judge it.
     pub studies: usize,
@@ -77,7 +77,7 @@ pub struct FindingRate {
 }
 
 impl HypothesisRate {
-    fn of(judged: &[&Judged]) -> Option<Self> {
+    fn from_judged(judged: &[&Judged]) -> Option<Self> {
         let first = judged.first()?;
         let (studies, shown, fails) = shares(judged.iter().map(|j| j.verdict));
         Some(Self {
@@ -110,7 +110,7 @@ pub struct Cell {
     pub participants: usize,
     /// What every effect is multiplied with.
     pub effect_scale: f64,
-    /// Studies.
+    /// Studies that were made up and analysed.
     pub studies: usize,
     /// Every test of the report.
     pub tests: Vec<TestRate>,
@@ -133,12 +133,12 @@ impl Cell {
     pub fn of(participants: usize, effect_scale: f64, studies: &[Studied]) -> Self {
         let count = studies.first().map_or(0, |s| s.tests.len());
         let tests = (0..count).map(|i| {
-            let found: Vec<&Found> = studies.iter().map(|s| &s.tests[i]).collect();
-            let first = found[0];
-            let p: Vec<f64> = found.iter().filter_map(|f| f.p).collect();
+            let results: Vec<&Found> = studies.iter().map(|s| &s.tests[i]).collect();
+            let first = results[0];
+            let p: Vec<f64> = results.iter().filter_map(|f| f.p).collect();
             let rejected = p.iter().filter(|p| **p < ALPHA).count();
-            let holm: Vec<f64> = found.iter().filter_map(|f| f.p_holm).collect();
-            let estimates: Vec<f64> = found.iter().filter_map(|f| f.estimate).collect();
+            let holm: Vec<f64> = results.iter().filter_map(|f| f.p_holm).collect();
+            let estimates: Vec<f64> = results.iter().filter_map(|f| f.estimate).collect();
             TestRate {
                 part: first.part,
                 key: first.key.clone(),
@@ -150,7 +150,7 @@ impl Cell {
                     .then(|| estimates.iter().sum::<f64>() / estimates.len() as f64),
                 mean_when_significant: {
                     let yes = |f: &&&Found| f.p.is_some_and(|p| p < ALPHA);
-                    let seen: Vec<f64> = found
+                    let seen: Vec<f64> = results
                         .iter()
                         .filter(yes)
                         .filter_map(|f| f.estimate)
@@ -185,9 +185,9 @@ fn findings(studies: &[Studied]) -> Vec<FindingRate> {
         }
     }
     let rate = |question: Question| {
-        let asked = studies.iter().flat_map(|s| &s.findings);
-        let asked = asked.filter(|(asked, _)| *asked == question);
-        let (studies, shown, fails) = shares(asked.map(|(_, verdict)| *verdict));
+        let findings = studies.iter().flat_map(|s| &s.findings);
+        let findings = findings.filter(|(answered, _)| *answered == question);
+        let (studies, shown, fails) = shares(findings.map(|(_, verdict)| *verdict));
         FindingRate {
             question,
             studies,
@@ -200,9 +200,9 @@ fn findings(studies: &[Studied]) -> Vec<FindingRate> {
 
 fn hypotheses(studies: &[Studied]) -> Vec<HypothesisRate> {
     let count = studies.first().map_or(0, |s| s.judged.len());
-    let of = |i: usize| studies.iter().map(|s| &s.judged[i]).collect::<Vec<_>>();
+    let judgements = |i: usize| studies.iter().map(|s| &s.judged[i]).collect::<Vec<_>>();
     (0..count)
-        .filter_map(|i| HypothesisRate::of(&of(i)))
+        .filter_map(|i| HypothesisRate::from_judged(&judgements(i)))
         .collect()
 }
 
@@ -216,13 +216,13 @@ fn families(studies: &[Studied]) -> Vec<FamilyRate> {
     {
         *members.entry(family).or_default() += 1;
     }
-    let any = |family: &str, of: fn(&Found) -> Option<f64>| {
+    let any = |family: &str, p_of: fn(&Found) -> Option<f64>| {
         let hit = |study: &&Studied| {
             study
                 .tests
                 .iter()
                 .filter(|f| f.family.as_deref() == Some(family))
-                .any(|f| of(f).is_some_and(|p| p < ALPHA))
+                .any(|f| p_of(f).is_some_and(|p| p < ALPHA))
         };
         share(studies.iter().filter(hit).count(), studies.len())
     };
@@ -241,12 +241,12 @@ fn families(studies: &[Studied]) -> Vec<FamilyRate> {
 ///
 /// The first size tried, if the rate is reached there: it may need fewer.
 pub fn n_for(curve: &[(usize, f64)], wanted: f64) -> Option<f64> {
-    let at = curve.iter().position(|(_, rate)| *rate >= wanted)?;
-    let (n, rate) = curve[at];
-    if at == 0 {
+    let index = curve.iter().position(|(_, rate)| *rate >= wanted)?;
+    let (n, rate) = curve[index];
+    if index == 0 {
         return Some(n as f64);
     }
-    let (before, low) = curve[at - 1];
+    let (before, low) = curve[index - 1];
     let part = (wanted - low) / (rate - low);
     Some(before as f64 + part * (n - before) as f64)
 }

@@ -140,9 +140,9 @@ impl World {
                     .embeddings
                     .push(embedding((person, baseline), adb_used, score, position)?);
             }
-            let own = style.points(with);
+            let own_points = style.points(with);
             for condition in self.design.conditions() {
-                let row = condition_row(person, condition, driven.angle, own)?;
+                let row = condition_row(person, condition, driven.angle, own_points)?;
                 tables.conditions.push(row);
             }
         }
@@ -172,7 +172,7 @@ impl World {
         let by_hand = self.design.rides(baseline).skip(1);
         let by_hand = by_hand.map(|ride| (ride, CarSetting::ByHand));
         let ridden = self.design.conditions().iter().flat_map(|condition| {
-            let setting = CarSetting::of(condition, angle, self.points);
+            let setting = CarSetting::for_condition(condition, angle, self.points);
             let rides = self.design.rides(condition.id);
             rides.map(move |ride| (ride, setting))
         });
@@ -229,8 +229,8 @@ impl World {
         let Some(scale) = self.scales.iter().find(|scale| scale.id == probe.scale) else {
             return Vec::new();
         };
-        let asked = Probe::asked_s(probe.every_s, protocol.ride_s);
-        probes_at_random(who, ride, scale, asked, self.effects.missing_rate, seed)
+        let times_s = Probe::asked_s(probe.every_s, protocol.ride_s);
+        probes_at_random(who, ride, scale, times_s, self.effects.missing_rate, seed)
     }
 }
 

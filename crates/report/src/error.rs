@@ -121,13 +121,13 @@ pub enum ReportError {
     /// Two figures, tables or claims share a name.
     #[error("the name `{name}` is used twice: files and anchors would collide")]
     DuplicateName {
-        /// The name.
+        /// The name that both have.
         name: String,
     },
     /// A name cannot be a file name or an anchor.
     #[error("`{name}` is not a usable name: expected lower-case letters, digits and hyphens")]
     BadName {
-        /// The name.
+        /// The name as it was given.
         name: String,
     },
     /// A part of the page that moves cannot be made.

@@ -18,13 +18,13 @@ use maveric_simulator::{ControllerSettings, LEFT_SHOULDER_M, RIGHT_SHOULDER_M, S
 use std::{cell::Cell, rc::Rc};
 use wasm_bindgen::prelude::wasm_bindgen;
 
-fn said(error: impl std::fmt::Display) -> String {
+fn text_of(error: impl std::fmt::Display) -> String {
     error.to_string()
 }
 
 fn scenario(json: &str, seconds: f64) -> Result<&'static Scenario, String> {
-    let scenario: Scenario = serde_json::from_str(json).map_err(said)?;
-    let scenario = scenario.with_duration(Seconds(seconds)).map_err(said)?;
+    let scenario: Scenario = serde_json::from_str(json).map_err(text_of)?;
+    let scenario = scenario.with_duration(Seconds(seconds)).map_err(text_of)?;
     Ok(Box::leak(Box::new(scenario)))
 }
 
@@ -43,7 +43,7 @@ impl PageModel {
     pub fn new(bytes: &[u8]) -> Result<PageModel, String> {
         model_file::from_bytes(bytes)
             .map(|m| Self(Rc::new(m)))
-            .map_err(said)
+            .map_err(text_of)
     }
 }
 
@@ -79,10 +79,10 @@ impl PageDrive {
         driven_by: &str,
     ) -> Result<PageDrive, String> {
         let scenario = scenario(json, seconds)?;
-        let driven_by: DrivenBy = driven_by.parse().map_err(said)?;
-        let drive = SeatDrive::by_hand(scenario, seed.parse().map_err(said)?, driven_by);
+        let driven_by: DrivenBy = driven_by.parse().map_err(text_of)?;
+        let drive = SeatDrive::by_hand(scenario, seed.parse().map_err(text_of)?, driven_by);
         Ok(Self {
-            drive: drive.map_err(said)?,
+            drive: drive.map_err(text_of)?,
             scenario,
             keyboard: Keyboard::new(scenario),
             practised: Practised::new(scenario),
@@ -95,13 +95,13 @@ impl PageDrive {
     /// A drive by hand once more, as a ride: `lines` is its record.
     pub fn shown(json: &str, seconds: f64, seed: &str, lines: &str) -> Result<PageDrive, String> {
         let scenario = scenario(json, seconds)?;
-        let record = Record::from_lines(lines).map_err(said)?;
+        let record = Record::from_lines(lines).map_err(text_of)?;
         let given = record.held();
         let mut shown: Vec<Input> = given
             .flat_map(|held| std::iter::repeat_n(held.input, held.steps as usize))
             .collect();
         shown.reverse();
-        let drive = SeatDrive::shown(scenario, seed.parse().map_err(said)?).map_err(said)?;
+        let drive = SeatDrive::shown(scenario, seed.parse().map_err(text_of)?).map_err(text_of)?;
         Ok(Self {
             drive,
             scenario,
@@ -132,24 +132,28 @@ impl PageDrive {
         let scenario = scenario(json, seconds)?;
         let given = &scenario.settings().controllers;
         let model = Rc::clone(&model.0);
-        let own = if own.is_empty() {
+        let embedding = if own.is_empty() {
             model.mean_embedding().clone()
         } else {
-            Embedding::new(own).map_err(said)?
+            Embedding::new(own).map_err(text_of)?
         };
-        let style = (serde_json::from_str(style).map_err(said)?, points * stretch);
-        let rider = Rider::new(Rc::clone(&model), own.clone(), style, given).map_err(said)?;
+        let style = (
+            serde_json::from_str(style).map_err(text_of)?,
+            points * stretch,
+        );
+        let rider =
+            Rider::new(Rc::clone(&model), embedding.clone(), style, given).map_err(text_of)?;
         let dial = Dial {
             points: rider.dial(),
             stretch,
-            own,
+            own: embedding,
             model,
         };
         let controllers: &'static ControllerSettings = Box::leak(Box::new(rider.controllers()));
         let rider: &'static mut Rider = Box::leak(Box::new(rider));
-        let seed = seed.parse().map_err(said)?;
+        let seed = seed.parse().map_err(text_of)?;
         let style = rider.begins_with();
-        let drive = SeatDrive::ride(scenario, seed, rider, controllers).map_err(said)?;
+        let drive = SeatDrive::ride(scenario, seed, rider, controllers).map_err(text_of)?;
         let drive = drive.in_style(style);
         Ok(Self {
             drive,
@@ -164,7 +168,7 @@ impl PageDrive {
 
     /// First line of the record.
     pub fn header(&self) -> Result<String, String> {
-        serde_json::to_string(&self.drive.begun().header).map_err(said)
+        serde_json::to_string(&self.drive.begun().header).map_err(text_of)
     }
 
     /// Drives so many steps by keys: bits 1 left, 2 right, 4 faster, 8 slower, 16 emergency brake. False once it is over.
@@ -306,8 +310,10 @@ impl PageDrive {
         let Some(dial) = &self.dial else {
             return Err("nothing is ridden here".to_owned());
         };
-        let head = LinearHead::aggression(&dial.model).map_err(said)?;
-        let moved = head.shift(&dial.own, points * dial.stretch).map_err(said)?;
+        let head = LinearHead::aggression(&dial.model).map_err(text_of)?;
+        let moved = head
+            .shift(&dial.own, points * dial.stretch)
+            .map_err(text_of)?;
         dial.points.set(moved.effective_points);
         let now = moved.effective_points / dial.stretch;
         self.drive.note("dial", Some(now));
@@ -331,13 +337,13 @@ impl PageDrive {
             longest_ms,
             input_ms,
         };
-        serde_json::to_string(&self.drive.chunk(frames)).map_err(said)
+        serde_json::to_string(&self.drive.chunk(frames)).map_err(text_of)
     }
 
     /// Ends the drive.
     pub fn finish(self) -> Result<PageDriven, String> {
         let driven_by = self.driven_by;
-        let driven = self.drive.finish().map_err(said)?;
+        let driven = self.drive.finish().map_err(text_of)?;
         Ok(PageDriven { driven, driven_by })
     }
 }
@@ -353,7 +359,7 @@ pub struct PageDriven {
 impl PageDriven {
     /// Last line of the record.
     pub fn end(&self) -> Result<String, String> {
-        serde_json::to_string(&self.driven.end).map_err(said)
+        serde_json::to_string(&self.driven.end).map_err(text_of)
     }
 
     /// Collisions, and how often the barrier was touched.
@@ -365,7 +371,7 @@ impl PageDriven {
     /// Learns a style from it: a [`Fit`](crate::Fit) as JSON.
     pub fn fit(&self, model: &PageModel) -> Result<String, String> {
         let fit = crate::fit(&model.0, &self.driven.rollout.recording, self.driven_by);
-        serde_json::to_string(&fit.map_err(said)?).map_err(said)
+        serde_json::to_string(&fit.map_err(text_of)?).map_err(text_of)
     }
 }
 
@@ -381,11 +387,11 @@ pub fn world(token: &str, what: &str) -> String {
 #[expect(unreachable_pub, reason = "the page calls it")]
 pub fn replay(lines: &str) -> Result<String, String> {
     let again = |lines| -> Result<_, SeatPageError> { crate::replay(&Record::from_lines(lines)?) };
-    let found = again(lines).map_err(said)?;
+    let replayed = again(lines).map_err(text_of)?;
     let end = serde_json::json!({
-        "same": found.same(),
-        "end_tick": found.end.end_tick,
-        "states": found.end.states,
+        "same": replayed.same(),
+        "end_tick": replayed.end.end_tick,
+        "states": replayed.end.states,
     });
     Ok(end.to_string())
 }

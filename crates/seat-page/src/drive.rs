@@ -60,9 +60,9 @@ impl<'a> SeatDrive<'a> {
         driven_by: DrivenBy,
     ) -> Result<Self, SeatPageError> {
         if !matches!(driven_by, DrivenBy::Human | DrivenBy::Scripted) {
-            let found = driven_by.as_str();
+            let driver = driven_by.as_str();
             return Err(SeatPageError::Record {
-                problem: format!("driven by `{found}` with hands, expected human or scripted"),
+                problem: format!("driven by `{driver}` with hands, expected human or scripted"),
             });
         }
         let session = Session::new(scenario, Driver::Hands, seed)?;

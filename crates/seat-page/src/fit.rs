@@ -36,12 +36,12 @@ pub fn fit(
 ) -> Result<Fit, SeatPageError> {
     let meta = DriveMeta::named("seat", "seat", "own", driven_by)?;
     let drive = Drive::from_recording(meta, recording)?;
-    let found = personalize(model, &drive, None)?;
+    let personalized = personalize(model, &drive, None)?;
     Ok(Fit {
-        embedding: found.embedding.coordinates().to_vec(),
-        covariance: found.covariance,
-        score: found.aggression_hat,
-        readings: found.readings,
-        beyond: found.support.as_ref().and_then(Support::beyond),
+        embedding: personalized.embedding.coordinates().to_vec(),
+        covariance: personalized.covariance,
+        score: personalized.aggression_hat,
+        readings: personalized.readings,
+        beyond: personalized.support.as_ref().and_then(Support::beyond),
     })
 }

@@ -15,9 +15,9 @@ pub enum Signal {
     /// Neither.
     #[default]
     Off,
-    /// To the left.
+    /// The left turn signal blinks.
     Left,
-    /// To the right.
+    /// The right turn signal blinks.
     Right,
 }
 

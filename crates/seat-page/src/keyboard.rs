@@ -28,9 +28,9 @@ pub struct Keys {
     pub left: bool,
     /// Steer to the right.
     pub right: bool,
-    /// Faster.
+    /// The accelerator.
     pub faster: bool,
-    /// Slower.
+    /// The brake, short of an emergency.
     pub slower: bool,
     /// Brake as hard as the car can.
     pub emergency: bool,

@@ -233,10 +233,10 @@ impl Record {
                 .map_err(|e| bad(1, format!("not the head of a drive: {e}")))?,
         };
         if header.maveric_seat_drive != Header::VERSION {
-            let found = header.maveric_seat_drive;
+            let version = header.maveric_seat_drive;
             return Err(bad(
                 1,
-                format!("version {found}, expected {}", Header::VERSION),
+                format!("version {version}, expected {}", Header::VERSION),
             ));
         }
         let mut record = Self {
@@ -244,7 +244,7 @@ impl Record {
             chunks: Vec::new(),
             end: None,
         };
-        let mut at = 0;
+        let mut next_tick = 0;
         for (line, text) in (2..).zip(&lines[1..]) {
             if record.end.is_some() {
                 return Err(bad(line, "more after the end of the drive".to_owned()));
@@ -258,17 +258,17 @@ impl Record {
                 Err(_) if line == last && !whole => break,
                 Err(e) => return Err(bad(line, format!("not a piece of a drive: {e}"))),
             };
-            if chunk.from_tick != at {
+            if chunk.from_tick != next_tick {
                 return Err(SeatPageError::Gap {
                     line,
                     found: chunk.from_tick,
-                    expected: at,
+                    expected: next_tick,
                 });
             }
             chunk
                 .check(record.header.holds_inputs())
                 .map_err(|problem| bad(line, problem))?;
-            at = at.saturating_add(chunk.ticks);
+            next_tick = next_tick.saturating_add(chunk.ticks);
             record.chunks.push(chunk);
         }
         Ok(record)

@@ -82,15 +82,15 @@ fn main() -> Result<(), Failed> {
     }
     let (took_s, needed_s) = (begun.elapsed().as_secs_f64(), server_s() - before_s);
     took_ms.sort_by(f64::total_cmp);
-    let at = |share: f64| took_ms[((took_ms.len() - 1) as f64 * share) as usize];
+    let quantile_ms = |share: f64| took_ms[((took_ms.len() - 1) as f64 * share) as usize];
     let sent = people * seconds * TICKS;
     println!(
         "{people} people, {} uploads in {:.1} s: p50 {:.1} ms, p99 {:.1} ms, longest {:.1} ms; steps sent {sent}, kept {kept}, lost {}",
         took_ms.len(),
         took_s,
-        at(0.5),
-        at(0.99),
-        at(1.0),
+        quantile_ms(0.5),
+        quantile_ms(0.99),
+        quantile_ms(1.0),
         sent - kept
     );
     println!(

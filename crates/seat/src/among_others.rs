@@ -38,13 +38,13 @@ fn through(person: &Person) -> bool {
 /// The score of `person`, as [`score`] has it, and those of the others who are through, lowest first; none before they are through or
 /// beside too few.
 fn beside(person: &Person, everybody: &[Person]) -> Option<(Option<f64>, Vec<f64>)> {
-    let own = score(person).filter(|_| through(person))?;
+    let own_score = score(person).filter(|_| through(person))?;
     let others = everybody
         .iter()
         .filter(|p| through(p) && p.token != person.token);
     let mut others: Vec<f64> = others.filter_map(score).flatten().collect();
     others.sort_by(f64::total_cmp);
-    (others.len() >= FEWEST_OTHERS).then_some((own, others))
+    (others.len() >= FEWEST_OTHERS).then_some((own_score, others))
 }
 
 impl Seat {
@@ -67,9 +67,9 @@ impl Seat {
         };
         let seen = self
             .store
-            .look(|b| b.everybody().map(|all| self.seen(all)))?;
-        let found = beside(person, &seen);
-        Ok(found.map(|(own, others)| AmongOthers {
+            .look(|b| b.everybody().map(|people| self.seen(people)))?;
+        let scores = beside(person, &seen);
+        Ok(scores.map(|(own, others)| AmongOthers {
             own,
             others,
             sportier_up: style.aggression == Sign::Plus,

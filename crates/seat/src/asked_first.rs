@@ -202,7 +202,7 @@ async fn asks_to_exclude(
     let excluded = excluded.await?;
     let words = shared.words();
     let say = |name| words.plain(name, &[("who", &participant)]);
-    let asked = match excluded {
+    let form = match excluded {
         Some(what) => format!(
             "<p>{}</p><form method=\"post\"><button>{}</button></form>",
             words.plain("lab_excluded_what", &[("what", &what)]),
@@ -219,7 +219,7 @@ async fn asks_to_exclude(
     Ok(html(
         words,
         &format!(
-            "<h1>{}</h1>{asked}<p><a href=\"/lab\">{}</a></p>",
+            "<h1>{}</h1>{form}<p><a href=\"/lab\">{}</a></p>",
             say("lab_exclude_title"),
             say("back")
         ),

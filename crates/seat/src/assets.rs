@@ -49,12 +49,12 @@ const KEPT: &str = "public, max-age=31536000, immutable";
 
 /// What the files are named by.
 static VERSION: LazyLock<String> = LazyLock::new(|| {
-    let mut all = Vec::new();
+    let mut content = Vec::new();
     for (name, _, bytes) in FILES {
-        all.extend_from_slice(name.as_bytes());
-        all.extend_from_slice(bytes);
+        content.extend_from_slice(name.as_bytes());
+        content.extend_from_slice(bytes);
     }
-    let mut digest = crate::token::digest(&all);
+    let mut digest = crate::token::digest(&content);
     digest.truncate(DIGITS);
     digest
 });
@@ -118,9 +118,9 @@ pub(crate) fn answer((version, name): (&str, &str), asked: &HeaderMap) -> Respon
     }
 }
 
-fn takes_gzip(asked: &HeaderMap) -> bool {
-    let all = asked.get_all(header::ACCEPT_ENCODING).iter();
-    let mut words = all
+fn takes_gzip(headers: &HeaderMap) -> bool {
+    let values = headers.get_all(header::ACCEPT_ENCODING).iter();
+    let mut words = values
         .filter_map(|v| v.to_str().ok())
         .flat_map(|v| v.split(','));
     words.any(|word| {

@@ -25,7 +25,7 @@ pub(crate) struct Between {
 
 impl Between {
     /// Of a session before that ended at `since`, in s since 1970; days are Greenwich's, as all of the seat's are.
-    fn of(since: i64, today: NaiveDate, session: NonZeroU32, [least, most]: [u32; 2]) -> Self {
+    fn new(since: i64, today: NaiveDate, session: NonZeroU32, [least, most]: [u32; 2]) -> Self {
         let ended = DateTime::from_timestamp(since, 0).unwrap_or_default();
         let ended = ended.date_naive();
         let after = |days: u32| ended.checked_add_days(Days::new(u64::from(days)));
@@ -49,7 +49,7 @@ impl Between {
         match person.steps.get(person.at) {
             Some(Step::Between { session, days }) => {
                 let since = b.since(&person.token)?;
-                Ok(Some(Self::of(since, today(), *session, *days)))
+                Ok(Some(Self::new(since, today(), *session, *days)))
             }
             _ => Ok(None),
         }
@@ -100,7 +100,7 @@ mod tests {
         // 25 November 2026, ten minutes to midnight.
         let ended = 1_795_650_600;
         let second = NonZeroU32::new(2).unwrap();
-        let on = |day: &str| Between::of(ended, day.parse().unwrap(), second, [2, 14]);
+        let on = |day: &str| Between::new(ended, day.parse().unwrap(), second, [2, 14]);
         let early = on("2026-11-26");
         assert_eq!(
             (early.from.as_str(), early.until.as_str()),

@@ -152,8 +152,8 @@ impl Books<'_> {
 
     /// Goes from a step at which somebody stopped to what they are told then, or to the end: nothing is driven any more.
     pub(crate) fn stop(&self, person: &Person, from: usize) -> Result<(), SeatError> {
-        let told = |step: &Step| matches!(step, Step::Aftercare { .. });
-        let aftercare = person.steps.iter().position(told);
+        let is_aftercare = |step: &Step| matches!(step, Step::Aftercare { .. });
+        let aftercare = person.steps.iter().position(is_aftercare);
         let end = person.steps.len().saturating_sub(1);
         self.go_to(person, from, aftercare.unwrap_or(end))
     }
@@ -286,10 +286,10 @@ impl Books<'_> {
                 )?;
             }
             let mut events = c.prepare("SELECT rowid, what FROM event")?;
-            let told: Vec<(i64, String)> = events
+            let rows: Vec<(i64, String)> = events
                 .query_map([], |row| Ok((row.get(0)?, row.get(1)?)))?
                 .collect::<Result<_, _>>()?;
-            for (row, _) in told.iter().filter(|(_, text)| is_about(text, participant)) {
+            for (row, _) in rows.iter().filter(|(_, text)| is_about(text, participant)) {
                 c.execute("DELETE FROM event WHERE rowid = ?1", [row])?;
             }
             c.execute(

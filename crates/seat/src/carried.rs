@@ -51,9 +51,9 @@ struct Static<'a> {
 /// What was written.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
 pub struct Exported {
-    /// The folder.
+    /// The folder that holds them.
     pub folder: PathBuf,
-    /// Its files.
+    /// The names of its files, without the folder.
     pub files: Vec<String>,
     /// Orders of conditions among which the page draws.
     pub orders: usize,
@@ -104,7 +104,7 @@ pub fn export(seat: &Seat, folder: &Path, post: Option<&str>) -> Result<Exported
         .map(|row| seat.steps_of(Whose::Nobody, &seat.order(row)))
         .collect::<Result<_, _>>()?;
     let orders = rows.len();
-    let told = Static {
+    let study = Static {
         title: settings.design.title(),
         synthetic: settings.design.synthetic(),
         made_up_model: settings.made_up_model,
@@ -117,7 +117,7 @@ pub fn export(seat: &Seat, folder: &Path, post: Option<&str>) -> Result<Exported
         redirect: settings.design.protocol().redirect.as_ref(),
         rows,
     };
-    let told = serde_json::to_vec(&told).map_err(|e| refused(e.to_string(), "report this"))?;
+    let study = serde_json::to_vec(&study).map_err(|e| refused(e.to_string(), "report this"))?;
     let mut files = vec![
         (
             "index.html",
@@ -126,7 +126,7 @@ pub fn export(seat: &Seat, folder: &Path, post: Option<&str>) -> Result<Exported
         ("page.css", assets::bytes("page.css").to_vec()),
         ("page.js", assets::bytes("page.js").to_vec()),
         ("seat.wasm", assets::bytes("seat.wasm").to_vec()),
-        (STUDY, told),
+        (STUDY, study),
     ];
     if let Some(model) = &settings.model {
         files.push(("model.maveric", model.clone()));
@@ -205,11 +205,11 @@ fn missing(steps: &[Step], given: &Carried) -> Option<String> {
         let stops = |piece: &(u64, u64, String)| piece.2.contains(STOPPED);
         parts.pieces.iter().any(stops).then_some(*step)
     });
-    let told = |step: &Step| matches!(step, Step::Aftercare { .. });
-    let told = steps.iter().position(told).unwrap_or(steps.len());
+    let is_aftercare = |step: &Step| matches!(step, Step::Aftercare { .. });
+    let aftercare = steps.iter().position(is_aftercare).unwrap_or(steps.len());
     let lacks = |(at, step): (usize, &Step)| {
         // Whoever stopped was asked nothing more.
-        if stopped.is_some_and(|stopped| (stopped + 1..told).contains(&at)) {
+        if stopped.is_some_and(|stopped| (stopped + 1..aftercare).contains(&at)) {
             return None;
         }
         let (is_there, what) = match step {
@@ -316,13 +316,13 @@ fn checked(
     };
     for (number, line) in lines {
         let wrong = |why: String| bad(path, number, why);
-        let at = |step: usize| {
+        let step_at = |step: usize| {
             let problem = || wrong(format!("step {step}, expected at most {}", steps.len()));
             steps.get(step).ok_or_else(problem)
         };
         match line {
             Line::Sheet { step, sheet } => {
-                let kept = sheet.checked(at(step)?).map_err(wrong)?;
+                let kept = sheet.checked(step_at(step)?).map_err(wrong)?;
                 given.sheets.push((step, kept));
             }
             Line::Drive {
@@ -330,7 +330,7 @@ fn checked(
                 attempt,
                 record,
             } => {
-                let parts = intake::parts(seat, at(step)?, &record).map_err(wrong)?;
+                let parts = intake::parts(seat, step_at(step)?, &record).map_err(wrong)?;
                 if parts.header.is_none() {
                     return Err(wrong("a drive without its head".to_owned()));
                 }

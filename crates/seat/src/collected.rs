@@ -87,7 +87,7 @@ impl Books<'_> {
             .filter(stays)
             .map(|(person, _)| person.participant.as_str())
             .collect();
-        for (given, about, text) in self.told()? {
+        for (given, about, text) in self.all_events()? {
             if about.as_deref().is_some_and(|who| !known.contains(who)) {
                 continue;
             }
@@ -111,7 +111,7 @@ impl Books<'_> {
     }
 
     /// Every event of the seat, the oldest first: when, about whom, what.
-    fn told(&self) -> Result<Vec<(i64, Option<String>, String)>, SeatError> {
+    fn all_events(&self) -> Result<Vec<(i64, Option<String>, String)>, SeatError> {
         self.ask(|c| {
             let mut rows =
                 c.prepare("SELECT given, participant, what FROM event ORDER BY rowid")?;

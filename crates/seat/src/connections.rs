@@ -59,10 +59,10 @@ impl Stage {
 
     /// It was answered; what was refused before it arrived whole does not count.
     pub(crate) fn waits(&self) {
-        let asked = |stage| (stage == ASKING).then_some(WAITING);
+        let to_waiting = |stage| (stage == ASKING).then_some(WAITING);
         let _ = self
             .0
-            .fetch_update(Ordering::Relaxed, Ordering::Relaxed, asked);
+            .fetch_update(Ordering::Relaxed, Ordering::Relaxed, to_waiting);
     }
 
     /// It is being answered without an end.

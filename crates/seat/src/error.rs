@@ -55,7 +55,7 @@ pub enum SeatError {
     /// An address that cannot be served.
     #[error("cannot listen on {address}: {problem}")]
     Address {
-        /// The address.
+        /// Host and port, as given.
         address: String,
         /// Why not.
         problem: String,

@@ -109,19 +109,22 @@ impl Seat {
         match driven {
             Err(error) => outcome.tell(format!("{name}: cannot be driven again: {error}")),
             Ok((again, record)) => {
-                let pictures = Pictures::of(&record);
+                let pictures = Pictures::from_record(&record);
                 let cut = left.map(|why| {
                     let seconds = record.ticks() as f64 / TICKS_PER_S;
                     format!("{why} after {seconds:.0} s, and what was driven is kept")
                 });
                 // What is said of it here as well as in its log; the rest is said in words of its own, or was before.
-                let said = [crash_note(&record), gone_note(&record), mark(person, found)];
-                let said: Vec<String> = said.into_iter().flatten().collect();
-                for text in &said {
+                let remarks = [crash_note(&record), gone_note(&record), mark(person, found)];
+                let remarks: Vec<String> = remarks.into_iter().flatten().collect();
+                for text in &remarks {
                     outcome.tell(format!("{name}: {text}"));
                 }
-                let notes: Vec<String> =
-                    cut.into_iter().chain(pictures.note()).chain(said).collect();
+                let notes: Vec<String> = cut
+                    .into_iter()
+                    .chain(pictures.note())
+                    .chain(remarks)
+                    .collect();
                 let note = (!notes.is_empty()).then(|| notes.join("; "));
                 let kept = (&record, lines.as_str(), note.as_deref());
                 files.log(name, (who, ride), kept, &again)?;
@@ -176,11 +179,14 @@ impl Seat {
         let fitted = person
             .style()
             .and_then(|fit| Embedding::new(fit.embedding).ok());
-        let own = fitted.unwrap_or_else(|| model.mean_embedding().clone());
-        let asked = style.place(model, &own, points * stretch).ok()?.embedding;
+        let own_embedding = fitted.unwrap_or_else(|| model.mean_embedding().clone());
+        let expected = style
+            .place(model, &own_embedding, points * stretch)
+            .ok()?
+            .embedding;
         let apart = apart(
             record.header.style.as_ref()?.coordinates(),
-            asked.coordinates(),
+            expected.coordinates(),
         );
         (apart > SAME_STYLE).then_some(apart)
     }
@@ -245,21 +251,21 @@ impl Seat {
         let Some(model) = &self.model else {
             return;
         };
-        let here = match fit(model, &again.rollout.recording, record.header.driven_by) {
-            Ok(here) => on_the_scale(here),
+        let learned = match fit(model, &again.rollout.recording, record.header.driven_by) {
+            Ok(learned) => on_the_scale(learned),
             Err(error) => return outcome.tell(format!("{name}: no style learned: {error}")),
         };
-        if let Some(why) = &here.beyond {
+        if let Some(why) = &learned.beyond {
             outcome.tell(format!(
                 "{name}: beyond what the model has learned from: {}; rides go on, marked",
                 beyond_in_words(why)
             ));
         }
-        outcome.style = serde_json::to_string(&here).ok();
+        outcome.style = serde_json::to_string(&learned).ok();
         let Some(page) = person.style() else {
             return;
         };
-        let apart = apart(&page.embedding, &here.embedding);
+        let apart = apart(&page.embedding, &learned.embedding);
         if apart > SAME_STYLE {
             outcome.tell(format!(
                 "{name}: the page learned another style than its record gives here, {apart:.2e} apart; the record's is kept"
@@ -369,7 +375,7 @@ struct Pictures {
 }
 
 impl Pictures {
-    fn of(record: &Record) -> Self {
+    fn from_record(record: &Record) -> Self {
         let frames = || record.chunks.iter().map(|c| c.frames);
         Self {
             seconds: record.ticks() as f64 / 100.0,

@@ -46,9 +46,9 @@ pub fn forget(study: &DesignFile, state: &Path, participant: &str) -> Result<For
 }
 
 /// Refuses an id that nobody has or had.
-fn known(here: &[String], files: &Files, participant: &str) -> Result<(), SeatError> {
+fn known(in_store: &[String], files: &Files, participant: &str) -> Result<(), SeatError> {
     let elsewhere = files.people()?;
-    let ids = || here.iter().chain(&elsewhere).map(String::as_str);
+    let ids = || in_store.iter().chain(&elsewhere).map(String::as_str);
     if ids().any(|id| id == participant) {
         return Ok(());
     }
@@ -60,11 +60,11 @@ fn known(here: &[String], files: &Files, participant: &str) -> Result<(), SeatEr
 
 /// Takes somebody's rows out of the seat's file; their token, if they had one.
 fn take_out(store: &Store, files: &Files, participant: &str) -> Result<Option<String>, SeatError> {
-    let here = store.look(|b| {
+    let ids = store.look(|b| {
         let people = b.ids()?.into_iter();
         Ok::<_, SeatError>(people.chain(b.forgotten()?).collect::<Vec<_>>())
     })?;
-    known(&here, files, participant)?;
+    known(&ids, files, participant)?;
     let (token, lent) =
         store.within(|b| Ok::<_, SeatError>((b.forget(participant)?, b.lent()?)))?;
     files.lent(&lent)?;

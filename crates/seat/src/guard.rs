@@ -132,9 +132,9 @@ struct Unanswered {
 
 impl Unanswered {
     fn one_more(shared: &Shared, token: &str) -> Option<Self> {
-        let all = shared.unanswered.lock();
-        let mut all = all.unwrap_or_else(PoisonError::into_inner);
-        let count = all.entry(token.to_owned()).or_default();
+        let counts = shared.unanswered.lock();
+        let mut counts = counts.unwrap_or_else(PoisonError::into_inner);
+        let count = counts.entry(token.to_owned()).or_default();
         if *count == MOST_UNANSWERED {
             return None;
         }
@@ -148,12 +148,12 @@ impl Unanswered {
 
 impl Drop for Unanswered {
     fn drop(&mut self) {
-        let all = self.shared.unanswered.lock();
-        let mut all = all.unwrap_or_else(PoisonError::into_inner);
-        if let Some(count) = all.get_mut(&self.token) {
+        let counts = self.shared.unanswered.lock();
+        let mut counts = counts.unwrap_or_else(PoisonError::into_inner);
+        if let Some(count) = counts.get_mut(&self.token) {
             *count -= 1;
             if *count == 0 {
-                all.remove(&self.token);
+                counts.remove(&self.token);
             }
         }
     }

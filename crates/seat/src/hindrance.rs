@@ -35,7 +35,7 @@ pub enum Hindrance {
         scale: String,
         /// Items with a text.
         worded: usize,
-        /// Items.
+        /// Items that the scale has.
         items: usize,
     },
     /// A scale without the study's language.
@@ -67,13 +67,13 @@ pub enum Hindrance {
         "condition `{condition}` shows people somebody else's style or their own drive, and they are not told so before: found no `protocol.debrief`, expected a text that says it afterwards"
     )]
     NoDebriefing {
-        /// The condition.
+        /// The condition's id.
         condition: ConditionId,
     },
     /// A condition that asks of the model what it does not have.
     #[error("condition `{condition}` cannot be driven by the model: {why}")]
     NotByModel {
-        /// The condition.
+        /// The condition's id.
         condition: ConditionId,
         /// What the model says.
         why: String,
@@ -83,7 +83,7 @@ pub enum Hindrance {
         "condition `{condition}` lends somebody else's style: the model keeps {donors} drives, expected {FEWEST_DONORS} or more"
     )]
     FewDonors {
-        /// The condition.
+        /// The condition's id.
         condition: ConditionId,
         /// Drives that the model keeps.
         donors: usize,
@@ -91,7 +91,7 @@ pub enum Hindrance {
     /// A condition whose file of styles cannot be used.
     #[error("condition `{condition}`: {problem}")]
     Styles {
-        /// The condition.
+        /// The condition's id.
         condition: ConditionId,
         /// What is wrong with the file.
         problem: String,
@@ -103,13 +103,13 @@ pub enum Hindrance {
         "condition `{condition}`: its drives would be simulated again by `maveric run`, expected those of the seat"
     )]
     SimulatedAgain {
-        /// The condition.
+        /// The condition's id.
         condition: ConditionId,
     },
     /// A condition that the seat cannot drive.
     #[error("condition `{condition}`: {problem}")]
     Car {
-        /// The condition.
+        /// The condition's id.
         condition: ConditionId,
         /// Which car it has.
         problem: &'static str,
@@ -119,7 +119,7 @@ pub enum Hindrance {
     ProbeItems {
         /// Its id.
         scale: String,
-        /// Its items.
+        /// How many items the scale has.
         items: u32,
     },
     /// A rule on an item that is not asked, or on an answer that it does not have.
@@ -127,7 +127,7 @@ pub enum Hindrance {
     Rule {
         /// The key of the design.
         key: &'static str,
-        /// The rule.
+        /// The rule, as the design has it.
         rule: String,
         /// What would be possible.
         problem: String,

@@ -23,7 +23,7 @@ pub(crate) struct Known {
 }
 
 impl Known {
-    pub(crate) fn of(person: &Person) -> Self {
+    pub(crate) fn from_person(person: &Person) -> Self {
         let step = |step: &Step| KnownStep {
             what: what(step),
             seconds: step.world().map(|(_, seconds)| seconds),

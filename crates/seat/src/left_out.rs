@@ -75,9 +75,9 @@ impl Books<'_> {
 fn hindrance(person: &Person, act: Act) -> Option<&'static str> {
     let first =
         |step: &Step| step.rules().is_some() || matches!(step, Step::Text { agree: true, .. });
-    let own = |step: &Step| {
-        let own = |style: &RideStyle| !matches!(style, RideStyle::Mean | RideStyle::Given(_));
-        matches!(step, Step::Ride { style, .. } if own(style))
+    let ride_needs_fit = |step: &Step| {
+        let needs_fit = |style: &RideStyle| !matches!(style, RideStyle::Mean | RideStyle::Given(_));
+        matches!(step, Step::Ride { style, .. } if needs_fit(style))
     };
     let mut ahead = person.steps.iter().skip(person.at);
     match (act, ahead.clone().next()) {
@@ -86,7 +86,7 @@ fn hindrance(person: &Person, act: Act) -> Option<&'static str> {
             Some("nobody goes on who was not admitted and has not agreed")
         }
         (Act::Skip, Some(step))
-            if step.is_learned_of() && person.fit.is_none() && ahead.any(own) =>
+            if step.is_learned_of() && person.fit.is_none() && ahead.any(ride_needs_fit) =>
         {
             Some("the rides need the style that is learned of this drive")
         }

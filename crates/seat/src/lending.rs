@@ -46,7 +46,7 @@ impl Seat {
             .filter_map(|other| lends(other, &other.style()?));
         let tested: Vec<_> = fits.chain(lends(person, &own)).collect();
         let drive = by_hand(person);
-        let own = Embedding::new(own.embedding).map_err(StudyError::from)?;
+        let own_embedding = Embedding::new(own.embedding).map_err(StudyError::from)?;
         let mut steps = person.steps.clone();
         for step in &mut steps {
             let Step::Ride {
@@ -72,10 +72,10 @@ impl Seat {
                     before
                         .filter(|(ridden, ..)| *ridden == id)
                         .for_each(|(_, lent, _)| lending.count(&lent.donor));
-                    lending.lend((drive.as_ref(), &own), seed.0)
+                    lending.lend((drive.as_ref(), &own_embedding), seed.0)
                 }
                 _ => style
-                    .place(model, &own, 0.0)
+                    .place(model, &own_embedding, 0.0)
                     .map(|placed| Some(placed.embedding).zip(placed.lent)),
             };
             if let Some((embedding, from)) = drawn.map_err(StudyError::from)? {

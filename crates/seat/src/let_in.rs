@@ -129,8 +129,11 @@ impl Seat {
     /// The ids that nobody is given, in small letters: files of ids that differ by nothing else are one file on some systems.
     fn ids_taken(&self, b: &Books<'_>) -> Result<BTreeSet<String>, SeatError> {
         let elsewhere = self.settings.files.people()?.into_iter();
-        let here = b.ids()?.into_iter().chain(b.forgotten()?);
-        Ok(elsewhere.chain(here).map(|id| id.to_lowercase()).collect())
+        let in_store = b.ids()?.into_iter().chain(b.forgotten()?);
+        Ok(elsewhere
+            .chain(in_store)
+            .map(|id| id.to_lowercase())
+            .collect())
     }
 
     /// The id that is wanted, or the next that nobody has or had, here or in the study's table of people.

@@ -132,14 +132,14 @@ pub(crate) async fn parts(shared: &Shared) -> Vec<(&'static str, String)> {
 /// What the disk has left, and whether that is little.
 fn room(bytes: u64, words: &Words) -> String {
     let gb = disk::in_gb(bytes);
-    let said = words.plain("lab_disk", &[("gb", &gb)]);
+    let free = words.plain("lab_disk", &[("gb", &gb)]);
     if bytes < disk::LITTLE {
         format!(
-            "<strong role=\"alert\">{said} {}</strong>",
+            "<strong role=\"alert\">{free} {}</strong>",
             words.plain("lab_disk_little", &[])
         )
     } else {
-        said
+        free
     }
 }
 
@@ -284,7 +284,7 @@ mod tests {
     }
 
     fn known(steps: Vec<Step>) -> Known {
-        Known::of(&Person::new("t".to_owned(), "P001".to_owned(), steps))
+        Known::from_person(&Person::new("t".to_owned(), "P001".to_owned(), steps))
     }
 
     #[test]

@@ -18,8 +18,8 @@ pub(crate) fn screen(
     if protocol.screen.is_empty() {
         return Ok(None);
     }
-    let asked = protocol.screen.iter();
-    let sheets = asked.map(|id| sheet(scales, id, Moment::Pre, language));
+    let ids = protocol.screen.iter();
+    let sheets = ids.map(|id| sheet(scales, id, Moment::Pre, language));
     let sheets = sheets.collect::<Result<_, _>>()?;
     let rules = protocol.admit_if.iter();
     let rules = rules.map(|rule| judged(rule, &protocol.screen, scales));
@@ -85,11 +85,11 @@ fn item_of(key: &'static str, rule: &AnswerRule, scale: &Scale) -> Result<usize,
         );
         unknown_item(key, rule, problem)
     })?;
-    let asked = &scale.items[item];
-    if !(asked.min..=asked.max).contains(&rule.value) {
+    let question = &scale.items[item];
+    if !(question.min..=question.max).contains(&rule.value) {
         let problem = format!(
             "`{}` has answers from {} to {}",
-            scale.id, asked.min, asked.max
+            scale.id, question.min, question.max
         );
         return Err(unknown_item(key, rule, problem));
     }

@@ -9,7 +9,7 @@ use serde::{Deserialize, Serialize};
 pub enum Need {
     /// A browser that draws the road.
     Webgl,
-    /// Pictures of it in a second.
+    /// How often a second the browser draws the road.
     PicturesPerSecond {
         /// At least so many.
         least: f64,

@@ -5,9 +5,9 @@ use std::net::SocketAddr;
 
 /// The one header of this name; what is there twice is nobody's word.
 fn only(headers: &HeaderMap, name: header::HeaderName) -> Option<&str> {
-    let mut found = headers.get_all(name).iter();
-    let first = found.next()?.to_str().ok()?;
-    found.next().is_none().then_some(first)
+    let mut values = headers.get_all(name).iter();
+    let first = values.next()?.to_str().ok()?;
+    values.next().is_none().then_some(first)
 }
 
 /// Whether a request that changes something comes from a page of this server: its `Origin` is the `Host` it asks.

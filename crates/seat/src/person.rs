@@ -93,7 +93,7 @@ impl Person {
         })
     }
 
-    /// Their style.
+    /// What was learned of their drive; none before that.
     pub(crate) fn style(&self) -> Option<Fit> {
         style_kept(self.fit.as_deref())
     }

@@ -76,10 +76,10 @@ pub fn of_design(
     whose: Whose<'_>,
     riding: Option<Riding<'_>>,
 ) -> Result<Vec<Step>, SeatError> {
-    let own = design
+    let baseline = design
         .baseline_id()
         .map_or_else(|| ConditionId::new("own"), Ok);
-    let own = own.map_err(|e| SeatError::Protocol {
+    let baseline = baseline.map_err(|e| SeatError::Protocol {
         problem: e.to_string(),
         help: None,
     })?;
@@ -91,7 +91,7 @@ pub fn of_design(
         texts,
         whose,
         riding,
-        own,
+        baseline,
         // Where it may stop somebody it is asked in every drive.
         stops: probe.clone().filter(|probe| probe.stop.is_some()),
         probe,
@@ -114,7 +114,7 @@ struct Planning<'a> {
     whose: Whose<'a>,
     riding: Option<Riding<'a>>,
     /// The label of the drive by hand.
-    own: ConditionId,
+    baseline: ConditionId,
     probe: Option<AskedProbe>,
     stops: Option<AskedProbe>,
 }
@@ -135,11 +135,11 @@ impl Planning<'_> {
     /// Everything of one session, by its first ride.
     fn session(&self, occasion: Occasion, steps: &mut Vec<Step>) -> Result<(), SeatError> {
         let protocol = self.design.protocol();
-        let sessions = Sessions::of(protocol);
+        let sessions = Sessions::from_protocol(protocol);
         let session = occasion.session.get();
         steps.extend(sessions.before(occasion));
-        let asked = protocol.steps.iter().copied();
-        for part in asked.filter(|part| sessions.have(*part, session)) {
+        let parts = protocol.steps.iter().copied();
+        for part in parts.filter(|part| sessions.have(*part, session)) {
             self.part(part, occasion, steps)?;
         }
         Ok(())
@@ -171,7 +171,7 @@ impl Planning<'_> {
                 probe: self.stops.clone(),
             }),
             ProtocolStep::Drive => {
-                let condition = self.own;
+                let condition = self.baseline;
                 let ride = Ride {
                     condition,
                     occasion,
@@ -186,9 +186,9 @@ impl Planning<'_> {
             }
             ProtocolStep::Rides => {
                 if let Some(riding) = self.riding {
-                    let asked = (scales, language, self.probe.as_ref());
+                    let questions = (scales, language, self.probe.as_ref());
                     let whose = (self.whose, occasion.session.get());
-                    rides(self.design, asked, whose, riding, steps)?;
+                    rides(self.design, questions, whose, riding, steps)?;
                 }
             }
             ProtocolStep::Which => {
@@ -258,7 +258,7 @@ struct Sessions {
 }
 
 impl Sessions {
-    fn of(protocol: &Protocol) -> Self {
+    fn from_protocol(protocol: &Protocol) -> Self {
         Self {
             last: protocol.session_count(),
             days: protocol
@@ -300,7 +300,7 @@ fn which(
     pair: [ConditionId; 2],
     order: &[usize],
 ) -> Result<Step, Hindrance> {
-    let mut asked = sheet(scales, WHICH, Moment::Post, language)?;
+    let mut step = sheet(scales, WHICH, Moment::Post, language)?;
     let is_one = |place: &usize| pair.contains(&design.conditions()[*place].id);
     let numbers = (1..).zip(order).filter(|(_, place)| is_one(place));
     let numbers: Vec<String> = numbers.map(|(number, _)| number.to_string()).collect();
@@ -310,11 +310,11 @@ fn which(
             ..
         },
         [earlier, later],
-    ) = (&mut asked, numbers.as_slice())
+    ) = (&mut step, numbers.as_slice())
     {
         *text = text.replace("{earlier}", earlier).replace("{later}", later);
     }
-    Ok(asked)
+    Ok(step)
 }
 
 /// Root of the world of a ride by its number through all sessions, or of the drive by hand, which is 0 in each.

@@ -32,7 +32,7 @@ use std::{
 pub struct SeatSettings {
     /// The study.
     pub design: Design,
-    /// Its scales.
+    /// The scales that the study may ask.
     pub scales: Vec<Scale>,
     /// Its texts, in the study's language and in the others among which people choose.
     pub texts: Texts,
@@ -102,16 +102,16 @@ impl Seat {
         }
         let model = settings.model.as_deref().map(model_file::from_bytes);
         let model = model.transpose()?;
-        let mut found = Vec::new();
+        let mut distinct = Vec::new();
         for texts in [&settings.texts].into_iter().chain(&settings.in_others) {
             let words = (&settings.scales[..], texts);
             for hindrance in hindrances(&settings.design, words, model.as_ref()) {
-                if !found.contains(&hindrance) {
-                    found.push(hindrance);
+                if !distinct.contains(&hindrance) {
+                    distinct.push(hindrance);
                 }
             }
         }
-        let mut hindrances = found;
+        let mut hindrances = distinct;
         let styles = settings.files.styles(model.as_ref(), &mut hindrances);
         if !hindrances.is_empty() {
             return Err(SeatError::Unfit(hindrances));
@@ -137,7 +137,7 @@ impl Seat {
         *held(&seat.links) = seat.store.within(|b| {
             let people = b.everybody()?;
             seat.find_rows(b, &people)?;
-            let known = |p: &Person| (p.token.clone(), Arc::new(Known::of(p)));
+            let known = |p: &Person| (p.token.clone(), Arc::new(Known::from_person(p)));
             Ok::<_, SeatError>(Links {
                 people: people.iter().map(known).collect(),
                 forgotten: b.links_forgotten()?,
@@ -168,7 +168,7 @@ impl Seat {
     }
 
     pub(crate) fn add_link(&self, person: &Person) {
-        let known = Arc::new(Known::of(person));
+        let known = Arc::new(Known::from_person(person));
         held(&self.links).people.insert(person.token.clone(), known);
     }
 
@@ -180,7 +180,7 @@ impl Seat {
 
     /// Until when people can take back what they gave.
     pub(crate) fn withdrawal(&self) -> Withdrawal {
-        Withdrawal::of(self.settings.design.protocol().withdraw_until.as_deref())
+        Withdrawal::new(self.settings.design.protocol().withdraw_until.as_deref())
     }
 
     /// Closes the seat: whoever serves it ends.

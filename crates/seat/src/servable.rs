@@ -25,10 +25,10 @@ pub(crate) fn hindrances(
 ) -> Vec<Hindrance> {
     let (protocol, conditions) = (design.protocol(), design.conditions());
     let asks = |step| protocol.steps.contains(&step);
-    let mut found = Vec::new();
+    let mut problems = Vec::new();
     let software = design.files().software;
     if software != Software::Table {
-        found.push(Hindrance::Software { software });
+        problems.push(Hindrance::Software { software });
     }
     let consent = texts
         .consent
@@ -36,10 +36,10 @@ pub(crate) fn hindrances(
         .filter(|_| asks(ProtocolStep::Consent));
     if let Some(text) = consent {
         let until = protocol.withdraw_until.as_deref();
-        found.extend(withdrawal::in_consent(text, until, &texts.words).err());
+        problems.extend(withdrawal::in_consent(text, until, &texts.words).err());
     }
     let consent = consent.map(String::as_str);
-    found.extend(crash::named(consent, protocol.crash).err());
+    problems.extend(crash::named(consent, protocol.crash).err());
     let before = protocol
         .before
         .iter()
@@ -50,45 +50,45 @@ pub(crate) fn hindrances(
     let which = protocol.which.map(|_| WHICH);
     for id in scales_asked.map(String::as_str).chain(which) {
         let missing = sheet(scales, id, Moment::Pre, &texts.words.language).err();
-        found.extend(missing.filter(|hindrance| !found.contains(hindrance)));
+        problems.extend(missing.filter(|hindrance| !problems.contains(hindrance)));
     }
-    let asked = [
+    let unanswerable = [
         moments::screen(protocol, scales, &texts.words.language).err(),
         moments::probe(protocol, scales, &texts.words.language).err(),
     ];
-    for hindrance in asked.into_iter().flatten() {
-        if !found.contains(&hindrance) {
-            found.push(hindrance);
+    for hindrance in unanswerable.into_iter().flatten() {
+        if !problems.contains(&hindrance) {
+            problems.push(hindrance);
         }
     }
     let learns = design.model().is_none() && design.people().learn.is_some();
-    let asked = |scale| asks(ProtocolStep::Before) && protocol.before.contains(scale);
+    let is_asked = |scale| asks(ProtocolStep::Before) && protocol.before.contains(scale);
     let unasked = design
         .style()
-        .filter(|style| learns && !asked(&style.score.scale));
-    found.extend(unasked.map(|style| Hindrance::StyleNotAsked {
+        .filter(|style| learns && !is_asked(&style.score.scale));
+    problems.extend(unasked.map(|style| Hindrance::StyleNotAsked {
         score: style.score.clone(),
     }));
     if learns && !asks(ProtocolStep::Drive) {
-        found.push(Hindrance::NoDrive);
+        problems.push(Hindrance::NoDrive);
     }
     if !asks(ProtocolStep::Rides) || ridden_elsewhere(design) {
-        return found;
+        return problems;
     }
     if model.is_none() && !learns && design.needs_a_model() {
-        found.push(Hindrance::NoModel);
+        problems.push(Hindrance::NoModel);
     }
     for condition in conditions {
-        found.extend(car(condition).err());
+        problems.extend(car(condition).err());
         let hides = matches!(condition.car, Some(Car::Matched(_) | Car::Replay));
         if hides && protocol.debrief.is_none() {
-            found.push(Hindrance::NoDebriefing {
+            problems.push(Hindrance::NoDebriefing {
                 condition: condition.id,
             });
         }
         let lends = matches!(condition.car, Some(Car::Matched(_)));
         let donors = model.map(|model| model.training().len());
-        found.extend(
+        problems.extend(
             donors
                 .filter(|n| lends && *n < FEWEST_DONORS)
                 .map(|donors| Hindrance::FewDonors {
@@ -97,13 +97,13 @@ pub(crate) fn hindrances(
                 }),
         );
         if let Some(Err(error)) = model.map(|model| asked_of(model, condition)) {
-            found.push(Hindrance::NotByModel {
+            problems.push(Hindrance::NotByModel {
                 condition: condition.id,
                 why: error.to_string(),
             });
         }
     }
-    found
+    problems
 }
 
 /// Whether the model has what a condition asks of it.

@@ -350,8 +350,8 @@ async fn language(
     State(shared): State<Shared>,
     Path((token, step, wanted)): Path<(String, usize, String)>,
 ) -> Answered<Response> {
-    let at = shared.blocking(move |seat| seat.choose(&token, step, &wanted));
-    Ok(json(&at.await?))
+    let position = shared.blocking(move |seat| seat.choose(&token, step, &wanted));
+    Ok(json(&position.await?))
 }
 
 async fn fit(
@@ -362,8 +362,8 @@ async fn fit(
     let kept = shared.blocking(move |seat| {
         seat.store.within(|b| {
             let person = b.somebody(&token)?;
-            let at = person.steps.get(person.at);
-            if person.ended.is_some() || !at.is_some_and(Step::is_learned_of) {
+            let current = person.steps.get(person.at);
+            if person.ended.is_some() || !current.is_some_and(Step::is_learned_of) {
                 return Err(Refused::NotThis("nothing is learned here".to_owned()));
             }
             let fit: Fit = read(&body)?;
@@ -380,7 +380,7 @@ async fn done(
     State(shared): State<Shared>,
     Path((token, step)): Path<(String, usize)>,
 ) -> Answered<Response> {
-    let at = shared.blocking(move |seat| {
+    let position = shared.blocking(move |seat| {
         let (person, found) = seat.store.look(|b| b.at(&token, step))?;
         if step == person.at
             && let Some(reason) = seat
@@ -424,7 +424,7 @@ async fn done(
         }
         Ok(person.at)
     });
-    Ok(json(&at.await?))
+    Ok(json(&position.await?))
 }
 
 #[derive(Deserialize)]

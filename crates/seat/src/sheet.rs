@@ -90,8 +90,8 @@ impl Sheet {
             }
         }
         for (number, text) in &self.texts {
-            let asked = number.checked_sub(1).and_then(|place| items.get(place));
-            let asks_words = asked.is_some_and(|asked| asked.item.kind == Kind::Text);
+            let question = number.checked_sub(1).and_then(|place| items.get(place));
+            let asks_words = question.is_some_and(|question| question.item.kind == Kind::Text);
             if !asks_words || text.chars().count() > LONGEST_TEXT {
                 return Err(format!(
                     "item {number}: a text of at most {LONGEST_TEXT} characters is expected of an item that asks for words alone"

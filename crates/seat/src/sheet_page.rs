@@ -65,9 +65,9 @@ fn lacking(hindrance: &Hindrance) -> String {
 fn page(scale: &Scale, step: &Step, language: &str) -> String {
     let text = |name: &str| String::from_utf8_lossy(assets::bytes(name)).into_owned();
     let (style, script) = (text("page.css"), text("sheet.js"));
-    let asked = serde_json::to_string(step).unwrap_or_default();
-    let (asked, words) = (
-        asked.replace('<', "\\u003c"),
+    let sheet_json = serde_json::to_string(step).unwrap_or_default();
+    let (sheet_json, words) = (
+        sheet_json.replace('<', "\\u003c"),
         Words::shipped(language).for_page(),
     );
     let (title, language) = (plain(&scale.title), plain(language));
@@ -76,7 +76,7 @@ fn page(scale: &Scale, step: &Step, language: &str) -> String {
          <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n<title>{title}</title>\n\
          <style>\n{style}</style>\n<main id=\"main\" tabindex=\"-1\"></main>\n\
          <script id=\"words\" type=\"application/json\">{words}</script>\n\
-         <script id=\"sheet\" type=\"application/json\">{asked}</script>\n<script>\n{script}</script>\n</html>\n"
+         <script id=\"sheet\" type=\"application/json\">{sheet_json}</script>\n<script>\n{script}</script>\n</html>\n"
     )
 }
 

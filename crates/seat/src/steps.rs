@@ -43,7 +43,7 @@ impl Act {
     }
 }
 
-/// One step.
+/// What somebody is shown or does before they go on.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(tag = "kind", rename_all = "snake_case")]
 pub enum Step {
@@ -126,9 +126,9 @@ pub enum Step {
         #[serde(default, skip_serializing_if = "Option::is_none")]
         probe: Option<AskedProbe>,
     },
-    /// A ride.
+    /// A drive by the automation, in one condition.
     Ride {
-        /// The condition.
+        /// The condition's id.
         condition: ConditionId,
         /// Which ride of the condition it is.
         #[serde(flatten)]
@@ -156,7 +156,7 @@ pub enum Step {
     },
     /// A ride in a car that is not the seat's: somebody goes there, and comes back.
     Elsewhere {
-        /// The condition.
+        /// The condition's id.
         condition: ConditionId,
         /// Which ride of the condition it is.
         #[serde(flatten)]
@@ -194,7 +194,7 @@ pub struct Asked {
     /// How it is answered.
     #[serde(flatten)]
     pub item: Item,
-    /// Its words.
+    /// Question and labels, in the language of the person.
     #[serde(flatten)]
     pub words: ItemWords,
 }
@@ -252,16 +252,16 @@ impl AskedProbe {
     /// When it was asked and what was answered, of an event of a drive; an error is an answer that it does not have.
     pub(crate) fn answer(&self, event: &Event) -> Option<Result<(f64, Option<i32>), String>> {
         let scale = event.what.strip_prefix(Self::EVENT)?;
-        let asked = (event.tick as f64 / TICKS_PER_S / self.every_s).floor();
+        let number = (event.tick as f64 / TICKS_PER_S / self.every_s).floor();
         let range = f64::from(self.min)..=f64::from(self.max);
         let possible = |answer: f64| range.contains(&answer) && answer.fract() == 0.0;
-        if scale != self.scale || asked < 1.0 || !event.points.is_none_or(possible) {
+        if scale != self.scale || number < 1.0 || !event.points.is_none_or(possible) {
             let (low, high) = (self.min, self.max);
             return Some(Err(format!(
                 "an answer to a probe that is not asked here, or not {low} to {high}"
             )));
         }
-        Some(Ok((asked * self.every_s, event.points.map(|a| a as i32))))
+        Some(Ok((number * self.every_s, event.points.map(|a| a as i32))))
     }
 
     /// Whether this is an answer of it.
@@ -322,8 +322,8 @@ impl Step {
     /// The drive that this step makes: its label, of which session, and whether a person drives.
     pub fn drives(&self) -> Option<(Ride, bool)> {
         let by_hand = matches!(self, Self::Drive { .. });
-        let here = self.ride()?;
-        (by_hand || matches!(self, Self::Ride { .. })).then_some((here, by_hand))
+        let ride = self.ride()?;
+        (by_hand || matches!(self, Self::Ride { .. })).then_some((ride, by_hand))
     }
 
     /// Whether the car is given what hands and feet do, or did: in what is driven by hand, and where that is shown again.
@@ -468,7 +468,7 @@ pub fn sheet(
         });
     }
     let items = scale.items.iter().zip(&wording.items);
-    let asked = |(item, words): (&Item, &ItemWords)| Asked {
+    let shown = |(item, words): (&Item, &ItemWords)| Asked {
         // What the answers are scored and judged by is not for the page.
         item: Item {
             reversed: false,
@@ -481,7 +481,7 @@ pub fn sheet(
         scale: scale.id.clone(),
         title: wording.shown_title.clone(),
         instruction: wording.instruction.clone(),
-        items: items.map(asked).collect(),
+        items: items.map(shown).collect(),
         moment,
     })
 }

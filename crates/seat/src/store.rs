@@ -94,11 +94,11 @@ impl Store {
         };
         let mut connection = Connection::open(path).map_err(bad)?;
         connection.set_prepared_statement_cache_capacity(READY);
-        let found = prepare(&mut connection).map_err(bad)?;
-        if found != VERSION {
+        let version = prepare(&mut connection).map_err(bad)?;
+        if version != VERSION {
             return Err(SeatError::Version {
                 path: path.to_owned(),
-                found,
+                found: version,
                 expected: VERSION,
             });
         }
@@ -200,11 +200,11 @@ fn prepare(connection: &mut Connection) -> rusqlite::Result<i64> {
     connection.execute_batch(KEPT)?;
     let older = connection.transaction_with_behavior(TransactionBehavior::Immediate)?;
     let number = |question: &str| older.query_row(question, [], |row| row.get::<_, i64>(0));
-    let found = match number("SELECT COUNT(*) FROM sqlite_master")? {
+    let version = match number("SELECT COUNT(*) FROM sqlite_master")? {
         0 => VERSION,
         _ => number("PRAGMA user_version")?,
     };
-    match found {
+    match version {
         VERSION => older.execute_batch(TABLES)?,
         1 => {
             older.execute_batch(FROM_1)?;
@@ -216,7 +216,7 @@ fn prepare(connection: &mut Connection) -> rusqlite::Result<i64> {
             older.execute_batch(FROM_2)?;
             older.execute_batch(TABLES)?;
         }
-        _ => return Ok(found),
+        _ => return Ok(version),
     }
     older.pragma_update(None, "user_version", VERSION)?;
     older.commit()?;

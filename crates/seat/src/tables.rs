@@ -78,7 +78,8 @@ pub(crate) fn write_answers(
             continue;
         }
         for kept in sheets {
-            let Some((scale, moment)) = person.steps.get(kept.step).and_then(asked) else {
+            let Some((scale, moment)) = person.steps.get(kept.step).and_then(scale_and_moment)
+            else {
                 continue;
             };
             // Only what was checked was kept.
@@ -97,7 +98,10 @@ pub(crate) fn write_answers(
     }
     // Beside its condition a moment stands where a word alone would not do.
     let steps = given.iter().flat_map(|(person, _)| &person.steps);
-    let moments: Vec<Moment> = steps.filter_map(asked).map(|(_, moment)| moment).collect();
+    let moments: Vec<Moment> = steps
+        .filter_map(scale_and_moment)
+        .map(|(_, moment)| moment)
+        .collect();
     let beside = moments
         .iter()
         .any(|moment| matches!(moment, Moment::Probe(_) | Moment::Post));
@@ -128,7 +132,7 @@ const CONDITION: &str = "condition";
 const AT_S: &str = "at_s";
 
 /// What a step asks, and when: a questionnaire, or the probe of a ride.
-fn asked(step: &Step) -> Option<(&str, Moment)> {
+fn scale_and_moment(step: &Step) -> Option<(&str, Moment)> {
     match step {
         Step::Scale { scale, moment, .. } => Some((scale, *moment)),
         Step::Ride {

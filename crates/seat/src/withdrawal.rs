@@ -18,7 +18,7 @@ pub(crate) struct Withdrawal {
 
 impl Withdrawal {
     /// Of a study with this last day, which is looked at today.
-    pub(crate) fn of(until: Option<&str>) -> Self {
+    pub(crate) fn new(until: Option<&str>) -> Self {
         Self::on(&today().to_string(), until)
     }
 

@@ -64,29 +64,30 @@ impl Words {
         let protocol = study.design.protocol();
         let file = protocol.words.as_ref();
         let file = file.map(|path| in_language(protocol, path, language));
-        let asked = |path: &PathBuf| language == protocol.language || study.resolve(path).is_file();
-        let Some(file) = file.filter(asked) else {
-            return Self::of(language, None);
+        let applies =
+            |path: &PathBuf| language == protocol.language || study.resolve(path).is_file();
+        let Some(file) = file.filter(applies) else {
+            return Self::for_language(language, None);
         };
         let text = read_text(&study.resolve(&file))?;
-        Self::of(language, Some((&file, &text)))
+        Self::for_language(language, Some((&file, &text)))
     }
 
     /// Those of a language, with those of a file in their place.
-    fn of(language: &str, own: Option<(&Path, &str)>) -> Result<Self, SeatError> {
+    fn for_language(language: &str, file: Option<(&Path, &str)>) -> Result<Self, SeatError> {
         let refused = |problem: String, help: String| SeatError::Protocol {
             problem,
             help: Some(help),
         };
-        let name = own.map_or_else(String::new, |(file, _)| file.to_slash_lossy().into_owned());
-        let own = own.map(|(_, text)| toml::from_str::<Sentences>(text));
-        let own = own.transpose();
-        let own = own.map_err(|e| {
+        let name = file.map_or_else(String::new, |(file, _)| file.to_slash_lossy().into_owned());
+        let replacements = file.map(|(_, text)| toml::from_str::<Sentences>(text));
+        let replacements = replacements.transpose();
+        let replacements = replacements.map_err(|e| {
             let help = "expected lines such as begin = \"Start\"".to_owned();
             refused(format!("{name}: {}", e.message()), help)
         })?;
-        let own = own.unwrap_or_default();
-        for (key, sentence) in &own {
+        let replacements = replacements.unwrap_or_default();
+        for (key, sentence) in &replacements {
             let Some(english) = IN_ENGLISH.get(key) else {
                 let known = IN_ENGLISH.keys().map(String::as_str);
                 let help = nearest(key, known).map_or_else(
@@ -108,7 +109,7 @@ impl Words {
         let spoken = shipped(language);
         let speaks = spoken.is_some();
         let mut sentences = spoken.unwrap_or_default();
-        sentences.extend(own);
+        sentences.extend(replacements);
         let lacking: Vec<&str> = IN_ENGLISH
             .keys()
             .filter(|key| !sentences.contains_key(*key))
@@ -192,7 +193,7 @@ mod tests {
     use super::*;
     fn of(language: &str, own: Option<&str>) -> Result<Words, SeatError> {
         let file = Path::new("words.toml");
-        Words::of(language, own.map(|text| (file, text)))
+        Words::for_language(language, own.map(|text| (file, text)))
     }
 
     fn refused(language: &str, own: Option<&str>) -> String {
@@ -206,7 +207,7 @@ mod tests {
         let named = |language| in_language(&protocol, Path::new("texts/words.toml"), language);
         assert_eq!(named("en"), Path::new("texts/words.toml"));
         assert_eq!(named("de"), Path::new("texts/words.de.toml"));
-        let wrong = Words::of("de", Some((&named("de"), "beginn = \"Los\"")));
+        let wrong = Words::for_language("de", Some((&named("de"), "beginn = \"Los\"")));
         let told = wrong.unwrap_err().to_string();
         assert!(told.contains("words.de.toml"), "{told}");
     }

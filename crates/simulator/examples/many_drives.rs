@@ -66,11 +66,11 @@ fn drives(scenario: &Scenario, from: u64, to: u64) -> Result<Vec<Done>, Simulato
     };
     std::thread::scope(|scope| {
         let threads: Vec<_> = (0..cores).map(|_| scope.spawn(worker)).collect();
-        let mut all = Vec::new();
+        let mut outcomes = Vec::new();
         for thread in threads {
-            all.extend(thread.join().expect("a worker does not panic")?);
+            outcomes.extend(thread.join().expect("a worker does not panic")?);
         }
-        Ok(all)
+        Ok(outcomes)
     })
 }
 

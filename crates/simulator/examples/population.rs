@@ -156,14 +156,14 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         };
         let driven = rollout(&scenario, driver, stream_seed(2, &[&person.to_string()]))?;
         let report = driven.report;
-        let all = [
+        let events = [
             report.collisions,
             report.rule_violations,
             report.interventions,
             report.held_changes,
             report.given_up_changes,
         ];
-        for (total, one) in counts.iter_mut().zip(all) {
+        for (total, one) in counts.iter_mut().zip(events) {
             *total += one;
         }
         table.push(figures(&drive_of(&driven)?, report.leads));
@@ -185,12 +185,12 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         let [ra, rb, rc] = [r(&latents[0]), r(&latents[1]), r(&latents[2])];
         let (m, s, n) = (mean(&values), sd(&values), values.len());
         values.sort_by(f64::total_cmp);
-        let at = |q: f64| values[(q * (n - 1) as f64) as usize];
+        let quantile = |q: f64| values[(q * (n - 1) as f64) as usize];
         println!(
             "{name:16} {m:7.2} ± {s:5.2} [{:6.2} {:6.2} {:6.2}] n {n:4}  a {ra:5.2} b {rb:5.2} c {rc:5.2}  | {expected}",
-            at(0.05),
-            at(0.5),
-            at(0.95),
+            quantile(0.05),
+            quantile(0.5),
+            quantile(0.95),
         );
     }
     let [collisions, violations, interventions, held, given_up] = counts;

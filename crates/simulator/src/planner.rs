@@ -13,7 +13,7 @@ pub const PLANNING_STEP_S: f64 = 1.0 / PLANNING_RATE_HZ;
 pub struct View<'a> {
     /// Everything visible now.
     pub scene: &'a Scene,
-    /// The road.
+    /// Number of lanes, their width and the posted speed.
     pub road: &'a Road,
     /// The reference vehicle's signals.
     pub reference: Reference,

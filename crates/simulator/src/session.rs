@@ -221,8 +221,11 @@ impl<'a> Session<'a> {
     /// can have; [`SimulatorError::OwnTraffic`] in a session that moves its own traffic.
     pub fn meet(&mut self, vehicles: &[VehicleState]) -> Result<(), SimulatorError> {
         let row = self.time_s.len();
-        let told = self.world.told().ok_or(SimulatorError::OwnTraffic)?;
-        Ok(told.tell(vehicles, row)?)
+        let elsewhere = self
+            .world
+            .elsewhere_mut()
+            .ok_or(SimulatorError::OwnTraffic)?;
+        Ok(elsewhere.tell(vehicles, row)?)
     }
 
     /// Where the car is at the row that the next step records.
@@ -409,8 +412,8 @@ impl<'a> Session<'a> {
             Seat::Human(_) | Seat::Evidence(_) | Seat::Hands => Vec::new(),
             Seat::Automated(automated) => automated.into_interventions(),
         };
-        let counted = |of: fn(&InterventionKind) -> bool| {
-            interventions.iter().filter(|i| of(&i.kind)).count() as u32
+        let counted = |is_kind: fn(&InterventionKind) -> bool| {
+            interventions.iter().filter(|i| is_kind(&i.kind)).count() as u32
         };
         let (leads, blocked_encounters) = self.world.counts();
         let segment = vec![0; self.time_s.len()];

@@ -111,7 +111,7 @@ impl<'a> World<'a> {
     }
 
     /// What is told from outside; none where the traffic is our own.
-    pub(crate) fn told(&mut self) -> Option<&mut Elsewhere> {
+    pub(crate) fn elsewhere_mut(&mut self) -> Option<&mut Elsewhere> {
         self.elsewhere.as_mut()
     }
 

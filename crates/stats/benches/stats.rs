@@ -19,11 +19,11 @@ fn table(n: usize, k: usize, decimals: f64) -> WithinSubjects {
     let mut uniform = || f64::from(generator.next_u32()) / f64::from(u32::MAX);
     let rows: Vec<Vec<f64>> = (0..n)
         .map(|_| {
-            let own = uniform() * 3.0;
+            let person_level = uniform() * 3.0;
             (0..k)
                 .map(|j| {
                     let noise: f64 = (0..6).map(|_| uniform()).sum();
-                    ((own + noise + 0.3 * j as f64) * decimals).round() / decimals
+                    ((person_level + noise + 0.3 * j as f64) * decimals).round() / decimals
                 })
                 .collect()
         })
@@ -112,8 +112,8 @@ fn long(data: &WithinSubjects) -> (Vec<String>, Vec<String>, Vec<Option<f64>>) {
 fn two_by_two() -> FactorialDesign {
     let (subjects, cells, values) = long(&table(24, 4, 100.0));
     let level = |bit: usize| -> Vec<String> {
-        let of = |cell: &String| cell[1..].parse::<usize>().expect("a number") >> bit & 1;
-        cells.iter().map(|cell| of(cell).to_string()).collect()
+        let digit = |cell: &String| cell[1..].parse::<usize>().expect("a number") >> bit & 1;
+        cells.iter().map(|cell| digit(cell).to_string()).collect()
     };
     let (a, b) = (level(1), level(0));
     FactorialDesign::from_columns(&subjects, &[("a", &a), ("b", &b)], &[], &values)

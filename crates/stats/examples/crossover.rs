@@ -78,7 +78,7 @@ fn orders(k: usize) -> Vec<Vec<usize>> {
 
 /// p of the conditions, of the first contrast and of the period; off and covered of the first carry-over.
 #[derive(Default)]
-struct Found {
+struct Outcome {
     conditions: Option<f64>,
     contrast: Option<f64>,
     period: Option<f64>,
@@ -88,7 +88,7 @@ struct Found {
 }
 
 impl Study {
-    fn run(&self, seed: u64) -> Found {
+    fn run(&self, seed: u64) -> Outcome {
         let mut generator = Pcg64::new(u128::from(seed), 7);
         let rows = orders(self.conditions);
         let mean = LEFT[..self.conditions].iter().sum::<f64>() / self.conditions as f64;
@@ -96,7 +96,7 @@ impl Study {
             (Vec::new(), Vec::new(), Vec::new(), Vec::new());
         for person in 0..self.people {
             let order = &rows[person % rows.len()];
-            let own = normal(&mut generator);
+            let intercept = normal(&mut generator);
             let stays = f64::from(generator.next_u32()) / 4_294_967_296.0 >= self.left_out;
             for (period, &condition) in order.iter().enumerate() {
                 let mut error = normal(&mut generator);
@@ -108,7 +108,7 @@ impl Study {
                 if condition == 0 {
                     error *= self.first;
                 }
-                let mut value = own + self.trend * period as f64 + error;
+                let mut value = intercept + self.trend * period as f64 + error;
                 if let Some(before) = period.checked_sub(1).filter(|_| self.carried) {
                     value += LEFT[order[before]] - mean;
                 }
@@ -135,7 +135,7 @@ impl Study {
             exact: false,
             ..DesignChoice::default()
         };
-        let mut found = Found::default();
+        let mut outcome = Outcome::default();
         let pair = |pairs: &maveric_stats::Named<maveric_stats::MarginalContrast>| {
             let known = pairs.get("a|b").or_else(|| pairs.get("b|a"));
             known.and_then(|pair| pair.p)
@@ -143,13 +143,13 @@ impl Study {
         if let Ok(tested) = compare_by_design(&data, &choice) {
             for (name, p) in tested.effects() {
                 let place = if name == PERIOD {
-                    &mut found.period
+                    &mut outcome.period
                 } else {
-                    &mut found.conditions
+                    &mut outcome.conditions
                 };
                 *place = p;
             }
-            found.contrast = match &tested {
+            outcome.contrast = match &tested {
                 ByDesign::Mixed(model) if !model.found.own_error.is_empty() => {
                     pair(&model.found.own_error)
                 }
@@ -161,15 +161,15 @@ impl Study {
             };
         }
         if let (false, Ok(CarryOver::Fitted(fitted))) = (self.item, carry_over(&data)) {
-            found.carried = fitted.test.p;
+            outcome.carried = fitted.test.p;
             let planted = if self.carried { LEFT[0] - mean } else { 0.0 };
             if let Some(effect) = fitted.effects.get("a") {
-                found.off = Some(effect.estimate - planted);
+                outcome.off = Some(effect.estimate - planted);
                 let ends = effect.ci_low.zip(effect.ci_high);
-                found.covered = ends.map(|(low, high)| low <= planted && planted <= high);
+                outcome.covered = ends.map(|(low, high)| low <= planted && planted <= high);
             }
         }
-        found
+        outcome
     }
 }
 
@@ -185,36 +185,36 @@ fn below(p: impl Iterator<Item = Option<f64>>) -> String {
 
 fn main() {
     let tables = tables_or(5_000);
-    let of = |name, change: fn(&mut Study)| {
+    let variant = |name, change: fn(&mut Study)| {
         let mut study = Study { name, ..PLAIN };
         change(&mut study);
         study
     };
     let studies = [
         PLAIN,
-        of("twelve people", |s| s.people = 12),
-        of("three conditions, twelve people", |s| {
+        variant("twelve people", |s| s.people = 12),
+        variant("three conditions, twelve people", |s| {
             (s.conditions, s.people) = (3, 12);
         }),
-        of("two conditions, twelve people", |s| {
+        variant("two conditions, twelve people", |s| {
             (s.conditions, s.people) = (2, 12);
         }),
-        of("five conditions, twenty people", |s| {
+        variant("five conditions, twenty people", |s| {
             (s.conditions, s.people) = (5, 20);
         }),
-        of("a fifth of the people left out", |s| s.left_out = 0.2),
-        of("lognormal errors", |s| s.skewed = true),
-        of("the first condition varies 1.5 times as much", |s| {
+        variant("a fifth of the people left out", |s| s.left_out = 0.2),
+        variant("lognormal errors", |s| s.skewed = true),
+        variant("the first condition varies 1.5 times as much", |s| {
             s.first = 1.5;
         }),
-        of("carry-over planted", |s| s.carried = true),
-        of("three conditions, carry-over planted", |s| {
+        variant("carry-over planted", |s| s.carried = true),
+        variant("three conditions, carry-over planted", |s| {
             (s.conditions, s.people, s.carried) = (3, 24, true);
         }),
-        of("an item, ordinal", |s| {
+        variant("an item, ordinal", |s| {
             (s.item, s.test) = (true, AskedTest::Ordinal);
         }),
-        of("an item, ordinal, twelve people", |s| {
+        variant("an item, ordinal, twelve people", |s| {
             (s.item, s.test, s.people) = (true, AskedTest::Ordinal, 12);
         }),
     ];
@@ -223,15 +223,15 @@ fn main() {
     );
     println!("| --- | --- | --- | --- | --- | --- | --- |");
     for study in &studies {
-        let found: Vec<Found> = (0..tables)
+        let outcomes: Vec<Outcome> = (0..tables)
             .into_par_iter()
             .map(|seed| study.run(seed))
             .collect();
-        let off: Vec<f64> = found.iter().filter_map(|f| f.off).collect();
+        let off: Vec<f64> = outcomes.iter().filter_map(|f| f.off).collect();
         let n = off.len() as f64;
         let mean = off.iter().sum::<f64>() / n;
         let error = (off.iter().map(|o| (o - mean).powi(2)).sum::<f64>() / (n - 1.0) / n).sqrt();
-        let covered = found.iter().filter(|f| f.covered == Some(true)).count() as f64;
+        let covered = outcomes.iter().filter(|f| f.covered == Some(true)).count() as f64;
         let carried = if off.is_empty() {
             "– | –".to_owned()
         } else {
@@ -240,10 +240,10 @@ fn main() {
         println!(
             "| {} | {} | {} | {} | {} | {carried} |",
             study.name,
-            below(found.iter().map(|f| f.conditions)),
-            below(found.iter().map(|f| f.contrast)),
-            below(found.iter().map(|f| f.period)),
-            below(found.iter().map(|f| f.carried)),
+            below(outcomes.iter().map(|f| f.conditions)),
+            below(outcomes.iter().map(|f| f.contrast)),
+            below(outcomes.iter().map(|f| f.period)),
+            below(outcomes.iter().map(|f| f.carried)),
         );
     }
 }

@@ -91,8 +91,8 @@ fn data(generator: &mut Pcg64, kind: &Kind) -> Result<WithinSubjects, StatsError
     let names = |size: usize| -> Vec<String> { (0..size).map(|i| i.to_string()).collect() };
     let rows: Vec<Vec<f64>> = (0..N)
         .map(|_| {
-            let own = normal(generator);
-            let value = |s: f64, z: f64| (kind.written)(own + s * (kind.shape)(z));
+            let person_level = normal(generator);
+            let value = |s: f64, z: f64| (kind.written)(person_level + s * (kind.shape)(z));
             kind.spread.map(|s| value(s, normal(generator))).to_vec()
         })
         .collect();
@@ -114,8 +114,8 @@ fn exact_p(data: &WithinSubjects, chi2: Option<f64>, known: &Known) -> Option<f6
         return friedman(data).friedman.p_exact;
     };
     let look_up = || known.lock().unwrap_or_else(PoisonError::into_inner);
-    let found = look_up().get(&chi2.to_bits()).copied();
-    found.unwrap_or_else(|| {
+    let cached = look_up().get(&chi2.to_bits()).copied();
+    cached.unwrap_or_else(|| {
         let p = friedman(data).friedman.p_exact;
         look_up().insert(chi2.to_bits(), p);
         p
@@ -143,13 +143,13 @@ fn look(
             "the short cut differs"
         );
     }
-    let all = within_without_exact(&data);
+    let tests = within_without_exact(&data);
     let below = |p: Option<f64>| usize::from(p.is_some_and(|p| p < ALPHA));
     Ok([
         usize::from(finding == Some(true)),
-        below(all.rm_anova.p),
-        below(all.sphericity.p_gg),
-        below(all.friedman.p),
+        below(tests.rm_anova.p),
+        below(tests.sphericity.p_gg),
+        below(tests.friedman.p),
         usize::from(result.chosen == OmnibusTest::RmAnova),
     ])
 }

@@ -94,55 +94,55 @@ const PLAIN: Cell = Cell {
 
 /// One thing changed at a time, then the corners.
 fn variations(base: &Cell) -> Vec<Cell> {
-    let of = |data: &'static str, change: &dyn Fn(&mut Cell)| {
+    let variant = |data: &'static str, change: &dyn Fn(&mut Cell)| {
         let mut cell = base.clone();
         cell.data = data;
         change(&mut cell);
         cell
     };
     vec![
-        of("normal", &|_| ()),
-        of("lognormal errors", &|c| c.values = Values::Skewed),
-        of("lognormal values", &|c| c.values = Values::SkewedWhole),
-        of("answers 1 to 5", &|c| c.values = Values::Answers),
-        of("an item, 1 to 5", &|c| {
+        variant("normal", &|_| ()),
+        variant("lognormal errors", &|c| c.values = Values::Skewed),
+        variant("lognormal values", &|c| c.values = Values::SkewedWhole),
+        variant("answers 1 to 5", &|c| c.values = Values::Answers),
+        variant("an item, 1 to 5", &|c| {
             (c.values, c.item) = (Values::Answers, true);
         }),
-        of("slopes .7", &|c| c.slope = 0.7),
-        of("slopes 1", &|c| c.slope = 1.0),
-        of("slopes 1.5", &|c| c.slope = 1.5),
-        of("slopes 1.5, lognormal errors", &|c| {
+        variant("slopes .7", &|c| c.slope = 0.7),
+        variant("slopes 1", &|c| c.slope = 1.0),
+        variant("slopes 1.5", &|c| c.slope = 1.5),
+        variant("slopes 1.5, lognormal errors", &|c| {
             (c.slope, c.values) = (1.5, Values::Skewed);
         }),
-        of("slopes 1.5, lognormal values", &|c| {
+        variant("slopes 1.5, lognormal values", &|c| {
             (c.slope, c.values) = (1.5, Values::SkewedWhole);
         }),
-        of("slopes 1.5, answers 1 to 5", &|c| {
+        variant("slopes 1.5, answers 1 to 5", &|c| {
             (c.slope, c.values) = (1.5, Values::Answers);
         }),
-        of("a covariate of people", &|c| {
+        variant("a covariate of people", &|c| {
             c.covariate = Covariate::OfPeople;
         }),
-        of("a covariate of people, slopes 1.5", &|c| {
+        variant("a covariate of people, slopes 1.5", &|c| {
             (c.covariate, c.slope) = (Covariate::OfPeople, 1.5);
         }),
-        of(
+        variant(
             "a covariate of people, slopes 1.5, lognormal errors",
             &|c| {
                 (c.covariate, c.slope, c.values) = (Covariate::OfPeople, 1.5, Values::Skewed);
             },
         ),
-        of("a declared product, slopes 1.5", &|c| {
+        variant("a declared product, slopes 1.5", &|c| {
             (c.covariate, c.slope) = (Covariate::Declared, 1.5);
         }),
-        of("other effects present", &|c| c.other = 1.5),
-        of("other effects present, lognormal errors", &|c| {
+        variant("other effects present", &|c| c.other = 1.5),
+        variant("other effects present, lognormal errors", &|c| {
             (c.other, c.values) = (1.5, Values::Skewed);
         }),
-        of("both main effects present, slopes 1.5", &|c| {
+        variant("both main effects present, slopes 1.5", &|c| {
             (c.first, c.other, c.slope) = (1.5, 1.5, 1.5);
         }),
-        of(
+        variant(
             "both main effects present, slopes 1.5, lognormal errors",
             &|c| {
                 (c.first, c.other, c.slope, c.values) = (1.5, 1.5, 1.5, Values::Skewed);
@@ -174,8 +174,8 @@ fn cells() -> Vec<Cell> {
         within("3 conditions, groups of 8 and 16", &[8, 16], &[3]),
         within("2 x 2, groups of 8 and 16", &[8, 16], &[2, 2]),
     ] {
-        let all = variations(&base).into_iter();
-        let few = all.filter(|c| c.covariate != Covariate::Declared);
+        let few = variations(&base).into_iter();
+        let few = few.filter(|c| c.covariate != Covariate::Declared);
         let few = few.filter(|c| !(c.slope > 0.0 && matches!(c.values, Values::SkewedWhole)));
         cells.extend(few.filter(|c| !(0.5..1.4).contains(&c.slope)));
         if base.groups[0] == 8 {
@@ -447,15 +447,15 @@ fn main() -> Result<(), StatsError> {
                 // A stream of its own for each data set, so that the number of threads changes nothing.
                 let stream = (i as u128 + 100) << 64 | set as u128;
                 let seed = stream.wrapping_mul(0x9e37_79b9_7f4a_7c15);
-                let found = cell.look(&mut Pcg64::new(seed, stream))?;
+                let result = cell.look(&mut Pcg64::new(seed, stream))?;
                 let seen = |p: Option<f64>| Seen {
                     tested: usize::from(p.is_some()),
                     below: usize::from(p.is_some_and(|p| p < ALPHA)),
                 };
-                let effects = found.effects().into_iter();
+                let effects = result.effects().into_iter();
                 let nil = effects.filter(|(name, _)| cell.is_nil(name));
                 let counts = nil.map(|(name, p)| (name.to_owned(), seen(p))).collect();
-                Ok((counts, usize::from(by_ranks(&found))))
+                Ok((counts, usize::from(by_ranks(&result))))
             })
             .try_reduce(Counts::default, |a, b| Ok(add(a, b)))?;
         let (mut rates, mut high, mut low) = (Vec::new(), Vec::new(), Vec::new());

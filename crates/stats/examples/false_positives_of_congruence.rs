@@ -46,13 +46,14 @@ fn one(
     truth: Truth,
 ) -> Result<Option<(bool, bool)>, StatsError> {
     let mut generator = Pcg64::new(u128::from(seed), 1);
-    let own: Vec<f64> = (0..people).map(|_| 8.0 * normal(&mut generator)).collect();
-    let (Some(middle), Some(sd)) = (mean(&own), standard_deviation(&own)) else {
+    let person_points: Vec<f64> = (0..people).map(|_| 8.0 * normal(&mut generator)).collect();
+    let (Some(middle), Some(sd)) = (mean(&person_points), standard_deviation(&person_points))
+    else {
         return Ok(None);
     };
     let (mut subjects, mut periods) = (Vec::new(), Vec::new());
     let (mut liking, mut distances, mut owns) = (Vec::new(), Vec::new(), Vec::new());
-    for (person, own) in own.iter().enumerate() {
+    for (person, own) in person_points.iter().enumerate() {
         let level = 4.0 + 0.6 * normal(&mut generator) + 0.03 * own;
         let drift = truth.movement * (own - middle) / (2.0 * sd);
         let best = truth.top + drift + 3.0 * normal(&mut generator);

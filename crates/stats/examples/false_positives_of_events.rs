@@ -39,9 +39,9 @@ fn rates_differ(
     let conditions: Vec<String> = ["a", "b", "c", "d"].map(str::to_owned).to_vec();
     let rows: Vec<Vec<Exposed>> = (0..people)
         .map(|_| {
-            let own = mean * normal(&mut generator).exp();
+            let rate = mean * normal(&mut generator).exp();
             let cell = |_: &String| {
-                let bursts = poisson(&mut generator, own / burst as f64);
+                let bursts = poisson(&mut generator, rate / burst as f64);
                 let events =
                     (0..bursts).map(|_| 1 + generator.next_u64() as usize % (2 * burst - 1));
                 Exposed {
@@ -68,7 +68,7 @@ fn cause(
     for person in 0..people {
         // People differ in what they are exposed to, and in what it does to them.
         let scale = (0.5 * normal(&mut generator)).exp();
-        let own = if common {
+        let person_slope = if common {
             slope
         } else {
             slope + 0.5 * normal(&mut generator)
@@ -81,30 +81,30 @@ fn cause(
                     scale * level
                 })
                 .collect();
-            let weights: Vec<f64> = course.iter().map(|x| (own * x).exp()).collect();
+            let weights: Vec<f64> = course.iter().map(|x| (person_slope * x).exp()).collect();
             let mut left = uniform(&mut generator) * weights.iter().sum::<f64>();
-            let mut at = 0;
-            while at < 59 && left > weights[at] {
-                left -= weights[at];
-                at += 1;
+            let mut event = 0;
+            while event < 59 && left > weights[event] {
+                left -= weights[event];
+                event += 1;
             }
-            let others = course.iter().enumerate().filter(|(i, _)| *i != at);
+            let others = course.iter().enumerate().filter(|(i, _)| *i != event);
             strata.push(CaseStratum {
                 person: person.to_string(),
-                events: vec![course[at]],
+                events: vec![course[event]],
                 others: others.map(|(_, x)| *x).collect(),
             });
         }
     }
-    let found = case_crossover(&strata);
-    let of_one = found
+    let result = case_crossover(&strata);
+    let of_one = result
         .estimate
-        .zip(found.sd)
+        .zip(result.sd)
         .map(|(estimate, sd)| estimate / sd);
-    (found.p, of_one)
+    (result.p, of_one)
 }
 
-fn told(name: &str, p: &[Option<f64>]) -> Result<(), StatsError> {
+fn print_share(name: &str, p: &[Option<f64>]) -> Result<(), StatsError> {
     let there: Vec<f64> = p.iter().flatten().copied().collect();
     let below = there.iter().filter(|p| **p < ALPHA).count();
     let share = proportion(below, there.len(), 0.95)?;
@@ -125,26 +125,26 @@ fn main() -> Result<(), StatsError> {
             .into_par_iter()
             .map(|seed| rates_differ(seed, people, mean, burst))
             .collect();
-        told(
+        print_share(
             &format!("rates, {people} people, {mean} presses a ride, {burst} at once"),
             &p?,
         )?;
     }
     for (people, presses) in [(10, 3), (12, 8), (24, 3), (40, 5)] {
         for (slope, common) in [(0.0, true), (0.0, false), (0.5, true)] {
-            let found: Vec<_> = (0..tables)
+            let results: Vec<_> = (0..tables)
                 .into_par_iter()
                 .map(|seed| cause(seed, people, presses, slope, common))
                 .collect();
-            let p: Vec<Option<f64>> = found.iter().map(|(p, _)| *p).collect();
-            let estimates: Vec<f64> = found.iter().filter_map(|(_, e)| *e).collect();
+            let p: Vec<Option<f64>> = results.iter().map(|(p, _)| *p).collect();
+            let estimates: Vec<f64> = results.iter().filter_map(|(_, e)| *e).collect();
             let mean = estimates.iter().sum::<f64>() / estimates.len() as f64;
             let alike = if common {
                 "the same in all"
             } else {
                 "not the same in all"
             };
-            told(
+            print_share(
                 &format!(
                     "before a press, {people} people, {presses} presses, slope {slope} ({alike}), found {mean:.3}"
                 ),

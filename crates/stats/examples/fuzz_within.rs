@@ -61,33 +61,33 @@ impl Draws {
 }
 
 /// Names below which something is wrong.
-fn faults(value: &Value, name: &str, root: &Value, found: &mut Vec<String>) {
+fn faults(value: &Value, name: &str, root: &Value, messages: &mut Vec<String>) {
     match value {
         Value::Object(map) => {
             for (key, inner) in map.iter().filter(|(key, _)| *key != "undefined") {
                 let dot = if name.is_empty() { "" } else { "." };
-                faults(inner, &format!("{name}{dot}{key}"), root, found);
+                faults(inner, &format!("{name}{dot}{key}"), root, messages);
             }
         }
         Value::Array(list) => {
             for (i, inner) in list.iter().enumerate() {
-                faults(inner, &format!("{name}.{i}"), root, found);
+                faults(inner, &format!("{name}.{i}"), root, messages);
             }
         }
         // JSON has neither NaN nor infinity: they are written as null.
         Value::Null => {
-            let said = root["undefined"].as_object().is_some_and(|reasons| {
+            let has_reason = root["undefined"].as_object().is_some_and(|reasons| {
                 reasons.keys().any(|key| {
                     let rest = name.strip_prefix(key.as_str());
                     rest.is_some_and(|r| r.is_empty() || r.starts_with('.'))
                 })
             });
-            if !said {
-                found.push(format!("{name} is null without a reason"));
+            if !has_reason {
+                messages.push(format!("{name} is null without a reason"));
             }
         }
         Value::Number(n) if name.rsplit('.').next() == Some("p") && n.as_f64() == Some(0.0) => {
-            found.push(format!("{name} is exactly 0"));
+            messages.push(format!("{name} is exactly 0"));
         }
         _ => {}
     }
@@ -149,10 +149,10 @@ fn main() {
         ];
         answers.extend(others.into_iter().flatten().flatten());
         for answer in &answers {
-            let mut found = Vec::new();
-            faults(answer, "", answer, &mut found);
-            wrong += found.len() as u64;
-            for fault in found.iter().take(3).filter(|_| wrong < 30) {
+            let mut messages = Vec::new();
+            faults(answer, "", answer, &mut messages);
+            wrong += messages.len() as u64;
+            for fault in messages.iter().take(3).filter(|_| wrong < 30) {
                 println!("{fault}: {values:?}, {k} conditions");
             }
         }

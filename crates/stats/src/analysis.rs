@@ -149,7 +149,7 @@ fn analyse(data: &WithinSubjects, exact: Exact) -> WithinAnalysis {
     let mut undefined = Reasons::default();
     let parts = rm_anova::decompose(data);
     let (anova, mauchly, sphericity) = variance_part(data, &parts, &mut undefined);
-    let table = RankTable::of(data);
+    let table = RankTable::new(data);
     let (friedman, inner) = friedman::test(&table, exact);
     undefined.absorb("friedman", inner);
     let columns: Vec<Vec<f64>> = (0..data.k()).map(|j| data.column(j)).collect();
@@ -239,7 +239,7 @@ pub fn rm_anova(data: &WithinSubjects) -> RmAnovaAnalysis {
 /// ```
 pub fn friedman(data: &WithinSubjects) -> FriedmanAnalysis {
     let mut undefined = Reasons::default();
-    let (friedman, inner) = friedman::test(&RankTable::of(data), Exact::Feasible);
+    let (friedman, inner) = friedman::test(&RankTable::new(data), Exact::Feasible);
     undefined.absorb("friedman", inner);
     FriedmanAnalysis {
         n: data.n(),
@@ -355,7 +355,7 @@ pub(crate) fn wilcoxon(
     columns: &[Vec<f64>],
     undefined: &mut Reasons,
 ) -> Named<Wilcoxon> {
-    let (written, n, k) = (Written::of(data.values()), data.n(), data.k());
+    let (written, n, k) = (Written::from_values(data.values()), data.n(), data.k());
     let mut results = by_pair(data, "wilcoxon", undefined, |a, b| {
         let keys = written.differences((0..n).map(|i| (i * k + a, i * k + b)));
         paired::wilcoxon::test(&columns[a], &columns[b], &keys, written.is_rounded())

@@ -24,7 +24,7 @@ impl Statement {
     }
 
     /// `t(23) = −5.90`: a statistic with its degrees of freedom.
-    fn of(symbol: &str, degrees_of_freedom: &[f64], value: f64) -> Self {
+    fn with_df(symbol: &str, degrees_of_freedom: &[f64], value: f64) -> Self {
         let df: Vec<String> = degrees_of_freedom.iter().map(|df| degrees(*df)).collect();
         let df = if df.is_empty() {
             String::new()
@@ -78,7 +78,7 @@ pub struct Interval {
 
 impl Interval {
     /// `None` unless both ends exist.
-    pub(crate) fn of(level: f64, low: Option<f64>, high: Option<f64>) -> Option<Self> {
+    pub(crate) fn from_ends(level: f64, low: Option<f64>, high: Option<f64>) -> Option<Self> {
         Some(Self {
             level,
             low: low?,
@@ -196,7 +196,7 @@ pub struct F {
     pub p: f64,
     /// Partial eta squared.
     pub eta2_partial: Option<f64>,
-    /// Its interval.
+    /// Interval of `eta2_partial`, with its own level.
     pub interval: Option<Interval>,
     /// Epsilon of the sphericity correction that was applied.
     pub epsilon: Option<f64>,
@@ -204,35 +204,36 @@ pub struct F {
 
 /// `F(3, 69) = 25.23, p < .001, ηp² = .52, 90% CI [.38, .62]`; corrected: `…, ε = .92`.
 pub fn f(test: &F) -> Statement {
-    let mut said =
-        Statement::of("*F*", &[test.df_effect, test.df_error], test.f).p(test.p, Adjustment::None);
+    let mut statement = Statement::with_df("*F*", &[test.df_effect, test.df_error], test.f)
+        .p(test.p, Adjustment::None);
     if let Some(eta2) = test.eta2_partial {
-        said = said.and("*η*_{p}^{2}", &bounded(eta2, 2));
+        statement = statement.and("*η*_{p}^{2}", &bounded(eta2, 2));
     }
-    said = said.ci(test.interval, bounded);
+    statement = statement.ci(test.interval, bounded);
     match test.epsilon {
-        Some(epsilon) => said.and("*ε*", &bounded(epsilon, 2)),
-        None => said,
+        Some(epsilon) => statement.and("*ε*", &bounded(epsilon, 2)),
+        None => statement,
     }
 }
 
 /// `χ²(3, N = 24) = 41.19, p < .001, W = .57`: Friedman's test with Kendall's W.
 pub fn chi2(statistic: f64, df: usize, n: usize, p: f64, kendall_w: Option<f64>) -> Statement {
     let written = number(statistic, 2);
-    let said = Statement(format!("*χ*^{{2}}({df}, *N* = {n}) = {written}")).p(p, Adjustment::None);
+    let statement =
+        Statement(format!("*χ*^{{2}}({df}, *N* = {n}) = {written}")).p(p, Adjustment::None);
     match kendall_w {
-        Some(w) => said.and("*W*", &bounded(w, 2)),
-        None => said,
+        Some(w) => statement.and("*W*", &bounded(w, 2)),
+        None => statement,
     }
 }
 
 /// `Q(3, N = 24) = 7.53, p = .057, W = .10`: Cochran's test with Kendall's W.
 pub fn cochran_q(q: f64, df: usize, p: f64, n: usize, w: Option<f64>) -> Statement {
     let written = number(q, 2);
-    let said = Statement(format!("*Q*({df}, *N* = {n}) = {written}")).p(p, Adjustment::None);
+    let statement = Statement(format!("*Q*({df}, *N* = {n}) = {written}")).p(p, Adjustment::None);
     match w {
-        Some(w) => said.and("*W*", &bounded(w, 2)),
-        None => said,
+        Some(w) => statement.and("*W*", &bounded(w, 2)),
+        None => statement,
     }
 }
 
@@ -244,8 +245,9 @@ pub fn share_difference(
     adjusted: Adjustment,
     counts: &str,
 ) -> Statement {
-    let said = Statement(counts.to_owned()).p(p, adjusted);
-    said.and("difference", &bounded(difference, 2))
+    let statement = Statement(counts.to_owned()).p(p, adjusted);
+    statement
+        .and("difference", &bounded(difference, 2))
         .ci(ci, bounded)
 }
 
@@ -257,19 +259,19 @@ pub fn t(
     adjusted: Adjustment,
     dz: Option<(f64, Option<Interval>)>,
 ) -> Statement {
-    let said = Statement::of("*t*", &[df], statistic).p(p, adjusted);
+    let statement = Statement::with_df("*t*", &[df], statistic).p(p, adjusted);
     match dz {
-        Some((dz, ci)) => said.and("*d*_{z}", &number(dz, 2)).ci(ci, number),
-        None => said,
+        Some((dz, ci)) => statement.and("*d*_{z}", &number(dz, 2)).ci(ci, number),
+        None => statement,
     }
 }
 
 /// `V = 45, p_Holm = .012, r_rb = −.52`: Wilcoxon's signed ranks with the rank-biserial correlation.
 pub fn wilcoxon(v: f64, p: f64, adjusted: Adjustment, rank_biserial: Option<f64>) -> Statement {
-    let said = Statement(format!("*V* = {}", degrees(v))).p(p, adjusted);
+    let statement = Statement(format!("*V* = {}", degrees(v))).p(p, adjusted);
     match rank_biserial {
-        Some(effect) => said.and("*r*_{rb}", &bounded(effect, 2)),
-        None => said,
+        Some(effect) => statement.and("*r*_{rb}", &bounded(effect, 2)),
+        None => statement,
     }
 }
 
@@ -285,7 +287,7 @@ mod tests {
             df_error: 69.0,
             p: 3.2e-11,
             eta2_partial: Some(0.523),
-            interval: Interval::of(0.9, Some(0.381), Some(0.617)),
+            interval: Interval::from_ends(0.9, Some(0.381), Some(0.617)),
             epsilon: None,
         };
         assert_eq!(
@@ -313,7 +315,7 @@ mod tests {
 
     #[test]
     fn paired_t_keeps_the_zero_of_an_unbounded_effect() {
-        let ci = Interval::of(0.95, Some(-1.73), Some(-0.67));
+        let ci = Interval::from_ends(0.95, Some(-1.73), Some(-0.67));
         let written = t(-5.9, 23.0, 2e-6, Adjustment::Holm, Some((-1.2, ci))).to_string();
         assert_eq!(
             written,

@@ -150,7 +150,7 @@ pub fn bootstrap(
     settings: &BootstrapSettings,
 ) -> Result<Bootstrap, StatsError> {
     check(settings)?;
-    let (sample, missing) = Sample::of(statistic, data)?;
+    let (sample, missing) = Sample::from_data(statistic, data)?;
     let n = sample.rows();
     let whole: Vec<u32> = vec![1; n];
     let estimate = sample.statistic(&whole);

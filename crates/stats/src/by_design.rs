@@ -181,7 +181,7 @@ pub fn compare_by_design(
     // Declared and not there is an error, whatever test comes.
     kept::products(data)?;
     if choice.test != AskedTest::Chosen || !data.periods.is_empty() {
-        return period::asked(data, choice);
+        return period::with_period_or_declared(data, choice);
     }
     let mut reasons = Vec::new();
     if let Some(name) = kept::varying(data)? {

@@ -92,15 +92,15 @@ const CONFIDENCE: f64 = 0.95;
 /// ```
 pub fn case_crossover(strata: &[CaseStratum]) -> CaseCrossover {
     let tells = |s: &&CaseStratum| {
-        let mut all = s.events.iter().chain(&s.others);
-        let first = all.next();
-        !s.events.is_empty() && !s.others.is_empty() && all.any(|x| Some(x) != first)
+        let mut exposures = s.events.iter().chain(&s.others);
+        let first = exposures.next();
+        !s.events.is_empty() && !s.others.is_empty() && exposures.any(|x| Some(x) != first)
     };
     let strata: Vec<&CaseStratum> = strata.iter().filter(tells).collect();
-    let all = || strata.iter().flat_map(|s| s.events.iter().chain(&s.others));
+    let exposures = || strata.iter().flat_map(|s| s.events.iter().chain(&s.others));
     let people: BTreeSet<&str> = strata.iter().map(|s| s.person.as_str()).collect();
-    let moments = all().count();
-    let mut found = CaseCrossover {
+    let moments = exposures().count();
+    let mut result = CaseCrossover {
         people: people.len(),
         strata: strata.len(),
         events: strata.iter().map(|s| s.events.len()).sum(),
@@ -109,22 +109,22 @@ pub fn case_crossover(strata: &[CaseStratum]) -> CaseCrossover {
     };
     if strata.is_empty() {
         let reason = "no event has another moment beside it at which the exposure was another";
-        found.undefined.note_all(&ESTIMATES, reason);
-        found.undefined.note_all(&TESTS, reason);
-        found.undefined.note("sd", reason);
-        return found;
+        result.undefined.note_all(&ESTIMATES, reason);
+        result.undefined.note_all(&TESTS, reason);
+        result.undefined.note("sd", reason);
+        return result;
     }
-    let (_, squares) = mean_and_square_sum(all().copied());
+    let (_, squares) = mean_and_square_sum(exposures().copied());
     let sd = (squares / (moments - 1) as f64).sqrt();
-    found.sd = Some(sd);
+    result.sd = Some(sd);
     let estimate = fitted(&strata, sd);
     match estimate {
         Some((estimate, information)) => {
-            found.estimate = Some(estimate);
-            found.odds_ratio = Some(libm::exp(estimate));
-            found.se_model = Some(1.0 / information.sqrt());
+            result.estimate = Some(estimate);
+            result.odds_ratio = Some(libm::exp(estimate));
+            result.se_model = Some(1.0 / information.sqrt());
         }
-        None => found.undefined.note_all(
+        None => result.undefined.note_all(
             &ESTIMATES,
             "the exposure tells every event from the other moments: no odds ratio is large enough",
         ),
@@ -132,13 +132,13 @@ pub fn case_crossover(strata: &[CaseStratum]) -> CaseCrossover {
     let t_at = |beta: f64| t_of_scores(&strata, beta, sd);
     let Some(t) = t_at(0.0) else {
         let reason = "fewer than two people whose scores differ: nothing is known of others";
-        found.undefined.note_all(&TESTS, reason);
-        return found;
+        result.undefined.note_all(&TESTS, reason);
+        return result;
     };
     let df = people.len() - 1;
-    found.t = Some(t);
-    found.df = Some(df);
-    found.p = Some(t_two_sided(t, df as f64));
+    result.t = Some(t);
+    result.df = Some(df);
+    result.p = Some(t_two_sided(t, df as f64));
     let most = t_quantile_two_sided(1.0 - CONFIDENCE, df as f64);
     // t falls as the odds rise; an end that is not found is none.
     let end = |sign: f64| {
@@ -152,18 +152,18 @@ pub fn case_crossover(strata: &[CaseStratum]) -> CaseCrossover {
         };
         brent(past, low, high).map(libm::exp)
     };
-    (found.odds_ratio_ci_low, found.odds_ratio_ci_high) = (end(-1.0), end(1.0));
+    (result.odds_ratio_ci_low, result.odds_ratio_ci_high) = (end(-1.0), end(1.0));
     for (name, end) in TESTS
         .iter()
-        .zip([found.odds_ratio_ci_low, found.odds_ratio_ci_high])
+        .zip([result.odds_ratio_ci_low, result.odds_ratio_ci_high])
     {
         if end.is_none() {
-            found
+            result
                 .undefined
                 .note(name, "the interval has no end on this side");
         }
     }
-    found
+    result
 }
 
 /// Student's t of the people's slopes at these odds; none for fewer than two people, or slopes that do not differ.
@@ -181,19 +181,19 @@ fn t_of_scores(strata: &[&CaseStratum], beta: f64, sd: f64) -> Option<f64> {
 
 /// The estimate for one standard deviation, and the information there; none where it grows without end.
 fn fitted(strata: &[&CaseStratum], sd: f64) -> Option<(f64, f64)> {
-    let at = |beta: f64| {
+    let slope_and_information = |beta: f64| {
         let both = strata.iter().map(|s| score(s, beta, sd));
         both.fold((0.0, 0.0), |(u, v), (a, b)| (u + a, v + b))
     };
     let mut beta = 0.0;
-    let (mut slope, mut information) = at(beta);
+    let (mut slope, mut information) = slope_and_information(beta);
     for _ in 0..MOST_STEPS {
         // The log likelihood is concave: a step that passes the top is halved.
         let mut step = (slope / information).clamp(-1.0, 1.0);
-        let (mut next_slope, mut next_information) = at(beta + step);
+        let (mut next_slope, mut next_information) = slope_and_information(beta + step);
         while next_slope * slope < 0.0 && step.abs() > 1e-10 && next_slope.abs() > slope.abs() {
             step *= 0.5;
-            (next_slope, next_information) = at(beta + step);
+            (next_slope, next_information) = slope_and_information(beta + step);
         }
         beta += step;
         (slope, information) = (next_slope, next_information);
@@ -210,13 +210,13 @@ fn fitted(strata: &[&CaseStratum], sd: f64) -> Option<(f64, f64)> {
 /// Slope and information of a stretch's log likelihood: elementary symmetric sums of exp(β x) over as many moments as there are events,
 /// with their first two derivatives.
 fn score(stratum: &CaseStratum, beta: f64, sd: f64) -> (f64, f64) {
-    let all = || stratum.events.iter().chain(&stratum.others);
-    let mean = all().sum::<f64>() / all().count() as f64;
+    let exposures = || stratum.events.iter().chain(&stratum.others);
+    let mean = exposures().sum::<f64>() / exposures().count() as f64;
     let standard = |x: &f64| (x - mean) / sd;
     let cases = stratum.events.len();
     let mut sums = vec![[0.0; 3]; cases + 1];
     sums[0][0] = 1.0;
-    for x in all().map(standard) {
+    for x in exposures().map(standard) {
         let weight = libm::exp(beta * x);
         for chosen in (1..=cases).rev() {
             let [e, first, second] = sums[chosen - 1];

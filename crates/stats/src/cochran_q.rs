@@ -48,7 +48,7 @@ pub struct CochranQTest {
 /// McNemar's test of a pair, with its p among all pairs.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct McNemarPair {
-    /// The test.
+    /// Of this pair alone: counts, difference, odds ratio and p before Holm.
     #[serde(flatten)]
     pub test: McNemarTest,
     /// The mid-p, after Holm for all pairs.
@@ -105,7 +105,7 @@ fn omnibus(data: &WithinSubjects) -> CochranQTest {
     let (n, k) = (data.n() as f64, data.k() as f64);
     let columns: Vec<f64> = (0..data.k()).map(|j| data.column(j).iter().sum()).collect();
     let rows: Vec<f64> = data.rows().map(|row| row.iter().sum()).collect();
-    let square = |of: &[f64]| of.iter().map(|v| v * v).sum::<f64>();
+    let square = |sums: &[f64]| sums.iter().map(|v| v * v).sum::<f64>();
     let total: f64 = rows.iter().sum();
     let within = k * total - square(&rows);
     let q = (within > 0.0).then(|| (k - 1.0) * (k * square(&columns) - total * total) / within);
@@ -120,20 +120,21 @@ fn omnibus(data: &WithinSubjects) -> CochranQTest {
 
 impl Statements for CochranQ {
     fn statements(&self) -> Vec<(String, Statement)> {
-        let found = &self.cochran_q;
-        let whole = found.q.zip(found.df).zip(found.p);
+        let omnibus = &self.cochran_q;
+        let whole = omnibus.q.zip(omnibus.df).zip(omnibus.p);
         let whole = whole.map(|((q, df), p)| {
-            let said = apa::cochran_q(q, df, p, self.n, found.w);
-            ("cochran_q".to_owned(), said)
+            let statement = apa::cochran_q(q, df, p, self.n, omnibus.w);
+            ("cochran_q".to_owned(), statement)
         });
         let pairs = self.pairs.iter().filter_map(|(name, pair)| {
             let test = &pair.test;
             let ends = (test.difference_ci_low, test.difference_ci_high);
-            let ci = Interval::of(0.95, Some(ends.0), Some(ends.1));
+            let ci = Interval::from_ends(0.95, Some(ends.0), Some(ends.1));
             let counts = format!("{} against {}", test.only_a, test.only_b);
             let p = pair.p_holm?;
-            let said = apa::share_difference(test.difference, ci, p, Adjustment::Holm, &counts);
-            Some((name.to_owned(), said))
+            let statement =
+                apa::share_difference(test.difference, ci, p, Adjustment::Holm, &counts);
+            Some((name.to_owned(), statement))
         });
         whole.into_iter().chain(pairs).collect()
     }

@@ -184,7 +184,7 @@ fn run(
             let correction = trace.correction(&mauchly, &sphericity);
             of_anova(&anova, &sphericity, correction)
         } else {
-            let (friedman, _) = friedman::test(&RankTable::of(data), exact);
+            let (friedman, _) = friedman::test(&RankTable::new(data), exact);
             of_friedman(&friedman)
         };
         (chosen, Some(omnibus))

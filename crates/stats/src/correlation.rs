@@ -128,18 +128,18 @@ pub fn correlate(
         (wanted, result.reasons) = choose(x, y);
         result.chosen = Some(wanted);
     }
-    let all = wanted == CorrelationMethod::All;
-    if all || wanted == CorrelationMethod::Pearson {
+    let every_method = wanted == CorrelationMethod::All;
+    if every_method || wanted == CorrelationMethod::Pearson {
         let (pearson, inner) = pearson::test(x, y);
         result.undefined.absorb("pearson", inner);
         result.pearson = Some(pearson);
     }
-    if all || wanted == CorrelationMethod::Spearman {
+    if every_method || wanted == CorrelationMethod::Spearman {
         let (spearman, inner) = spearman::test(x, y);
         result.undefined.absorb("spearman", inner);
         result.spearman = Some(spearman);
     }
-    if all || wanted == CorrelationMethod::Kendall {
+    if every_method || wanted == CorrelationMethod::Kendall {
         let (kendall, inner) = kendall::test(x, y);
         result.undefined.absorb("kendall", inner);
         result.kendall = Some(kendall);

@@ -252,9 +252,8 @@ fn tost(differences: &[f64], constant: bool, bounds: Bounds) -> (Tost, Reasons) 
             "equivalent",
             "different",
         ];
-        let all = &names[..];
         // Raw bounds exist whatever the data.
-        let kept = all
+        let kept = names
             .iter()
             .filter(|name| low.is_none() || !matches!(**name, "low" | "high"));
         reasons.note_all(

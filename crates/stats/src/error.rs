@@ -62,29 +62,29 @@ pub enum StatsError {
     /// The same subject has two values in one condition.
     #[error("subject `{subject}` has two values in condition `{condition}`, expected one")]
     DoubleCell {
-        /// The subject.
+        /// As it is named in the column of subjects.
         subject: String,
-        /// The condition.
+        /// Name of the condition, or its levels joined by `:` where there are several factors.
         condition: String,
     },
     /// Two conditions, subjects or items carry the same name.
     #[error("the name `{name}` occurs twice among the {what}s, expected distinct names")]
     DoubleName {
-        /// condition, subject or item.
+        /// condition, subject, item, factor or predictor.
         what: String,
-        /// The name.
+        /// The one that comes twice.
         name: String,
     },
     /// A condition in the data that is not in the given order.
     #[error("condition `{condition}` is in the data but not in the given order of conditions")]
     UnknownCondition {
-        /// The condition.
+        /// The first that the order lacks.
         condition: String,
     },
     /// A factor whose every row has the same level.
     #[error("factor `{factor}` has one level, `{level}`, expected at least 2")]
     OneLevel {
-        /// The factor.
+        /// Name of its column.
         factor: String,
         /// Its only level.
         level: String,
@@ -110,7 +110,7 @@ pub enum StatsError {
         "subject `{subject}` is in `{first}` and in `{second}` of `{factor}`, expected one of them"
     )]
     TwoGroups {
-        /// The subject.
+        /// As it is named in the column of subjects.
         subject: String,
         /// The factor between subjects.
         factor: String,
@@ -174,7 +174,7 @@ pub enum StatsError {
     /// The statistic needs another kind of data.
     #[error("statistic {statistic} cannot be computed from {data}")]
     WrongData {
-        /// The statistic.
+        /// Name of the [`Statistic`](crate::Statistic) that was asked for.
         statistic: String,
         /// The data given.
         data: String,

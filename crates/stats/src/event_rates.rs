@@ -11,7 +11,7 @@ use crate::{
 /// What one person did in one condition.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Exposed {
-    /// Events.
+    /// How many there were.
     pub events: usize,
     /// Time in which one could have come, in the unit of the rate; above 0.
     pub time: f64,
@@ -87,7 +87,8 @@ pub fn event_rates(
             return Err(StatsError::parameter("time", "above 0", cell.time));
         }
     }
-    let sum = |j: usize, of: fn(&Exposed) -> f64| rows.iter().map(|row| of(&row[j])).sum::<f64>();
+    let sum =
+        |j: usize, value: fn(&Exposed) -> f64| rows.iter().map(|row| value(&row[j])).sum::<f64>();
     let events = |j: usize| rows.iter().map(|row| row[j].events).sum::<usize>();
     let by_condition = |value: &dyn Fn(usize) -> f64| {
         let named = conditions.iter().enumerate();

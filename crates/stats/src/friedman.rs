@@ -62,7 +62,7 @@ pub(crate) struct RankTable {
 }
 
 impl RankTable {
-    pub(crate) fn of(data: &WithinSubjects) -> Self {
+    pub(crate) fn new(data: &WithinSubjects) -> Self {
         let mut table = Self {
             n: data.n(),
             k: data.k(),

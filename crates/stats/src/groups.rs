@@ -27,7 +27,7 @@ use crate::{
 pub struct GroupSummary {
     /// Values.
     pub n: usize,
-    /// Their mean.
+    /// In the unit of the values.
     pub mean: f64,
     /// Their standard deviation, with n - 1.
     pub sd: Option<f64>,

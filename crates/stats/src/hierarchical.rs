@@ -34,7 +34,7 @@ pub struct Hierarchical {
     pub shrunken_sd: Vec<f64>,
     /// SD over people of each coefficient of z.
     pub random_sd: Vec<f64>,
-    /// SD of ε.
+    /// σ, the SD of ε, in the unit of y.
     pub residual_sd: f64,
     /// ln of the density of all y, β integrated out.
     pub ln_evidence: f64,
@@ -207,12 +207,12 @@ fn check(people: &[PersonRows], groups: &[Option<usize>]) -> Result<f64, StatsEr
                 return mismatch(name, wrong.len(), width);
             }
         }
-        let all = person
+        let values = person
             .y
             .iter()
             .chain(person.x.iter().flatten())
             .chain(person.z.iter().flatten());
-        for value in all {
+        for value in values {
             crate::complete::usable(*value, "a person's rows", row)?;
         }
     }

@@ -158,7 +158,7 @@ pub(crate) fn test(a: &[f64], b: &[f64]) -> (McNemarTest, Reasons) {
     }
     let odds = |share: f64| share / (1.0 - share);
     let ends = clopper_pearson(x, differing, CONFIDENCE);
-    let found = McNemarTest {
+    let test = McNemarTest {
         both,
         only_a,
         only_b,
@@ -174,7 +174,7 @@ pub(crate) fn test(a: &[f64], b: &[f64]) -> (McNemarTest, Reasons) {
         chi2,
         p: chi2.map(|chi2| chi2_upper(chi2, 1.0)),
     };
-    (found, undefined)
+    (test, undefined)
 }
 
 /// P(X ≤ x) of n fair coins, by the F distribution.
@@ -191,17 +191,18 @@ fn at_most(x: f64, n: f64) -> f64 {
 
 impl Statements for McNemar {
     fn statements(&self) -> Vec<(String, Statement)> {
-        let found = &self.mcnemar;
-        let said = found.p_mid.map(|p| {
-            let ci = Interval::of(
+        let test = &self.mcnemar;
+        let statement = test.p_mid.map(|p| {
+            let ci = Interval::from_ends(
                 CONFIDENCE,
-                Some(found.difference_ci_low),
-                Some(found.difference_ci_high),
+                Some(test.difference_ci_low),
+                Some(test.difference_ci_high),
             );
-            let counts = format!("{} against {}", found.only_a, found.only_b);
-            apa::share_difference(found.difference, ci, p, Adjustment::None, &counts)
+            let counts = format!("{} against {}", test.only_a, test.only_b);
+            apa::share_difference(test.difference, ci, p, Adjustment::None, &counts)
         });
-        said.map(|said| ("mcnemar".to_owned(), said))
+        statement
+            .map(|statement| ("mcnemar".to_owned(), statement))
             .into_iter()
             .collect()
     }

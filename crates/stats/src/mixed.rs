@@ -176,8 +176,8 @@ pub fn mixed_model(
 }
 
 fn place_of(name: &str, fixed: &[(&str, &[Option<f64>])]) -> Result<usize, StatsError> {
-    let found = fixed.iter().position(|(column, _)| *column == name);
-    found.map(|at| at + 1).ok_or_else(|| {
+    let position = fixed.iter().position(|(column, _)| *column == name);
+    position.map(|at| at + 1).ok_or_else(|| {
         StatsError::parameter(
             &format!("random slope of {name}"),
             "the name of one of the fixed columns",
@@ -188,10 +188,10 @@ fn place_of(name: &str, fixed: &[(&str, &[Option<f64>])]) -> Result<usize, Stats
 
 /// Rows of each subject, in the order in which subjects first occur.
 fn groups(subjects: &[String], kept: &[usize]) -> Vec<Vec<usize>> {
-    let mut at = std::collections::BTreeMap::new();
+    let mut places = std::collections::BTreeMap::new();
     let mut groups: Vec<Vec<usize>> = Vec::new();
     for (row, &original) in kept.iter().enumerate() {
-        let place = *at.entry(&subjects[original]).or_insert_with(|| {
+        let place = *places.entry(&subjects[original]).or_insert_with(|| {
             groups.push(Vec::new());
             groups.len() - 1
         });

@@ -17,7 +17,7 @@ pub struct SampleShape {
     pub mean: f64,
     /// Standard deviation, over n-1.
     pub sd: Option<f64>,
-    /// Median.
+    /// R's type 7, as the quartiles.
     pub median: f64,
     /// Lower quartile, R's type 7.
     pub q1: f64,
@@ -145,7 +145,7 @@ pub(crate) struct RoystonWeights {
 }
 
 impl RoystonWeights {
-    fn of(&mut self, n: usize) -> &[f64] {
+    fn half(&mut self, n: usize) -> &[f64] {
         if self.n != n {
             (self.n, self.half) = (n, royston_weights(n));
         }
@@ -180,7 +180,7 @@ pub(crate) fn shapiro_wilk_with(
     }
     let mut sorted = scaled(&centred(sample)).0;
     sorted.sort_by(f64::total_cmp);
-    let half = weights.of(n);
+    let half = weights.half(n);
     // 1 - W from a difference of squares, because W itself is close to 1.
     let mean = sorted.iter().sum::<f64>() / n as f64;
     let squares: f64 = sorted.iter().map(|x| (x - mean) * (x - mean)).sum();

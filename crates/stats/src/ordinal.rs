@@ -17,7 +17,7 @@ use rows::Answers;
 /// A threshold or a coefficient, on the scale of the logit.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct OrdinalParameter {
-    /// The estimate.
+    /// `None` where there is no finite one, or the fit did not settle.
     pub estimate: Option<f64>,
     /// Its standard error, from the observed information.
     pub se: Option<f64>,
@@ -49,7 +49,7 @@ pub struct LikelihoodRatio {
     pub p: Option<f64>,
 }
 
-/// One fit.
+/// What one way of taking the integral over subjects gives.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct OrdinalFit {
     /// Thresholds `j|k` between neighbouring answers that occur.
@@ -69,7 +69,7 @@ pub struct OrdinalFit {
 pub struct Ordinal {
     /// Answers.
     pub n_obs: usize,
-    /// Subjects.
+    /// How many subjects gave an answer.
     pub n_subjects: usize,
     /// Rows left out because the answer is missing.
     pub missing: usize,
@@ -134,7 +134,7 @@ pub(crate) fn by_period(
     let mut fit = |rule: &Rule, from: Option<&(Top, Top)>, prefix: &str| {
         let mut likelihood = Likelihood::new(&with, rule);
         let full = top(&mut likelihood, from.map(|(full, _)| full)).map(|top| {
-            let errors = Errors::at(&mut likelihood, &top.at);
+            let errors = Errors::at(&mut likelihood, &top.parameters);
             (top, errors)
         });
         let mut likelihood = Likelihood::new(&without, rule);
@@ -165,17 +165,20 @@ pub(crate) fn by_period(
 /// Every pair of conditions that has a finite difference.
 fn differences(reduced: &Answers, (top, errors): &(Top, Errors)) -> Vec<(String, Difference)> {
     let first = reduced.sample().thresholds();
-    let at = |condition: usize| condition.checked_sub(1).map(|at| first + at);
-    let value = |at: Option<usize>| match at {
+    let coefficient = |condition: usize| condition.checked_sub(1).map(|place| first + place);
+    let value = |parameter: Option<usize>| match parameter {
         None => Some(0.0),
-        Some(at) => top.finite(at, errors.of(at)).map(|(estimate, _)| estimate),
+        Some(parameter) => top
+            .finite(parameter, errors.of_parameter(parameter))
+            .map(|(estimate, _)| estimate),
     };
     let names = &reduced.conditions;
     let pairs = (0..names.len()).flat_map(|a| (a + 1..names.len()).map(move |b| (a, b)));
     pairs
         .filter_map(|(a, b)| {
-            let difference = value(at(a))? - value(at(b))?;
-            let se = errors.of_difference(at(a), at(b))?;
+            let (a_at, b_at) = (coefficient(a), coefficient(b));
+            let difference = value(a_at)? - value(b_at)?;
+            let se = errors.of_difference(a_at, b_at)?;
             Some((format!("{}|{}", names[a], names[b]), (difference, se)))
         })
         .collect()
@@ -192,20 +195,20 @@ fn describe(
     undefined: &mut Reasons,
 ) -> OrdinalFit {
     let sample: Sample = reduced.sample();
-    let mut parameter = |name: String, found: Result<usize, &str>| {
-        let found = match (found, with) {
-            (Ok(at), Some((top, errors))) => top
-                .finite(at, errors.of(at))
+    let mut parameter = |name: String, place: Result<usize, &str>| {
+        let fitted = match (place, with) {
+            (Ok(place), Some((top, errors))) => top
+                .finite(place, errors.of_parameter(place))
                 .ok_or("the answers leave it without a finite estimate"),
             (Ok(_), None) => Err(NOT_CONVERGED),
             (Err(reason), _) => Err(reason),
         };
-        if let Err(reason) = found {
+        if let Err(reason) = fitted {
             undefined.note(&name, reason);
         }
-        let found = found.ok();
-        let se = found.and_then(|(_, se)| se);
-        if found.is_some() && se.is_none() {
+        let fitted = fitted.ok();
+        let se = fitted.and_then(|(_, se)| se);
+        if fitted.is_some() && se.is_none() {
             for part in ["se", "z", "p", "ci_low", "ci_high"] {
                 undefined.note(
                     &format!("{name}.{part}"),
@@ -213,7 +216,7 @@ fn describe(
                 );
             }
         }
-        let estimate = found.map(|(estimate, _)| estimate);
+        let estimate = fitted.map(|(estimate, _)| estimate);
         let z = estimate.zip(se).map(|(estimate, se)| estimate / se);
         let half = se.map(|se| se * normal_quantile(0.975));
         OrdinalParameter {
@@ -231,28 +234,28 @@ fn describe(
     let mut threshold = Vec::new();
     for pair in data.categories.windows(2) {
         let name = format!("{}|{}", pair[0], pair[1]);
-        let at = reduced
+        let known = reduced
             .categories
             .windows(2)
             .position(|known| known == pair);
-        let found = if reference {
-            at.ok_or("an answer beside it occurs only in conditions with one extreme answer")
+        let place = if reference {
+            known.ok_or("an answer beside it occurs only in conditions with one extreme answer")
         } else {
             Err(no_reference)
         };
-        threshold.push((name.clone(), parameter(format!("threshold.{name}"), found)));
+        threshold.push((name.clone(), parameter(format!("threshold.{name}"), place)));
     }
     let mut coef = Vec::new();
     for name in &data.conditions[1..] {
-        let at = reduced.conditions.iter().position(|known| known == name);
-        let found = match at {
+        let known = reduced.conditions.iter().position(|known| known == name);
+        let place = match known {
             _ if !reference => Err(no_reference),
             None => {
                 Err("everybody gives the same extreme answer in this condition: no finite estimate")
             }
-            Some(at) => Ok(sample.thresholds() + at - 1),
+            Some(condition) => Ok(sample.thresholds() + condition - 1),
         };
-        coef.push((name.clone(), parameter(format!("coef.{name}"), found)));
+        coef.push((name.clone(), parameter(format!("coef.{name}"), place)));
     }
     if with.is_none() {
         undefined.note_all(&["variance.subject", "log_likelihood"], NOT_CONVERGED);

@@ -86,7 +86,7 @@ pub struct Posthoc {
     pub k: usize,
     /// Subjects left out because a cell is missing.
     pub dropped: Vec<String>,
-    /// The test.
+    /// Which test compared each pair.
     pub test: PosthocTest,
     /// The correction for all pairs.
     pub adjust: Adjustment,
@@ -269,14 +269,14 @@ fn single_tests(
             signed.iter().flat_map(Named::values).map(single).collect()
         }
         PosthocTest::Conover => {
-            let tests = analysis::conover(data, &RankTable::of(data), &mut inner);
+            let tests = analysis::conover(data, &RankTable::new(data), &mut inner);
             tests
                 .values()
                 .map(|t| Single(t.t, Some(t.df), n, t.p, PMethod::T))
                 .collect()
         }
         PosthocTest::Nemenyi => {
-            let tests = analysis::nemenyi(data, &RankTable::of(data));
+            let tests = analysis::nemenyi(data, &RankTable::new(data));
             let single =
                 |t: &Nemenyi| Single(Some(t.q), None, n, Some(t.p), PMethod::StudentizedRange);
             tests.values().map(single).collect()

@@ -31,7 +31,7 @@ pub struct LinearFit {
     pub residual_sd: Option<f64>,
     /// Share of the variance of y that the line explains.
     pub r2: Option<f64>,
-    /// Mean of x.
+    /// Mean of x over the complete pairs.
     pub mean_x: f64,
     /// Σ (x - mean)².
     pub ss_x: f64,
@@ -178,7 +178,7 @@ pub fn circular_linear(
     let complete = complete::rows(&[("angle", angle_rad), ("y", y)], "pair", 3)?;
     let (angles, y) = (&complete.columns[0], &complete.columns[1]);
     let mut undefined = Reasons::default();
-    let waves = Waves::of(angles, y);
+    let waves = Waves::new(angles, y);
     let coefficients = waves.coefficients().filter(|_| !is_constant(y));
     let fitted = coefficients.map(|(a, b)| {
         let explained = (a * waves.cy + b * waves.sy) / waves.yy;
@@ -225,7 +225,7 @@ pub fn circular_fit(angles_rad: &[f64], y: &[f64]) -> Option<[f64; 3]> {
     if angles_rad.len() != y.len() || y.len() < 3 {
         return None;
     }
-    let (a, b) = Waves::of(angles_rad, y).coefficients()?;
+    let (a, b) = Waves::new(angles_rad, y).coefficients()?;
     let mean = |value: &dyn Fn(usize) -> f64| (0..y.len()).map(value).sum::<f64>() / y.len() as f64;
     let wave = mean(&|i| a * libm::cos(angles_rad[i]) + b * libm::sin(angles_rad[i]));
     Some([mean(&|i| y[i]) - wave, a, b])
@@ -242,7 +242,7 @@ struct Waves {
 }
 
 impl Waves {
-    fn of(angles: &[f64], y: &[f64]) -> Self {
+    fn new(angles: &[f64], y: &[f64]) -> Self {
         let wave = |f: fn(f64) -> f64| centred(&angles.iter().map(|a| f(*a)).collect::<Vec<_>>());
         let (cosine, sine, dy) = (wave(libm::cos), wave(libm::sin), centred(y));
         let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(x, y)| x * y).sum::<f64>();

@@ -125,7 +125,7 @@ fn is_additive(data: &WithinSubjects, residuals: &[f64]) -> bool {
     if largest(residuals) > 1e-6 * scale {
         return false;
     }
-    let (written, k) = (decimal::Written::of(data.values()), data.k());
+    let (written, k) = (decimal::Written::from_values(data.values()), data.k());
     (0..data.values().len()).all(|i| {
         let (start, j) = (i - i % k, i % k);
         written.same_difference((i, j), (start, 0))

@@ -258,7 +258,7 @@ impl Spectrum {
         }
         let (d1, d2) = (df1 as f64, df2 as f64);
         let corrected = |epsilon: Option<f64>| Some(f_upper(f?, d1 * epsilon?, d2 * epsilon?));
-        let found = Sphericity {
+        let sphericity = Sphericity {
             gg,
             hf_raw,
             hf,
@@ -271,6 +271,6 @@ impl Spectrum {
             df1_hf: hf.map(|e| e * d1),
             df2_hf: hf.map(|e| e * d2),
         };
-        (found, reasons)
+        (sphericity, reasons)
     }
 }

@@ -90,7 +90,7 @@ pub fn levene(groups: &[String], values: &[Option<f64>]) -> Result<VarianceTests
         .iter()
         .map(|&row| groups[row].clone())
         .collect();
-    let index = Index::of(&names);
+    let index = Index::from_labels(&names);
     // From the first value on, so that an offset costs no digits of the distances.
     let pivot = complete.columns[0][0];
     let mut samples = vec![Vec::new(); index.names.len()];
@@ -147,8 +147,7 @@ fn distances(samples: &[Vec<f64>], centre: impl Fn(&[f64]) -> f64) -> Levene {
         groups.len() - 1,
         groups.iter().map(Vec::len).sum::<usize>() - groups.len(),
     );
-    let all = groups.iter().flatten().copied();
-    let (grand, _) = mean_and_square_sum(all);
+    let (grand, _) = mean_and_square_sum(groups.iter().flatten().copied());
     let scale = largest(&samples.concat());
     let alike = |group: &Vec<f64>| group.iter().all(|z| is_rounding(z - group[0], scale));
     let varies = !groups.iter().all(alike);

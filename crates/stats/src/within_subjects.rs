@@ -47,8 +47,8 @@ impl WithinSubjects {
         for (name, found) in [("condition", conditions.len()), ("value", values.len())] {
             StatsError::same_length(name, found, subjects.len())?;
         }
-        let subject_of = Index::of(subjects);
-        let condition_of = Index::of(conditions);
+        let subject_of = Index::from_labels(subjects);
+        let condition_of = Index::from_labels(conditions);
         let k = condition_of.names.len();
         // The outer option says whether the cell had a row at all.
         let mut cells: Vec<Option<Option<f64>>> = vec![None; subject_of.names.len() * k];
@@ -105,7 +105,7 @@ impl WithinSubjects {
         let (conditions, subjects) = (owned(conditions), owned(subjects));
         StatsError::same_length("rows", rows.len(), subjects.len())?;
         for (what, names) in [("condition", &conditions), ("subject", &subjects)] {
-            if let Some(name) = Index::of(names).repeated {
+            if let Some(name) = Index::from_labels(names).repeated {
                 return Err(StatsError::DoubleName {
                     what: what.to_owned(),
                     name,
@@ -289,7 +289,7 @@ pub(crate) struct Index {
 }
 
 impl Index {
-    pub(crate) fn of(labels: &[String]) -> Self {
+    pub(crate) fn from_labels(labels: &[String]) -> Self {
         let mut positions = std::collections::HashMap::new();
         let mut index = Self {
             names: Vec::new(),

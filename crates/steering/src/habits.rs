@@ -33,7 +33,7 @@ impl HabitRule {
     pub fn setpoints(&self, view: &View<'_>) -> Setpoints {
         let own_mps = self.habits.free_speed_mps(Some(view.road.posted_speed_mps));
         let free_mps = own_mps.unwrap_or(view.road.posted_speed_mps);
-        let place = Place::of(view);
+        let place = Place::from_view(view);
         let lead_mps = match place {
             Place::Behind(lead) => lead.speed_mps,
             _ => view.scene.ego.speed_mps,
@@ -103,7 +103,7 @@ enum Place {
 }
 
 impl Place {
-    fn of(view: &View<'_>) -> Self {
+    fn from_view(view: &View<'_>) -> Self {
         let reference = view.reference;
         let half = 0.5 * view.road.lane_width_m;
         if reference.vehicle.is_none() {

@@ -60,12 +60,12 @@ impl ModelPlanner {
 
 impl Planner for ModelPlanner {
     fn plan(&mut self, view: &View<'_>) -> Setpoints {
-        let asked = match &mut self.rule {
+        let setpoints = match &mut self.rule {
             Rule::Habits(rule) => Ok(rule.setpoints(view)),
             Rule::Networks(rule) => rule.setpoints(view),
         };
         // A planner has to answer; what it answers after a failure only brings the drive to its end.
-        asked.unwrap_or_else(|error| {
+        setpoints.unwrap_or_else(|error| {
             self.failure.get_or_insert(error);
             Setpoints {
                 speed_mps: view.scene.ego.speed_mps,

@@ -28,11 +28,11 @@ impl NetworkRule {
 
     pub(crate) fn setpoints(&mut self, view: &View<'_>) -> Result<Setpoints, ModelError> {
         self.buffer.push(&view.situation())?;
-        let said = self.predictor.predict(&self.buffer)?;
+        let prediction = self.predictor.predict(&self.buffer)?;
         Ok(Setpoints {
-            speed_mps: said.speed_mps,
-            following_distance_m: said.following_distance_m,
-            wish: self.rule.wish(view, said.change_probability),
+            speed_mps: prediction.speed_mps,
+            following_distance_m: prediction.following_distance_m,
+            wish: self.rule.wish(view, prediction.change_probability),
         })
     }
 }

@@ -97,16 +97,16 @@ impl<P: Planner> Varying<P> {
 
 impl<P: Planner> Planner for Varying<P> {
     fn plan(&mut self, view: &View<'_>) -> Setpoints {
-        let all = [&mut self.speed, &mut self.gap, &mut self.place];
-        all.into_iter().flatten().for_each(Wandering::step);
-        let asked = self.inner.plan(view);
+        let offsets = [&mut self.speed, &mut self.gap, &mut self.place];
+        offsets.into_iter().flatten().for_each(Wandering::step);
+        let planned = self.inner.plan(view);
         // The car comes to a speed one lag of its controller late.
         let added_mps = self.speed.as_ref().map_or(0.0, |s| s.ahead(self.lag_s));
         let factor = self.gap.as_ref().map_or(1.0, |g| libm::exp(g.ahead(0.0)));
         Setpoints {
-            speed_mps: asked.speed_mps + added_mps,
-            following_distance_m: asked.following_distance_m * factor,
-            ..asked
+            speed_mps: planned.speed_mps + added_mps,
+            following_distance_m: planned.following_distance_m * factor,
+            ..planned
         }
     }
 

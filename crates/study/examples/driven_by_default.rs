@@ -27,8 +27,8 @@ fn main() -> Result<(), Box<dyn Error>> {
         let drives = read_drives(Path::new(folder))?;
         let runs = drives.iter().map(FollowingRun::from_drive);
         let runs: Vec<FollowingRun> = runs.collect::<Result<_, _>>()?;
-        let found = trials(&try_over_people(&runs, folds.parse()?, &settings)?);
-        for t in &found {
+        let tried = trials(&try_over_people(&runs, folds.parse()?, &settings)?);
+        for t in &tried {
             let reached = u8::from(t.reached_zero);
             writeln!(
                 table,
@@ -36,7 +36,7 @@ fn main() -> Result<(), Box<dyn Error>> {
                 t.person, t.method, t.gap_rmse_m
             )?;
         }
-        sets.entry(set.to_owned()).or_default().extend(found);
+        sets.entry(set.to_owned()).or_default().extend(tried);
     }
     std::fs::write(out, table)?;
     let sets: Vec<Vec<Trial>> = sets.into_values().collect();

@@ -42,18 +42,18 @@ pub(crate) fn of_rows(rows: &[EmbeddingRow]) -> impl Iterator<Item = (String, &B
 }
 
 /// A sentence for the drives that are beyond what the model has learned from, and one where it cannot say of any.
-pub(crate) fn told(model: &Model, rows: &[EmbeddingRow]) -> Vec<String> {
+pub(crate) fn warnings(model: &Model, rows: &[EmbeddingRow]) -> Vec<String> {
     let off_the_scale = |why: &BeyondWhy| *why == BeyondWhy::Scale;
-    let mut told = named(
+    let mut warnings = named(
         "drive",
         of_rows(rows).filter(|(_, why)| !off_the_scale(why)),
         ": the model has met nobody who drives like this, and where it puts this driver says little",
     );
-    told.extend(unseen_limits(model, rows));
+    warnings.extend(unseen_limits(model, rows));
     let known = rows.iter().any(|row| row.support_p.is_some());
     let shows = rows.iter().any(|row| row.readings != Some(0));
-    told.extend((shows && !known).then(|| unknown(model.people())));
-    told
+    warnings.extend((shows && !known).then(|| unknown(model.people())));
+    warnings
 }
 
 /// Why a model that learned from so many `people` cannot say whether it has met a driver; none of a model that does not say from whom.

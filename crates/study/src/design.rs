@@ -111,8 +111,8 @@ impl DesignFile {
 
     /// A path of the design, seen from where one stands.
     pub fn resolve(&self, path: &Path) -> PathBuf {
-        let own = self.path.as_deref().and_then(Path::parent);
-        own.unwrap_or(Path::new(PAPERS_FOLDER)).join(path)
+        let folder = self.path.as_deref().and_then(Path::parent);
+        folder.unwrap_or(Path::new(PAPERS_FOLDER)).join(path)
     }
 
     /// Who takes part: `given`, or the design's own table.
@@ -120,8 +120,8 @@ impl DesignFile {
     /// # Errors
     /// As [`read_enrolled`].
     pub fn people(&self, given: Option<&Path>) -> Result<People, StudyError> {
-        let own = self.resolve(&self.design.people().file);
-        let path = given.unwrap_or(&own);
+        let table = self.resolve(&self.design.people().file);
+        let path = given.unwrap_or(&table);
         let enrolled = read_enrolled(path, &self.design)?;
         self.forgotten()?
             .refuse(path, enrolled.iter().map(|p| &p.id))?;

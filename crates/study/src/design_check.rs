@@ -88,8 +88,8 @@ fn drives_of(study: &DesignFile, people: &People) -> Vec<DriveId> {
 
 /// People who are in the study and neither learned from nor tested.
 fn nobodys(people: &People) -> impl Iterator<Item = &Enrolled> {
-    let all = people.enrolled.iter();
-    all.filter(|p| !p.learned_from && !p.tested && p.excluded.is_none())
+    let enrolled = people.enrolled.iter();
+    enrolled.filter(|p| !p.learned_from && !p.tested && p.excluded.is_none())
 }
 
 /// What an outcome may be: a measure's column, or a score of a scale.
@@ -99,7 +99,7 @@ struct Known<'a> {
 }
 
 impl<'a> Known<'a> {
-    fn of(design: &'a Design, scales: &[Scale]) -> Self {
+    fn new(design: &'a Design, scales: &[Scale]) -> Self {
         let of_scale = |scale: &Scale| {
             let name = |sub: &maveric_domain::Subscale| format!("{}.{}", scale.id, sub.id);
             scale.subscales.iter().map(name).collect::<Vec<_>>()
@@ -139,17 +139,17 @@ impl<'a> Known<'a> {
         if self.measures.contains(&name) || self.scores.iter().any(|s| s == name) {
             return Ok(());
         }
-        let all = self.measures.iter().copied();
+        let measures = self.measures.iter().copied();
         Err(DesignError::word(
             key,
             name,
-            all.chain(self.scores.iter().map(String::as_str)),
+            measures.chain(self.scores.iter().map(String::as_str)),
         ))
     }
 }
 
 fn of_scales(study: &DesignFile, scales: &[Scale]) -> Result<(), DesignError> {
-    let (design, known) = (&study.design, Known::of(&study.design, scales));
+    let (design, known) = (&study.design, Known::new(&study.design, scales));
     if let Some(style) = design.style() {
         known.score("style.score", &style.score)?;
         style_range(study, scales)?;
@@ -185,8 +185,8 @@ fn of_scales(study: &DesignFile, scales: &[Scale]) -> Result<(), DesignError> {
     for factor in design.homophily().iter().flat_map(|h| &h.factors) {
         let whole = scales.iter().map(|s| s.id.as_str());
         if !known.scores.contains(factor) && !whole.clone().any(|id| id == factor) {
-            let all = whole.chain(known.scores.iter().map(String::as_str));
-            return Err(DesignError::word("homophily.factors", factor, all));
+            let names = whole.chain(known.scores.iter().map(String::as_str));
+            return Err(DesignError::word("homophily.factors", factor, names));
         }
     }
     Ok(())
@@ -205,9 +205,9 @@ fn dropped_items(
         return Ok(());
     };
     if !items.is_empty() && !subscale.sum_of.is_empty() {
-        let found = format!("items of `{name}`, a sum of other scores");
+        let dropped = format!("items of `{name}`, a sum of other scores");
         let expected = format!("items of one of {}", subscale.sum_of.join(", "));
-        return Err(DesignError::key(key, found, expected));
+        return Err(DesignError::key(key, dropped, expected));
     }
     let numbers: Vec<String> = subscale.items.iter().map(u32::to_string).collect();
     if let Some(stranger) = items.iter().find(|i| !subscale.items.contains(i)) {

@@ -19,7 +19,7 @@ use std::path::Path;
 pub fn design_pipeline(study: &DesignFile) -> String {
     let design = &study.design;
     let simulates = design.conditions().iter().any(Condition::simulated);
-    let there = Data::of(study);
+    let there = Data::for_study(study);
     let needs_model = design.needs_a_model() && there.logs;
     let simulates = simulates && there.logs;
     let paths = paths(study, simulates);
@@ -54,7 +54,7 @@ struct Data {
 
 impl Data {
     /// Of a study without any everything is awaited: its first stage then says what it looked for.
-    fn of(study: &DesignFile) -> Self {
+    fn for_study(study: &DesignFile) -> Self {
         let (design, files) = (&study.design, study.design.files());
         let is_file = |path: &Path| study.resolve(path).is_file();
         // A mapping that is none is for the stage to say.
@@ -87,8 +87,8 @@ fn paths(study: &DesignFile, simulates: bool) -> Vec<(&'static str, String)> {
     let there = |path: &Path| study.resolve(path).exists().then(|| quoted(path));
     let scenario = there(&files.scenario).filter(|_| simulates);
     let model = design.model().filter(|_| design.needs_a_model());
-    let own = |file: &Option<std::path::PathBuf>| file.as_deref().map(quoted);
-    let all = [
+    let path_of = |file: &Option<std::path::PathBuf>| file.as_deref().map(quoted);
+    let paths = [
         ("out", Some("\"results\"".to_owned())),
         ("report", Some("\"report\"".to_owned())),
         ("people", Some(quoted(&design.people().file))),
@@ -96,12 +96,12 @@ fn paths(study: &DesignFile, simulates: bool) -> Vec<(&'static str, String)> {
         ("scales", Some(quoted(&files.scales))),
         ("scenario", scenario),
         ("model", model.map(|m| quoted(&m.file))),
-        ("columns", own(&files.columns)),
-        ("claims", own(&files.claims)),
-        ("effects", own(&files.effects)),
+        ("columns", path_of(&files.columns)),
+        ("claims", path_of(&files.claims)),
+        ("effects", path_of(&files.effects)),
     ];
-    let known = all.into_iter();
-    known.filter_map(|(k, path)| Some((k, path?))).collect()
+    let paths = paths.into_iter();
+    paths.filter_map(|(k, path)| Some((k, path?))).collect()
 }
 
 #[cfg(test)]

@@ -47,7 +47,7 @@ pub enum StudyError {
         path: PathBuf,
         /// Data row, from 1 (the header is not counted).
         row: usize,
-        /// The column.
+        /// Its name in the header.
         column: String,
         /// What is there.
         found: String,

@@ -70,8 +70,8 @@ impl ForgottenList {
 
     /// Who was forgotten, of those from whom this model learned.
     pub(crate) fn learned(&self, hash: &str) -> Option<&ParticipantId> {
-        let mut all = self.models.iter();
-        let learned = all.find(|(_, hashes)| hashes.iter().any(|h| h == hash));
+        let mut models = self.models.iter();
+        let learned = models.find(|(_, hashes)| hashes.iter().any(|h| h == hash));
         learned.map(|(who, _)| who)
     }
 

@@ -64,12 +64,12 @@ impl Gate {
     ///
     /// # Errors
     /// As [`DesignFile::people`]; [`StudyError::BadFile`] for a table without a row.
-    pub fn of(study: &DesignFile, given: Option<&Path>) -> Result<Self, StudyError> {
+    pub fn new(study: &DesignFile, given: Option<&Path>) -> Result<Self, StudyError> {
         let people = study.people(given)?;
         if people.enrolled.is_empty() {
-            let own = study.resolve(&study.design.people().file);
+            let table = study.resolve(&study.design.people().file);
             return Err(StudyError::BadFile {
-                path: given.map_or(own, Path::to_owned),
+                path: given.map_or(table, Path::to_owned),
                 problem: "has no row: nobody takes part".to_owned(),
                 help: Some("write a row for each who takes part, with the id of their logs and answers; `maveric design orders --people 24` writes P01 to P24".to_owned()),
             });
@@ -83,14 +83,14 @@ impl Gate {
         })
     }
 
-    /// As [`Gate::of`]; where no table is `given` and the design's own is not there, whoever is not left out by name is let in.
+    /// As [`Gate::new`]; where no table is `given` and the design's own is not there, whoever is not left out by name is let in.
     ///
     /// # Errors
     /// As [`DesignFile::people`].
     pub fn where_listed(study: &DesignFile, given: Option<&Path>) -> Result<Self, StudyError> {
-        let own = study.resolve(&study.design.people().file);
-        if given.is_some() || own.is_file() {
-            return Self::of(study, given);
+        let table = study.resolve(&study.design.people().file);
+        if given.is_some() || table.is_file() {
+            return Self::new(study, given);
         }
         Ok(Self {
             people: People::default(),
@@ -101,7 +101,7 @@ impl Gate {
         })
     }
 
-    /// As [`Gate::of`]; a design that tells nobody apart by a column of its table needs none.
+    /// As [`Gate::new`]; a design that tells nobody apart by a column of its table needs none.
     ///
     /// # Errors
     /// As [`DesignFile::people`].
@@ -109,7 +109,7 @@ impl Gate {
         if study.design.people().columns().is_empty() {
             return Self::where_listed(study, given);
         }
-        Self::of(study, given)
+        Self::new(study, given)
     }
 
     /// The same, without whom and what the rules left out of the analysis among these results.

@@ -30,6 +30,6 @@ pub(crate) fn mean_interval(
         seed,
         ..BootstrapSettings::default()
     };
-    let found = bootstrap(Statistic::Mean, BootstrapData::Values(values), &settings)?;
-    Ok(Some(found.percentile))
+    let intervals = bootstrap(Statistic::Mean, BootstrapData::Values(values), &settings)?;
+    Ok(Some(intervals.percentile))
 }

@@ -128,10 +128,10 @@ impl Missing {
     /// How many people lack each kind at some time, as a sentence; nothing where nothing is missing.
     pub fn summary(&self) -> Option<String> {
         let kind = |(at, kind): (usize, &&str)| {
-            let of = |f: fn(&(usize, usize)) -> usize| -> usize {
+            let sum = |f: fn(&(usize, usize)) -> usize| -> usize {
                 self.counts.iter().map(|time| f(&time.kinds[at])).sum()
             };
-            let (there, awaited) = (of(|c| c.0), of(|c| c.1));
+            let (there, awaited) = (sum(|c| c.0), sum(|c| c.1));
             (there < awaited).then(|| format!("{kind} {} of {awaited}", awaited - there))
         };
         let kinds: Vec<String> = KINDS.iter().enumerate().filter_map(kind).collect();
@@ -141,8 +141,8 @@ impl Missing {
     /// What is missing as lines: the same of several people at a time once.
     pub fn lines(&self) -> Vec<String> {
         let each = self.rows.iter().flat_map(|row| {
-            let told = KINDS.into_iter().zip(row.reasons());
-            told.filter_map(|(kind, why)| {
+            let reasons = KINDS.into_iter().zip(row.reasons());
+            reasons.filter_map(|(kind, why)| {
                 let what = format!("{}, {kind}: {}", row.moment, why?);
                 Some((row.participant.to_string(), what))
             })

@@ -33,15 +33,15 @@ pub(crate) fn told_once(
 pub(crate) fn together<What: PartialEq>(
     rows: impl IntoIterator<Item = (String, What)>,
 ) -> Vec<(Vec<String>, What)> {
-    let mut found: Vec<(Vec<String>, What)> = Vec::new();
+    let mut groups: Vec<(Vec<String>, What)> = Vec::new();
     for (who, what) in rows {
-        match found.iter_mut().find(|(_, known)| *known == what) {
-            Some((all, _)) if all.contains(&who) => {}
-            Some((all, _)) => all.push(who),
-            None => found.push((vec![who], what)),
+        match groups.iter_mut().find(|(_, known)| *known == what) {
+            Some((ids, _)) if ids.contains(&who) => {}
+            Some((ids, _)) => ids.push(who),
+            None => groups.push((vec![who], what)),
         }
     }
-    found
+    groups
 }
 
 /// `1 person`, `2 people`.

@@ -106,7 +106,7 @@ impl Kind {
     const HEAD: u64 = 1024;
 
     /// The kind of a file that begins with `head`.
-    pub(crate) fn of(head: &[u8]) -> Self {
+    pub(crate) fn from_head(head: &[u8]) -> Self {
         let magic: [(&[u8], Self); 5] = [
             (b"\x89MCAP", Self::Recording),
             (b"PAR1", Self::Parquet),
@@ -158,7 +158,7 @@ impl Kind {
     fn read(mut file: impl io::Read) -> io::Result<Self> {
         let mut head = Vec::new();
         file.by_ref().take(Self::HEAD).read_to_end(&mut head)?;
-        Ok(Self::of(&head))
+        Ok(Self::from_head(&head))
     }
 }
 
@@ -234,7 +234,7 @@ mod tests {
 
     #[test]
     fn kinds_are_told_by_the_first_bytes() {
-        let of = |text: &str| Kind::of(text.as_bytes());
+        let of = |text: &str| Kind::from_head(text.as_bytes());
         assert_eq!(of("[study]\ntitle = 1"), Kind::Text);
         assert_eq!(of("[[stage]]"), Kind::Text);
         assert_eq!(of("[\n  {"), Kind::Json);
@@ -243,10 +243,10 @@ mod tests {
         assert_eq!(of("<!DOCTYPE html>"), Kind::Html);
         assert_eq!(of("<svg xmlns"), Kind::Svg);
         assert_eq!(of("a\0b"), Kind::Unknown);
-        assert_eq!(Kind::of(b"\x89MCAP0\r\n"), Kind::Recording);
-        assert_eq!(Kind::of(&[0xff, 0x00]), Kind::Unknown);
+        assert_eq!(Kind::from_head(b"\x89MCAP0\r\n"), Kind::Recording);
+        assert_eq!(Kind::from_head(&[0xff, 0x00]), Kind::Unknown);
         // A letter that the end of what was read cuts.
-        assert_eq!(Kind::of(&[b'a', 0xc3]), Kind::Text);
+        assert_eq!(Kind::from_head(&[b'a', 0xc3]), Kind::Text);
     }
 
     #[test]

@@ -45,7 +45,7 @@ impl Presses {
     ///
     /// # Errors
     /// [`StudyError`] naming the table with row and column for events that cannot be read.
-    pub(crate) fn of(study: &DesignFile) -> Result<Option<Self>, StudyError> {
+    pub(crate) fn read(study: &DesignFile) -> Result<Option<Self>, StudyError> {
         if !is_pressed_in_seat(Path::new(""), study) {
             return Ok(None);
         }

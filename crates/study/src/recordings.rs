@@ -90,8 +90,8 @@ pub(crate) fn read(
             warnings.push(format!("{}: left out, {}", meta.drive, why.reason));
             continue;
         }
-        let told = instructed(&drive, Some(study), scale)?;
-        let score = told.or(adb_of(&drive, &scores, baseline)?);
+        let by_role = instructed(&drive, Some(study), scale)?;
+        let score = by_role.or(adb_of(&drive, &scores, baseline)?);
         let speed = objective::find("mean_velocity_mps").and_then(|m| m.of(&drive));
         let drove = Drove {
             drive: meta.drive.clone(),

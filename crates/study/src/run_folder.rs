@@ -157,9 +157,9 @@ pub fn read_effects(path: &Path) -> Result<Effects, StudyError> {
 /// As [`read_effects`].
 pub(crate) fn read_effects_on(path: &Path, scales: &[Scale]) -> Result<Effects, StudyError> {
     let mut effects = read_effects(path)?;
-    let asked = |id: &String| scales.iter().any(|s| s.id == *id);
-    effects.answers.retain(|id, _| asked(id));
-    effects.ratings.retain(|id, _| asked(id));
+    let is_asked = |id: &String| scales.iter().any(|s| s.id == *id);
+    effects.answers.retain(|id, _| is_asked(id));
+    effects.ratings.retain(|id, _| is_asked(id));
     Ok(effects)
 }
 
@@ -268,8 +268,8 @@ pub(crate) fn read_study(
             .collect(),
         measurements: measured,
         own: if_there(&own_path(&measurements), read_own_measurements)?,
-        embeddings: made(&folder.join("embeddings.csv"), embedded, read_embeddings)?,
-        conditions: made(
+        embeddings: read_made(&folder.join("embeddings.csv"), embedded, read_embeddings)?,
+        conditions: read_made(
             &folder.join("conditions.csv"),
             driven && steered,
             read_conditions,
@@ -331,7 +331,7 @@ pub(crate) fn study_files(
 }
 
 /// What a stage of the design makes has to be there; what none makes need not.
-fn made<T: Default>(
+fn read_made<T: Default>(
     path: &Path,
     is_made: bool,
     read: fn(&Path) -> Result<T, StudyError>,
@@ -352,16 +352,16 @@ fn answered(
     study: &DesignFile,
     stopped: &[Stopped],
 ) -> Result<Answered, StudyError> {
-    let mut found = Answered::default();
+    let mut answered = Answered::default();
     if !study.design.exclude().judges_answers() && stopped.is_empty() {
-        return Ok(found);
+        return Ok(answered);
     }
     for table in answer_tables(folder, study) {
         let more = read_answered(&table)?;
-        found.answers.extend(more.answers);
-        found.probes.extend(more.probes);
+        answered.answers.extend(more.answers);
+        answered.probes.extend(more.probes);
     }
-    Ok(found)
+    Ok(answered)
 }
 
 /// Scores of the sheets about rides that were stopped, and of what was answered during them.
@@ -392,20 +392,20 @@ fn of_stopped(
 /// The tables of answers that are there: the design's own, and those among the results.
 pub(crate) fn answer_tables(folder: &Path, study: &DesignFile) -> Vec<PathBuf> {
     let files = study.design.files();
-    let own = Some(study.resolve(&files.answers));
-    let own = own.filter(|_| files.software == Software::Table);
+    let own_table = Some(study.resolve(&files.answers));
+    let own_table = own_table.filter(|_| files.software == Software::Table);
     let results = ANSWERS.map(|name| folder.join(name));
-    let tables = own.into_iter().chain(results);
+    let tables = own_table.into_iter().chain(results);
     tables.filter(|path| path.is_file()).collect()
 }
 
 /// What the design keeps out, from beside every list of drives among the results.
 fn drives_kept_out(folder: &Path) -> Result<Vec<Driven>, StudyError> {
-    let mut found = Vec::new();
+    let mut drives = Vec::new();
     for list in lists(folder) {
-        found.extend(kept_out(list.parent().unwrap_or(folder))?);
+        drives.extend(kept_out(list.parent().unwrap_or(folder))?);
     }
-    Ok(found)
+    Ok(drives)
 }
 
 /// What of a list of drives says how long each took.
@@ -417,17 +417,17 @@ struct Listed {
 
 /// How long each drive took, from the lists of drives among the results.
 pub(crate) fn durations(folder: &Path) -> Result<BTreeMap<DriveId, f64>, StudyError> {
-    let mut found = BTreeMap::new();
+    let mut durations = BTreeMap::new();
     for path in lists(folder) {
         let rows: Vec<Listed> = read_rows(&path)?;
-        found.extend(rows.into_iter().map(|row| (row.drive, row.duration_s)));
+        durations.extend(rows.into_iter().map(|row| (row.drive, row.duration_s)));
     }
-    Ok(found)
+    Ok(durations)
 }
 
 /// Every list of drives among the results, in order.
 pub(crate) fn lists(folder: &Path) -> Vec<PathBuf> {
-    let mut found = Vec::new();
+    let mut lists = Vec::new();
     let mut folders = vec![folder.join("drives"), folder.join("av")];
     while let Some(folder) = folders.pop() {
         let entries = std::fs::read_dir(&folder).into_iter().flatten().flatten();
@@ -435,10 +435,10 @@ pub(crate) fn lists(folder: &Path) -> Vec<PathBuf> {
             if path.is_dir() {
                 folders.push(path);
             } else if path.file_name().is_some_and(|n| n == "drives.csv") {
-                found.push(path);
+                lists.push(path);
             }
         }
     }
-    found.sort();
-    found
+    lists.sort();
+    lists
 }

@@ -20,7 +20,7 @@ use std::path::Path;
 /// A drive that a model reads as a score that its scale does not have.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct OffTheScale {
-    /// The drive.
+    /// Its id.
     pub drive: DriveId,
     /// Whose it is.
     pub participant: ParticipantId,
@@ -172,7 +172,7 @@ impl StyleScale {
     }
 
     /// A sentence for each drive that reads as no score of the scale.
-    pub(crate) fn told(self, off: &[OffTheScale]) -> Vec<String> {
+    pub(crate) fn warnings(self, off: &[OffTheScale]) -> Vec<String> {
         let why = format!(
             "reads as a score outside {} to {}, so it has none: the model has met nobody who drives like this, and where it puts this driver says little",
             self.low, self.high
@@ -208,10 +208,10 @@ pub(crate) fn style_scores(
         return Ok((Vec::new(), StyleScale::ADB));
     };
     let scale = StyleScale::of(&study)?;
-    let of = |s: &Score, name: (&str, &str)| s.scale == name.0 && s.subscale == name.1;
-    let own = (style.score.scale.as_str(), style.score.subscale.as_str());
-    scores.retain(|s| of(s, own) || !of(s, ("adb", "total")));
-    for score in scores.iter_mut().filter(|s| of(s, own)) {
+    let is_named = |s: &Score, name: (&str, &str)| s.scale == name.0 && s.subscale == name.1;
+    let style_name = (style.score.scale.as_str(), style.score.subscale.as_str());
+    scores.retain(|s| is_named(s, style_name) || !is_named(s, ("adb", "total")));
+    for score in scores.iter_mut().filter(|s| is_named(s, style_name)) {
         if let Some(value) = score.value {
             if !(scale.low..=scale.high).contains(&value) {
                 return Err(study.wrong(
@@ -284,12 +284,12 @@ mod tests {
         let found: Vec<&str> = off.iter().map(|o| o.drive.as_str()).collect();
         assert_eq!(found, ["a", "e"]);
         assert!((off[1].reading - 6.1).abs() < 1e-9);
-        let said = risky.told(&off);
+        let said = risky.warnings(&off);
         assert!(
             said[0].starts_with("2 drives (a, e): reads as a score outside 1 to 6"),
             "{said:?}"
         );
-        assert!(risky.told(&[]).is_empty());
+        assert!(risky.warnings(&[]).is_empty());
     }
 
     #[test]

@@ -17,7 +17,7 @@ use std::path::Path;
 pub struct WatchedDrive {
     /// Whose drive it is.
     pub meta: DriveMeta,
-    /// The drive.
+    /// What the player shows of it.
     pub drive: PlayerDrive,
 }
 
@@ -75,11 +75,11 @@ pub fn read_watched(
 ) -> Result<Vec<WatchedDrive>, StudyError> {
     let drives = read_log(log, settings)?;
     let decisions = if_there(log, |log| Ok(read_decisions(log)?))?;
-    let watched = drives.into_iter().map(|found| {
-        let end_s = found.recording.time_s().last().copied().unwrap_or(0.0);
+    let watched = drives.into_iter().map(|logged| {
+        let end_s = logged.recording.time_s().last().copied().unwrap_or(0.0);
         let interventions = decisions.as_ref().map(|list| interventions(list, end_s));
         // A log is in the road frame, in which every road is straight.
-        WatchedDrive::new(found.meta, &found.recording, interventions, None)
+        WatchedDrive::new(logged.meta, &logged.recording, interventions, None)
     });
     watched.collect()
 }

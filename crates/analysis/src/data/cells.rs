@@ -40,7 +40,7 @@ pub(super) struct Cell {
 
 impl Cell {
     /// Means of the rides that have a value, measure by measure.
-    pub(super) fn of(rides: &BTreeMap<NonZeroU32, &MeasuredDrive>) -> Self {
+    pub(super) fn from_rides(rides: &BTreeMap<NonZeroU32, &MeasuredDrive>) -> Self {
         let mut values: BTreeMap<String, Vec<f64>> = BTreeMap::new();
         for (measure, value) in rides.values().flat_map(|ride| &ride.values) {
             values.entry(measure.clone()).or_default().extend(*value);
@@ -58,7 +58,7 @@ impl Cell {
 }
 
 impl Scores {
-    pub(super) fn of(scores: &[Score]) -> Self {
+    pub(super) fn from_rows(scores: &[Score]) -> Self {
         Self::default().and(scores)
     }
 
@@ -121,7 +121,7 @@ pub(super) fn cells(
     let cells = rides.into_iter().map(|(sat, people)| {
         let cells = people
             .into_iter()
-            .map(|(who, rides)| (who, Cell::of(&rides)));
+            .map(|(who, rides)| (who, Cell::from_rides(&rides)));
         (sat, cells.collect())
     });
     cells.collect()
@@ -131,21 +131,21 @@ pub(super) fn cells(
 pub(super) type OwnValues = BTreeMap<String, f64>;
 
 /// What the study's own measures say of those who are there: a mean over rides stays as long as one of them does.
-pub(super) fn own(
+pub(super) fn own_measures(
     design: &Design,
     rows: Vec<OwnMeasurement>,
     (there, left_out): (&BTreeSet<ParticipantId>, &LeftOut),
 ) -> BTreeMap<ConditionId, BTreeMap<ParticipantId, OwnValues>> {
-    let mut own: BTreeMap<ConditionId, BTreeMap<ParticipantId, OwnValues>> = BTreeMap::new();
+    let mut measured: BTreeMap<ConditionId, BTreeMap<ParticipantId, OwnValues>> = BTreeMap::new();
     for row in rows {
         let keeps = |ride| left_out.keeps(&row.participant, ride);
         if there.contains(&row.participant) && design.rides(row.condition).any(keeps) {
-            let people = own.entry(row.condition).or_default();
+            let people = measured.entry(row.condition).or_default();
             let values = people.entry(row.participant).or_default();
             values.insert(row.measure, row.value);
         }
     }
-    own
+    measured
 }
 
 /// The subscales of these scores, in their order.

@@ -16,27 +16,27 @@ pub(super) struct Places {
 }
 
 impl Places {
-    pub(super) fn of(
+    pub(super) fn new(
         measurements: &[MeasuredDrive],
         embeddings: &[EmbeddingRow],
         conditions: &[ConditionRow],
     ) -> Self {
         let mut places = Self::default();
-        for (at, row) in conditions.iter().enumerate() {
+        for (index, row) in conditions.iter().enumerate() {
             let key = (row.participant.clone(), row.condition);
-            places.conditions.entry(key).or_insert(at);
+            places.conditions.entry(key).or_insert(index);
         }
-        for (at, row) in embeddings.iter().enumerate() {
+        for (index, row) in embeddings.iter().enumerate() {
             let whose = row.participant.clone();
             let key = (whose, row.condition, row.session, row.adb_used);
-            places.embeddings.entry(key).or_insert(at);
+            places.embeddings.entry(key).or_insert(index);
         }
-        for (at, drive) in measurements.iter().enumerate() {
+        for (index, drive) in measurements.iter().enumerate() {
             let key = (drive.meta.participant.clone(), drive.meta.condition);
-            places.drives.entry(key).or_default().push(at);
+            places.drives.entry(key).or_default().push(index);
         }
         for drives in places.drives.values_mut() {
-            drives.sort_by_key(|&at| measurements[at].meta.occasion());
+            drives.sort_by_key(|&index| measurements[index].meta.occasion());
         }
         places
     }

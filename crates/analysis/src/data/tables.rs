@@ -52,7 +52,7 @@ pub(super) struct Who {
 }
 
 impl Who {
-    pub(super) fn of(design: &Design, tables: &Tables) -> Self {
+    pub(super) fn new(design: &Design, tables: &Tables) -> Self {
         let driven: Vec<Driven> = tables
             .measurements
             .iter()
@@ -76,9 +76,9 @@ impl Who {
             Moment::After(r) | Moment::Probe(r) if s.value.is_some() => Some((&s.participant, r)),
             _ => None,
         });
-        let own = tables.own.iter();
-        let own = own.map(|m| (&m.participant, Ride::from(m.condition)));
-        let without_drive = rated.chain(own);
+        let measured = tables.own.iter();
+        let measured = measured.map(|m| (&m.participant, Ride::from(m.condition)));
+        let without_drive = rated.chain(measured);
         let came = judged.iter().map(|d| (&d.participant, d.ride));
         let came = came.chain(without_drive.clone());
         let first_session = |ride: &Ride| ride.occasion.session == FIRST;

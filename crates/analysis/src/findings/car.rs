@@ -32,8 +32,8 @@ pub(super) fn own_style(rows: &[Reproduction]) -> Option<Finding> {
 /// It has to be the nearer one in every measure, against every other car.
 pub(super) fn nearer(rows: &[Nearer]) -> Option<Finding> {
     let part = |row: &Nearer| {
-        let of = format!("{}.{}", row.measure, row.than);
-        Part::directed(of, row.n, (row.effect, row.p_holm), Sign::Plus).with_interval(row.interval)
+        let key = format!("{}.{}", row.measure, row.than);
+        Part::directed(key, row.n, (row.effect, row.p_holm), Sign::Plus).with_interval(row.interval)
     };
     let parts = rows.iter().map(part).collect();
     (!rows.is_empty()).then(|| Finding::every(Question::Nearer, parts))
@@ -71,7 +71,9 @@ mod tests {
     }
 
     fn of(analysis: &crate::Analysis, question: Question) -> Finding {
-        finding::of(&analysis.findings, question).unwrap().clone()
+        finding::by_question(&analysis.findings, question)
+            .unwrap()
+            .clone()
     }
 
     #[test]

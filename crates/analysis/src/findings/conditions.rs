@@ -18,9 +18,9 @@ pub(super) fn expected(panels: &[Panel], question: Question) -> Option<Finding> 
     for panel in whole(panels).filter(|panel| panel.measured == measured) {
         for contrast in &panel.contrasts {
             if let Some(expected) = contrast.expected {
-                let of = format!("{}.{}-{}", panel.outcome, contrast.first, contrast.second);
+                let key = format!("{}.{}-{}", panel.outcome, contrast.first, contrast.second);
                 let estimate = (contrast.mean_difference, contrast.p_holm);
-                parts.push(Part::directed(of, panel.n, estimate, expected));
+                parts.push(Part::directed(key, panel.n, estimate, expected));
             }
         }
     }
@@ -74,7 +74,7 @@ mod tests {
     fn a_dial_that_does_as_it_says_is_shown_and_one_that_is_wired_the_wrong_way_fails() {
         let dial = |faster| {
             let analysis = driven(DESIGN, faster);
-            finding::of(&analysis.findings, Question::Dial)
+            finding::by_question(&analysis.findings, Question::Dial)
                 .unwrap()
                 .clone()
         };

@@ -11,8 +11,8 @@ pub(super) fn preferred(rated: &[Preference]) -> Option<Finding> {
     let rated = rated.iter().filter(|p| p.n > 0);
     let parts = rated.flat_map(|p| {
         p.others.iter().map(move |other| {
-            let of = format!("{}.{}", p.rating, other.condition);
-            Part::share(of, p.n, other.share.as_ref(), (0.0, 0.5))
+            let key = format!("{}.{}", p.rating, other.condition);
+            Part::share(key, p.n, other.share.as_ref(), (0.0, 0.5))
         })
     });
     let parts: Vec<Part> = parts.collect();
@@ -22,9 +22,9 @@ pub(super) fn preferred(rated: &[Preference]) -> Option<Finding> {
 /// More than half have to name the ride in their own style; a choice of two is right by chance in one of two.
 pub(super) fn which(ride: Option<&WhichRide>) -> Option<Finding> {
     let ride = ride?;
-    let all = ride.all.as_ref()?;
-    let of = format!("which.{}-{}", ride.own, ride.other);
-    let part = Part::share(of, all.n, Some(&all.share), (0.5, 1.0));
+    let everybody = ride.all.as_ref()?;
+    let key = format!("which.{}-{}", ride.own, ride.other);
+    let part = Part::share(key, everybody.n, Some(&everybody.share), (0.5, 1.0));
     Some(Finding::every(Question::Which, vec![part]))
 }
 
@@ -101,7 +101,7 @@ mod tests {
                 }
             }
             let analysis = analysed(tables);
-            finding::of(&analysis.findings, Question::Preferred)
+            finding::by_question(&analysis.findings, Question::Preferred)
                 .unwrap()
                 .clone()
         };

@@ -32,7 +32,7 @@ mod tests {
     use Verdict::{NotShown, Shown};
 
     fn verdict(analysis: &Analysis, question: Question) -> Option<Verdict> {
-        finding::of(&analysis.findings, question).map(|f| f.verdict)
+        finding::by_question(&analysis.findings, question).map(|f| f.verdict)
     }
 
     fn analysed(people: usize, presses: impl Fn(usize, usize) -> usize, braking: f64) -> Analysis {
@@ -53,7 +53,7 @@ mod tests {
     fn what_came_before_is_found_where_it_came_and_not_where_it_did_not() {
         let caused = analysed(12, |_, _| 3, 0.4);
         assert_eq!(verdict(&caused, Question::BeforePress), Some(Shown));
-        let found = finding::of(&caused.findings, Question::BeforePress).unwrap();
+        let found = finding::by_question(&caused.findings, Question::BeforePress).unwrap();
         let shown: Vec<&str> = found
             .parts
             .iter()

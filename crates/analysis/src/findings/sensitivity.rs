@@ -19,7 +19,7 @@ fn parts(by_choice: &Sensitivity) -> impl Iterator<Item = Part> + '_ {
         OtherChoice::WithStopped { .. } => "with-stopped",
     };
     let [_, n] = by_choice.n;
-    let of = move |row: &SensitivityRow| {
+    let key = move |row: &SensitivityRow| {
         format!(
             "{}.{}-{}.{choice}",
             by_choice.outcome, row.first, row.second
@@ -32,7 +32,7 @@ fn parts(by_choice: &Sensitivity) -> impl Iterator<Item = Part> + '_ {
     differing.filter_map(move |row| {
         let way = Sign::of(row.mean_difference?)?;
         let other = (row.other_mean_difference, row.other_p);
-        Some(Part::directed(of(row), n, other, way))
+        Some(Part::directed(key(row), n, other, way))
     })
 }
 
@@ -41,7 +41,7 @@ mod tests {
     use super::*;
     use crate::{
         Analysis, Tables,
-        finding::of,
+        finding::by_question,
         testing::{analysed_by, id, near, plain, score, tables},
         verdict::significant,
     };
@@ -78,14 +78,14 @@ mod tests {
     fn a_difference_stays_goes_or_turns_without_the_items_and_one_may_be_there_by_that_alone() {
         let verdict = |without| {
             let analysis = judged(WITH, without);
-            of(&analysis.findings, Question::Stays).map(|finding| finding.verdict)
+            by_question(&analysis.findings, Question::Stays).map(|finding| finding.verdict)
         };
         assert_eq!(verdict(WITH), Some(Shown));
         assert_eq!(verdict([0.5, -0.6, 0.1, -0.2, 0.3, 0.0]), Some(NotShown));
         assert_eq!(verdict(WITH.map(|more| -more)), Some(Fails));
         let none = [0.5, -0.6, 0.1, -0.2, 0.3, 0.0];
         let analysis = judged(none, WITH);
-        assert!(of(&analysis.findings, Question::Stays).is_none());
+        assert!(by_question(&analysis.findings, Question::Stays).is_none());
         let [by_choice] = analysis.sensitivity.as_slice() else {
             panic!("{:?}", analysis.sensitivity);
         };
@@ -107,7 +107,9 @@ mod tests {
         assert_eq!((row.first.as_str(), row.second.as_str()), ("fast", "slow"));
         near(row.mean_difference, 2.0);
         near(row.other_mean_difference, 1.0);
-        let part = &of(&analysis.findings, Question::Stays).unwrap().parts[0];
+        let part = &by_question(&analysis.findings, Question::Stays)
+            .unwrap()
+            .parts[0];
         assert_eq!(part.of, "jian_trust.overall.fast-slow.without-items");
         near(part.estimate, 1.0);
     }
@@ -147,7 +149,7 @@ mod tests {
         near(by_choice.rows[0].other_mean_difference, 2.0);
         // Of the five who did not stop nothing is said; with the sixth there is a difference.
         assert_eq!(by_choice.only_there(), 1);
-        assert!(of(&analysis.findings, Question::Stays).is_none());
+        assert!(by_question(&analysis.findings, Question::Stays).is_none());
         assert!(
             analysed_by(&design, rated(WITH, WITH))
                 .sensitivity
@@ -165,7 +167,7 @@ mod tests {
         few.post
             .retain(|s| s.subscale == "overall" || s.participant != crate::testing::person(0));
         let analysis = analysed_by(&plain(&["fast", "slow"], OUTCOME), few);
-        let finding = of(&analysis.findings, Question::Stays).unwrap();
+        let finding = by_question(&analysis.findings, Question::Stays).unwrap();
         assert_eq!(
             (finding.verdict, analysis.sensitivity[0].n),
             (TooFew, [6, 5])

@@ -10,11 +10,11 @@ use maveric_domain::design::Sign;
 pub(super) fn line(analysis: &Analysis) -> Option<Finding> {
     let score = |line: &AggressionLine| line.rows.last().map(|row| row.correlation.clone());
     let without = analysis.line_without_adb.as_ref().and_then(score);
-    let (of, decides) = match without {
+    let (key, decides) = match without {
         Some(correlation) => ("without_score", correlation),
         None => ("with_score", analysis.line.as_ref().and_then(score)?),
     };
-    let part = Part::directed(of, decides.n, (decides.r, decides.p), Sign::Plus);
+    let part = Part::directed(key, decides.n, (decides.r, decides.p), Sign::Plus);
     let part = part.with_interval(decides.ci_low.zip(decides.ci_high));
     Some(Finding::every(Question::Style, vec![part]))
 }
@@ -85,7 +85,7 @@ mod tests {
             let mut tables = tables();
             tables.embeddings = (0..6).map(|i| position(i, positions[i])).collect();
             let analysis = analysed(tables);
-            finding::of(&analysis.findings, Question::Style)
+            finding::by_question(&analysis.findings, Question::Style)
                 .unwrap()
                 .verdict
         };

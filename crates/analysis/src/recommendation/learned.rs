@@ -17,7 +17,7 @@ use serde::{Deserialize, Serialize};
 pub struct Standard {
     /// What it is: `openness`, `adb`, `line_position`, …
     pub name: String,
-    /// Mean.
+    /// Mean of the values learned from.
     pub mean: f64,
     /// Standard deviation.
     pub sd: f64,
@@ -40,7 +40,7 @@ pub struct Learned {
     pub traits: Vec<Standard>,
     /// The ratings, each with 1, or -1 where less is better; they are averaged in SDs.
     pub ratings: Vec<(ScoreName, f64, Standard)>,
-    /// The fit.
+    /// The fit; its coefficients are of 1, A, A² and D, then of A by each trait, then of D by each.
     pub fit: Hierarchical,
 }
 
@@ -64,7 +64,7 @@ pub const FURTHEST_POINTS: f64 = 30.0;
 
 /// Names and values of what is known of a person before any ride.
 fn traits_of(data: &StudyData, p: &ParticipantId) -> Vec<(String, Option<f64>)> {
-    let mut found = Vec::new();
+    let mut traits = Vec::new();
     let family = data.design.homophily();
     for word in family.map_or(&[][..], |f| &f.factors) {
         let (scale, only) = match word.split_once('.') {
@@ -74,18 +74,18 @@ fn traits_of(data: &StudyData, p: &ParticipantId) -> Vec<(String, Option<f64>)> 
         for name in data.pre_subscales(scale) {
             if only.is_none_or(|factor| factor == name.subscale) {
                 let value = data.pre(p, &name);
-                found.push((name.subscale, value));
+                traits.push((name.subscale, value));
             }
         }
     }
     if let Some(style) = data.design.style() {
-        found.push((style.score.scale.clone(), data.pre(p, &style.score)));
+        traits.push((style.score.scale.clone(), data.pre(p, &style.score)));
     }
     let position = data.embedding(p, false).and_then(|e| e.line_position);
-    found.push(("line_position".to_owned(), position));
+    traits.push(("line_position".to_owned(), position));
     let velocity = data.baseline(p, "mean_velocity_mps");
-    found.push(("own_mean_velocity".to_owned(), velocity));
-    found
+    traits.push(("own_mean_velocity".to_owned(), velocity));
+    traits
 }
 
 fn standard(name: String, values: &[f64]) -> Option<Standard> {
@@ -142,11 +142,11 @@ impl Learned {
         let ratings = declared
             .iter()
             .filter_map(|name| {
-                let all = people
+                let answers = people
                     .iter()
                     .flat_map(|p| conditions.iter().map(|c| data.rated(p, c.id, name)));
-                let found = standard(name.to_string(), &all.flatten().collect::<Vec<f64>>())?;
-                Some((name.clone(), better(name), found))
+                let scaling = standard(name.to_string(), &answers.flatten().collect::<Vec<f64>>())?;
+                Some((name.clone(), better(name), scaling))
             })
             .collect();
         let mut learned = Self {
@@ -178,22 +178,22 @@ impl Learned {
     /// A person's standardised traits; 0, the mean, where one is missing.
     pub fn traits(&self, data: &StudyData, p: &ParticipantId) -> Vec<f64> {
         let known = traits_of(data, p);
-        let of = |s: &Standard| {
+        let z_of = |s: &Standard| {
             let value = known
                 .iter()
                 .find(|(name, _)| *name == s.name)
                 .and_then(|(_, v)| *v);
             value.map_or(0.0, |v| (v - s.mean) / s.sd)
         };
-        self.traits.iter().map(of).collect()
+        self.traits.iter().map(z_of).collect()
     }
 
     /// The mean rating behind scores, in SDs.
     pub fn rating(&self, score: impl Fn(&ScoreName) -> Option<f64>) -> Option<f64> {
-        let of = |(name, sign, s): &(ScoreName, f64, Standard)| {
+        let z_of = |(name, sign, s): &(ScoreName, f64, Standard)| {
             Some(sign * (score(name)? - s.mean) / s.sd)
         };
-        let values: Vec<f64> = self.ratings.iter().filter_map(of).collect();
+        let values: Vec<f64> = self.ratings.iter().filter_map(z_of).collect();
         (!values.is_empty()).then(|| values.iter().sum::<f64>() / values.len() as f64)
     }
 
@@ -265,12 +265,12 @@ impl Learned {
     pub fn observe_settled(&self, belief: &mut Belief, traits: &[f64], settled: Settled) {
         let (linear, square) = parabola(traits);
         let shift = |points: f64| self.dial.expected(points).0;
-        let at = shift(settled.points);
+        let settled_shift = shift(settled.points);
         let a_point = (shift(settled.points + 0.5) - shift(settled.points - 0.5)).abs();
         let mut slope: Vec<f64> = linear
             .iter()
             .zip(&square)
-            .map(|(l, s)| l + 2.0 * at * s)
+            .map(|(l, s)| l + 2.0 * settled_shift * s)
             .collect();
         slope.resize(belief.len(), 0.0);
         let curvature = belief.mean_of(&square).min(-0.05);
@@ -290,13 +290,13 @@ impl Learned {
                     .clamp(-FURTHEST_POINTS, FURTHEST_POINTS)
             })
             .collect();
-        let at = |share: f64| points[((points.len() - 1) as f64 * share).round() as usize];
-        let middle = at(0.5);
+        let quantile = |share: f64| points[((points.len() - 1) as f64 * share).round() as usize];
+        let middle = quantile(0.5);
         let near = points.iter().filter(|v| (*v - middle).abs() <= 5.0).count();
         Some(Preferred {
             points: middle,
-            low: at(0.025),
-            high: at(0.975),
+            low: quantile(0.025),
+            high: quantile(0.975),
             within_5: near as f64 / points.len() as f64,
         })
     }

@@ -42,11 +42,11 @@ impl Percept {
     /// # Errors
     /// [`AnalysisError::Stats`] where nobody rated anything.
     pub fn learn(data: &StudyData, people: &[ParticipantId]) -> Result<Self, AnalysisError> {
-        let own: Vec<&MeasureValues> = people
+        let own_drives: Vec<&MeasureValues> = people
             .iter()
             .filter_map(|p| data.drive(p, data.design.baseline_id()?))
             .collect();
-        let spread = spread(&own);
+        let spread = spread(&own_drives);
         let names: Vec<&String> = spread.keys().collect();
         let felt = ScoreName {
             scale: AGGRESSIVENESS.to_owned(),
@@ -61,9 +61,10 @@ impl Percept {
                     if let (Some(rated), Some(differences)) =
                         (rated, differences(data, p, c, &spread))
                     {
-                        let of = |name: &&String| differences.get(*name).copied().unwrap_or(0.0);
+                        let difference =
+                            |name: &&String| differences.get(*name).copied().unwrap_or(0.0);
                         rows.y.push(rated - SAME_AGGRESSIVENESS);
-                        rows.x.push(names.iter().map(of).collect());
+                        rows.x.push(names.iter().map(difference).collect());
                         rows.z.push(vec![1.0]);
                     }
                 }
@@ -73,9 +74,11 @@ impl Percept {
         let fit = hierarchical(&rows, &vec![Some(0); names.len()])?;
         let weights = fit.coefficients.mean();
         let size: f64 = weights.iter().map(|w| w.abs()).sum();
-        let named = |of: &dyn Fn(f64) -> f64| {
+        let named = |number: &dyn Fn(f64) -> f64| {
             let pairs = names.iter().zip(weights);
-            pairs.map(|(name, w)| ((*name).clone(), of(*w))).collect()
+            pairs
+                .map(|(name, w)| ((*name).clone(), number(*w)))
+                .collect()
         };
         Ok(Self {
             shift: named(&|w| w),
@@ -85,7 +88,7 @@ impl Percept {
     }
 
     /// Perceived shift and distance of a drive from the own one.
-    pub fn of(&self, own: &MeasureValues, drive: &MeasureValues) -> (f64, f64) {
+    pub fn perceived(&self, own: &MeasureValues, drive: &MeasureValues) -> (f64, f64) {
         let (mut shift, mut squares, mut compared) = (0.0, 0.0, 0.0);
         for (name, difference) in between(own, drive, &self.spread) {
             let weight = self.distance.get(&name).copied().unwrap_or(0.0);
@@ -101,15 +104,15 @@ impl Percept {
         (shift, distance)
     }
 
-    /// As [`Percept::of`], of a participant's condition.
+    /// As [`Percept::perceived`], of a participant's condition.
     pub(crate) fn of_condition(
         &self,
         data: &StudyData,
         p: &ParticipantId,
         c: ConditionId,
     ) -> Option<(f64, f64)> {
-        let own = data.drive(p, data.design.baseline_id()?)?;
-        Some(self.of(own, data.drive(p, c)?))
+        let own_drive = data.drive(p, data.design.baseline_id()?)?;
+        Some(self.perceived(own_drive, data.drive(p, c)?))
     }
 
     /// Where the dial is on average.
@@ -121,16 +124,16 @@ impl Percept {
         };
         let ends = ends(data)?;
         for (i, c) in ends.into_iter().enumerate() {
-            let found: Vec<(f64, f64)> = people
+            let perceived: Vec<(f64, f64)> = people
                 .iter()
                 .filter_map(|p| self.of_condition(data, p, c))
                 .collect();
-            if found.is_empty() {
+            if perceived.is_empty() {
                 return None;
             }
-            let n = found.len() as f64;
-            dial.shift[i] = found.iter().map(|f| f.0).sum::<f64>() / n;
-            dial.distance[i] = found.iter().map(|f| f.1).sum::<f64>() / n;
+            let n = perceived.len() as f64;
+            dial.shift[i] = perceived.iter().map(|f| f.0).sum::<f64>() / n;
+            dial.distance[i] = perceived.iter().map(|f| f.1).sum::<f64>() / n;
         }
         let moved: Vec<f64> = people
             .iter()
@@ -182,8 +185,8 @@ fn between(
     spread: &BTreeMap<String, f64>,
 ) -> BTreeMap<String, f64> {
     let difference = |(name, sd): (&String, &f64)| {
-        let of = |values: &MeasureValues| values.get(name).copied().flatten();
-        let difference = (of(drive)? - of(own)?) / sd;
+        let value = |values: &MeasureValues| values.get(name).copied().flatten();
+        let difference = (value(drive)? - value(own)?) / sd;
         Some((
             name.clone(),
             difference.clamp(-LARGEST_DIFFERENCE, LARGEST_DIFFERENCE),

@@ -32,21 +32,21 @@ pub(super) fn on_the_scale(
     let row = data
         .embedding(p, true)
         .or_else(|| data.embedding(p, false))?;
-    let own = row.adb_hat?;
+    let own_score = row.adb_hat?;
     let own_sd = row.line_position_se? * points_a_step(&data.embeddings)?;
     let (lowest, highest) = data
         .style_range()
         .unwrap_or((f64::NEG_INFINITY, f64::INFINITY));
-    let at = own + preferred.points;
+    let score = own_score + preferred.points;
     let end = |end: f64| {
         let reach = libm::hypot(end - preferred.points, HALF_95 * own_sd);
         // No score lies outside the scale, so no interval need hold one.
-        (at + reach.copysign(end - preferred.points)).clamp(lowest, highest)
+        (score + reach.copysign(end - preferred.points)).clamp(lowest, highest)
     };
-    (lowest..=highest).contains(&at).then(|| OnTheScale {
-        own,
+    (lowest..=highest).contains(&score).then(|| OnTheScale {
+        own: own_score,
         own_sd,
-        at,
+        at: score,
         low: end(preferred.low),
         high: end(preferred.high),
     })

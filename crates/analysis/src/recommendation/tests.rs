@@ -34,7 +34,7 @@ fn a_drive_is_perceived_by_its_weighted_differences_in_spreads() {
         MeasureValues::from([("speed".to_owned(), Some(speed)), ("room".to_owned(), room)])
     };
     let own = values(25.0, Some(40.0));
-    let seen = |speed, room| percept.of(&own, &values(speed, room));
+    let seen = |speed, room| percept.perceived(&own, &values(speed, room));
     // One spread faster, three nearer.
     let (shift, distance) = seen(27.0, Some(10.0));
     near(shift, 0.5 + 0.6, 1e-12);
@@ -44,7 +44,7 @@ fn a_drive_is_perceived_by_its_weighted_differences_in_spreads() {
     near(shift, -1.0, 1e-12);
     near(distance, 2.0, 1e-12);
     near(seen(99.0, None).0, 2.5, 1e-12);
-    assert_eq!(percept.of(&MeasureValues::new(), &own), (0.0, 0.0));
+    assert_eq!(percept.perceived(&MeasureValues::new(), &own), (0.0, 0.0));
 }
 
 /// Where a unit of perceived shift is 15 points, below the own style 30; b = 0.6, g = -1.5, and for each SD of one trait 0.3 more of

@@ -9,43 +9,47 @@ use crate::{
 use std::io::{Read, Seek};
 
 impl<R: Read + Seek> Walker<'_, R> {
-    /// The next place from `at` on, other than `not`, where records fit together; none up to the end of the file.
-    pub(super) fn resynchronise(&mut self, mut at: u64, not: u64) -> Result<Option<u64>, BagError> {
+    /// The next place from `offset` on, other than `not`, where records fit together; none up to the end of the file.
+    pub(super) fn resynchronise(
+        &mut self,
+        mut offset: u64,
+        not: u64,
+    ) -> Result<Option<u64>, BagError> {
         const WINDOW: u64 = 1 << 18;
-        while at + (HEAD as u64) <= self.length {
-            let n = WINDOW.min(self.length - at);
-            self.load(at, n)?;
+        while offset + (HEAD as u64) <= self.length {
+            let n = WINDOW.min(self.length - offset);
+            self.load(offset, n)?;
             let window = std::mem::take(&mut self.buffer);
-            let mut found = None;
+            let mut next = None;
             for (i, head) in window.windows(HEAD).enumerate() {
                 // The cheap test first: a known opcode and a length below 1 TiB.
                 let likely = (1..=op::LAST_KNOWN).contains(&head[0]) && head[6..] == [0; 3];
-                let place = at + i as u64;
+                let place = offset + i as u64;
                 let of_chunk = matches!(head[0], op::SCHEMA | op::CHANNEL | op::MESSAGE);
                 let of_lost = of_chunk && place < self.lost;
                 if likely && place != not && !of_lost && self.records_fit(place)? {
-                    found = Some(place);
+                    next = Some(place);
                     break;
                 }
             }
             self.buffer = window;
-            if found.is_some() || at + n == self.length {
-                return Ok(found);
+            if next.is_some() || offset + n == self.length {
+                return Ok(next);
             }
-            at += n - (HEAD as u64 - 1);
+            offset += n - (HEAD as u64 - 1);
         }
         Ok(None)
     }
 
     /// Whether three records in a row, or all up to the file's end, have known opcodes and lengths that fit.
-    pub(super) fn records_fit(&mut self, mut at: u64) -> Result<bool, BagError> {
+    pub(super) fn records_fit(&mut self, mut offset: u64) -> Result<bool, BagError> {
         for hop in 0..3 {
-            let left = self.length.saturating_sub(at);
+            let left = self.length.saturating_sub(offset);
             if left < HEAD as u64 {
                 return Ok(hop > 0 && left == 0);
             }
             let mut head = [0; HEAD];
-            self.seek(at)?;
+            self.seek(offset)?;
             let read = self.file.read_exact(&mut head);
             read.map_err(|e| self.io(e))?;
             let (opcode, length) = head_of(head);
@@ -65,7 +69,7 @@ impl<R: Read + Seek> Walker<'_, R> {
             if opcode == op::FOOTER {
                 return Ok(length == 20);
             }
-            at += HEAD as u64 + length;
+            offset += HEAD as u64 + length;
         }
         Ok(true)
     }

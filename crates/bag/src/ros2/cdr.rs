@@ -183,7 +183,7 @@ pub(crate) fn number(bytes: &[u8], primitive: Primitive, big_endian: bool) -> Op
 }
 
 fn any_number(bytes: &[u8], primitive: Primitive, big_endian: bool) -> Option<f64> {
-    fn of<const N: usize>(bytes: &[u8], big_endian: bool) -> Option<[u8; N]> {
+    fn little_endian<const N: usize>(bytes: &[u8], big_endian: bool) -> Option<[u8; N]> {
         let mut value = *bytes.first_chunk::<N>()?;
         if big_endian {
             value.reverse();
@@ -192,16 +192,16 @@ fn any_number(bytes: &[u8], primitive: Primitive, big_endian: bool) -> Option<f6
     }
     let big = big_endian;
     Some(match primitive {
-        Primitive::U8 => f64::from(u8::from_le_bytes(of(bytes, big)?)),
-        Primitive::I8 => f64::from(i8::from_le_bytes(of(bytes, big)?)),
-        Primitive::U16 => f64::from(u16::from_le_bytes(of(bytes, big)?)),
-        Primitive::I16 => f64::from(i16::from_le_bytes(of(bytes, big)?)),
-        Primitive::U32 => f64::from(u32::from_le_bytes(of(bytes, big)?)),
-        Primitive::I32 => f64::from(i32::from_le_bytes(of(bytes, big)?)),
-        Primitive::U64 => u64::from_le_bytes(of(bytes, big)?) as f64,
-        Primitive::I64 => i64::from_le_bytes(of(bytes, big)?) as f64,
-        Primitive::F32 => f64::from(f32::from_le_bytes(of(bytes, big)?)),
-        Primitive::F64 => f64::from_le_bytes(of(bytes, big)?),
+        Primitive::U8 => f64::from(u8::from_le_bytes(little_endian(bytes, big)?)),
+        Primitive::I8 => f64::from(i8::from_le_bytes(little_endian(bytes, big)?)),
+        Primitive::U16 => f64::from(u16::from_le_bytes(little_endian(bytes, big)?)),
+        Primitive::I16 => f64::from(i16::from_le_bytes(little_endian(bytes, big)?)),
+        Primitive::U32 => f64::from(u32::from_le_bytes(little_endian(bytes, big)?)),
+        Primitive::I32 => f64::from(i32::from_le_bytes(little_endian(bytes, big)?)),
+        Primitive::U64 => u64::from_le_bytes(little_endian(bytes, big)?) as f64,
+        Primitive::I64 => i64::from_le_bytes(little_endian(bytes, big)?) as f64,
+        Primitive::F32 => f64::from(f32::from_le_bytes(little_endian(bytes, big)?)),
+        Primitive::F64 => f64::from_le_bytes(little_endian(bytes, big)?),
     })
 }
 
@@ -267,9 +267,9 @@ impl Writer {
     #[inline]
     pub fn f64s(&mut self, values: &[f64]) {
         self.align(8);
-        let at = self.bytes.len();
-        self.bytes.resize(at + 8 * values.len(), 0);
-        let (places, _) = self.bytes[at..].as_chunks_mut::<8>();
+        let start = self.bytes.len();
+        self.bytes.resize(start + 8 * values.len(), 0);
+        let (places, _) = self.bytes[start..].as_chunks_mut::<8>();
         for (place, value) in places.iter_mut().zip(values) {
             *place = value.to_le_bytes();
         }

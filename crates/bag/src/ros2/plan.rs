@@ -321,8 +321,8 @@ impl Compiler<'_> {
     }
 
     fn wants_within(&self, path: &str) -> bool {
-        let mut all = self.wanted.iter().flat_map(|w| wanted::alternatives(w));
-        all.any(|w| {
+        let mut paths = self.wanted.iter().flat_map(|w| wanted::alternatives(w));
+        paths.any(|w| {
             w.strip_prefix(path)
                 .is_some_and(|rest| rest.starts_with('.'))
         })
@@ -330,7 +330,7 @@ impl Compiler<'_> {
 
     /// The wanted elements of a sequence of numbers.
     fn elements(&mut self, path: &str) -> Vec<(u64, usize)> {
-        let mut found = Vec::new();
+        let mut elements = Vec::new();
         for (slot, want) in self.wanted.iter().enumerate() {
             let index = wanted::alternatives(want).find_map(|w| {
                 let rest = w.strip_prefix(path)?;
@@ -338,10 +338,10 @@ impl Compiler<'_> {
             });
             if let Some(index) = index {
                 self.found[slot] = true;
-                found.push((index, slot));
+                elements.push((index, slot));
             }
         }
-        found
+        elements
     }
 }
 
@@ -355,7 +355,7 @@ fn push(steps: &mut Vec<Step>, primitive: Primitive, count: u64, slot: Option<us
             }
             _ => block.runs.push(run),
         },
-        _ => steps.push(Step::Block(Block::of(run))),
+        _ => steps.push(Step::Block(Block::from_run(run))),
     }
 }
 

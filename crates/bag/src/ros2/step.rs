@@ -57,7 +57,7 @@ pub(super) struct Places {
 
 impl Block {
     /// A block of one run: what its numbers are, how many, and the slot of a wanted one.
-    pub(super) fn of(run: (Primitive, u64, Option<usize>)) -> Self {
+    pub(super) fn from_run(run: (Primitive, u64, Option<usize>)) -> Self {
         Self {
             runs: vec![run],
             ..Self::default()
@@ -78,33 +78,33 @@ impl Block {
     /// # Errors
     /// A sentence where they do not fit into a message.
     pub(super) fn settle(&mut self) -> Result<(), String> {
-        let all = |most_align: usize| -> Result<Vec<Places>, String> {
+        let by_start = |most_align: usize| -> Result<Vec<Places>, String> {
             (0..most_align)
                 .map(|start| self.lay_out(start, most_align))
                 .collect()
         };
-        (self.by_eight, self.by_four, self.packed) = (all(8)?, all(4)?, all(1)?);
+        (self.by_eight, self.by_four, self.packed) = (by_start(8)?, by_start(4)?, by_start(1)?);
         self.runs = Vec::new();
         Ok(())
     }
 
     fn lay_out(&self, start: usize, most_align: usize) -> Result<Places, String> {
         let start = start as u64;
-        let mut at = start;
+        let mut position = start;
         let mut takes = Vec::new();
         for &(primitive, count, slot) in &self.runs {
             let size = u64::from(primitive.size());
-            at = at.next_multiple_of(size.min(most_align as u64));
+            position = position.next_multiple_of(size.min(most_align as u64));
             if let Some(slot) = slot {
-                takes.push(((at - start) as u32, primitive, slot as u32));
+                takes.push(((position - start) as u32, primitive, slot as u32));
             }
-            at = at.saturating_add(size.saturating_mul(count));
-            if at > u64::from(u32::MAX) {
+            position = position.saturating_add(size.saturating_mul(count));
+            if position > u64::from(u32::MAX) {
                 return Err("an array in its schema is too large".to_owned());
             }
         }
         Ok(Places {
-            length: at - start,
+            length: position - start,
             takes,
         })
     }

@@ -28,8 +28,8 @@ pub(super) fn walk(
                 let size = primitive.size();
                 let bytes = reader.numbers(size, count)?;
                 for &(index, slot) in wanted.iter().filter(|w| w.0 < count) {
-                    let at = index as usize * usize::from(size);
-                    row[slot] = number(&bytes[at..], *primitive, reader.layout.big_endian)
+                    let start = index as usize * usize::from(size);
+                    row[slot] = number(&bytes[start..], *primitive, reader.layout.big_endian)
                         .ok_or(CdrError::End)?;
                 }
             }
@@ -55,12 +55,12 @@ pub(super) fn walk(
                 within_collection(reader, |reader| {
                     let count = fixed.map_or_else(|| reader.count(), Ok)?;
                     for i in 0..count {
-                        let at = reader.at();
+                        let before = reader.at();
                         match first {
                             Some(first) if i == 0 => walk(first, reader, row, &mut |_| {})?,
                             _ => walk(body, reader, row, &mut |_| {})?,
                         }
-                        if reader.at() == at {
+                        if reader.at() == before {
                             // Elements of no bytes: any number of them takes no more.
                             break;
                         }
@@ -78,10 +78,10 @@ pub(super) fn walk(
                         for &slot in slots {
                             row[slot] = f64::NAN;
                         }
-                        let at = reader.at();
+                        let before = reader.at();
                         // Nothing within a row gives rows of its own to this caller.
                         walk(body, reader, row, &mut |_| {})?;
-                        if reader.at() == at {
+                        if reader.at() == before {
                             break;
                         }
                         each(row);

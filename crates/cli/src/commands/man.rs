@@ -21,7 +21,7 @@ impl Man {
         let mut program = Args::command();
         program.build();
         let mut pages = Vec::new();
-        of(&program, "maveric", &mut pages).map_err(|e| Failure::io(doing, e))?;
+        add_pages(&program, "maveric", &mut pages).map_err(|e| Failure::io(doing, e))?;
         for (name, page) in &pages {
             let path = self.folder.join(name);
             maveric_study::atomic_write::atomic_write_bytes(&path, page)
@@ -32,8 +32,8 @@ impl Man {
     }
 }
 
-/// The pages of a command and of those below it.
-fn of(
+/// Adds to `pages` the page of a command, then those of the commands below it.
+fn add_pages(
     command: &clap::Command,
     name: &str,
     pages: &mut Vec<(String, Vec<u8>)>,
@@ -45,7 +45,7 @@ fn of(
     pages.push((format!("{name}.1"), page));
     for below in command.get_subcommands() {
         if !below.is_hide_set() && below.get_name() != "help" {
-            of(below, &format!("{name}-{}", below.get_name()), pages)?;
+            add_pages(below, &format!("{name}-{}", below.get_name()), pages)?;
         }
     }
     Ok(())

@@ -134,7 +134,7 @@ fn failure(doing: &'static str) -> impl FnOnce(SeatError) -> Failure {
         SeatError::Study(cause) => Failure::study(doing)(cause),
         cause => {
             let help = cause.suggestion();
-            Failure::of(doing, cause, help)
+            Failure::new(doing, cause, help)
         }
     }
 }
@@ -393,22 +393,26 @@ fn import(study: &Path, files: &[PathBuf], format: Format) -> Result<(), Failure
 
 fn repeat(log: &Path, format: Format) -> Result<(), Failure> {
     let doing = "could not drive it again";
-    let found = replay::repeat(log).map_err(failure(doing))?;
+    let repeated = replay::repeat(log).map_err(failure(doing))?;
     match format {
-        Format::Json => print_json(&found)?,
+        Format::Json => print_json(&repeated)?,
         Format::Text => {
-            let word = match found.same {
+            let word = match repeated.same {
                 Some(true) => "the same states, to the byte",
                 Some(false) => "other states than its record says",
                 None => "cut short: nothing to hold its states against",
             };
-            let (by, ticks, states) = (found.driven_by.as_str(), found.ticks, &found.states);
+            let (by, ticks, states) = (
+                repeated.driven_by.as_str(),
+                repeated.ticks,
+                &repeated.states,
+            );
             print_lines(&[format!(
                 "{by}, {ticks} steps of 0.01 s, states {states}: {word}"
             )])?;
         }
     }
-    match found.same {
+    match repeated.same {
         Some(false) => Err(Failure::Told),
         _ => Ok(()),
     }
@@ -432,8 +436,8 @@ fn model(
         maveric_study::forget::refuse_learned_from_gone(study, &path)?;
         run_folder::read_model(&path)?;
         let learned = study.design.model().is_none();
-        let said = format!("phase 2 of 2: people ride, by {}", path.to_slash_lossy());
-        return Ok((Some(path), learned.then_some(said)));
+        let phase = format!("phase 2 of 2: people ride, by {}", path.to_slash_lossy());
+        return Ok((Some(path), learned.then_some(phase)));
     }
     if study.design.model().is_some() {
         return Err(study.wrong(
@@ -441,20 +445,20 @@ fn model(
             Some("train it, or name another one".to_owned()),
         ));
     }
-    let said = format!(
+    let phase = format!(
         "phase 1 of 2: people drive who are learned from, nobody rides; when enough have, `maveric run train` in {} makes {LEARNED} of \
          them, and the seat is opened again",
         folder.to_slash_lossy()
     );
-    Ok((None, Some(said)))
+    Ok((None, Some(phase)))
 }
 
 /// Where a user's programs keep what can be made again.
 fn cache() -> Option<PathBuf> {
     let folder = |name: &str| std::env::var_os(name).map(PathBuf::from);
-    let own = folder("XDG_CACHE_HOME").or_else(|| folder("LOCALAPPDATA"));
-    let own = own.or_else(|| folder("HOME").map(|home| home.join(".cache")));
-    own.map(|cache| cache.join("maveric"))
+    let cache = folder("XDG_CACHE_HOME").or_else(|| folder("LOCALAPPDATA"));
+    let cache = cache.or_else(|| folder("HOME").map(|home| home.join(".cache")));
+    cache.map(|cache| cache.join("maveric"))
 }
 
 /// Opens a page where that can be done; the address was printed in any case.

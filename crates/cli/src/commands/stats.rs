@@ -74,7 +74,7 @@ struct Call {
 static CALL: LazyLock<Mutex<clap::Command>> = LazyLock::new(|| Mutex::new(Call::command()));
 
 impl Call {
-    fn of(words: &[String]) -> Result<Self, clap::Error> {
+    fn from_words(words: &[String]) -> Result<Self, clap::Error> {
         let mut command = CALL.lock().unwrap_or_else(PoisonError::into_inner);
         let matches = command.try_get_matches_from_mut(words)?;
         Self::from_arg_matches(&matches).map_err(|error| error.format(&mut command))
@@ -86,7 +86,7 @@ impl Call {
 /// # Errors
 /// The text that the command would print.
 pub fn stats_of_table(words: &[String], table: TableBuilder) -> Result<Outcome<Value>, String> {
-    let call = Call::of(words).map_err(|e| e.to_string())?;
+    let call = Call::from_words(words).map_err(|e| e.to_string())?;
     let Asked::Test(test) = call.asked else {
         return Err("`stats study` reads a run's folder: run it as a command".to_owned());
     };

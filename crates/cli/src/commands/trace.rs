@@ -59,7 +59,7 @@ impl Trace {
 
 /// The ledgers of this folder's pipelines, in order: those of files, then that of the pipeline that follows from a design.
 fn ledgers() -> std::io::Result<Vec<PathBuf>> {
-    let mut all = Vec::new();
+    let mut ledgers = Vec::new();
     for folder in ["pipelines", DESIGNED_FOLDER] {
         let entries = match std::fs::read_dir(folder) {
             Err(error) if error.kind() == std::io::ErrorKind::NotFound => continue,
@@ -71,7 +71,7 @@ fn ledgers() -> std::io::Result<Vec<PathBuf>> {
         }
         files.retain(|file| file.extension().is_some_and(|e| e == "lock"));
         files.sort();
-        all.extend(files);
+        ledgers.extend(files);
     }
-    Ok(all)
+    Ok(ledgers)
 }

@@ -6,19 +6,19 @@ use std::{fmt, str::FromStr};
 /// How an answer is held against a number.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Than {
-    /// At least.
+    /// The answer is the number or above it.
     #[serde(rename = ">=")]
     AtLeast,
-    /// At most.
+    /// The answer is the number or below it.
     #[serde(rename = "<=")]
     AtMost,
-    /// More.
+    /// The answer is above the number.
     #[serde(rename = ">")]
     More,
-    /// Less.
+    /// The answer is below the number.
     #[serde(rename = "<")]
     Less,
-    /// The same.
+    /// The answer is the number.
     #[serde(rename = "==")]
     Same,
     /// Another.
@@ -62,7 +62,7 @@ impl Than {
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(try_from = "String", into = "String")]
 pub struct AnswerRule {
-    /// The scale.
+    /// Id of the scale that asks.
     pub scale: String,
     /// Number of the item (from 1), or the subscale that it alone makes; none where the scale has one item.
     pub item: Option<String>,

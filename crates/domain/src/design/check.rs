@@ -79,11 +79,11 @@ fn design(raw: DesignToml) -> Checked<Design> {
         .map(|c| (format!("condition.{}.label", c.id), c.label.as_str()));
     let of_factors =
         factors.iter().chain(&crossed).flat_map(|f| {
-            let own = f
+            let own_label = f
                 .label
                 .iter()
                 .map(|label| (format!("factor.{}.label", f.name), label.as_str()));
-            own.chain(f.levels.iter().map(|(level, label)| {
+            own_label.chain(f.levels.iter().map(|(level, label)| {
                 (format!("factor.{}.levels.{level}", f.name), label.as_str())
             }))
         });
@@ -299,14 +299,14 @@ fn condition(
             })
         })
         .transpose()?;
-    let asked = raw.car.unwrap_or(CarToml {
+    let raw_car = raw.car.unwrap_or(CarToml {
         recorded: true,
         ..CarToml::default()
     });
-    let (recorded, vary) = (asked.recorded, asked.vary);
-    let car = car(&key("car"), asked, style)?;
-    let own = matches!(car, Some(Car::Dial(_) | Car::Across));
-    if vary && (recorded || !own) {
+    let (recorded, vary) = (raw_car.recorded, raw_car.vary);
+    let car = car(&key("car"), raw_car, style)?;
+    let in_own_style = matches!(car, Some(Car::Dial(_) | Car::Across));
+    if vary && (recorded || !in_own_style) {
         return Err(DesignError::key(
             key("car.vary"),
             "`true` for a car that does not drive a person's own style in the program's simulator",
@@ -354,12 +354,12 @@ fn car(key: &str, raw: CarToml, style: Option<&Style>) -> Checked<Option<Car>> {
         raw.replay.map(|ReplayToml::Own| Car::Replay),
         raw.free.then_some(Car::Free),
     ];
-    let mut found: Vec<Car> = cars.into_iter().flatten().collect();
-    if found.len() > 1 {
-        let kinds: Vec<&str> = found.iter().map(kind).collect();
+    let mut given: Vec<Car> = cars.into_iter().flatten().collect();
+    if given.len() > 1 {
+        let kinds: Vec<&str> = given.iter().map(kind).collect();
         return Err(DesignError::key(key, kinds.join(" and "), CARS));
     }
-    if found.is_empty() && !raw.recorded {
+    if given.is_empty() && !raw.recorded {
         return Err(DesignError::key(key, "no car", CARS));
     }
     if on_the_dial && style.is_none() {
@@ -369,7 +369,7 @@ fn car(key: &str, raw: CarToml, style: Option<&Style>) -> Checked<Option<Car>> {
             "a `[style]` with the score that the dial turns, or a car without it: { mean = true }, { embedding = \"FILE.csv\" }, { recorded = true }",
         ));
     }
-    Ok(found.pop())
+    Ok(given.pop())
 }
 
 /// Somebody else's style.

@@ -12,7 +12,7 @@ pub struct Exclude {
     pub people: BTreeMap<ParticipantId, String>,
     /// Drive → reason: out with the answers after it.
     pub drives: BTreeMap<DriveId, String>,
-    /// Drives shorter than this, in s.
+    /// Drives that last less than so many seconds; none are left out for that where it is not given.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub drive_shorter_than_s: Option<f64>,
     /// People who gave one answer to every item of a questionnaire that has reversed items.

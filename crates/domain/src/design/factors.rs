@@ -114,8 +114,8 @@ pub(super) fn contrasts(
             if let Levels::Pair([first, second]) = levels
                 && first == second
             {
-                let found = format!("`{first}` with itself");
-                return Err(DesignError::key(key, found, "two levels"));
+                let pair = format!("`{first}` with itself");
+                return Err(DesignError::key(key, pair, "two levels"));
             }
             if between.iter().any(|f| f.name == *factor) {
                 continue;

@@ -83,13 +83,13 @@ pub enum Software {
     /// The table that is scored: a row an answer.
     #[default]
     Table,
-    /// oTree.
+    /// An export of oTree: a row a participant.
     Otree,
-    /// jsPsych.
+    /// The JSON of jsPsych: an array of trials a session.
     Jspsych,
-    /// Qualtrics.
+    /// An export of Qualtrics: a row a response, with head rows of its own.
     Qualtrics,
-    /// `LimeSurvey`.
+    /// An export of `LimeSurvey`: a row a response.
     Limesurvey,
     /// `SoSci` Survey.
     Sosci,

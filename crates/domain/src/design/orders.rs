@@ -38,10 +38,10 @@ impl OrderPlan {
     pub fn new(design: &Design, square: Square, blocks: Option<&str>) -> Result<Self, DesignError> {
         let conditions = design.conditions();
         let Some(factor) = blocks else {
-            let all = conditions.iter().map(|c| c.id).collect();
+            let ids = conditions.iter().map(|c| c.id).collect();
             return Ok(Self {
                 square,
-                blocks: vec![all],
+                blocks: vec![ids],
             });
         };
         let mut levels: Vec<&String> = Vec::new();

@@ -62,7 +62,7 @@ pub const CONDITION: &str = "condition";
 /// A factor: a column of the people's table, or one that the conditions cross.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct Factor {
-    /// Its name.
+    /// The column of the people's table, or what the design calls it.
     pub name: String,
     /// On the page, where it was given.
     pub label: Option<String>,

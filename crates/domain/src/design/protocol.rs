@@ -46,7 +46,7 @@ pub enum Crash {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Probe {
-    /// The scale.
+    /// Id of the scale, which has one item.
     pub scale: String,
     /// How far apart, in s.
     pub every_s: f64,
@@ -58,8 +58,8 @@ impl Probe {
 
     /// When it is asked in a ride of `length_s`, in s: as often as an answer can come in time.
     pub fn asked_s(every_s: f64, length_s: f64) -> impl Iterator<Item = f64> {
-        let asked = (1..).map(move |n| f64::from(n) * every_s);
-        asked.take_while(move |at_s| at_s + Self::ANSWERED_WITHIN_S <= length_s)
+        let times_s = (1..).map(move |n| f64::from(n) * every_s);
+        times_s.take_while(move |at_s| at_s + Self::ANSWERED_WITHIN_S <= length_s)
     }
 }
 
@@ -124,12 +124,13 @@ pub struct Redirect {
 impl Redirect {
     /// Its keys and addresses.
     pub(super) fn addresses(&self) -> impl Iterator<Item = (&'static str, &str)> {
-        let all = [
+        let addresses = [
             ("done", &self.done),
             ("screened_out", &self.screened_out),
             ("stopped", &self.stopped),
         ];
-        all.into_iter()
+        addresses
+            .into_iter()
             .filter_map(|(key, address)| Some((key, address.as_deref()?)))
     }
 }

@@ -55,14 +55,14 @@ impl Protocol {
         }
         self.check_platform()?;
         if ![1, 3].contains(&self.view.screens) {
-            let found = self.view.screens;
-            return Err(DesignError::key("protocol.view.screens", found, "1 or 3"));
+            let screens = self.view.screens;
+            return Err(DesignError::key("protocol.view.screens", screens, "1 or 3"));
         }
         for (at, step) in self.steps.iter().enumerate() {
             if *step != ProtocolStep::Break && self.steps[..at].contains(step) {
-                let found = format!("{step:?} twice").to_lowercase();
+                let repeated = format!("{step:?} twice").to_lowercase();
                 let expected = "each once, but for `break`";
-                return Err(DesignError::key("protocol.steps", found, expected));
+                return Err(DesignError::key("protocol.steps", repeated, expected));
             }
         }
         let tried = self.steps.contains(&ProtocolStep::Controls);
@@ -182,9 +182,9 @@ impl Protocol {
         }
         for rule in &self.admit_if {
             if !self.screen.contains(&rule.scale) {
-                let asked = self.screen.iter().map(String::as_str);
+                let screen_scales = self.screen.iter().map(String::as_str);
                 let key = "protocol.admit_if";
-                return Err(DesignError::word(key, &rule.scale, asked));
+                return Err(DesignError::word(key, &rule.scale, screen_scales));
             }
         }
         let probed = self.probe.iter().map(|probe| probe.scale.as_str());

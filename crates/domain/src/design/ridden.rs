@@ -43,7 +43,7 @@ fn replayed(protocol: &Protocol, conditions: &[Condition]) -> Result<(), DesignE
     };
     let id = shown.id;
     if protocol.world != World::Same {
-        let found = if protocol.world == World::Own {
+        let world = if protocol.world == World::Own {
             "own"
         } else {
             "by_ride"
@@ -51,7 +51,7 @@ fn replayed(protocol: &Protocol, conditions: &[Condition]) -> Result<(), DesignE
         let expected = format!(
             "\"same\": `{id}` shows the drive by hand again, and every ride has to be in its world"
         );
-        return Err(DesignError::key("protocol.world", found, expected));
+        return Err(DesignError::key("protocol.world", world, expected));
     }
     if (protocol.ride_s - protocol.drive_s).abs() > 0.0 {
         let expected = format!(

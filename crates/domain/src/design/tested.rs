@@ -54,8 +54,8 @@ pub(super) fn outcomes(
         )?;
         if let (Some(measure), [_, ..]) = (&raw.measure, raw.drop_items.as_slice()) {
             let expected = "none: only a score has items";
-            let found = format!("items of the measure `{measure}`");
-            return Err(DesignError::key(key("drop_items"), found, expected));
+            let dropped = format!("items of the measure `{measure}`");
+            return Err(DesignError::key(key("drop_items"), dropped, expected));
         }
         Ok(Outcome {
             primary: primary(&raw, key, conditions, pairs)?,

@@ -20,9 +20,9 @@ pub(super) fn which(protocol: &Protocol, conditions: &[Condition]) -> Result<(),
     for id in pair {
         known(KEY, id, conditions)?;
     }
-    let own = |c: &&Condition| pair.contains(&c.id) && c.dial() == Some(0.0);
+    let is_own = |c: &&Condition| pair.contains(&c.id) && c.dial() == Some(0.0);
     let [first, second] = pair;
-    if first == second || conditions.iter().filter(own).count() != 1 {
+    if first == second || conditions.iter().filter(is_own).count() != 1 {
         return Err(DesignError::key(
             KEY,
             format!("`{first}` and `{second}`"),

@@ -14,7 +14,7 @@ pub enum Direction {
     Right,
 }
 
-/// One lane change.
+/// A stretch of rows in which ego moves from one lane to another.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct LaneChange {
     /// Row at which it starts.
@@ -64,22 +64,22 @@ fn lateral_speed(rows: &Rows, rate_hz: f64) -> Vec<f64> {
 
 /// Rows at which ego is in another lane than the row before, weaves left out.
 fn crossings(rows: &Rows) -> Vec<usize> {
-    let mut found: Vec<usize> = Vec::new();
+    let mut crossing_rows: Vec<usize> = Vec::new();
     for row in 1..rows.lane.len() {
         if rows.lane[row] == rows.lane[row - 1] || rows.segment[row] != rows.segment[row - 1] {
             continue;
         }
-        match found.last() {
+        match crossing_rows.last() {
             Some(&last)
                 if rows.lane[row] == rows.lane[last - 1]
                     && rows.time_s[row] - rows.time_s[last] < WEAVE_S =>
             {
-                found.pop();
+                crossing_rows.pop();
             }
-            _ => found.push(row),
+            _ => crossing_rows.push(row),
         }
     }
-    found
+    crossing_rows
 }
 
 /// Fills `lane_change`, `changing` and `change_completes`.
@@ -136,7 +136,7 @@ pub(super) fn label(rows: &mut Rows, road: &Road, rate_hz: f64) {
 
 /// Reads the changes back from the columns that [`label`] filled.
 pub(super) fn events(rows: &Rows) -> Vec<LaneChange> {
-    let mut found = Vec::new();
+    let mut changes = Vec::new();
     let mut start = None;
     for (row, &sign) in rows.changing.iter().enumerate() {
         if sign == 0 {
@@ -156,7 +156,7 @@ pub(super) fn events(rows: &Rows) -> Vec<LaneChange> {
                 Direction::Left => rows.gap_behind_left_m[first],
                 Direction::Right => rows.gap_behind_right_m[first],
             };
-            found.push(LaneChange {
+            changes.push(LaneChange {
                 start: first,
                 end: row + 1,
                 direction,
@@ -166,7 +166,7 @@ pub(super) fn events(rows: &Rows) -> Vec<LaneChange> {
             start = None;
         }
     }
-    found
+    changes
 }
 
 #[cfg(test)]

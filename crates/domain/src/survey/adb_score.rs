@@ -36,7 +36,7 @@ impl AdbScore {
         (Self::MIN - ROUNDING..=Self::MAX + ROUNDING).contains(&points)
     }
 
-    /// The points.
+    /// The score in points of the scale, from [`Self::MIN`] to [`Self::MAX`].
     pub fn points(self) -> f64 {
         self.0
     }

@@ -74,8 +74,8 @@ impl Scale {
 
     /// The languages that it is there in, its own first.
     pub fn languages(&self) -> impl Iterator<Item = &str> {
-        let own = std::iter::once(self.language.as_str());
-        own.chain(self.translations.keys().map(String::as_str))
+        let original = std::iter::once(self.language.as_str());
+        original.chain(self.translations.keys().map(String::as_str))
     }
 
     /// The answer that these words stand for in any language, in small or large letters, where each answer of the item has words.
@@ -96,8 +96,8 @@ impl Scale {
         if subscale.sum_of.is_empty() {
             return vec![subscale];
         }
-        let of = |id: &String| self.subscales.iter().find(|s| s.id == *id);
-        subscale.sum_of.iter().filter_map(of).collect()
+        let part = |id: &String| self.subscales.iter().find(|s| s.id == *id);
+        subscale.sum_of.iter().filter_map(part).collect()
     }
 
     /// The items of a score, each once, in their order.

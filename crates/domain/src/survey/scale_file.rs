@@ -280,8 +280,8 @@ impl ScaleFile {
     /// How many levels a ladder or a choice has: those that are written, or as many as a ladder without words leads through.
     fn levels_of(&self, table: &ItemTable, kind: Kind, ends: Option<(i32, i32)>) -> i32 {
         let of_scale = self.levels.len() * usize::from(kind == self.kind);
-        let own = Some(table.levels.len()).filter(|n| *n > 0);
-        match (own.unwrap_or(of_scale), ends) {
+        let own_levels = Some(table.levels.len()).filter(|n| *n > 0);
+        match (own_levels.unwrap_or(of_scale), ends) {
             (0, Some((min, max))) if kind == Kind::Ladder => {
                 max.saturating_sub(min).saturating_add(1).max(0)
             }
@@ -452,7 +452,7 @@ source = "chosen"
     }
 
     /// The file of a scale with these lines at the top and these tables behind it.
-    fn made(top: &str, tables: &str) -> Result<Scale, String> {
+    fn parsed(top: &str, tables: &str) -> Result<Scale, String> {
         let head = "id = \"x\"\ntitle = \"X\"\nreference = \"made up\"\n";
         Scale::from_toml(&format!("{head}{top}\n{tables}")).map_err(|e| e.to_string())
     }
@@ -461,16 +461,16 @@ source = "chosen"
 
     #[test]
     fn short_forms_and_tables_of_items_are_one_list() {
-        let short = made(
+        let short = parsed(
             "min = 1\nmax = 3\nreversed = [2]\nwording = [\"a\", \"b\"]\nanchors = [\"no\", \"yes\"]",
             "",
         );
-        let long = made(
+        let long = parsed(
             "min = 1\nmax = 3",
             "[[item]]\ntext = \"a\"\nanchors = [\"no\", \"yes\"]\n[[item]]\ntext = \"b\"\nreversed = true\nanchors = [\"no\", \"yes\"]\n",
         );
         assert_eq!(short.unwrap(), long.unwrap());
-        let pairs = made(PAIRS, "").unwrap();
+        let pairs = parsed(PAIRS, "").unwrap();
         assert_eq!(
             pairs.wording.items[1].pair,
             Some(["bad".to_owned(), "good".to_owned()])
@@ -486,7 +486,7 @@ source = "chosen"
                       [[item]]\ntext = \"d\"\nkind = \"number\"\nmin = 18\nmax = 99\n\
                       [[item]]\ntext = \"e\"\nkind = \"text\"\n\
                       [[item]]\ntext = \"f\"\nmin = 1\nmax = 7\nexpected = 2\n";
-        let scale = made("", tables).unwrap();
+        let scale = parsed("", tables).unwrap();
         let ranges: Vec<String> = scale.items.iter().map(Item::range).collect();
         assert_eq!(
             ranges,
@@ -514,7 +514,7 @@ source = "chosen"
             (None, None)
         );
         assert!(scale.item(0).is_none() && scale.item(7).is_none());
-        let unworded = made("kind = \"ladder\"\nitems = 1\nmin = 0\nmax = 10", "").unwrap();
+        let unworded = parsed("kind = \"ladder\"\nitems = 1\nmin = 0\nmax = 10", "").unwrap();
         assert_eq!(
             (unworded.wording.worded(), unworded.items[0].points()),
             (0, 11)
@@ -524,12 +524,12 @@ source = "chosen"
     #[test]
     fn a_scale_speaks_the_languages_that_it_has_whole() {
         let german = "[translation.de]\ninstruction = \"Es ist\"\npairs = [[\"nützlich\", \"nutzlos\"], [\"schlecht\", \"gut\"]]\n";
-        let scale = made(PAIRS, german).unwrap();
-        let said = |language| scale.wording_in(language)?.instruction.clone();
-        assert_eq!(said("en").unwrap(), "It is");
-        assert_eq!(said("de").unwrap(), "Es ist");
-        assert_eq!(said("de-at").unwrap(), "Es ist");
-        assert_eq!((said("nl"), said("d")), (None, None));
+        let scale = parsed(PAIRS, german).unwrap();
+        let instruction = |language| scale.wording_in(language)?.instruction.clone();
+        assert_eq!(instruction("en").unwrap(), "It is");
+        assert_eq!(instruction("de").unwrap(), "Es ist");
+        assert_eq!(instruction("de-at").unwrap(), "Es ist");
+        assert_eq!((instruction("nl"), instruction("d")), (None, None));
         for (from, to, word) in [
             (
                 ", [\"schlecht\", \"gut\"]",
@@ -551,11 +551,11 @@ source = "chosen"
             ("instruction", "Instruction", "unknown field"),
         ] {
             assert!(german.contains(from), "{from}");
-            let error = made(PAIRS, &german.replacen(from, to, 1)).unwrap_err();
+            let error = parsed(PAIRS, &german.replacen(from, to, 1)).unwrap_err();
             assert!(error.contains(word), "{to}: {error}");
         }
         let anchors = "min = 1\nmax = 3\nwording = [\"a\"]\nanchors = [\"no\", \"yes\"]";
-        let error = made(anchors, "[translation.de]\nitems = [\"a\"]").unwrap_err();
+        let error = parsed(anchors, "[translation.de]\nitems = [\"a\"]").unwrap_err();
         assert!(
             error.contains("item 1 has words for 0 answers, expected 2"),
             "{error}"
@@ -568,7 +568,7 @@ source = "chosen"
         let parts = "[[subscales]]\nid = \"a\"\ntitle = \"A\"\nitems = [1, 2]\nweight = 2.5\n\
                      [[subscales]]\nid = \"b\"\ntitle = \"B\"\nitems = [2, 3]\n\
                      [[subscales]]\nid = \"total\"\ntitle = \"T\"\nsum_of = [\"a\", \"b\"]\nweight = 2\n";
-        let scale = made(top, parts).unwrap();
+        let scale = parsed(top, parts).unwrap();
         let ranges: Vec<(f64, f64)> = scale
             .subscales
             .iter()
@@ -585,10 +585,10 @@ source = "chosen"
             ("[\"a\", \"b\"]", "[\"a\", \"total\"]", "a sum itself"),
             ("weight = 2.5", "weight = -1", "weight is -1"),
         ] {
-            let error = made(top, &parts.replacen(from, to, 1)).unwrap_err();
+            let error = parsed(top, &parts.replacen(from, to, 1)).unwrap_err();
             assert!(error.contains(word), "{to}: {error}");
         }
-        let mean = made(&top.replace("sum", "mean"), parts).unwrap_err();
+        let mean = parsed(&top.replace("sum", "mean"), parts).unwrap_err();
         assert!(mean.contains("scoring = \"sum\""), "{mean}");
     }
 
@@ -709,7 +709,7 @@ source = "chosen"
                 "scores item 2, a `text`",
             ),
         ] {
-            let error = made(top, &tables).unwrap_err();
+            let error = parsed(top, &tables).unwrap_err();
             assert!(error.contains(word), "{top} {tables}: {error}");
         }
     }

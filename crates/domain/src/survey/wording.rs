@@ -9,11 +9,11 @@ pub struct Wording {
     pub shown_title: Option<String>,
     /// What stands above the items.
     pub instruction: Option<String>,
-    /// One an item.
+    /// In the order of the scale, one an item.
     pub items: Vec<ItemWords>,
 }
 
-/// The words of an item.
+/// What a page shows of an item: question, pair and labels of the answers.
 #[derive(Debug, Clone, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct ItemWords {
     /// What is asked; empty where a pair says it, or where the wording is not given.

@@ -49,10 +49,10 @@ impl Words {
         let mut worded = Vec::new();
         for (place, item) in items.iter().enumerate() {
             let table = self.item.get(place);
-            let list = |own: fn(&ItemTexts) -> &Vec<String>, of_scale: &Vec<String>| {
-                let own = table.map(own).filter(|words| !words.is_empty());
+            let list = |words_of: fn(&ItemTexts) -> &Vec<String>, of_scale: &Vec<String>| {
+                let own_words = table.map(words_of).filter(|words| !words.is_empty());
                 let of_scale = (item.kind == kind).then_some(of_scale);
-                own.or(of_scale).cloned().unwrap_or_default()
+                own_words.or(of_scale).cloned().unwrap_or_default()
             };
             let table_text = table.map(|t| t.text.clone()).unwrap_or_default();
             let pair = table.map(|t| &t.pair).filter(|pair| !pair.is_empty());
@@ -136,9 +136,9 @@ impl RawWords {
         }
         // The levels are what a ladder says: without them it has no wording.
         let unworded = item.kind == Kind::Ladder && listed.is_empty() && own.is_empty();
-        let found = self.levels.len();
-        if item.kind.has_levels() && found != points && !(unworded && found == 0) {
-            return Err(format!("{found} levels, expected {points}"));
+        let count = self.levels.len();
+        if item.kind.has_levels() && count != points && !(unworded && count == 0) {
+            return Err(format!("{count} levels, expected {points}"));
         }
         Ok(ItemWords {
             text: if listed.is_empty() { own } else { listed },

@@ -16,11 +16,11 @@ pub(super) struct Alone<'a> {
 }
 
 impl<'a> Alone<'a> {
-    pub(super) fn of(world: &'a World, weights: &'a [f64], embedding: &[f64]) -> Self {
+    pub(super) fn new(world: &'a World, weights: &'a [f64], embedding: &[f64]) -> Self {
         let h = world.layout.hidden;
         Self {
             world,
-            network: Styled::of(world.layout, weights, |_, k| embedding[k]),
+            network: Styled::new(world.layout, weights, |_, k| embedding[k]),
             first: vec![nothing(); h],
             second: vec![nothing(); h],
         }

@@ -17,15 +17,15 @@ pub(super) fn nothing<T: Real, const N: usize>() -> Lanes<T, N> {
     [T::of(0.0); N]
 }
 
-/// What `of` makes of two numbers, lane by lane. All is read before anything is written, so that lanes run abreast wherever they lie.
+/// What `combine` makes of two numbers, lane by lane. All is read before anything is written, so that lanes run abreast wherever they lie.
 #[inline(always)]
 pub(super) fn lanes<T: Real, const N: usize>(
     x: &Lanes<T, N>,
     y: &Lanes<T, N>,
-    of: impl Fn(T, T) -> T,
+    combine: impl Fn(T, T) -> T,
 ) -> Lanes<T, N> {
     let (x, y) = (*x, *y);
-    std::array::from_fn(|l| of(x[l], y[l]))
+    std::array::from_fn(|l| combine(x[l], y[l]))
 }
 
 #[inline(always)]

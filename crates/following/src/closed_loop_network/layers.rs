@@ -24,7 +24,7 @@ pub(super) struct Styled<'a, T, const N: usize = LANES> {
 impl<'a, T: Real, const N: usize> Styled<'a, T, N> {
     /// `w` gives number `k` of the embedding of a lane.
     #[inline(always)]
-    pub(super) fn of(layout: Layout, weights: &'a [T], w: impl Fn(usize, usize) -> T) -> Self {
+    pub(super) fn new(layout: Layout, weights: &'a [T], w: impl Fn(usize, usize) -> T) -> Self {
         let d = layout.embedding;
         let base = |matrix: &[T], biases: &[T]| -> Vec<Lanes<T, N>> {
             let line = |(line, &bias): (&[T], &T)| -> Lanes<T, N> {
@@ -229,11 +229,11 @@ impl<T: Real> Sums<T> {
         ] {
             for (line, sum) in sums.iter().enumerate() {
                 for k in 0..d {
-                    let at = range.start + line * d + k;
+                    let index = range.start + line * d + k;
                     for l in 0..LANES {
                         let number = of_lane[l] * d + k;
-                        out.weights[at] += sum[l].wide() * embeddings[number].wide();
-                        out.embeddings[number] += sum[l].wide() * weights[at].wide();
+                        out.weights[index] += sum[l].wide() * embeddings[number].wide();
+                        out.embeddings[number] += sum[l].wide() * weights[index].wide();
                     }
                 }
             }

@@ -39,7 +39,7 @@ pub struct ClosedLoopNetwork {
 /// What a training gives.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct TrainedClosedLoop {
-    /// The network.
+    /// The trained network, with the mean of `embeddings`.
     pub network: ClosedLoopNetwork,
     /// The embedding trained with it for each driver; shape `(drivers, d)`.
     pub embeddings: Vec<Vec<f64>>,
@@ -105,7 +105,7 @@ impl ClosedLoopNetwork {
     /// # Panics
     /// If the embedding is not of the network's size.
     pub fn following_distance_m(&self, embedding: &[f64], ego_speed_mps: f64) -> f64 {
-        Alone::of(&self.world, &self.weights, embedding)
+        Alone::new(&self.world, &self.weights, embedding)
             .parameters(ego_speed_mps)
             .following_distance_m(ego_speed_mps)
     }
@@ -129,7 +129,7 @@ impl ClosedLoopNetwork {
     /// # Panics
     /// If the embedding is not of the network's size.
     pub fn driving<'a>(&'a self, embedding: &[f64]) -> impl FnMut(f64, f64, f64) -> f64 + use<'a> {
-        let mut alone = Alone::of(&self.world, &self.weights, embedding);
+        let mut alone = Alone::new(&self.world, &self.weights, embedding);
         move |gap_m, ego_mps, lead_mps| alone.accel_mps2(gap_m, ego_mps, lead_mps)
     }
 }
@@ -158,7 +158,7 @@ mod tests {
     fn gap_rmse_m(network: &ClosedLoopNetwork, run: &FollowingRun, w: &[f64]) -> f64 {
         let test = run.test();
         let law = |g, v, lead| network.accel_mps2(w, g, v, lead);
-        SimulationErrors::of(&test, &simulate(&test, "network", law).unwrap()).gap_rmse_m
+        SimulationErrors::between(&test, &simulate(&test, "network", law).unwrap()).gap_rmse_m
     }
 
     #[test]

@@ -37,7 +37,7 @@ pub(super) fn personalize(
     let bounds: Vec<(f64, f64)> = mean.iter().map(|m| (m - REACH, m + REACH)).collect();
     let mut point = mean.clone();
     for share in [1, OVERLAP] {
-        let cost = FromMean::of(network, driver, settings, share);
+        let cost = FromMean::new(network, driver, settings, share);
         let start = Minimum {
             cost: cost.costs(std::slice::from_ref(&point), &[f64::INFINITY])[0],
             point,
@@ -60,7 +60,7 @@ struct FromMean<'a> {
 
 impl<'a> FromMean<'a> {
     /// Segments begin a share of a segment apart.
-    fn of(
+    fn new(
         network: &'a ClosedLoopNetwork,
         driver: &Stretch<'_>,
         settings: &ClosedLoopSettings,
@@ -84,18 +84,18 @@ impl<'a> FromMean<'a> {
         }
     }
 
-    /// What `of` makes of the errors of each batch, driven by at most as many embeddings as there are copies.
+    /// What `reduce` makes of the errors of each batch, driven by at most as many embeddings as there are copies.
     fn each<T: Send>(
         &self,
         points: &[Vec<f64>],
-        of: impl Fn(&Batch<f32>, &[[f32; LANES]]) -> T + Sync + Send,
+        reduce: impl Fn(&Batch<f32>, &[[f32; LANES]]) -> T + Sync + Send,
     ) -> Vec<T> {
         // Copies without an embedding repeat the first.
-        let all = (0..self.copies).flat_map(|copy| points.get(copy).unwrap_or(&points[0]));
-        let embeddings: Vec<f32> = all.map(|number| *number as f32).collect();
+        let numbers = (0..self.copies).flat_map(|copy| points.get(copy).unwrap_or(&points[0]));
+        let embeddings: Vec<f32> = numbers.map(|number| *number as f32).collect();
         let one = |batch: &Batch<f32>| {
-            let found = errors(&self.world, &self.weights, &embeddings, batch);
-            of(batch, &found)
+            let errors = errors(&self.world, &self.weights, &embeddings, batch);
+            reduce(batch, &errors)
         };
         self.batches.par_iter().map(one).collect()
     }
@@ -150,8 +150,8 @@ impl Cost for FromMean<'_> {
         }
         let (first, others) = lines.split_at_mut(1);
         for line in others {
-            for (there, here) in line.iter_mut().zip(&first[0]) {
-                *there -= here;
+            for (error, base) in line.iter_mut().zip(&first[0]) {
+                *error -= base;
             }
         }
         let away: Vec<Vec<f64>> = points.iter().map(|p| self.away(p).collect()).collect();
@@ -206,7 +206,7 @@ mod tests {
             let trained = ClosedLoopNetwork::train(&fits, &settings, SAFETY, 1).unwrap();
             let network = &trained.network;
             let own = personalize(network, &fits[2], &settings);
-            let cost = FromMean::of(network, &fits[2], &settings, OVERLAP);
+            let cost = FromMean::new(network, &fits[2], &settings, OVERLAP);
             let alone = |point: &Vec<f64>| cost.costs(std::slice::from_ref(point), &[0.0])[0];
             let least = alone(&own);
             assert!(least < 0.9 * alone(&network.mean_embedding));

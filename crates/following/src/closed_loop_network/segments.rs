@@ -34,9 +34,9 @@ pub(super) fn one_after_the_other(
     steps: usize,
     phase: usize,
 ) -> Vec<Segment> {
-    let starts = |all: usize| {
-        let phase = phase.min(all - steps);
-        (0..(all - phase) / steps)
+    let starts = |row_count: usize| {
+        let phase = phase.min(row_count - steps);
+        (0..(row_count - phase) / steps)
             .map(|i| phase + i * steps)
             .collect()
     };
@@ -46,9 +46,11 @@ pub(super) fn one_after_the_other(
 /// Cuts each driver's rows into segments of `steps` steps that begin a share of a segment apart.
 pub(super) fn overlapping(drivers: &[Stretch<'_>], steps: usize, share: usize) -> Vec<Segment> {
     let between = (steps / share).max(1);
-    let starts = |all: usize| {
-        let count = 1 + (all - steps).div_ceil(between);
-        (0..count).map(|i| (i * between).min(all - steps)).collect()
+    let starts = |row_count: usize| {
+        let count = 1 + (row_count - steps).div_ceil(between);
+        (0..count)
+            .map(|i| (i * between).min(row_count - steps))
+            .collect()
     };
     cut(drivers, starts)
 }

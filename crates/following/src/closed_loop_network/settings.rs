@@ -69,8 +69,8 @@ impl Default for ClosedLoopSettings {
 
 /// Whether each setting (name, value, least value) is finite and not below its least value.
 pub(crate) fn check(settings: &[(&'static str, f64, f64)]) -> Result<(), FollowingError> {
-    for &(name, found, least) in settings {
-        if !(found.is_finite() && found >= least) {
+    for &(name, value, least) in settings {
+        if !(value.is_finite() && value >= least) {
             let expected = match least {
                 1.0.. => "at least 1",
                 0.0 => "a finite number, 0 or above",
@@ -78,7 +78,7 @@ pub(crate) fn check(settings: &[(&'static str, f64, f64)]) -> Result<(), Followi
             };
             return Err(FollowingError::BadSetting {
                 name,
-                found,
+                found: value,
                 expected,
             });
         }

@@ -27,7 +27,7 @@ pub struct TrainedFor {
 /// One network on every driver's test rows.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct ClosedLoopSeed {
-    /// The seed.
+    /// Seed of the training.
     pub seed: u64,
     /// With the driver's own embedding, fitted to the own fit rows; one entry a driver.
     pub own: Vec<SimulationErrors>,
@@ -55,7 +55,7 @@ impl ClosedLoopSeed {
     /// Mean over drivers of the gap's RMSE with own, with shrunken and with mean embedding, in m.
     pub fn gap_rmse_m(&self) -> [f64; 3] {
         [&self.own, &self.shrunken, &self.mean]
-            .map(|of| of.iter().map(|e| e.gap_rmse_m).sum::<f64>() / of.len() as f64)
+            .map(|errors| errors.iter().map(|e| e.gap_rmse_m).sum::<f64>() / errors.len() as f64)
     }
 }
 
@@ -76,18 +76,18 @@ fn train_for(
         .par_iter()
         .map(|f| f.halves().map(|h| fit(&h)))
         .collect();
-    let own: Vec<Vec<f64>> = judged.par_iter().map(|run| fit(&run.fit())).collect();
+    let embeddings: Vec<Vec<f64>> = judged.par_iter().map(|run| fit(&run.fit())).collect();
     let seconds: Vec<f64> = fits.iter().map(|f| 0.5 * f.seconds()).collect();
     let shrinkage = Shrinkage::estimate(&halves, &seconds)?;
     let mean = network.mean_embedding();
     let shrunken = judged
         .iter()
-        .zip(&own)
+        .zip(&embeddings)
         .map(|(run, own)| shrinkage.shrink(own, mean, run.fit().seconds()))
         .collect();
     Ok(TrainedFor {
         network,
-        own,
+        own: embeddings,
         shrunken,
         shrinkage,
     })
@@ -99,11 +99,18 @@ pub(crate) fn train_all(
     learned: &[FollowingRun],
     settings: &FollowingSettings,
 ) -> Result<Vec<TrainedFor>, FollowingError> {
-    let found: Vec<_> = (0..settings.closed_loop_seeds as u64)
+    let trained: Vec<_> = (0..settings.closed_loop_seeds as u64)
         .into_par_iter()
-        .map(|at| train_for(judged, learned, settings, settings.seed.wrapping_add(at)))
+        .map(|offset| {
+            train_for(
+                judged,
+                learned,
+                settings,
+                settings.seed.wrapping_add(offset),
+            )
+        })
         .collect();
-    found.into_iter().collect()
+    trained.into_iter().collect()
 }
 
 /// Trains networks on the fit rows of `learned` from successive seeds and drives the test rows of `judged`; and once more with
@@ -119,7 +126,7 @@ pub(crate) fn study(
     let trained = train_all(judged, learned, settings)?;
     let seeds = (settings.seed..).zip(&trained);
     let seeds = seeds
-        .map(|(seed, trained)| errors_of(judged, seed, |at| (trained, at)))
+        .map(|(seed, trained)| errors_of(judged, seed, |index| (trained, index)))
         .collect::<Result<_, _>>()?;
     let first = settings.seed;
     let known = |run: &FollowingRun| learned.iter().any(|r| r.driver() == run.driver());
@@ -129,7 +136,7 @@ pub(crate) fn study(
                 others(learned, run.driver()).into_iter().cloned().collect();
             train_for(std::slice::from_ref(run), &from, settings, first)
         })?;
-        Some(errors_of(judged, first, |at| (&left_out[at], 0))?)
+        Some(errors_of(judged, first, |index| (&left_out[index], 0))?)
     } else {
         None
     };
@@ -144,14 +151,14 @@ pub(crate) fn study(
 fn errors_of<'a>(
     runs: &[FollowingRun],
     seed: u64,
-    of: impl Fn(usize) -> (&'a TrainedFor, usize),
+    network_of: impl Fn(usize) -> (&'a TrainedFor, usize),
 ) -> Result<ClosedLoopSeed, FollowingError> {
     let errors = |embedding: fn(&TrainedFor, usize) -> &[f64]| {
-        let one = |(at, run): (usize, &FollowingRun)| {
-            let (trained, at) = of(at);
-            let (test, w) = (run.test(), embedding(trained, at));
+        let one = |(index, run): (usize, &FollowingRun)| {
+            let (trained, index) = network_of(index);
+            let (test, w) = (run.test(), embedding(trained, index));
             let driven = simulate(&test, "closed_loop", trained.network.driving(w))?;
-            Ok(SimulationErrors::of(&test, &driven))
+            Ok(SimulationErrors::between(&test, &driven))
         };
         runs.iter()
             .enumerate()
@@ -160,8 +167,8 @@ fn errors_of<'a>(
     };
     Ok(ClosedLoopSeed {
         seed,
-        own: errors(|t, at| &t.own[at])?,
-        shrunken: errors(|t, at| &t.shrunken[at])?,
+        own: errors(|t, index| &t.own[index])?,
+        shrunken: errors(|t, index| &t.shrunken[index])?,
         mean: errors(|t, _| t.network.mean_embedding())?,
     })
 }

@@ -73,26 +73,30 @@ pub(super) fn train(
         let phase = rng.random_range(0..steps);
         let segments = one_after_the_other(drivers, steps, phase);
         let batches = batches(&rows, &segments, steps);
-        let mut found = loss(&driven, &weights, &embeddings, &batches);
-        losses.push(found.loss);
-        shrink(&mut found.weights, &weights, settings.weight_decay);
+        let mut gradient = loss(&driven, &weights, &embeddings, &batches);
+        losses.push(gradient.loss);
+        shrink(&mut gradient.weights, &weights, settings.weight_decay);
         for (driver, stretch) in drivers.iter().enumerate() {
-            let own = driver * d..(driver + 1) * d;
+            let range = driver * d..(driver + 1) * d;
             let by = prior(stretch, settings) / drivers.len() as f64;
-            shrink(&mut found.embeddings[own.clone()], &embeddings[own], by);
+            shrink(
+                &mut gradient.embeddings[range.clone()],
+                &embeddings[range],
+                by,
+            );
         }
-        let length = libm::hypot(norm(&found.weights), norm(&found.embeddings));
+        let length = libm::hypot(norm(&gradient.weights), norm(&gradient.embeddings));
         let scale = if length > CLIP { CLIP / length } else { 1.0 };
         let rate = cosine(iteration, settings.iterations);
         of_weights.step(
             &mut weights,
-            &found.weights,
+            &gradient.weights,
             scale,
             settings.learning_rate * rate,
         );
         of_embeddings.step(
             &mut embeddings,
-            &found.embeddings,
+            &gradient.embeddings,
             scale,
             settings.embedding_rate * rate,
         );
@@ -132,9 +136,9 @@ fn loss(
         .par_iter()
         .map(|batch| {
             let mut room = ROOM.take();
-            let found = gradient(world, &narrow_weights, &narrow_embeddings, batch, &mut room);
+            let part = gradient(world, &narrow_weights, &narrow_embeddings, batch, &mut room);
             ROOM.set(room);
-            found
+            part
         })
         .collect();
     // In the batches' order, whichever was ready first.
@@ -172,12 +176,12 @@ fn gap_variance_m2(drivers: &[Stretch<'_>]) -> f64 {
 
 fn mean_and_variance(
     drivers: &[Stretch<'_>],
-    of: impl Fn(&Stretch<'_>, usize) -> f64,
+    value: impl Fn(&Stretch<'_>, usize) -> f64,
 ) -> (f64, f64) {
     let values = || {
         drivers
             .iter()
-            .flat_map(|s| s.rows.clone().map(|row| of(s, row)))
+            .flat_map(|s| s.rows.clone().map(|row| value(s, row)))
     };
     let count = values().count() as f64;
     let mean = values().sum::<f64>() / count;

@@ -29,7 +29,7 @@ pub(super) struct Batch<T> {
 /// What was recorded at one moment of each segment.
 #[derive(Clone, Copy)]
 pub(super) struct Row<T> {
-    /// Gap, in m.
+    /// Recorded distance to the leader, in m.
     pub(super) gap_m: Lanes<T>,
     /// Speed, in m/s.
     pub(super) speed_mps: Lanes<T>,
@@ -136,15 +136,15 @@ struct Asked<T> {
 
 impl<T: Real> Asked<T> {
     #[inline(always)]
-    fn of(outputs: &[Lanes<T>; OUTPUTS]) -> Self {
-        let mut asked = Self {
+    fn from_outputs(outputs: &[Lanes<T>; OUTPUTS]) -> Self {
+        let mut wanted = Self {
             values: [nothing(); OUTPUTS],
             slopes: [nothing(); OUTPUTS],
         };
         for k in 0..OUTPUTS {
-            (asked.values[k], asked.slopes[k]) = of_output(k, &outputs[k]);
+            (wanted.values[k], wanted.slopes[k]) = of_output(k, &outputs[k]);
         }
-        asked
+        wanted
     }
 }
 
@@ -233,7 +233,7 @@ fn styled<'a, T: Real>(
 ) -> Styled<'a, T> {
     let d = layout.embedding;
     let w = |lane: usize, k: usize| embeddings[batch.embeddings[lane] * d + k];
-    Styled::of(layout, weights, w)
+    Styled::new(layout, weights, w)
 }
 
 impl<T: Real> NullaryFnOnce for ThereAndBack<'_, T> {
@@ -292,9 +292,9 @@ fn there<T: Real>(
         let (first, second) = layers.split_at_mut(h);
         let outputs = network.forward(h, &inputs(world, &ego.speed_mps), first, second);
         step.ego = ego;
-        let asked = Asked::of(&outputs);
-        step.asked = asked;
-        ego.advance(world, &asked, [&rows[0], &rows[1]]);
+        let wanted = Asked::from_outputs(&outputs);
+        step.asked = wanted;
+        ego.advance(world, &wanted, [&rows[0], &rows[1]]);
         let errors = ego.errors(&rows[1]);
         let (gap, speed) = (errors.gap_m, errors.speed_mps);
         let sums = squares;
@@ -335,12 +335,12 @@ fn back<T: Real>(
         .steps
         .chunks(TOGETHER)
         .zip(room.layers.chunks(TOGETHER * 2 * h));
-    for (at, (steps, layers)) in some.enumerate().rev() {
+    for (block, (steps, layers)) in some.enumerate().rev() {
         let kept = &mut room.kept[..steps.len() * (OUTPUTS + h)];
         let each = steps.iter().zip(layers.chunks_exact(2 * h)).enumerate();
         for (of_some, (step, layers)) in each.rev() {
             let Step { ego, asked, errors } = *step;
-            let lead = batch.rows[at * TOGETHER + of_some].lead_mps;
+            let lead = batch.rows[block * TOGETHER + of_some].lead_mps;
             let [mut d_0, mut d_1, mut d_2, mut d_3] = [nothing::<T, LANES>(); OUTPUTS];
             let (values, slopes) = (asked.values, asked.slopes);
             for l in 0..LANES {
@@ -430,7 +430,7 @@ impl<T: Real> There<'_, T> {
         let (h, steps) = (world.hidden::<HIDDEN>(), batch.rows.len() - 1);
         let network = styled(world.layout, weights, embeddings, batch);
         let mut layers = vec![nothing(); 2 * h];
-        let mut found = Vec::with_capacity(2 * steps);
+        let mut weighted = Vec::with_capacity(2 * steps);
         let root = |weight: T| -> Lanes<T> {
             batch
                 .weights
@@ -441,12 +441,12 @@ impl<T: Real> There<'_, T> {
         for rows in batch.rows.windows(2) {
             let (first, second) = layers.split_at_mut(h);
             let outputs = network.forward(h, &inputs(world, &ego.speed_mps), first, second);
-            ego.advance(world, &Asked::of(&outputs), [&rows[0], &rows[1]]);
+            ego.advance(world, &Asked::from_outputs(&outputs), [&rows[0], &rows[1]]);
             let errors = ego.errors(&rows[1]);
-            found.push(std::array::from_fn(|l| by_gap[l] * errors.gap_m[l]));
-            found.push(std::array::from_fn(|l| by_speed[l] * errors.speed_mps[l]));
+            weighted.push(std::array::from_fn(|l| by_gap[l] * errors.gap_m[l]));
+            weighted.push(std::array::from_fn(|l| by_speed[l] * errors.speed_mps[l]));
         }
-        found
+        weighted
     }
 }
 
@@ -460,21 +460,21 @@ pub(super) fn inputs<T: Real, const N: usize>(
 }
 
 #[inline(always)]
-fn within_bounds<T: Real>(asked: T) -> T {
+fn within_bounds<T: Real>(wanted: T) -> T {
     // Not `max` and `min`, which hide what is no number.
-    if asked < T::of(MIN_ACCEL_MPS2) {
+    if wanted < T::of(MIN_ACCEL_MPS2) {
         T::of(MIN_ACCEL_MPS2)
-    } else if asked > T::of(MAX_ACCEL_MPS2) {
+    } else if wanted > T::of(MAX_ACCEL_MPS2) {
         T::of(MAX_ACCEL_MPS2)
     } else {
-        asked
+        wanted
     }
 }
 
 /// Distance moved and the next speed, as in [`simulate`](crate::simulate).
 #[inline(always)]
-fn advance<T: Real>(speed: T, asked: T, step_s: T) -> (T, T) {
-    let a = within_bounds(asked);
+fn advance<T: Real>(speed: T, wanted: T, step_s: T) -> (T, T) {
+    let a = within_bounds(wanted);
     let next = speed + a * step_s;
     if next < T::of(0.0) {
         (speed * speed / (T::of(-2.0) * a), T::of(0.0))
@@ -485,8 +485,8 @@ fn advance<T: Real>(speed: T, asked: T, step_s: T) -> (T, T) {
 
 /// Derivatives by the speed and by the command, from those by the distance moved and by the next speed.
 #[inline(always)]
-fn advance_back<T: Real>(speed: T, asked: T, step_s: T, d_moved: T, d_next: T) -> (T, T) {
-    let a = within_bounds(asked);
+fn advance_back<T: Real>(speed: T, wanted: T, step_s: T, d_moved: T, d_next: T) -> (T, T) {
+    let a = within_bounds(wanted);
     let (d_speed, d_a) = if speed + a * step_s < T::of(0.0) {
         let stops = d_moved * speed / a;
         (-stops, stops * speed / (T::of(2.0) * a))
@@ -494,7 +494,7 @@ fn advance_back<T: Real>(speed: T, asked: T, step_s: T, d_moved: T, d_next: T) -
         let half = T::of(0.5) * step_s * d_moved;
         (half + (d_next + half), (d_next + half) * step_s)
     };
-    let free = asked > T::of(MIN_ACCEL_MPS2) && asked < T::of(MAX_ACCEL_MPS2);
+    let free = wanted > T::of(MIN_ACCEL_MPS2) && wanted < T::of(MAX_ACCEL_MPS2);
     (d_speed, if free { d_a } else { T::of(0.0) })
 }
 

@@ -13,7 +13,6 @@ use std::path::Path;
 /// Rows by whose cells a column of text is told from one of numbers.
 const SAMPLE: usize = 200;
 
-/// One column.
 #[derive(Debug, Clone)]
 pub(super) struct TableColumn {
     pub(super) name: String,
@@ -69,8 +68,8 @@ pub(super) fn read_as(
             headless,
             ..Style::default()
         };
-        let found = header(rest, plain, None);
-        (preamble, Some(found.separator), found.names)
+        let first_line = header(rest, plain, None);
+        (preamble, Some(first_line.separator), first_line.names)
     };
     let decimal_comma = !parquet && separator == Some(b';') && has_decimal_commas(&bytes, preamble);
     let style = Style {
@@ -161,12 +160,12 @@ fn has_decimal_commas(text: &[u8], preamble: usize) -> bool {
         let cell = cell.trim();
         cell.contains(',') && cell.replace(',', ".").parse::<f64>().is_ok()
     };
-    let (mut with, mut all) = (0, 0);
+    let (mut with, mut count) = (0, 0);
     for cell in cells {
-        all += 1;
+        count += 1;
         with += usize::from(decimal(&cell));
     }
-    with * 4 > all
+    with * 4 > count
 }
 
 impl TableColumn {
@@ -185,8 +184,8 @@ impl TableColumn {
     pub(super) fn quantile(&self, share: f64) -> Option<f64> {
         let mut values: Vec<f64> = self.filled().collect();
         values.sort_by(f64::total_cmp);
-        let at = share * values.len().saturating_sub(1) as f64;
-        values.get(at.round() as usize).copied()
+        let rank = share * values.len().saturating_sub(1) as f64;
+        values.get(rank.round() as usize).copied()
     }
 
     /// Whether all numbers are whole.

@@ -59,7 +59,7 @@ pub(super) fn guess(table: &Sheet) -> Guess {
         _ => Vec::new(),
     };
     let series = series(table, id.filter(|_| platoon.is_none()), &groups);
-    let time = Time::of(&reader, &series);
+    let time = Time::find(&reader, &series);
     let step_s = time.step_s;
     let speed = platoon.map(|[speed, _]| speed).or_else(|| {
         let speed = reader.number(Whose::Ego, What::Speed);
@@ -91,7 +91,7 @@ pub(super) fn guess(table: &Sheet) -> Guess {
     });
     let lane = reader.number(Whose::Ego, What::Lane);
     let lead_x = position.and_then(|p| lead_position(&reader, p));
-    let told = Told {
+    let chosen = Chosen {
         reader: &reader,
         platoon,
         id,
@@ -107,7 +107,7 @@ pub(super) fn guess(table: &Sheet) -> Guess {
         shape,
         columns,
         offset,
-    } = told.named(time.column);
+    } = chosen.named(time.column);
     let uses_gap = columns.iter().any(|(key, _)| *key == "gap");
     let gap_kind = gap
         .filter(|_| uses_gap)
@@ -167,7 +167,7 @@ fn unused(
 }
 
 /// What columns tell of a drive.
-struct Told<'a> {
+struct Chosen<'a> {
     reader: &'a Reader<'a>,
     platoon: Option<[&'a TableColumn; 2]>,
     id: Option<&'a TableColumn>,
@@ -199,7 +199,7 @@ struct Named {
     offset: Option<String>,
 }
 
-impl Told<'_> {
+impl Chosen<'_> {
     fn named(&self, time: Option<&TableColumn>) -> Named {
         let mut keys = Keys::default();
         keys.put("time", time);

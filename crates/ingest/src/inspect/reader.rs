@@ -48,14 +48,14 @@ pub(super) fn series(table: &Sheet, id: Option<&TableColumn>, groups: &[&TableCo
         Some(numbers) => numbers[row].to_string(),
         None => column.words[row].clone().unwrap_or_default(),
     };
-    let mut of = Vec::with_capacity(table.rows);
+    let mut series = Vec::with_capacity(table.rows);
     for row in 0..table.rows {
         let parts = id.into_iter().chain(groups.iter().copied());
         let key: Vec<String> = parts.map(|c| cell(c, row)).collect();
         let next = numbers.len() as u32;
-        of.push(*numbers.entry(key.join("\u{1}")).or_insert(next));
+        series.push(*numbers.entry(key.join("\u{1}")).or_insert(next));
     }
-    of
+    series
 }
 
 /// Rows of one vehicle after another row of the same: pairs of rows.

@@ -263,7 +263,7 @@ fn signals(folder: &Path) -> Result<String, IngestError> {
             .is_some_and(|e| tables.iter().any(|t| e == *t))
             && f.is_file()
     });
-    let mut found = String::new();
+    let mut sections = String::new();
     let mut speed = None;
     for path in files {
         let Ok(table) = look(&path).and_then(|bytes| columns::read(&path, bytes)) else {
@@ -297,14 +297,14 @@ fn signals(folder: &Path) -> Result<String, IngestError> {
             let renewed = column("new_track").map(|n| format!("new_track = {n}\n"));
             let renewed = renewed.unwrap_or_default();
             let _ = write!(
-                found,
+                sections,
                 "\n[table.signals.tracks]\nfile = {file}\ntime = {time}\ntrack = {track}\n{renewed}forward = {forward}\n\
                  left = {left}\nrelative_speed = {relative}\n"
             );
         } else if let Some(vectors) = every(&["x", "y", "z", "vx", "vy", "vz"]) {
             let (position, velocity) = (vectors[..3].join(", "), vectors[3..].join(", "));
             let _ = write!(
-                found,
+                sections,
                 "\n# doubt: positions are taken to be earth-centred, earth-fixed.\n[table.signals.velocity]\nfile = \
                  {file}\ntime = {time}\nposition = [{position}]\nvelocity = [{velocity}]\n"
             );
@@ -331,7 +331,7 @@ fn signals(folder: &Path) -> Result<String, IngestError> {
     }
     body.push_str("# doubt: metres, as with speeds in m/s\nlength = \"m\"\n");
     body.push_str(&speed);
-    body.push_str(&found);
+    body.push_str(&sections);
     let guess = Guess {
         shape: Shape::Pair,
         ..guess

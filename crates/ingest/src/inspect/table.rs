@@ -37,20 +37,20 @@ pub(super) fn inspect_table(
     let sure = table_mapping.is_some();
     let columns = table.columns.iter();
     let columns = columns.map(|c| summary(c, &mapped, &guess, sure));
-    let mut found = LogSummary {
+    let mut log_summary = LogSummary {
         format: LogFormat::Table,
         columns: columns.collect(),
         rows: table.rows,
         ..LogSummary::default()
     };
     if table_mapping.is_some() {
-        with_mapping(path, settings, &mut found);
+        with_mapping(path, settings, &mut log_summary);
     } else {
-        found.would_ingest = without_mapping(&table, &guess);
+        log_summary.would_ingest = without_mapping(&table, &guess);
         let noted = |why: String| Warning::new(path, WarningKind::Noted, 1, why);
-        found.warnings.extend(guess.offset.map(noted));
+        log_summary.warnings.extend(guess.offset.map(noted));
     }
-    Ok(found)
+    Ok(log_summary)
 }
 
 /// The columns of one file of a folder of signals, each with its keys.
@@ -70,36 +70,36 @@ pub(super) fn columns_of_signal(
 }
 
 /// Reads the table, the only sure way to know what becomes of it.
-pub(super) fn with_mapping(path: &Path, settings: &IngestSettings, found: &mut LogSummary) {
+pub(super) fn with_mapping(path: &Path, settings: &IngestSettings, log_summary: &mut LogSummary) {
     match read_log(path, settings) {
         Ok(drives) => {
             let rows: usize = drives.iter().map(|d| d.recording.rows()).sum();
             let rate = drives.first().map_or(0.0, |d| d.recording.rate_hz());
             let drives_word = if drives.len() == 1 { "drive" } else { "drives" };
-            found.sees = drives.first().map(|d| d.recording.sees());
-            found.would_ingest = format!(
+            log_summary.sees = drives.first().map(|d| d.recording.sees());
+            log_summary.would_ingest = format!(
                 "{} {drives_word} of {rows} rows at {rate} Hz, by the mapping{}",
                 drives.len(),
-                found.sees.map(seen_in_words).unwrap_or_default()
+                log_summary.sees.map(seen_in_words).unwrap_or_default()
             );
             let last = |d: &Ingested| d.recording.time_s().last().copied().unwrap_or(0.0);
-            found.duration_s = drives.iter().map(last).max_by(f64::total_cmp);
+            log_summary.duration_s = drives.iter().map(last).max_by(f64::total_cmp);
             for drive in drives {
                 let holes = drive
                     .warnings
                     .iter()
                     .filter(|w| w.kind == WarningKind::Hole);
-                found
+                log_summary
                     .gaps
                     .extend(holes.flat_map(|w| &w.spans_s).map(|&(from_s, to_s)| Gap {
                         topic: drive.meta.drive.to_string(),
                         from_s,
                         to_s,
                     }));
-                found.warnings.extend(drive.warnings);
+                log_summary.warnings.extend(drive.warnings);
             }
         }
-        Err(error) => found.would_ingest = format!("nothing: {error}"),
+        Err(error) => log_summary.would_ingest = format!("nothing: {error}"),
     }
 }
 

@@ -27,7 +27,7 @@ pub(super) struct Time<'a> {
 
 impl<'a> Time<'a> {
     /// The time of a table whose rows are of vehicles: by its name, else by its cells.
-    pub(super) fn of(reader: &Reader<'a>, series: &[u32]) -> Self {
+    pub(super) fn find(reader: &Reader<'a>, series: &[u32]) -> Self {
         let by_name = named(reader, series);
         let is_named = by_name.is_some();
         let (column, (times, pattern)) = match by_name.or_else(|| by_cells(reader, series)) {
@@ -35,8 +35,8 @@ impl<'a> Time<'a> {
             None => (None, (Cow::default(), None)),
         };
         let step = column.and_then(|_| step(&times, series));
-        let said = column.and_then(|c| words(&c.name).unit);
-        let mut unit = time_unit(column, pattern, said, step);
+        let named_unit = column.and_then(|c| words(&c.name).unit);
+        let mut unit = time_unit(column, pattern, named_unit, step);
         if let Some(column) = column.filter(|c| !is_named && c.numbers.is_some()) {
             let why = format!(
                 "the cells of `{}` rise evenly as times do; {}",
@@ -77,13 +77,13 @@ fn rising<'a>(column: &'a TableColumn, series: &[u32]) -> Option<(&'a TableColum
     let times = times(column)?;
     let numbers = &times.0;
     // Rows may come in bursts of one time, but hardly ever go back.
-    let (mut up, mut down, mut all) = (0, 0, 0);
+    let (mut up, mut down, mut count) = (0, 0, 0);
     for (a, b) in steps(series) {
         up += usize::from(numbers[b] > numbers[a]);
         down += usize::from(numbers[b] < numbers[a]);
-        all += 1;
+        count += 1;
     }
-    (up * 10 >= all && up > 0 && down * 20 <= all).then_some((column, times))
+    (up * 10 >= count && up > 0 && down * 20 <= count).then_some((column, times))
 }
 
 /// The column that rises along the rows of a vehicle, and its times; times go before frames.
@@ -134,12 +134,12 @@ const MOST_SPREAD: f64 = 0.2;
 fn spread(steps: impl Iterator<Item = f64>) -> Option<f64> {
     let mut steps: Vec<f64> = steps.filter(|d| d.is_finite()).collect();
     steps.sort_by(f64::total_cmp);
-    let at = |tenths: usize| {
+    let quantile = |tenths: usize| {
         steps
             .get(tenths * steps.len().saturating_sub(1) / 10)
             .copied()
     };
-    let (low, middle, high) = (at(1)?, at(5)?, at(9)?);
+    let (low, middle, high) = (quantile(1)?, quantile(5)?, quantile(9)?);
     (middle > 0.0).then(|| 0.5 * (high - low) / middle)
 }
 

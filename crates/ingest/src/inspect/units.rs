@@ -116,7 +116,7 @@ pub(super) fn known_ratio(ratio: f64) -> (f64, f64) {
     nearest_ratio(ratio, |_, _| true).map_or((1.0, f64::INFINITY), |r| (r.2, r.3))
 }
 
-/// The unit of length.
+/// As a name says; else by the lengths of vehicles, the unit of speeds and `ratio`, or the `harshest` change of speed.
 pub(super) fn length_unit(
     named: Option<&'static str>,
     lengths: [Option<&TableColumn>; 2],
@@ -158,7 +158,6 @@ pub(super) fn length_unit(
     doubt("m", format!("{what} {harshest:.1} a second"))
 }
 
-/// The unit of speed.
 pub(super) fn speed_unit(
     named: Option<&'static str>,
     length: &'static str,

@@ -42,8 +42,8 @@ fn offset_grows(grows: Option<Side>, offset: Option<&String>) -> Checked {
         offset.is_some(),
         "`table.columns.offset`",
     )?;
-    let asked = "`table.offset_grows` is not given: does the place in the lane grow to the `left` or to the `right`?";
-    refuse(offset.is_some() && grows.is_none(), asked)
+    let question = "`table.offset_grows` is not given: does the place in the lane grow to the `left` or to the `right`?";
+    refuse(offset.is_some() && grows.is_none(), question)
 }
 
 impl TableMapping {
@@ -70,8 +70,8 @@ impl TableMapping {
             gap,
             "`table.columns.gap`",
         )?;
-        let asked = "`table.gap_kind` is not given: is the gap `bumper_to_bumper`, `front_to_front` or `centre_to_centre`?";
-        refuse(gap && self.gap_kind.is_none(), asked)?;
+        let question = "`table.gap_kind` is not given: is the gap `bumper_to_bumper`, `front_to_front` or `centre_to_centre`?";
+        refuse(gap && self.gap_kind.is_none(), question)?;
         let signed = self.gap_kind == Some(GapKind::Signed);
         let why = "layout `long` has no `gap_kind = \"signed\"`: its gaps are to the vehicle ahead";
         refuse(signed && matches!(self.layout, Layout::Long(_)), why)?;
@@ -85,9 +85,9 @@ impl TableMapping {
         )?;
         // Beside a y the number may stand for nothing.
         let by_y = matches!(&self.layout, Layout::Long(long) if long.columns.y.is_some());
-        let asked =
+        let question =
             "`table.lanes_from` is not given: are lanes numbered from the `left` or the `right`?";
-        refuse(numbered && !by_y && self.lanes_from.is_none(), asked)?;
+        refuse(numbered && !by_y && self.lanes_from.is_none(), question)?;
         self.check_times()
     }
 
@@ -98,8 +98,8 @@ impl TableMapping {
         );
         idle("frames_per_s", rated, framed, "`time = \"frames\"`")?;
         let meta_rated = self.layout.meta().is_some_and(|m| m.frames_per_s.is_some());
-        let asked = "`table.frames_per_s` is not given, as is needed where times are frames";
-        refuse(framed && !rated && !meta_rated, asked)?;
+        let needs = "`table.frames_per_s` is not given, as is needed where times are frames";
+        refuse(framed && !rated && !meta_rated, needs)?;
         let patterned = self.units.time == TimeUnit::Pattern;
         let pattern = self.time_pattern.as_deref();
         idle(
@@ -134,8 +134,8 @@ impl Pair {
         let needs = "`table.columns.lead_x`, or beside a `gap`";
         idle("point", self.point.is_some(), positions, needs)?;
         let odd = matches!(self.point, Some(Point::Reference | Point::Corner));
-        let asked = "`table.point` of layout `pair` is not given, or another: are positions of a vehicle's `front`, `centre` or `rear`?";
-        refuse(positions && (odd || self.point.is_none()), asked)?;
+        let question = "`table.point` of layout `pair` is not given, or another: are positions of a vehicle's `front`, `centre` or `rear`?";
+        refuse(positions && (odd || self.point.is_none()), question)?;
         let twice = "`table.columns.ego_y` and `lane` or `offset` both say where ego is across the road: `ego_y` is for a position across \
                      the road, `lane` and `offset` are for a lane's number and the place in it";
         refuse(
@@ -175,9 +175,9 @@ impl Long {
             c.y.is_some(),
             "`table.columns.y`",
         )?;
-        let asked =
+        let question =
             "`table.y_grows` is not given: does y grow to the `left` or to the `right` of x?";
-        refuse(c.y.is_some() && self.y_grows.is_none(), asked)?;
+        refuse(c.y.is_some() && self.y_grows.is_none(), question)?;
         let reference = self.point == Point::Reference;
         let ahead = self.centre_ahead_m.is_some() || c.centre_ahead.is_some();
         idle("centre_ahead", ahead, reference, "`point = \"reference\"`")?;
@@ -189,9 +189,9 @@ impl Long {
         let twice = "`table.columns.y` and `offset` both say where a vehicle is across the road: `y` is for a position across the road, \
                      `offset` beside `lane` for the place in a lane";
         refuse(c.y.is_some() && c.offset.is_some(), twice)?;
-        let asked =
+        let question =
             "`table.columns.lane` is not given: in which lane is the place that `offset` says?";
-        refuse(c.offset.is_some() && c.lane.is_none(), asked)?;
+        refuse(c.offset.is_some() && c.lane.is_none(), question)?;
         offset_grows(self.offset_grows, c.offset.as_ref())?;
         let named = c.id.is_some() || c.around_id().is_some();
         let needs =

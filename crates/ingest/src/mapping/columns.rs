@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 #[derive(Debug, Clone, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct PairColumns {
-    /// Time.
+    /// When each row was recorded, in the mapping's unit of time.
     pub time: String,
     /// Ego's speed.
     pub ego_speed: String,
@@ -40,9 +40,9 @@ pub struct PairColumns {
 #[derive(Debug, Clone, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct PlatoonColumns {
-    /// Time.
+    /// When each row was recorded, of all vehicles.
     pub time: String,
-    /// Speed.
+    /// Each vehicle's speed.
     pub speed: String,
     /// Distance from vehicle n to vehicle n + 1 behind it, of the mapping's kind.
     pub gap: String,
@@ -52,7 +52,7 @@ pub struct PlatoonColumns {
     pub lane: Option<String>,
     /// Distance from the lane's centre, to the side that `offset_grows` says.
     pub offset: Option<String>,
-    /// Length.
+    /// Each vehicle's length; without it the mapping's.
     pub length: Option<String>,
 }
 
@@ -62,7 +62,7 @@ pub struct PlatoonColumns {
 #[derive(Debug, Clone, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct LongColumns {
-    /// Time.
+    /// When each row was recorded, in the mapping's unit of time.
     pub time: String,
     /// Position along the road, or eastwards.
     pub x: String,
@@ -77,7 +77,7 @@ pub struct LongColumns {
     pub lane: Option<String>,
     /// Distance from the lane's centre, to the side that `offset_grows` says.
     pub offset: Option<String>,
-    /// Speed.
+    /// How fast the vehicle drives; without it from the velocities, else from the positions.
     pub speed: Option<String>,
     /// Velocity along x, where there is no speed.
     pub speed_x: Option<String>,

@@ -94,7 +94,7 @@ pub struct SignalTables {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Point {
-    /// Its centre.
+    /// The middle of its length and width.
     Centre,
     /// The middle of its front bumper.
     Front,

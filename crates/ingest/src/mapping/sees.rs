@@ -19,7 +19,7 @@ pub struct SeesMapping {
 
 impl SeesMapping {
     /// What the rig sees, of which the log `shows` this.
-    pub(crate) fn of(self, shows: Sees) -> Sees {
+    pub(crate) fn or_shown(self, shows: Sees) -> Sees {
         Sees {
             ahead: self.ahead.unwrap_or(shows.ahead),
             beside: self.beside.unwrap_or(shows.beside),

@@ -135,7 +135,7 @@ impl Signals {
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Only {
-    /// The column.
+    /// Whose words decide.
     pub column: String,
     /// What it holds in rows that count.
     pub is: Vec<String>,

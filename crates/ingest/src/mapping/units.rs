@@ -6,11 +6,11 @@ use serde::{Deserialize, Serialize};
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Units {
-    /// Of the time.
+    /// Of all times, or how dates are written.
     pub time: TimeUnit,
     /// Of positions, gaps and lengths.
     pub length: LengthUnit,
-    /// Of speeds.
+    /// Of speeds, velocities and posted speeds.
     pub speed: SpeedUnit,
     /// Of headings.
     #[serde(default)]
@@ -29,19 +29,19 @@ impl Units {
     }
 }
 
-/// A unit of time.
+/// How a table writes its times.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub enum TimeUnit {
-    /// Seconds.
+    /// `s` in a mapping.
     #[serde(rename = "s")]
     Seconds,
-    /// Milliseconds.
+    /// `ms` in a mapping.
     #[serde(rename = "ms")]
     Milliseconds,
-    /// Microseconds.
+    /// `us` in a mapping.
     #[serde(rename = "us")]
     Microseconds,
-    /// Nanoseconds.
+    /// `ns` in a mapping.
     #[serde(rename = "ns")]
     Nanoseconds,
     /// Numbers of frames; the mapping or the recording's meta file says how many make a second.
@@ -55,10 +55,10 @@ pub enum TimeUnit {
     Pattern,
 }
 
-/// A unit of length.
+/// The unit of a table's positions, gaps and lengths.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub enum LengthUnit {
-    /// Metres.
+    /// `m` in a mapping.
     #[serde(rename = "m")]
     Metres,
     /// International feet, 0.3048 m.
@@ -66,31 +66,31 @@ pub enum LengthUnit {
     Feet,
 }
 
-/// A unit of speed.
+/// The unit of a table's speeds.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub enum SpeedUnit {
-    /// Metres per second.
+    /// `m/s` in a mapping.
     #[serde(rename = "m/s")]
     MetresPerSecond,
-    /// Kilometres per hour.
+    /// `km/h` in a mapping.
     #[serde(rename = "km/h")]
     KilometresPerHour,
-    /// Miles per hour.
+    /// `mph` in a mapping: international miles, 1.609344 km.
     #[serde(rename = "mph")]
     MilesPerHour,
-    /// Feet per second.
+    /// `ft/s` in a mapping: international feet, 0.3048 m.
     #[serde(rename = "ft/s")]
     FeetPerSecond,
 }
 
-/// A unit of angle.
+/// The unit of a table's headings, and where they count from.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 pub enum AngleUnit {
-    /// Radians.
+    /// Counter-clockwise from x; `rad` in a mapping.
     #[default]
     #[serde(rename = "rad")]
     Radians,
-    /// Degrees.
+    /// Counter-clockwise from x; `deg` in a mapping.
     #[serde(rename = "deg")]
     Degrees,
     /// Degrees clockwise from y, as on a compass.
@@ -122,7 +122,7 @@ impl LengthUnit {
 }
 
 impl SpeedUnit {
-    /// Metres per second in one.
+    /// In m/s, the factor that a number of the table is multiplied by.
     pub fn metres_per_second(self) -> f64 {
         match self {
             Self::MetresPerSecond => 1.0,

@@ -4,7 +4,7 @@
 pub(crate) trait Cell: Copy {
     type Stored: Copy;
     fn stored(self) -> Self::Stored;
-    fn of(stored: Self::Stored) -> Self;
+    fn from_stored(stored: Self::Stored) -> Self;
 }
 
 macro_rules! plain_cells {
@@ -14,7 +14,7 @@ macro_rules! plain_cells {
             fn stored(self) -> $kind {
                 self
             }
-            fn of(stored: $kind) -> Self {
+            fn from_stored(stored: $kind) -> Self {
                 stored
             }
         })*
@@ -27,7 +27,7 @@ impl Cell for Option<f64> {
     fn stored(self) -> f64 {
         self.unwrap_or(f64::NAN)
     }
-    fn of(stored: f64) -> Self {
+    fn from_stored(stored: f64) -> Self {
         (!stored.is_nan()).then_some(stored)
     }
 }
@@ -62,8 +62,8 @@ pub(crate) trait Timed {
         let finite = |&(column, or_none): &(&[f64], bool), i: usize| {
             column[i].is_finite() || (or_none && column[i].is_nan())
         };
-        let all = |i: usize| values.iter().all(|value| finite(value, i));
-        (0..self.stamps().len()).map(all).collect()
+        let all_finite = |i: usize| values.iter().all(|value| finite(value, i));
+        (0..self.stamps().len()).map(all_finite).collect()
     }
 
     /// Whether that is so of all.
@@ -145,7 +145,7 @@ macro_rules! samples {
                     stamp_ns: self.stamp_ns[i],
                     log_ns: self.log_ns[i],
                     nth: self.nth[i],
-                    $($field: Cell::of(self.$field[i]),)*
+                    $($field: Cell::from_stored(self.$field[i]),)*
                 }
             }
 
@@ -344,7 +344,7 @@ impl EgoSample {
 impl ObjectSample {
     /// Bumper to bumper, in m, where it is known.
     pub(crate) fn known_length_m(&self) -> Option<f64> {
-        Cell::of(self.length_m)
+        Cell::from_stored(self.length_m)
     }
 
     /// The same of ego.
@@ -356,7 +356,7 @@ impl ObjectSample {
             x_m: self.x_m,
             y_m: self.y_m,
             yaw_rad: None,
-            speed_mps: Cell::of(self.speed_mps),
+            speed_mps: Cell::from_stored(self.speed_mps),
         }
     }
 }

@@ -28,7 +28,6 @@ use open::{Kind, Table};
 use std::path::{Path, PathBuf};
 use time::Clock;
 
-/// One drive of a table.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub(crate) struct TableDrive {
     /// What names the drive among those of its file: the vehicle's number as `id`, and each group column.
@@ -66,8 +65,8 @@ impl Gaps {
 fn refuse_overlaps(path: &Path, drives: &mut [TableDrive]) -> Result<(), IngestError> {
     let what = "gaps to the leader are negative: it would stand within ego. Is `gap_kind` right?";
     let count = drives.iter().map(|d| d.gaps.negative_ns.len()).sum();
-    let of = drives.iter().map(|d| d.gaps.count).sum();
-    refuse_many(path, count, of, what)?;
+    let total = drives.iter().map(|d| d.gaps.count).sum();
+    refuse_many(path, count, total, what)?;
     for drive in drives.iter_mut().filter(|d| !d.gaps.negative_ns.is_empty()) {
         let start_ns = drive.raw.ego.stamp_ns.iter().min().copied();
         let since = |ns: i64| (ns - start_ns.unwrap_or(ns)) as f64 / 1e9;

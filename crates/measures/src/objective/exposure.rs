@@ -20,7 +20,7 @@ pub struct Exposure {
 
 impl Exposure {
     /// That of a drive.
-    pub fn of(drive: &Drive) -> Self {
+    pub fn from_drive(drive: &Drive) -> Self {
         let rows = drive.rows();
         let start = rows.time_s.first().copied().unwrap_or_default();
         let since = |row: usize| rows.time_s[row] - start;
@@ -145,10 +145,10 @@ mod tests {
     #[test]
     fn a_lead_is_met_when_it_is_first_ahead_in_ones_own_lane() {
         // It comes into sight at once; nobody is there without one.
-        let alone = Exposure::of(&Scripted::new(40.0).drive());
+        let alone = Exposure::from_drive(&Scripted::new(40.0).drive());
         assert!(alone.leads_s.is_empty());
         assert!((alone.duration_s - 39.95).abs() < 1e-9, "{alone:?}");
-        let one = Exposure::of(&Scripted::new(40.0).lead(85.0, 25.0).drive());
+        let one = Exposure::from_drive(&Scripted::new(40.0).lead(85.0, 25.0).drive());
         assert_eq!(one.leads_s.len(), 1);
         assert!(one.leads_s[0] < 1.0, "{one:?}");
     }

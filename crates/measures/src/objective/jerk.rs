@@ -21,9 +21,12 @@ pub(super) const MEASURE: Measure = Measure {
         let [_, jerk] = acceleration_and_jerk(drive)?;
         let mut sizes: Vec<f64> = jerk.into_iter().flatten().map(f64::abs).collect();
         sizes.sort_by(f64::total_cmp);
-        let at = SHARE * sizes.len().checked_sub(1)? as f64;
-        let (low, high) = (sizes[at.floor() as usize], sizes[at.ceil() as usize]);
-        Some(low + (at - at.floor()) * (high - low))
+        let position = SHARE * sizes.len().checked_sub(1)? as f64;
+        let (low, high) = (
+            sizes[position.floor() as usize],
+            sizes[position.ceil() as usize],
+        );
+        Some(low + (position - position.floor()) * (high - low))
     },
 };
 

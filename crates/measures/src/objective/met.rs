@@ -17,10 +17,9 @@ pub(super) const LEADS: Measure = Measure {
     of_passing: false,
     grows: true,
     why_missing: "",
-    value: |drive| Some(Exposure::of(drive).leads_s.len() as f64),
+    value: |drive| Some(Exposure::from_drive(drive).leads_s.len() as f64),
 };
 
-/// Their speed.
 pub(super) const LEAD_SPEED: Measure = Measure {
     name: "mean_lead_speed_mps",
     title: "Mean speed of lead vehicles",

@@ -57,7 +57,7 @@ fn acceleration(drive: &Drive) -> Vec<f64> {
     let rows = drive.rows();
     let n = drive.len();
     let half = ((HALF_SPAN_S * drive.rate_hz()).round() as usize).max(1);
-    let at = |row: usize| {
+    let at_row = |row: usize| {
         let same = |i: &usize| rows.segment[*i] == rows.segment[row];
         let low = (row.saturating_sub(half)..=row).find(same).unwrap_or(row);
         let high = (row..=(row + half).min(n - 1))
@@ -71,7 +71,7 @@ fn acceleration(drive: &Drive) -> Vec<f64> {
             0.0
         }
     };
-    (0..n).map(at).collect()
+    (0..n).map(at_row).collect()
 }
 
 /// Whether a slowing that lasts long enough is under way at each row.

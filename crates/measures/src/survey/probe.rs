@@ -12,7 +12,7 @@ use std::collections::BTreeMap;
 /// As [`score`](super::score) for a scale or an answer that is not possible.
 pub fn score_probes(scales: &[Scale], answers: &[ProbeAnswer]) -> Result<Vec<Score>, MeasureError> {
     let index = index(scales)?;
-    let mut asked: BTreeMap<(&ParticipantId, Ride, usize), Vec<Option<i32>>> = BTreeMap::new();
+    let mut probed: BTreeMap<(&ParticipantId, Ride, usize), Vec<Option<i32>>> = BTreeMap::new();
     for probe in answers {
         let position = checked(
             scales,
@@ -26,10 +26,10 @@ pub fn score_probes(scales: &[Scale], answers: &[ProbeAnswer]) -> Result<Vec<Sco
             },
         )?;
         let key = (&probe.participant, probe.ride, position);
-        asked.entry(key).or_default().push(probe.answer);
+        probed.entry(key).or_default().push(probe.answer);
     }
     let mut scores = Vec::new();
-    for ((participant, ride, position), answers) in asked {
+    for ((participant, ride, position), answers) in probed {
         let (scale, moment) = (&scales[position], Moment::Probe(ride));
         for subscale in &scale.subscales {
             let value = |answer: &Option<i32>| {

@@ -214,25 +214,26 @@ fn unanswered(
     sheets: &Sheets,
     known: &BTreeSet<&ParticipantId>,
 ) -> Vec<ScoreWarning> {
-    let asked: BTreeSet<(Moment, usize)> = sheets.keys().map(|(_, m, s)| (*m, *s)).collect();
-    let mut own: BTreeMap<&ParticipantId, BTreeSet<(Moment, usize)>> = BTreeMap::new();
+    let asked_of_some: BTreeSet<(Moment, usize)> =
+        sheets.keys().map(|(_, m, s)| (*m, *s)).collect();
+    let mut answered: BTreeMap<&ParticipantId, BTreeSet<(Moment, usize)>> = BTreeMap::new();
     for (participant, moment, position) in sheets.keys() {
-        let own = own.entry(participant).or_default();
-        own.insert((*moment, *position));
+        let theirs = answered.entry(participant).or_default();
+        theirs.insert((*moment, *position));
     }
     let mut warnings = Vec::new();
     for &participant in known {
-        let Some(own) = own.get(participant) else {
+        let Some(theirs) = answered.get(participant) else {
             warnings.push(ScoreWarning::NoAnswers {
                 participant: participant.clone(),
             });
             continue;
         };
-        let after = own.iter().filter(|(m, _)| matches!(m, Moment::After(_)));
+        let after = theirs.iter().filter(|(m, _)| matches!(m, Moment::After(_)));
         let after: BTreeSet<usize> = after.map(|(_, position)| *position).collect();
-        for &(moment, position) in &asked {
+        for &(moment, position) in &asked_of_some {
             let expected = moment.condition().is_none() || after.contains(&position);
-            if expected && !own.contains(&(moment, position)) {
+            if expected && !theirs.contains(&(moment, position)) {
                 warnings.push(ScoreWarning::Unanswered {
                     participant: participant.clone(),
                     moment,
@@ -245,7 +246,7 @@ fn unanswered(
 }
 
 fn matrices(scales: &[Scale], sheets: &Sheets) -> Vec<ItemMatrix> {
-    let mut found = Vec::new();
+    let mut matrices = Vec::new();
     for (position, scale) in scales.iter().enumerate() {
         let mine: Vec<(&(ParticipantId, Moment, usize), &Sheet)> = sheets
             .iter()
@@ -257,7 +258,7 @@ fn matrices(scales: &[Scale], sheets: &Sheets) -> Vec<ItemMatrix> {
         for subscale in &scale.subscales {
             let items = scale.items_of(subscale);
             let answers = mine.iter();
-            found.push(ItemMatrix {
+            matrices.push(ItemMatrix {
                 scale: scale.id.clone(),
                 subscale: subscale.id.clone(),
                 respondents: mine.iter().map(|((p, m, _), _)| (p.clone(), *m)).collect(),
@@ -268,7 +269,7 @@ fn matrices(scales: &[Scale], sheets: &Sheets) -> Vec<ItemMatrix> {
             });
         }
     }
-    found
+    matrices
 }
 
 #[cfg(test)]

@@ -64,9 +64,9 @@ fn scores(id: &str, answers: &[i32]) -> Vec<(String, f64)> {
 }
 
 fn assert_scores(id: &str, answers: &[i32], expected: &[(&str, f64)]) {
-    let found = scores(id, answers);
+    let scored = scores(id, answers);
     for (subscale, value) in expected {
-        let (_, score) = found.iter().find(|(name, _)| name == subscale).unwrap();
+        let (_, score) = scored.iter().find(|(name, _)| name == subscale).unwrap();
         assert!(
             (score - value).abs() < 1e-9,
             "{id}.{subscale}: {score}, expected {value}"

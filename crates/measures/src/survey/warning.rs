@@ -44,7 +44,7 @@ pub enum ScoreWarning {
         moment: Moment,
         /// Code name of the scale.
         scale: String,
-        /// The answer.
+        /// As it was ticked, before any item is reversed.
         answer: i32,
         /// Items answered.
         items: u32,
@@ -57,7 +57,7 @@ pub enum ScoreWarning {
         moment: Moment,
         /// Code name of the scale.
         scale: String,
-        /// The answer.
+        /// As it was ticked, before any item is reversed.
         answer: i32,
         /// Items running.
         run: u32,
@@ -85,9 +85,9 @@ pub enum ScoreWarning {
         moment: Moment,
         /// Code name of the scale.
         scale: String,
-        /// The item.
+        /// Its number in the scale.
         item: u32,
-        /// The answer.
+        /// What was ticked instead.
         answer: i32,
         /// The answer that it asks for.
         expected: i32,
@@ -96,7 +96,7 @@ pub enum ScoreWarning {
     UnknownParticipant {
         /// Who.
         participant: ParticipantId,
-        /// Their answers.
+        /// How many they gave.
         answers: usize,
     },
 }

@@ -27,11 +27,11 @@ pub(super) struct LinearWindows {
 }
 
 impl LinearWindows {
-    pub(super) fn of(of_each: &[Vec<Row>], weights: &RowWeights) -> Self {
-        let all = || of_each.iter().flatten();
-        let numbers = all().next().map_or(0, |r| r.window.len());
+    pub(super) fn learn(of_each: &[Vec<Row>], weights: &RowWeights) -> Self {
+        let all_rows = || of_each.iter().flatten();
+        let numbers = all_rows().next().map_or(0, |r| r.window.len());
         let features: Vec<Standardization> = (0..numbers)
-            .map(|k| Standardization::of(all().map(move |r| r.window[k])))
+            .map(|k| Standardization::from_values(all_rows().map(move |r| r.window[k])))
             .collect();
         let read = 3 * numbers / SIGNALS;
         let shape = |name, family, reads| Shape {
@@ -39,7 +39,7 @@ impl LinearWindows {
             family,
             left_open: 1.0,
             reads,
-            ridge: RIDGE * all().count() as f64,
+            ridge: RIDGE * all_rows().count() as f64,
         };
         let shapes = [
             shape("gap", Family::Gaussian, 1),
@@ -57,13 +57,13 @@ impl LinearWindows {
 
     /// What it says of `unseen` rows of a driver whose `known` rows it has met.
     pub(super) fn say(&self, known: &[Row], unseen: &[Row]) -> Vec<Said> {
-        let own = solve(&self.heads, &events(&self.features, known), None, 0, None);
+        let latent = solve(&self.heads, &events(&self.features, known), None, 0, None);
         let eta = |head: usize, reads: Vec<f64>| {
             let z = std::iter::once(1.0).chain(reads);
             let fitted = &self.heads[head];
             fitted
                 .learned()
-                .then(|| fitted.eta(&[], z) + own.mean[head])
+                .then(|| fitted.eta(&[], z) + latent.mean[head])
         };
         let of_row = |row: &Row| Said {
             following_distance_m: eta(0, vec![row.lead_speed_mps]),

@@ -63,13 +63,14 @@ impl Layer {
     /// Weights output by output, shape `(outputs, back_width)`; empty where no gradient goes back.
     pub(crate) fn back<'a>(&self, derived: &'a [f32]) -> &'a [f32] {
         let size = self.native.outputs * self.back_width();
-        self.back.map_or(&[], |at| &derived[at..][..size])
+        self.back.map_or(&[], |offset| &derived[offset..][..size])
     }
 
     /// Weights of `w` output by output, shape `(outputs, padded d)`.
     pub(crate) fn back_embedding<'a>(&self, derived: &'a [f32]) -> &'a [f32] {
         let size = self.native.outputs * padded(self.embedding);
-        self.back_embedding.map_or(&[], |at| &derived[at..][..size])
+        self.back_embedding
+            .map_or(&[], |offset| &derived[offset..][..size])
     }
 }
 
@@ -121,17 +122,17 @@ impl Room {
     ) -> Vec<Layer> {
         let mut lines = Some(lines);
         let layers = mlp.iter().enumerate().map(|(index, &native)| {
-            let all = || (0..native.inputs).map(Some).collect();
-            let lines = lines.take().unwrap_or_else(all);
+            let all_inputs = || (0..native.inputs).map(Some).collect();
+            let lines = lines.take().unwrap_or_else(all_inputs);
             let embedding = if index == 0 { embedding } else { 0 };
             let width = padded(native.outputs);
             let weights = self.packed;
             let biases = weights + lines.len() * width;
             self.packed = biases + width;
             let mut reserve = |wanted: bool, columns: usize| {
-                let at = self.derived;
+                let offset = self.derived;
                 self.derived += usize::from(wanted) * native.outputs * padded(columns);
-                wanted.then_some(at)
+                wanted.then_some(offset)
             };
             Layer {
                 back_embedding: reserve(embedding > 0, embedding),
@@ -262,10 +263,10 @@ impl Layout {
                 (layer.back_embedding, 0, e),
                 (layer.back, e, layer.inputs()),
             ];
-            for (at, first, lines) in parts {
-                let Some(at) = at else { continue };
+            for (offset, first, lines) in parts {
+                let Some(offset) = offset else { continue };
                 let back_width = padded(lines);
-                let to = &mut derived[at..][..layer.native.outputs * back_width];
+                let to = &mut derived[offset..][..layer.native.outputs * back_width];
                 let from = &packed[layer.weights + first * layer.width..];
                 for (o, to) in to.chunks_exact_mut(back_width).enumerate() {
                     let lines = from.chunks_exact(layer.width).take(lines);

@@ -20,13 +20,13 @@ macro_rules! panels {
     ($self:ident, $simd:ident, $S:ident, $vectors:expr) => {
         let vectors = $vectors;
         let many = $S::REGISTER_COUNT >= 32;
-        let mut at = 0;
-        while at < vectors {
-            at += match vectors - at {
-                4.. if many => $self.panel::<$S, 4>($simd, at),
-                3 if many => $self.panel::<$S, 3>($simd, at),
-                2.. => $self.panel::<$S, 2>($simd, at),
-                _ => $self.panel::<$S, 1>($simd, at),
+        let mut vector = 0;
+        while vector < vectors {
+            vector += match vectors - vector {
+                4.. if many => $self.panel::<$S, 4>($simd, vector),
+                3 if many => $self.panel::<$S, 3>($simd, vector),
+                2.. => $self.panel::<$S, 2>($simd, vector),
+                _ => $self.panel::<$S, 1>($simd, vector),
             };
         }
     };
@@ -82,8 +82,8 @@ impl Finish for BackRelu<'_> {
     fn apply<S: Simd>(self, simd: S, sums: S::f32s, row: usize, vector: usize) -> S::f32s {
         let zero = simd.splat_f32s(0.0);
         let from = row * self.0.stride + self.0.first;
-        let of = S::as_simd_f32s(self.0.data).0[from / S::F32_LANES + vector];
-        simd.select_f32s(simd.greater_than_f32s(of, zero), sums, zero)
+        let output = S::as_simd_f32s(self.0.data).0[from / S::F32_LANES + vector];
+        simd.select_f32s(simd.greater_than_f32s(output, zero), sums, zero)
     }
 }
 
@@ -113,18 +113,18 @@ impl<F: Finish> WithSimd for RowsTimes<'_, F> {
 
 impl<F: Finish> RowsTimes<'_, F> {
     #[inline(always)]
-    fn panel<S: Simd, const N: usize>(&mut self, simd: S, at: usize) -> usize {
+    fn panel<S: Simd, const N: usize>(&mut self, simd: S, vector: usize) -> usize {
         let mut row = 0;
         while row + TALL <= self.rows {
-            self.block::<S, TALL, N>(simd, row, at);
+            self.block::<S, TALL, N>(simd, row, vector);
             row += TALL;
         }
         while row + 2 <= self.rows {
-            self.block::<S, 2, N>(simd, row, at);
+            self.block::<S, 2, N>(simd, row, vector);
             row += 2;
         }
         if row < self.rows {
-            self.block::<S, 1, N>(simd, row, at);
+            self.block::<S, 1, N>(simd, row, vector);
         }
         N
     }
@@ -147,14 +147,19 @@ impl<F: Finish> RowsTimes<'_, F> {
         clippy::needless_range_loop,
         reason = "counted loops over constants are unrolled, and the sums then live in registers"
     )]
-    fn block<S: Simd, const M: usize, const N: usize>(&mut self, simd: S, row: usize, at: usize) {
+    fn block<S: Simd, const M: usize, const N: usize>(
+        &mut self,
+        simd: S,
+        row: usize,
+        vector: usize,
+    ) {
         let vectors = self.width / S::F32_LANES;
         // Loops, and no closures: a closure that is not inlined is compiled without the vectors.
         let zero = simd.splat_f32s(0.0);
         let mut sums = [[zero; N]; M];
         for m in 0..M {
             let (data, from) = self.first(row + m);
-            let line = &S::as_simd_f32s(data).0[from / S::F32_LANES + at..][..N];
+            let line = &S::as_simd_f32s(data).0[from / S::F32_LANES + vector..][..N];
             sums[m].copy_from_slice(line);
         }
         let x = self.x;
@@ -165,7 +170,7 @@ impl<F: Finish> RowsTimes<'_, F> {
         let b = S::as_simd_f32s(self.b).0;
         for (k, line) in b.chunks_exact(vectors).take(self.depth).enumerate() {
             let mut b = [zero; N];
-            b.copy_from_slice(&line[at..][..N]);
+            b.copy_from_slice(&line[vector..][..N]);
             for m in 0..M {
                 let one = simd.splat_f32s(lines[m][k]);
                 for n in 0..N {
@@ -175,9 +180,9 @@ impl<F: Finish> RowsTimes<'_, F> {
         }
         let y = S::as_mut_simd_f32s(self.y.data).0;
         for (m, sum) in sums.iter().enumerate() {
-            let to = ((row + m) * self.y.stride + self.y.first) / S::F32_LANES + at;
+            let to = ((row + m) * self.y.stride + self.y.first) / S::F32_LANES + vector;
             for (n, (y, &sum)) in y[to..][..N].iter_mut().zip(sum).enumerate() {
-                *y = self.finish.apply(simd, sum, row + m, at + n);
+                *y = self.finish.apply(simd, sum, row + m, vector + n);
             }
         }
     }
@@ -206,18 +211,18 @@ impl WithSimd for OuterSums<'_> {
 
 impl OuterSums<'_> {
     #[inline(always)]
-    fn panel<S: Simd, const N: usize>(&mut self, simd: S, at: usize) -> usize {
+    fn panel<S: Simd, const N: usize>(&mut self, simd: S, vector: usize) -> usize {
         let mut input = 0;
         while input + TALL <= self.inputs {
-            self.block::<S, TALL, N>(simd, input, at);
+            self.block::<S, TALL, N>(simd, input, vector);
             input += TALL;
         }
         while input + 2 <= self.inputs {
-            self.block::<S, 2, N>(simd, input, at);
+            self.block::<S, 2, N>(simd, input, vector);
             input += 2;
         }
         if input < self.inputs {
-            self.block::<S, 1, N>(simd, input, at);
+            self.block::<S, 1, N>(simd, input, vector);
         }
         N
     }
@@ -227,18 +232,23 @@ impl OuterSums<'_> {
         clippy::needless_range_loop,
         reason = "counted loops over constants are unrolled, and the sums then live in registers"
     )]
-    fn block<S: Simd, const M: usize, const N: usize>(&mut self, simd: S, input: usize, at: usize) {
+    fn block<S: Simd, const M: usize, const N: usize>(
+        &mut self,
+        simd: S,
+        input: usize,
+        vector: usize,
+    ) {
         let zero = simd.splat_f32s(0.0);
         let mut sums = [[zero; N]; M];
         for m in 0..M {
-            let first = (input + m) * self.width / S::F32_LANES + at;
+            let first = (input + m) * self.width / S::F32_LANES + vector;
             sums[m].copy_from_slice(&S::as_simd_f32s(self.to).0[first..][..N]);
         }
         let (x, dy) = (self.x, self.dy);
         let dy_vectors = S::as_simd_f32s(dy.data).0;
         for row in 0..self.rows {
             let ones = &x.data[row * x.stride + x.first + input..][..M];
-            let from = (row * dy.stride + dy.first) / S::F32_LANES + at;
+            let from = (row * dy.stride + dy.first) / S::F32_LANES + vector;
             let mut line = [zero; N];
             line.copy_from_slice(&dy_vectors[from..][..N]);
             for m in 0..M {
@@ -250,7 +260,7 @@ impl OuterSums<'_> {
         }
         let to = S::as_mut_simd_f32s(self.to).0;
         for (m, sum) in sums.iter().enumerate() {
-            let first = (input + m) * self.width / S::F32_LANES + at;
+            let first = (input + m) * self.width / S::F32_LANES + vector;
             for (to, &sum) in to[first..][..N].iter_mut().zip(sum) {
                 *to = sum;
             }
@@ -274,8 +284,8 @@ impl WithSimd for ScatterRows<'_> {
         let from = self.from;
         for (row, &index) in self.index.iter().enumerate() {
             let from = &from.data[row * from.stride + from.first..][..self.width];
-            let at = index as usize * self.to.stride + self.to.first;
-            let to = S::as_mut_simd_f32s(&mut self.to.data[at..][..self.width]).0;
+            let start = index as usize * self.to.stride + self.to.first;
+            let to = S::as_mut_simd_f32s(&mut self.to.data[start..][..self.width]).0;
             for (to, &from) in to.iter_mut().zip(S::as_simd_f32s(from).0) {
                 *to = simd.add_f32s(*to, from);
             }

@@ -181,13 +181,13 @@ impl Tile {
 
     /// Predictions of every row after [`Self::forward`].
     pub(crate) fn predicted(&self, layout: &Layout) -> impl Iterator<Item = Predicted> {
-        let at = layout.reads;
+        let columns = layout.reads;
         (0..self.rows).map(move |row| {
             let reads = self.reads.row(row);
             Predicted {
-                following_distance: reads[at.following_distance],
-                probability: reads[at.probability],
-                speed: reads[at.speed],
+                following_distance: reads[columns.following_distance],
+                probability: reads[columns.probability],
+                speed: reads[columns.speed],
             }
         })
     }
@@ -222,8 +222,11 @@ impl Tile {
             logits[1] += slope;
             let line = to.lines.row_mut(self.place[row] as usize);
             line[columns.aggression] += by[reads.aggression];
-            let own = &self.by_target.row(row);
-            for (to, from) in line[columns.embedding..].iter_mut().zip(own.iter()) {
+            let by_embedding = &self.by_target.row(row);
+            for (to, from) in line[columns.embedding..]
+                .iter_mut()
+                .zip(by_embedding.iter())
+            {
                 *to += from;
             }
         }
@@ -353,8 +356,8 @@ impl Tile {
             let (mut loss, mut likelihood, mut error) = (0.0, 0.0, 0.0);
             for i in 0..d {
                 let (mean, log_sd) = (out[i], out[d + i]);
-                let at = [mean, log_sd, noise[i], w[i]];
-                let (one, slope, log) = normal(shared.reading, at, c * share);
+                let point = [mean, log_sd, noise[i], w[i]];
+                let (one, slope, log) = normal(shared.reading, point, c * share);
                 loss += one;
                 likelihood += log;
                 error += f64::from(mean - w[i]).powi(2);

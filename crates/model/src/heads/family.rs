@@ -18,7 +18,7 @@ pub enum Family {
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Outcome {
-    /// This.
+    /// It was this much.
     Value(f64),
     /// Something kept it from being more: censored from above.
     AtLeast(f64),

@@ -129,8 +129,8 @@ fn first_slopes(heads: &mut [FittedHead], shapes: &[Shape], drives: &[DriveEvent
         }
     }
     let latents = posteriors(heads, drives, &[], d);
-    let own = DMatrix::from_fn(n, k, |i, j| latents[i].mean[d + j] / heads[j].between_sd);
-    let (values, vectors) = symmetric_eigen(&(own.tr_mul(&own) / n.max(1) as f64));
+    let deviations = DMatrix::from_fn(n, k, |i, j| latents[i].mean[d + j] / heads[j].between_sd);
+    let (values, vectors) = symmetric_eigen(&(deviations.tr_mul(&deviations) / n.max(1) as f64));
     for (number, value) in values.iter().take(d).enumerate() {
         let size = value.max(0.0).sqrt();
         for (j, head) in heads.iter_mut().enumerate() {
@@ -174,26 +174,26 @@ fn refit(
     let family = head.family;
     let p = head.common.len();
     let size = p + d;
-    let own = d + k;
+    let index = d + k;
     let mut normal = DMatrix::zeros(size, size);
     let mut right = DVector::zeros(size);
     for (events, latent) in drives.iter().zip(latents) {
         let mut weights = 0.0;
         for event in &events[k] {
-            let eta = head.eta(latent.w(d), event.z()) + latent.mean[own];
+            let eta = head.eta(latent.w(d), event.z()) + latent.mean[index];
             let loss = family.loss(event.outcome, eta, head.within_sd);
             let weight = loss.curvature.max(1e-6);
             let seen = eta - loss.slope / weight;
             let x = DVector::from_iterator(size, event.z().chain(latent.w(d).iter().copied()));
             normal.syger(weight, &x, &x, 1.0);
-            right.axpy(weight * (seen - latent.mean[own]), &x, 1.0);
+            right.axpy(weight * (seen - latent.mean[index]), &x, 1.0);
             weights += weight;
         }
         // What is not known of w and of its own deviation.
         let mut block = normal.view_mut((p, p), (d, d));
         block += weights * latent.covariance.view((0, 0), (d, d));
         let mut part = right.rows_mut(p, d);
-        part -= weights * latent.covariance.view((0, own), (d, 1));
+        part -= weights * latent.covariance.view((0, index), (d, 1));
     }
     normal.fill_upper_triangle_with_lower_triangle();
     let ridge = shape.ridge * normal.trace() / size as f64 / head.events.max(1) as f64;
@@ -205,12 +205,12 @@ fn refit(
         head.slopes.copy_from_slice(&solved.as_slice()[p..]);
     }
     let shown = || drives.iter().zip(latents).filter(|(e, _)| !e[k].is_empty());
-    let square = |l: &Latent| l.mean[own] * l.mean[own] + l.covariance[(own, own)];
+    let square = |l: &Latent| l.mean[index] * l.mean[index] + l.covariance[(index, index)];
     let between = shown().map(|(_, l)| square(l)).sum::<f64>() / head.drives.max(1) as f64;
     head.between_sd = between.sqrt().max(LEAST_SD);
     if family != Family::Logistic {
-        let all = shown().flat_map(|(e, l)| e[k].iter().map(move |e| (e, l)));
-        let within = all.map(|(event, latent)| {
+        let events = shown().flat_map(|(e, l)| e[k].iter().map(move |e| (e, l)));
+        let within = events.map(|(event, latent)| {
             let (eta, variance) = latent.eta(head, k, event);
             variance + expected_square(family, event.outcome, eta, head.within_sd)
         });
@@ -234,8 +234,8 @@ fn expected_square(family: Family, outcome: Outcome, eta: f64, sd: f64) -> f64 {
 fn share_out(heads: &mut [FittedHead], shapes: &[Shape]) {
     for (head, known) in heads.iter_mut().zip(shapes).filter(|(h, _)| h.learned()) {
         let square = head.slopes.iter().map(|b| b * b).sum::<f64>();
-        let all = head.between_sd * head.between_sd + square;
-        head.between_sd = (known.left_open * all).sqrt().max(LEAST_SD);
+        let variance = head.between_sd * head.between_sd + square;
+        head.between_sd = (known.left_open * variance).sqrt().max(LEAST_SD);
     }
 }
 
@@ -266,9 +266,9 @@ fn standardise(heads: &mut [FittedHead], latents: &[Latent], d: usize) {
 fn turn(heads: &mut [FittedHead], d: usize) {
     let rows: Vec<&FittedHead> = heads.iter().filter(|h| h.learned()).collect();
     let slopes = DMatrix::from_fn(rows.len(), d, |i, j| {
-        let own = rows[i].between_sd;
-        let all = rows[i].slopes.iter().map(|b| b * b).sum::<f64>() + own * own;
-        rows[i].slopes[j] / all.sqrt()
+        let between = rows[i].between_sd;
+        let variance = rows[i].slopes.iter().map(|b| b * b).sum::<f64>() + between * between;
+        rows[i].slopes[j] / variance.sqrt()
     });
     let (_, vectors) = symmetric_eigen(&slopes.tr_mul(&slopes));
     let columns: Vec<DVector<f64>> = vectors

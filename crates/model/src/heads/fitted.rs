@@ -95,7 +95,7 @@ impl OwnHead {
     }
 
     /// The mean for the situation of an event.
-    pub(crate) fn of(&self, event: &Event) -> f64 {
+    pub(crate) fn expected_for(&self, event: &Event) -> f64 {
         self.expected(&event.reads)
     }
 }

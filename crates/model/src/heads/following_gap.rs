@@ -34,10 +34,10 @@ fn events(drive: &Drive) -> Vec<Event> {
     // Without free road in the drive, the speed that is posted stands for the own.
     let free_mps = free_speed::own_mps(drive).unwrap_or(drive.road().posted_speed_mps);
     let rows = drive.rows();
-    let found = blocks(drive, SETTLE_S, BLOCK_S, |row| {
+    let followed = blocks(drive, SETTLE_S, BLOCK_S, |row| {
         drive.sees().ahead && rows.following[row]
     });
-    let of = |block: std::ops::Range<usize>| {
+    let event = |block: std::ops::Range<usize>| {
         let gap_s = mean(&rows.lead_dx_m, &block) / mean(&rows.ego_speed_mps, &block);
         (gap_s > SHORTEST_S).then(|| Event {
             time_s: rows.time_s[block.start] - rows.time_s[0],
@@ -45,5 +45,5 @@ fn events(drive: &Drive) -> Vec<Event> {
             outcome: Outcome::Value(gap_s),
         })
     };
-    found.into_iter().filter_map(of).collect()
+    followed.into_iter().filter_map(event).collect()
 }

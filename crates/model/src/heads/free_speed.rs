@@ -50,10 +50,10 @@ pub(super) fn own_mps(drive: &Drive) -> Option<f64> {
 
 fn events(drive: &Drive) -> Vec<Event> {
     let rows = drive.rows();
-    let of = |block: Range<usize>| Event {
+    let event = |block: Range<usize>| Event {
         time_s: rows.time_s[block.start] - rows.time_s[0],
         reads: Vec::new(),
         outcome: Outcome::Value(mean(&rows.ego_speed_mps, &block)),
     };
-    free(drive).into_iter().map(of).collect()
+    free(drive).into_iter().map(event).collect()
 }

@@ -56,7 +56,7 @@ pub(super) fn kept_back(
             }
         }
     }
-    let of = |sums: &Sums| {
+    let errors = |sums: &Sums| {
         let root = |k: usize| (sums.squares[k] / sums.n as f64).sqrt();
         (sums.n > 0).then(|| KeptBack {
             events: sums.n,
@@ -65,7 +65,7 @@ pub(super) fn kept_back(
             everybody: root(2),
         })
     };
-    sums.iter().map(of).collect()
+    sums.iter().map(errors).collect()
 }
 
 fn judge(heads: &[FittedHead], events: &DriveEvents, d: usize, sums: &mut [Sums]) {
@@ -81,9 +81,9 @@ fn judge(heads: &[FittedHead], events: &DriveEvents, d: usize, sums: &mut [Sums]
         .collect();
     let style = solve(heads, &known, None, d, None);
     for (k, fitted) in heads.iter().enumerate() {
-        let own = OwnHead::new(fitted, style.w(d));
+        let own_head = OwnHead::new(fitted, style.w(d));
         let mean = OwnHead::new(fitted, &vec![0.0; d]);
-        let (Some(own), Some(mean)) = (own, mean) else {
+        let (Some(own_head), Some(mean)) = (own_head, mean) else {
             continue;
         };
         let shown = own_mean(fitted.family, &known[k]);
@@ -91,11 +91,15 @@ fn judge(heads: &[FittedHead], events: &DriveEvents, d: usize, sums: &mut [Sums]
             let Outcome::Value(value) = event.outcome else {
                 continue;
             };
-            let everybody = mean.of(event);
+            let everybody = mean.expected_for(event);
             sums[k].n += 1;
-            let said = [own.of(event), shown.unwrap_or(everybody), everybody];
-            for (sum, said) in sums[k].squares.iter_mut().zip(said) {
-                *sum += (said - value).powi(2);
+            let predictions = [
+                own_head.expected_for(event),
+                shown.unwrap_or(everybody),
+                everybody,
+            ];
+            for (sum, prediction) in sums[k].squares.iter_mut().zip(predictions) {
+                *sum += (prediction - value).powi(2);
             }
         }
     }

@@ -34,12 +34,12 @@ pub static HEADS: [Head; 6] = [
 /// The events of every head in one drive, of which only those before `until_s` count; in the order of [`HEADS`]. A free speed is read
 /// as a model reads it that learned where this was `posted`; in m/s without.
 pub fn events_of(drive: &Drive, until_s: f64, posted: Option<&Posted>) -> Vec<Vec<Event>> {
-    let of = |head: &Head| {
+    let usable_events = |head: &Head| {
         let mut events = (head.events)(drive);
         events.retain(|e| e.time_s < until_s && e.z().all(f64::is_finite));
         events
     };
-    let mut events: Vec<Vec<Event>> = HEADS.iter().map(of).collect();
+    let mut events: Vec<Vec<Event>> = HEADS.iter().map(usable_events).collect();
     let factor = posted.map_or(1.0, |p| p.factor(drive.road().posted_speed_mps));
     for event in &mut events[at::FREE_SPEED] {
         event.outcome = event.outcome.times(factor);

@@ -23,7 +23,7 @@ fn events(drive: &Drive) -> Vec<Event> {
         return Vec::new();
     }
     let rows = drive.rows();
-    let of = |change: &maveric_domain::LaneChange| {
+    let event = |change: &maveric_domain::LaneChange| {
         let speed = rows.ego_speed_mps[change.start];
         if change.direction != Direction::Right || speed <= STANDSTILL_MPS {
             return None;
@@ -35,5 +35,5 @@ fn events(drive: &Drive) -> Vec<Event> {
             outcome: Outcome::Value(gap_s),
         })
     };
-    drive.lane_changes().iter().filter_map(of).collect()
+    drive.lane_changes().iter().filter_map(event).collect()
 }

@@ -31,7 +31,7 @@ fn events(drive: &Drive) -> Vec<Event> {
         let before = start.saturating_sub(back)..start;
         before.len() == back && before.into_iter().all(|row| rows.following[row])
     };
-    let of = |change: &maveric_domain::LaneChange| {
+    let event = |change: &maveric_domain::LaneChange| {
         let start = change.start;
         if change.direction != Direction::Left || !lead_ahead(drive, start) {
             return None;
@@ -47,5 +47,5 @@ fn events(drive: &Drive) -> Vec<Event> {
             },
         })
     };
-    drive.lane_changes().iter().filter_map(of).collect()
+    drive.lane_changes().iter().filter_map(event).collect()
 }

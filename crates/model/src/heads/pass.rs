@@ -48,7 +48,7 @@ fn events(drive: &Drive) -> Vec<Event> {
     };
     let mut starts = drive.lane_changes();
     starts.retain(|c| c.direction == Direction::Left && lead_ahead(drive, c.start));
-    let mut found = Vec::new();
+    let mut events = Vec::new();
     let mut behind: Option<Behind> = None;
     let stayed = |b: &Behind| {
         let long = b.speeds.len() as f64 / drive.rate_hz() >= STAYED_S;
@@ -58,7 +58,7 @@ fn events(drive: &Drive) -> Vec<Event> {
     };
     for row in 0..drive.len() {
         if starts.iter().any(|c| c.start == row) {
-            found.push(event(row, rows.lead_speed_mps[row], 1.0));
+            events.push(event(row, rows.lead_speed_mps[row], 1.0));
             behind = None;
             continue;
         }
@@ -69,7 +69,7 @@ fn events(drive: &Drive) -> Vec<Event> {
             .as_ref()
             .is_some_and(|b| b.vehicle == rows.lead_id[row]);
         if rows.lead_present[row] && !same {
-            found.extend(behind.take().as_ref().and_then(stayed));
+            events.extend(behind.take().as_ref().and_then(stayed));
         }
         if near {
             let speed = rows.lead_speed_mps[row];
@@ -85,6 +85,6 @@ fn events(drive: &Drive) -> Vec<Event> {
             }
         }
     }
-    found.extend(behind.as_ref().and_then(stayed));
-    found
+    events.extend(behind.as_ref().and_then(stayed));
+    events
 }

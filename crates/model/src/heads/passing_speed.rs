@@ -32,10 +32,10 @@ fn events(drive: &Drive) -> Vec<Event> {
         return Vec::new();
     };
     let rows = drive.rows();
-    let found = blocks(drive, SETTLE_S, BLOCK_S, |row| {
+    let passes = blocks(drive, SETTLE_S, BLOCK_S, |row| {
         passing(drive, row) && rows.changing[row] == 0
     });
-    let of = |block: Range<usize>| {
+    let event = |block: Range<usize>| {
         let lead_mps = mean(&rows.lead_speed_mps, &block);
         let over_mps = mean(&rows.ego_speed_mps, &block) - lead_mps;
         // One who drives away is not passed.
@@ -45,5 +45,5 @@ fn events(drive: &Drive) -> Vec<Event> {
             outcome: Outcome::Value(over_mps),
         })
     };
-    found.into_iter().filter_map(of).collect()
+    passes.into_iter().filter_map(event).collect()
 }

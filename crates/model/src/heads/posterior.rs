@@ -41,11 +41,11 @@ impl Latent {
     /// Mean and variance of η of an event of head `k`.
     pub(crate) fn eta(&self, head: &FittedHead, k: usize, event: &Event) -> (f64, f64) {
         let d = head.slopes.len();
-        let own = d + k;
-        let mean = head.eta(self.w(d), event.z()) + self.mean[own];
-        let mut variance = self.covariance[(own, own)];
+        let index = d + k;
+        let mean = head.eta(self.w(d), event.z()) + self.mean[index];
+        let mut variance = self.covariance[(index, index)];
         for (i, a) in head.slopes.iter().enumerate() {
-            variance += 2.0 * a * self.covariance[(i, own)];
+            variance += 2.0 * a * self.covariance[(i, index)];
             for (j, b) in head.slopes.iter().enumerate() {
                 variance += a * b * self.covariance[(i, j)];
             }
@@ -70,16 +70,16 @@ pub(crate) struct Evaluated {
     pub(crate) curvature: DMatrix<f64>,
 }
 
-/// −ln posterior of the unknowns `at`, up to a constant, with its slope and curvature.
+/// −ln posterior of the unknowns `x`, up to a constant, with its slope and curvature.
 pub(crate) fn evaluate(
     heads: &[FittedHead],
     events: &[Vec<Event>],
     score: Option<(f64, &StyleHead)>,
     d: usize,
-    at: &DVector<f64>,
+    x: &DVector<f64>,
 ) -> Evaluated {
-    let n = at.len();
-    let w = &at.as_slice()[..d];
+    let n = x.len();
+    let w = &x.as_slice()[..d];
     let mut there = Evaluated {
         value: 0.0,
         gradient: DVector::zeros(n),
@@ -87,37 +87,38 @@ pub(crate) fn evaluate(
     };
     let mut prior = |i: usize, sd: f64| {
         let precision = 1.0 / (sd * sd);
-        there.value += 0.5 * precision * at[i] * at[i];
-        there.gradient[i] += precision * at[i];
+        there.value += 0.5 * precision * x[i] * x[i];
+        there.gradient[i] += precision * x[i];
         there.curvature[(i, i)] += precision;
     };
     (0..d).for_each(|i| prior(i, 1.0));
     for (k, head) in heads.iter().enumerate() {
         prior(d + k, head.between_sd.max(LEAST_SD));
     }
-    let mut add = |value: f64, slope: f64, curvature: f64, slopes: &[f64], own: Option<usize>| {
-        there.value += value;
-        let reads = || {
-            slopes
-                .iter()
-                .copied()
-                .enumerate()
-                .chain(own.map(|o| (o, 1.0)))
-        };
-        for (i, a) in reads() {
-            there.gradient[i] += slope * a;
-            for (j, b) in reads() {
-                there.curvature[(i, j)] += curvature * a * b;
+    let mut add =
+        |value: f64, slope: f64, curvature: f64, slopes: &[f64], own_index: Option<usize>| {
+            there.value += value;
+            let reads = || {
+                slopes
+                    .iter()
+                    .copied()
+                    .enumerate()
+                    .chain(own_index.map(|o| (o, 1.0)))
+            };
+            for (i, a) in reads() {
+                there.gradient[i] += slope * a;
+                for (j, b) in reads() {
+                    there.curvature[(i, j)] += curvature * a * b;
+                }
             }
-        }
-    };
+        };
     for (k, (head, events)) in heads.iter().zip(events).enumerate() {
         if !head.learned() {
             continue;
         }
         let (mut value, mut slope, mut curvature) = (0.0, 0.0, 0.0);
         for event in events {
-            let eta = head.eta(w, event.z()) + at[d + k];
+            let eta = head.eta(w, event.z()) + x[d + k];
             let loss = head.family.loss(event.outcome, eta, head.within_sd);
             value += loss.value;
             slope += loss.slope;
@@ -154,19 +155,19 @@ pub(crate) fn solve(
     let n = d + heads.len();
     let evaluate = |x: &DVector<f64>| evaluate(heads, events, score, d, x);
     let mut mean = start.map_or_else(|| DVector::zeros(n), DVector::clone);
-    let mut here = evaluate(&mean);
+    let mut current = evaluate(&mean);
     let mut steps = 0;
     // The prior alone makes the curvature positive definite.
-    while let Some(curvature) = Cholesky::new(here.curvature.clone()) {
-        let step = -curvature.solve(&here.gradient);
-        let promised = -step.dot(&here.gradient);
+    while let Some(curvature) = Cholesky::new(current.curvature.clone()) {
+        let step = -curvature.solve(&current.gradient);
+        let promised = -step.dot(&current.gradient);
         let mut share = 1.0;
-        let enough = promised > TOLERANCE * (1.0 + here.value.abs()) && steps < STEPS;
+        let enough = promised > TOLERANCE * (1.0 + current.value.abs()) && steps < STEPS;
         while enough && share > SHORTEST {
             let candidate = &mean + share * &step;
             let there = evaluate(&candidate);
-            if there.value <= here.value - SUFFICIENT * share * promised {
-                (mean, here) = (candidate, there);
+            if there.value <= current.value - SUFFICIENT * share * promised {
+                (mean, current) = (candidate, there);
                 break;
             }
             share *= 0.5;

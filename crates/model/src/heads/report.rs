@@ -23,17 +23,17 @@ pub struct HeadReport {
 }
 
 impl HeadReport {
-    pub(super) fn of(fitted: &FittedHead, which: usize, kept_back: Option<KeptBack>) -> Self {
+    pub(super) fn new(fitted: &FittedHead, which: usize, kept_back: Option<KeptBack>) -> Self {
         let head = &HEADS[which];
         let square = fitted.slopes.iter().map(|b| b * b).sum::<f64>();
-        let all = square + fitted.between_sd * fitted.between_sd;
+        let variance = square + fitted.between_sd * fitted.between_sd;
         Self {
             name: head.name.to_owned(),
             title: head.title.to_owned(),
             unit: head.unit.to_owned(),
             events: fitted.events,
             drives: fitted.drives,
-            explained: fitted.learned().then(|| square / all),
+            explained: fitted.learned().then(|| square / variance),
             kept_back,
         }
     }

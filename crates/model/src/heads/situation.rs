@@ -43,7 +43,7 @@ pub(super) fn blocks(
     };
     let samples = |seconds: f64| ((seconds * drive.rate_hz()).round() as usize).max(1);
     let (settle, block) = (samples(settle_s), samples(block_s));
-    let mut found = Vec::new();
+    let mut blocks = Vec::new();
     let mut start = 0;
     while start < drive.len() {
         if !holds(start) {
@@ -57,12 +57,12 @@ pub(super) fn blocks(
         let mut from = start + settle;
         while from < end && 2 * (end - from) >= block {
             let to = (from + block).min(end);
-            found.push(from..to);
+            blocks.push(from..to);
             from = to;
         }
         start = end;
     }
-    found
+    blocks
 }
 
 /// Mean of a column over some rows.

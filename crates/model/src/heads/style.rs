@@ -37,7 +37,7 @@ pub struct StyleHead {
     pub cross_fitted_r: Option<f64>,
     /// People learned from.
     pub people: usize,
-    /// Their drives.
+    /// Their drives with a score.
     pub drives: usize,
 }
 
@@ -71,8 +71,8 @@ impl StyleHead {
         people.dedup();
         let whose = |p: &ParticipantId| people.iter().position(|q| *q == p).unwrap_or(0);
         let owner: Vec<usize> = scored.iter().map(|s| whose(&s.participant)).collect();
-        let all = least_squares(weighted(scored, &vec![1.0; scored.len()]), d)?;
-        let gradient = all.as_slice()[..d].to_vec();
+        let full_line = least_squares(weighted(scored, &vec![1.0; scored.len()]), d)?;
+        let gradient = full_line.as_slice()[..d].to_vec();
         let points = |line: &DVector<f64>, w: &[f64]| dot(&line.as_slice()[..d], w) + line[d];
 
         let mut left_out = Vec::new();
@@ -82,8 +82,8 @@ impl StyleHead {
                 .map(|o| f64::from(u8::from(*o != person)))
                 .collect();
             if let Some(line) = least_squares(weighted(scored, &weights), d) {
-                let own = scored.iter().zip(&owner).filter(|(_, o)| **o == person);
-                left_out.extend(own.map(|(s, _)| (s.points, points(&line, &s.style.mean))));
+                let of_person = scored.iter().zip(&owner).filter(|(_, o)| **o == person);
+                left_out.extend(of_person.map(|(s, _)| (s.points, points(&line, &s.style.mean))));
             }
         }
         let crossed = people.len() >= 3;
@@ -93,7 +93,7 @@ impl StyleHead {
         };
         let within: Vec<(f64, f64)> = scored
             .iter()
-            .map(|s| (s.points, points(&all, &s.style.mean)))
+            .map(|s| (s.points, points(&full_line, &s.style.mean)))
             .collect();
         let error = square(if crossed { &left_out } else { &within });
         let unknown = scored
@@ -110,7 +110,7 @@ impl StyleHead {
         let least = LEAST_ERROR * LEAST_ERROR * variance;
         Some(Self {
             covariance: bootstrap(scored, &owner, people.len(), d, seed),
-            offset: all[d],
+            offset: full_line[d],
             reading_sd: (error - unknown).max(least).sqrt(),
             cross_fitted_rmse: crossed.then(|| error.sqrt()),
             cross_fitted_r: crossed.then(|| pearson(&left_out)).flatten(),
@@ -153,8 +153,10 @@ pub fn score_line(
     let pairs = styles.iter().zip(points);
     let expected = styles.first().map_or(0, |style| style.len());
     if let Some(other) = styles.iter().find(|style| style.len() != expected) {
-        let found = other.len();
-        return Err(ModelError::EmbeddingSize { found, expected });
+        return Err(ModelError::EmbeddingSize {
+            found: other.len(),
+            expected,
+        });
     }
     let differ = points.iter().any(|p| (p - points[0]).abs() >= 1e-9);
     let rows = pairs.map(|(style, points)| (*style, *points, 1.0));

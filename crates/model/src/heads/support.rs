@@ -73,7 +73,7 @@ fn reading(which: usize, head: &FittedHead, events: &[Event]) -> Option<Reading>
     }
     let none = vec![0.0; head.slopes.len()];
     let prior = 1.0 / total_variance(head);
-    let at = |deviation: f64| {
+    let loss_at = |deviation: f64| {
         let (mut value, mut slope, mut curvature) = (0.0, 0.0, 0.0);
         for event in events {
             let eta = head.eta(&none, event.z()) + deviation;
@@ -86,7 +86,7 @@ fn reading(which: usize, head: &FittedHead, events: &[Event]) -> Option<Reading>
     };
     let mut deviation = 0.0;
     for _ in 0..STEPS {
-        let (value, slope, curvature) = at(deviation);
+        let (value, slope, curvature) = loss_at(deviation);
         let gradient = slope + prior * deviation;
         let step = -gradient / (curvature + prior);
         // Newton's next error is the square of this one; nearer, rounding alone decides whether a step helps.
@@ -95,15 +95,19 @@ fn reading(which: usize, head: &FittedHead, events: &[Event]) -> Option<Reading>
             break;
         }
         let total = |value: f64, x: f64| value + 0.5 * prior * x * x;
-        let here = total(value, deviation);
+        let current = total(value, deviation);
         let mut share = 1.0;
-        while share > 1e-6 && total(at(deviation + share * step).0, deviation + share * step) > here
+        while share > 1e-6
+            && total(
+                loss_at(deviation + share * step).0,
+                deviation + share * step,
+            ) > current
         {
             share *= 0.5;
         }
         deviation += share * step;
     }
-    let (_, slope, curvature) = at(deviation);
+    let (_, slope, curvature) = loss_at(deviation);
     (curvature > 1e-9 * prior).then(|| Reading {
         head: which,
         deviation: deviation - slope / curvature,
@@ -113,8 +117,8 @@ fn reading(which: usize, head: &FittedHead, events: &[Event]) -> Option<Reading>
 
 /// Variance of a drive's deviation from the mean person: what the style says and what it leaves.
 fn total_variance(head: &FittedHead) -> f64 {
-    let own = head.between_sd.max(LEAST_SD);
-    head.slopes.iter().map(|b| b * b).sum::<f64>() + own * own
+    let between_sd = head.between_sd.max(LEAST_SD);
+    head.slopes.iter().map(|b| b * b).sum::<f64>() + between_sd * between_sd
 }
 
 /// How the habits of the people learned from differ, as a whole and before any style: what a drive's readings are held against.
@@ -241,10 +245,10 @@ fn known(
     // One reading after the other: their errors are independent.
     for reading in readings {
         let column = left.column(reading.head).into_owned();
-        let all = column[reading.head] + reading.variance;
+        let variance = column[reading.head] + reading.variance;
         let surprise = reading.deviation - there[reading.head];
-        there.axpy(surprise / all, &column, 1.0);
-        left.ger(-1.0 / all, &column, &column, 1.0);
+        there.axpy(surprise / variance, &column, 1.0);
+        left.ger(-1.0 / variance, &column, &column, 1.0);
     }
     (there, left)
 }

@@ -99,7 +99,7 @@ pub(crate) fn train_heads(
     let kept_back = kept_back(&events, &owners, d);
     let reports = fitted.heads.iter().zip(kept_back).enumerate();
     let heads: Vec<HeadReport> = reports
-        .map(|(k, (head, kept))| HeadReport::of(head, k, kept))
+        .map(|(k, (head, kept))| HeadReport::new(head, k, kept))
         .collect();
     let mut training = Vec::with_capacity(used.len());
     for (t, latent) in used.iter().zip(&fitted.latents) {

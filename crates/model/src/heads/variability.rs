@@ -56,18 +56,18 @@ enum About {
 
 /// Stretches whose pieces follow on each other.
 fn joined(pieces: Vec<Range<usize>>) -> Vec<Range<usize>> {
-    let mut found: Vec<Range<usize>> = Vec::new();
+    let mut stretches: Vec<Range<usize>> = Vec::new();
     for piece in pieces {
-        match found.last_mut() {
+        match stretches.last_mut() {
             Some(last) if last.end == piece.start => last.end = piece.end,
-            _ => found.push(piece),
+            _ => stretches.push(piece),
         }
     }
-    found
+    stretches
 }
 
-fn columns(stretches: &[Range<usize>], of: impl Fn(usize) -> f64) -> Vec<Vec<f64>> {
-    let column = |stretch: &Range<usize>| stretch.clone().map(&of).collect();
+fn columns(stretches: &[Range<usize>], value: impl Fn(usize) -> f64) -> Vec<Vec<f64>> {
+    let column = |stretch: &Range<usize>| stretch.clone().map(&value).collect();
     stretches.iter().map(column).collect()
 }
 
@@ -113,7 +113,7 @@ fn wander(drive: &Drive, stretches: &[Vec<f64>], about: About) -> Option<Wander>
 
 /// The lag of a wander of this variance whose change over [`APART_S`] has this mean square.
 fn lag_s(variance: f64, change: f64) -> f64 {
-    let of = |time_s: f64| {
+    let expected_change = |time_s: f64| {
         let h = APART_S / time_s;
         2.0 * variance * (1.0 - (1.0 + h) * libm::exp(-h))
     };
@@ -121,7 +121,7 @@ fn lag_s(variance: f64, change: f64) -> f64 {
     // The longer the lag, the smaller the change.
     for _ in 0..50 {
         let middle = (low * high).sqrt();
-        if of(middle) > change {
+        if expected_change(middle) > change {
             low = middle;
         } else {
             high = middle;

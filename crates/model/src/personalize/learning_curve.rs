@@ -26,20 +26,20 @@ impl Default for CurveSettings {
 impl CurveSettings {
     fn check(&self) -> Result<(), ModelError> {
         let mut last = 0.0;
-        for &found in &self.minutes {
+        for &minutes in &self.minutes {
             check(
                 "minutes",
-                found,
-                found > last,
+                minutes,
+                minutes > last,
                 "finite numbers above 0, rising",
             )?;
-            last = found;
+            last = minutes;
         }
-        let found = self.held_out;
+        let share = self.held_out;
         check(
             "held_out",
-            found,
-            found > 0.0 && found < 1.0,
+            share,
+            share > 0.0 && share < 1.0,
             "above 0, below 1",
         )
     }
@@ -52,7 +52,7 @@ pub struct CurvePoint {
     pub minutes: f64,
     /// Whether these are all the minutes that are not held out.
     pub all: bool,
-    /// The embedding.
+    /// The embedding fitted to those minutes alone.
     pub embedding: Embedding,
     /// Mean loss of what the part held out shows: −ln likelihood of an event for linear heads, the weighted sum of L1 to L3 for
     /// the paper's networks; `None` where it shows nothing.
@@ -66,7 +66,7 @@ pub struct CurvePoint {
 /// The learning curve of one drive.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct LearningCurve {
-    /// The drive.
+    /// The drive whose start is fitted to and whose end is held out.
     pub drive: DriveId,
     /// Driving that is held out, in minutes.
     pub held_out_minutes: f64,
@@ -94,14 +94,14 @@ pub fn learning_curve(
     settings.check()?;
     let model = personalizer.model();
     let per_minute = 60.0 * drive.rate_hz();
-    let all = drive.len();
-    let seen = ((1.0 - settings.held_out) * all as f64).floor() as usize;
+    let row_count = drive.len();
+    let seen = ((1.0 - settings.held_out) * row_count as f64).floor() as usize;
     let short = |_| ModelError::DriveTooShort {
         drive: drive.meta().drive.clone(),
-        found_s: all as f64 / drive.rate_hz(),
+        found_s: row_count as f64 / drive.rate_hz(),
         expected_s: 2.0 / settings.held_out.min(1.0 - settings.held_out) / drive.rate_hz(),
     };
-    let rest = drive.slice(seen, all).map_err(short)?;
+    let rest = drive.slice(seen, row_count).map_err(short)?;
     let judge = personalizer.shown(&rest, 1.0);
     let full = personalizer.fit(drive, None)?.embedding;
     let sd = training_sd(model);
@@ -146,7 +146,7 @@ pub fn learning_curve(
     });
     Ok(LearningCurve {
         drive: drive.meta().drive.clone(),
-        held_out_minutes: (all - seen) as f64 / per_minute,
+        held_out_minutes: (row_count - seen) as f64 / per_minute,
         points,
         beyond,
     })

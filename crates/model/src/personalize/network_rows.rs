@@ -77,14 +77,14 @@ impl<'a> NetworkRows<'a> {
     pub(crate) fn say(&mut self, w: &[f64]) -> (Sums, Vec<Said>) {
         let embeddings = self.everywhere(w);
         let (scaling, learned) = (self.paper.scaling, self.paper.learned);
-        let (kernel, rows, at) = self.at(&embeddings);
+        let (kernel, rows, point) = self.at(&embeddings);
         let (sums, predicted) = kernel.predict(
-            &at,
+            &point,
             rows.len(),
             |row| rows.drive_of[row],
             |tile, range| rows.fill(range, tile),
         );
-        let said = predicted.iter().map(|p| {
+        let predictions = predicted.iter().map(|p| {
             let distance = scaling
                 .following_distance
                 .undo(f64::from(p.following_distance));
@@ -95,7 +95,7 @@ impl<'a> NetworkRows<'a> {
                 speed_mps: Some(scaling.signals[0].undo(f64::from(p.speed))),
             }
         });
-        (sums, said.collect())
+        (sums, predictions.collect())
     }
 
     /// The minimum from `from` on.
@@ -116,12 +116,12 @@ impl<'a> NetworkRows<'a> {
 
     /// Curvature⁻¹ · scatter of the blocks' slopes · curvature⁻¹ at a minimum; of a direction that the drive says nothing of,
     /// what drivers differ by.
-    fn covariance(&mut self, at: &DVector<f64>) -> Option<DMatrix<f64>> {
-        let d = at.len();
+    fn covariance(&mut self, minimum: &DVector<f64>) -> Option<DMatrix<f64>> {
+        let d = minimum.len();
         let mut curvature = DMatrix::zeros(d, d);
         for i in 0..d {
             let mut slope = |by: f64| {
-                let mut moved = at.clone();
+                let mut moved = minimum.clone();
                 moved[i] += by;
                 self.evaluate(&moved).0.gradient
             };
@@ -134,7 +134,7 @@ impl<'a> NetworkRows<'a> {
             return None;
         }
         let inverse = of_symmetric(&curvature, |v| 1.0 / v.max(least));
-        let slopes = self.evaluate(at).1;
+        let slopes = self.evaluate(minimum).1;
         let covariance = &inverse * &slopes * slopes.transpose() * &inverse;
         Some(of_symmetric(&covariance, |v| v.min(AMONG_DRIVERS)))
     }
@@ -143,9 +143,9 @@ impl<'a> NetworkRows<'a> {
     pub(crate) fn evaluate(&mut self, w: &DVector<f64>) -> (Evaluated, DMatrix<f64>) {
         let embeddings = self.everywhere(w.as_slice());
         let (grid_rows, blocks) = (self.grid_rows, self.blocks);
-        let (kernel, rows, at) = self.at(&embeddings);
+        let (kernel, rows, point) = self.at(&embeddings);
         let sums = kernel.evaluate(
-            &at,
+            &point,
             rows.len(),
             |row| rows.drive_of[row],
             |tile, range| rows.fill(range, tile),
@@ -181,13 +181,13 @@ impl<'a> NetworkRows<'a> {
 
     /// What the kernel is evaluated at; L5 in expectation over M's sample.
     fn at<'s>(&'s mut self, embeddings: &'s [f32]) -> (&'s mut Batches, &'s RowSet, At<'s>) {
-        let at = At {
+        let point = At {
             packed: &self.packed,
             embeddings,
             weights: self.paper.loss_weights,
             reading: Reading::Expected,
         };
-        (&mut self.kernel, &self.rows, at)
+        (&mut self.kernel, &self.rows, point)
     }
 }
 

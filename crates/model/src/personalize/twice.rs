@@ -27,10 +27,10 @@ pub fn learn_days(
 ) -> Result<Model, ModelError> {
     let d = model.embedding_size();
     let whole = Personalizer::new(model);
-    let of = |drive: &Drive| whole.of_drive(&whole.shown(drive, 1.0)?);
+    let posterior = |drive: &Drive| whole.of_drive(&whole.shown(drive, 1.0)?);
     let pairs: Result<Vec<Pair>, ModelError> = twice
         .iter()
-        .map(|[first, again]| Ok([of(first)?, of(again)?]))
+        .map(|[first, again]| Ok([posterior(first)?, posterior(again)?]))
         .collect();
     let prior = matches!(model.heads(), Heads::Linear(_));
     let Some(days) = Days::learn(&pairs?, prior, d) else {
@@ -67,7 +67,8 @@ pub fn learn_days(
 impl Personalizer<'_> {
     /// What is shown says of the drive's own style, without a score.
     fn of_drive(&self, shown: &Shown) -> Result<Posterior, ModelError> {
-        self.posterior(shown, None, None).map(|(found, _)| found)
+        self.posterior(shown, None, None)
+            .map(|(posterior, _)| posterior)
     }
 }
 

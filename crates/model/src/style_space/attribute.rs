@@ -19,7 +19,7 @@ const LEAST_VARIANCE: f64 = 1e-8;
 /// procedure". Leave-one-out residuals from the leverages: Allen 1974 (PRESS).
 #[derive(Debug, Clone, PartialEq)]
 pub struct AttributeHead {
-    /// The head.
+    /// g and its offset: the score at a point of style space.
     pub head: LinearHead,
     /// Drives fitted to.
     pub drives: usize,
@@ -93,8 +93,8 @@ impl AttributeHead {
                 found: mean_score,
             });
         }
-        let at: Vec<DVector<f64>> = points.iter().map(|(x, _)| x.clone()).collect();
-        let (mean, covariance) = moments(&at, d);
+        let embeddings: Vec<DVector<f64>> = points.iter().map(|(x, _)| x.clone()).collect();
+        let (mean, covariance) = moments(&embeddings, d);
         let variances = covariance.symmetric_eigenvalues();
         let flat = variances.min() <= LEAST_VARIANCE * variances.max().max(f64::MIN_POSITIVE);
         let Some(inverse) = covariance.try_inverse().filter(|_| !flat) else {

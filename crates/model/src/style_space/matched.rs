@@ -103,15 +103,15 @@ impl Matching {
         let lent = donors.iter().map(|donor| self.lend(own, donor.style));
         let mut styles: Vec<(usize, MatchedStyle)> = lent
             .enumerate()
-            .map(|(at, s)| Ok((at, s?)))
+            .map(|(index, s)| Ok((index, s?)))
             .collect::<Result<_, ModelError>>()?;
         let within = styles.iter().filter(|(_, style)| style.within_reach);
-        let Some(least) = within.map(|(at, _)| donors[*at].lent).min() else {
+        let Some(least) = within.map(|(index, _)| donors[*index].lent).min() else {
             return Ok(styles
                 .into_iter()
                 .min_by(|(_, a), (_, b)| self.nearer(a, b)));
         };
-        styles.retain(|(at, style)| style.within_reach && donors[*at].lent == least);
+        styles.retain(|(index, style)| style.within_reach && donors[*index].lent == least);
         let drawn = Pcg64Mcg::seed_from_u64(seed).random_range(0..styles.len());
         Ok(Some(styles.swap_remove(drawn)))
     }

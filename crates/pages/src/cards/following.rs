@@ -80,8 +80,8 @@ impl Following<'_> {
     fn better(&self, texts: &Texts, finding: &Finding) -> Result<Card, ReportError> {
         let means = &self.found.means;
         let best = |fits: &dyn Fn(&MethodMean) -> bool| {
-            let of = means.iter().filter(|m| fits(m));
-            of.min_by(|a, b| a.gap_rmse_m.total_cmp(&b.gap_rmse_m))
+            let fitting = means.iter().filter(|m| fits(m));
+            fitting.min_by(|a, b| a.gap_rmse_m.total_cmp(&b.gap_rmse_m))
         };
         let say = |mean: Option<&MethodMean>| {
             let values = context! {

@@ -106,7 +106,7 @@ impl InTurn<'_> {
     }
 
     fn direction(&self, texts: &Texts, finding: &Finding) -> Result<Card, ReportError> {
-        let of = |(id, d): &(&str, &Direction)| {
+        let values_of = |(id, d): &(&str, &Direction)| {
             context! {
                 id => *id,
                 n => d.n,
@@ -115,7 +115,7 @@ impl InTurn<'_> {
                 p => d.p,
             }
         };
-        let rows: Vec<Value> = self.directions.iter().map(of).collect();
+        let rows: Vec<Value> = self.directions.iter().map(values_of).collect();
         let drawn = self.directions.iter().flat_map(|(_, d)| {
             let person = |p: &maveric_rehearsal::leave_out::PersonDirection| {
                 IntervalRow::new(p.participant.to_string(), p.cosine, None)

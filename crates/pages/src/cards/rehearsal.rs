@@ -24,13 +24,13 @@ fn texts() -> Result<Texts, ReportError> {
 /// [`ReportError::Template`] for a text that asks for a value which is not given.
 pub fn of_studies(cell: &Cell, finding: &Finding) -> Result<Option<Card>, ReportError> {
     let texts = texts()?;
-    let made = match finding.question {
+    let card = match finding.question {
         Question::Families => families(&texts, cell, finding),
         Question::Single => single(&texts, cell, finding),
         Question::Power => power(&texts, cell, finding),
         _ => return Ok(None),
     };
-    made.map(Some)
+    card.map(Some)
 }
 
 fn families(texts: &Texts, cell: &Cell, finding: &Finding) -> Result<Card, ReportError> {
@@ -115,18 +115,18 @@ pub fn recommends(learned: &LearnedFrom, finding: &Finding) -> Result<Card, Repo
         let score = learned.scores.iter().find(|s| s.method == method);
         score.and_then(|s| Some(s.within_5?.estimate))
     };
-    let own = share(Method::OwnForAll);
+    let own_for_all = share(Method::OwnForAll);
     let values = context! {
         learned_from => learned.participants,
         after => share(Method::AfterFourConditions),
-        own,
+        own => own_for_all,
         best => share(Method::Ceiling),
     };
     let rows = learned.scores.iter();
     let rows = rows.map(|s| IntervalRow::share(s.method.title(), s.within_5.as_ref()));
     let drawn = Drawn {
         rows: rows.collect(),
-        nothing: Some(100.0 * own.unwrap_or(0.0)),
+        nothing: Some(100.0 * own_for_all.unwrap_or(0.0)),
         bounds: None,
     };
     card(&texts()?, finding, &values, Some(drawn))

@@ -23,7 +23,7 @@ struct Parts<'a> {
 
 impl<'a> Parts<'a> {
     /// `None` where it has another form: nothing is guessed.
-    fn of(text: &'a str) -> Option<Self> {
+    fn parse(text: &'a str) -> Option<Self> {
         let (authors, rest) = text.split_once(" (")?;
         let (year, rest) = rest.split_once("). ")?;
         if year.len() != 4 || !year.chars().all(|c| c.is_ascii_digit()) {
@@ -64,7 +64,7 @@ pub(super) fn bib(references: &[Reference]) -> String {
     let entry = |reference: &Reference| {
         let write = |text: &str| latex(&markup::literal(text));
         let field = |name: &str, text: &str| format!("  {name} = {{{text}}}");
-        let (kind, fields) = match Parts::of(&reference.text) {
+        let (kind, fields) = match Parts::parse(&reference.text) {
             None => ("misc", vec![field("note", &write(&reference.text))]),
             Some(parts) => {
                 // Double braces: capitals of a title stay.

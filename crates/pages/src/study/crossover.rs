@@ -20,9 +20,9 @@ impl StudyPage<'_> {
     }
 
     pub(super) fn primary_rows(&self) -> Vec<Value> {
-        let all = &self.analysis.primary;
+        let outcomes = &self.analysis.primary;
         let title = |id: &String| {
-            let known = all.iter().find(|o| o.outcome == *id);
+            let known = outcomes.iter().find(|o| o.outcome == *id);
             known.map_or_else(|| id.clone(), |o| o.title.clone())
         };
         let row = |o: &PrimaryOutcome| {
@@ -32,7 +32,7 @@ impl StudyPage<'_> {
                 ..value(o)
             }
         };
-        all.iter().map(row).collect()
+        outcomes.iter().map(row).collect()
     }
 
     /// What each condition leaves behind, an outcome a row; none where no test takes the period.

@@ -67,9 +67,9 @@ impl StudyPage<'_> {
                 let mut levels = others.iter().zip(&split);
                 levels.all(|(f, level)| cell.levels[*f] == *level)
             };
-            let here: Vec<&&LevelMean> = cells.iter().filter(is_here).collect();
+            let shown_cells: Vec<&&LevelMean> = cells.iter().filter(is_here).collect();
             let mean = |first: &str, second: &str| {
-                let cell = here
+                let cell = shown_cells
                     .iter()
                     .find(|c| c.levels[x] == first && c.levels[line] == second)?;
                 let (low, high) = cell.within.or(cell.interval)?;
@@ -182,11 +182,11 @@ impl StudyPage<'_> {
 
     /// A row a declared contrast of levels.
     fn factor_contrasts(&self) -> Vec<Value> {
-        let all = self.factorial_panels().flat_map(|(panel, by_factor)| {
+        let values = self.factorial_panels().flat_map(|(panel, by_factor)| {
             let rows = by_factor.contrasts.iter();
             rows.map(move |contrast| self.factor_contrast(panel, contrast))
         });
-        all.collect()
+        values.collect()
     }
 
     pub(super) fn factor_contrast(&self, panel: &Panel, contrast: &FactorContrast) -> Value {

@@ -36,8 +36,8 @@ impl StudyPage<'_> {
         scales: &[Scale],
         reliabilities: &[Reliability],
     ) -> Result<Vec<RenderedFile>, ReportError> {
-        let asked = |s: &&Scale| reliabilities.iter().any(|r| of_scale(r, s));
-        let asked: Vec<&Scale> = scales.iter().filter(asked).collect();
+        let is_asked = |s: &&Scale| reliabilities.iter().any(|r| of_scale(r, s));
+        let asked_scales: Vec<&Scale> = scales.iter().filter(is_asked).collect();
         let paragraphs = self.methods()?;
         let mut methods = vec![Block::Heading(1, self.methods.text("heading")?)];
         for (heading, abouts) in HEADINGS {
@@ -46,25 +46,27 @@ impl StudyPage<'_> {
                 "exclusions" => self.left_out()?,
                 "measures" => self.measures()?,
                 "questionnaires" => {
-                    let said = asked.iter().map(|scale| {
+                    let descriptions = asked_scales.iter().map(|scale| {
                         let mine = reliabilities.iter().filter(|r| of_scale(r, scale));
                         self.questionnaire(scale, mine)
                     });
-                    said.collect::<Result<_, _>>()?
+                    descriptions.collect::<Result<_, _>>()?
                 }
                 _ => Vec::new(),
             };
-            let of = paragraphs
+            let matching = paragraphs
                 .iter()
                 .filter(|(about, _)| abouts.contains(about));
-            below.extend(of.map(|(_, text)| text.clone()));
+            below.extend(matching.map(|(_, text)| text.clone()));
             if !below.is_empty() {
                 let heading = self.methods.text(&format!("heading_{heading}"))?;
                 methods.push(Block::Heading(2, heading));
                 methods.extend(below.into_iter().map(Block::Paragraph));
             }
         }
-        let of_scale = asked.iter().map(|s| (s.id.clone(), s.reference.clone()));
+        let of_scale = asked_scales
+            .iter()
+            .map(|s| (s.id.clone(), s.reference.clone()));
         let of_tests = self.cited_tests()?;
         let manuscript = Manuscript {
             methods,
@@ -145,17 +147,17 @@ impl StudyPage<'_> {
 
     /// The definition of every measure that is an outcome.
     fn measures(&self) -> Result<Vec<String>, ReportError> {
-        let mut said = Vec::new();
+        let mut definitions = Vec::new();
         for panel in self.analysis.panels.iter().filter(|p| p.group.is_none()) {
             if let Some(own) = self.design.measure(&panel.outcome) {
                 let values = context! { title => own.title.as_str(), unit => own.shown_unit() };
-                said.push(self.methods.with(&values).text("own_measure")?);
+                definitions.push(self.methods.with(&values).text("own_measure")?);
             } else if let Some(measure) = objective::find(&panel.outcome) {
                 let values =
                     context! { title => panel.title.as_str(), description => measure.description };
-                said.push(self.methods.with(&values).text("measure")?);
+                definitions.push(self.methods.with(&values).text("measure")?);
             }
         }
-        Ok(said)
+        Ok(definitions)
     }
 }

@@ -44,8 +44,8 @@ impl StudyPage<'_> {
             }
         }
         if let Some(balance) = &self.analysis.orders {
-            let told = orders(self.design, balance)?;
-            paragraphs.push(("Orders", told.join(" ")));
+            let sentences = orders(self.design, balance)?;
+            paragraphs.push(("Orders", sentences.join(" ")));
         }
         paragraphs.extend(self.analysis.notes.iter().map(|note| ("", note.clone())));
         if self.analysis.synthetic {
@@ -105,8 +105,8 @@ impl StudyPage<'_> {
     pub(super) fn done(&self) -> Result<String, ReportError> {
         let (a, conditions) = (self.analysis, self.design.conditions());
         let labels = |by_car: bool| -> Vec<String> {
-            let of = conditions.iter().filter(|c| c.car.is_some() == by_car);
-            of.map(|c| self.label(c.id)).collect()
+            let matching = conditions.iter().filter(|c| c.car.is_some() == by_car);
+            matching.map(|c| self.label(c.id)).collect()
         };
         let (by_car, recorded) = (labels(true), labels(false));
         let texts = self

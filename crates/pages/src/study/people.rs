@@ -23,7 +23,7 @@ pub struct Reliability {
     pub id: String,
     /// What the page calls it.
     pub title: String,
-    /// Items.
+    /// How many items the score is made of.
     pub items: usize,
     /// Answer sheets without a missing item.
     pub n: usize,
@@ -37,7 +37,7 @@ pub struct Reliability {
     pub omega: Option<f64>,
 }
 
-/// A group of participants.
+/// The people of one part in the study, of one population or of all.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct ParticipantGroup {
     /// Such as `Tested, internal`.

@@ -20,17 +20,17 @@ fn headed(heading: String, paragraphs: Vec<String>) -> Vec<Block> {
 
 /// What people pressed: whether the rates differ, and what came before a press.
 fn pressed(texts: &PageTexts, presses: &Presses) -> Result<Vec<String>, ReportError> {
-    let mut said = Vec::new();
+    let mut sentences = Vec::new();
     if let Some(rates) = &presses.rates {
-        said.push(texts.with(rates).text("press_rates")?);
+        sentences.push(texts.with(rates).text("press_rates")?);
     }
     for row in &presses.before {
         let values = context! {
             title => row.title.as_str(), p_holm => row.p_holm, ..value(&row.test)
         };
-        said.push(texts.with(&values).text("press_before")?);
+        sentences.push(texts.with(&values).text("press_before")?);
     }
-    Ok(said)
+    Ok(sentences)
 }
 
 impl StudyPage<'_> {
@@ -57,11 +57,11 @@ impl StudyPage<'_> {
                 own => first.condition.to_string(),
                 rows => value(&a.reproduction),
             });
-            let mut own = vec![texts.text("accuracy")?];
+            let mut accuracy = vec![texts.text("accuracy")?];
             let biased = a.reproduction.iter().filter(|r| r.bias.is_some());
-            own.extend(self.each("equivalence", biased.map(biased_row))?);
-            own.extend(self.each("nearer", a.nearer.iter().map(value))?);
-            blocks.extend(headed(texts.text("own")?, own));
+            accuracy.extend(self.each("equivalence", biased.map(biased_row))?);
+            accuracy.extend(self.each("nearer", a.nearer.iter().map(value))?);
+            blocks.extend(headed(texts.text("own")?, accuracy));
         }
         let lines = [&a.line, &a.line_without_adb].into_iter().flatten();
         let along = lines.flat_map(|line| {
@@ -99,8 +99,10 @@ impl StudyPage<'_> {
     /// Descriptives, tests and contrasts of an outcome.
     fn outcome(&self, panel: &Panel) -> Result<Vec<String>, ReportError> {
         let mut paragraphs = Vec::new();
-        let of = self.analysis.descriptives.iter();
-        let described: Vec<&Described> = of.filter(|d| d.outcome == panel.outcome).collect();
+        let descriptives = self.analysis.descriptives.iter();
+        let described: Vec<&Described> = descriptives
+            .filter(|d| d.outcome == panel.outcome)
+            .collect();
         // What was measured is described over everybody.
         if panel.group.is_none() && !described.is_empty() {
             let values = context! { described => value(&described) };
@@ -110,19 +112,23 @@ impl StudyPage<'_> {
         if let Some(by_factor) = &panel.by_factor {
             let rows = by_factor.contrasts.iter();
             let rows = rows.map(|contrast| self.factor_contrast(panel, contrast));
-            let all = self.each("factor_contrast", rows)?;
-            if !all.is_empty() {
+            let sentences = self.each("factor_contrast", rows)?;
+            if !sentences.is_empty() {
                 paragraphs.push(
                     self.results
-                        .with(&context! { all })
+                        .with(&context! { all => sentences })
                         .text("factor_contrasts")?,
                 );
             }
         }
         let pairs = panel.contrasts.iter().map(|pair| contrast(panel, pair));
-        let all = self.each("contrast", pairs)?;
-        if !all.is_empty() {
-            paragraphs.push(self.results.with(&context! { all }).text("contrasts")?);
+        let sentences = self.each("contrast", pairs)?;
+        if !sentences.is_empty() {
+            paragraphs.push(
+                self.results
+                    .with(&context! { all => sentences })
+                    .text("contrasts")?,
+            );
         }
         Ok(paragraphs)
     }
@@ -136,8 +142,8 @@ impl StudyPage<'_> {
             paragraphs.push(self.results.with(&values).text("family")?);
         }
         for of_factor in a.homophily.chunk_by(|a, b| a.factor == b.factor) {
-            let all = self.each("pair", of_factor.iter().map(value))?;
-            let values = context! { all, ..value(&of_factor[0]) };
+            let sentences = self.each("pair", of_factor.iter().map(value))?;
+            let values = context! { all => sentences, ..value(&of_factor[0]) };
             paragraphs.push(self.results.with(&values).text("factor")?);
         }
         paragraphs.extend(self.each("similar", a.similarity.iter().map(value))?);
@@ -156,8 +162,8 @@ impl StudyPage<'_> {
 /// How far the car lies from the person, with its test against no difference.
 fn biased_row(row: &Reproduction) -> Value {
     let test = row.bias.as_ref().and_then(|b| {
-        let said = apa::t(b.t?, b.df as f64, b.p_holm?, Adjustment::Holm, None);
-        Some(said.markup().to_owned())
+        let statement = apa::t(b.t?, b.df as f64, b.p_holm?, Adjustment::Holm, None);
+        Some(statement.markup().to_owned())
     });
     context! { test, ..value(row) }
 }

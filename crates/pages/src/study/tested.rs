@@ -63,20 +63,20 @@ pub(super) fn tested(design: &Design, panel: &Panel) -> Vec<Tested> {
         numbers,
     };
     let alone = |numbers| vec![row("omnibus", omnibus(design, panel, false), numbers)];
-    let found = match &panel.comparison {
+    let effects = match &panel.comparison {
         None => return alone(Numbers::default()),
         Some(ByDesign::Factorial(found)) => of_factors(&found.found),
         Some(ByDesign::Mixed(found)) => {
-            let found = &found.found;
-            let terms = found.model.anova.iter().map(|(name, term)| {
-                let corrected = found.corrected.get(name);
+            let mixed = &found.found;
+            let terms = mixed.model.anova.iter().map(|(name, term)| {
+                let corrected = mixed.corrected.get(name);
                 let numbers = Numbers {
                     test: Some("F"),
                     statistic: Some(term.f),
                     df1: Some(corrected.map_or(term.df1 as f64, |c| c.df1)),
                     df2: corrected.map_or(term.df2, |c| Some(c.df2)),
                     epsilon: corrected.map(|c| c.epsilon),
-                    p: found.p(name),
+                    p: mixed.p(name),
                     ..Numbers::default()
                 };
                 (name.to_owned(), numbers)
@@ -108,8 +108,8 @@ pub(super) fn tested(design: &Design, panel: &Panel) -> Vec<Tested> {
         .comparison
         .as_ref()
         .map_or_else(Vec::new, Statements::statements);
-    let several = found.len() > 1;
-    let rows = found.into_iter().filter_map(|(name, numbers)| {
+    let several = effects.len() > 1;
+    let rows = effects.into_iter().filter_map(|(name, numbers)| {
         let (_, said) = sentences.iter().find(|(said, _)| *said == name)?;
         let mut tested = row(&name, said.markup().to_owned(), numbers);
         if several {

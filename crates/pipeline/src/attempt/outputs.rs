@@ -21,8 +21,8 @@ impl Workshop<'_> {
             return Ok(false);
         };
         let digest = now.made_from.digest();
-        let made = match cache.find(stage, &digest) {
-            Ok(Some(made)) => made,
+        let cached = match cache.find(stage, &digest) {
+            Ok(Some(cached)) => cached,
             Ok(None) => return Ok(false),
             Err(Damaged) => {
                 let stage = stage.name.clone();
@@ -31,21 +31,21 @@ impl Workshop<'_> {
             }
         };
         self.begin(stage)?;
-        if !cache.restore(stage, &digest, &made, &self.place.root, &self.hasher)? {
+        if !cache.restore(stage, &digest, &cached, &self.place.root, &self.hasher)? {
             let stage = stage.name.clone();
             tell(News::Warning(Warning::CacheDamaged { stage }));
             return Ok(false);
         }
-        if let Some(summary) = &made.summary {
+        if let Some(summary) = &cached.summary {
             self.keep_summary(stage, summary)?;
         }
         let made_from = now.made_from.clone();
         let record = self.record_of(
             stage,
             made_from,
-            made.seconds,
-            made.peak_memory,
-            made.outputs,
+            cached.seconds,
+            cached.peak_memory,
+            cached.outputs,
         )?;
         self.ledger().finish(stage, record)?;
         Ok(true)
@@ -169,7 +169,7 @@ impl Workshop<'_> {
     /// The first output that is reached through a link and is not what the last run had left:
     /// whoever set the link may have other things there. Outputs may be kept behind links.
     fn behind_link(&self, stage: &Stage) -> Result<Option<FailureCause>, PipelineError> {
-        let record = self.ledger().get().of(stage).cloned();
+        let record = self.ledger().get().record_of(stage).cloned();
         for (path, made) in record.iter().flat_map(|record| &record.outputs) {
             let target = |above: &str| fs::read_link(self.place.root.join(above)).ok();
             let link = with_ancestors(path).find_map(|above| Some((above, target(above)?)));

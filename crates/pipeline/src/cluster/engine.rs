@@ -240,11 +240,12 @@ pub(super) fn last_state(engine: Executor, task: &str) -> String {
             .unwrap_or_else(unknown);
     }
     // Where accounting is not kept, the controller still knows a job for some minutes.
-    let of = |program: &str, arguments: &[&str]| output(Command::new(program).args(arguments)).ok();
-    let accounted = of("sacct", &["-n", "-X", "-P", "-o", "State", "-j", task]);
+    let text_of =
+        |program: &str, arguments: &[&str]| output(Command::new(program).args(arguments)).ok();
+    let accounted = text_of("sacct", &["-n", "-X", "-P", "-o", "State", "-j", task]);
     let accounted = accounted.and_then(|text| text.lines().next().map(|s| s.trim().to_owned()));
     let controlled = || {
-        let text = of("scontrol", &["-o", "show", "job", task])?;
+        let text = text_of("scontrol", &["-o", "show", "job", task])?;
         let state = text
             .split_whitespace()
             .find_map(|word| word.strip_prefix("JobState="))?;
@@ -294,8 +295,8 @@ fn output(command: &mut Command) -> Result<String, PipelineError> {
         .output()
         .map_err(|error| failed(error.to_string()))?;
     if !output.status.success() {
-        let said = String::from_utf8_lossy(&output.stderr).trim().to_owned();
-        return Err(failed(format!("{} ({})", said, output.status)));
+        let message = String::from_utf8_lossy(&output.stderr).trim().to_owned();
+        return Err(failed(format!("{} ({})", message, output.status)));
     }
     Ok(String::from_utf8_lossy(&output.stdout).into_owned())
 }

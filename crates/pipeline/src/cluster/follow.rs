@@ -158,7 +158,7 @@ impl<'a> Follower<'a> {
 
     /// Whether a stage would be handed in again just as it was.
     fn is_same(&self, index: usize, task: &Task) -> bool {
-        let now = Present::of(
+        let now = Present::look(
             self.graph.stage(index),
             self.workshop.place,
             &self.workshop.hasher,
@@ -290,7 +290,7 @@ impl<'a> Follower<'a> {
         if stage.share.is_some() || !across {
             return Ok(None);
         }
-        let now = Present::of(stage, self.workshop.place, &self.workshop.hasher)?;
+        let now = Present::look(stage, self.workshop.place, &self.workshop.hasher)?;
         let mut tell = |news| schedule.hear(index, news, observe);
         let room = self
             .workshop
@@ -345,15 +345,15 @@ impl<'a> Follower<'a> {
         let Some(task) = self.jobs.tasks.get(&stage.name) else {
             return Ok(false);
         };
-        let told = self.told.contains(&(task.spool.clone(), task.index));
-        if !told && alive.is_none_or(|alive| alive.contains(&task.id())) {
+        let has_ended = self.told.contains(&(task.spool.clone(), task.index));
+        if !has_ended && alive.is_none_or(|alive| alive.contains(&task.id())) {
             self.gone.remove(&stage.name);
             return Ok(false);
         }
         let task = task.clone();
         let makers = self.graph.needs(index).iter().map(|need| need.maker);
         let standings: Vec<Standing> = makers.map(|maker| self.standing[maker]).collect();
-        let ended = told.then(|| read_ending(&task)).flatten();
+        let ended = has_ended.then(|| read_ending(&task)).flatten();
         let ended = ended.filter(|_| !standings.contains(&Standing::OnCluster));
         let attempt = if let Some((code, seconds)) = ended {
             self.ended(stage, &task, code, seconds, schedule, index, observe)?
@@ -379,8 +379,8 @@ impl<'a> Follower<'a> {
                 job: task.id(),
                 state: engine::last_state(self.jobs.engine, &task.id()),
             };
-            let said = self.keep_log(stage, &task)?;
-            Attempt::Failed(self.workshop.failure(stage, &[], cause, said, Some(0.0)))
+            let log = self.keep_log(stage, &task)?;
+            Attempt::Failed(self.workshop.failure(stage, &[], cause, log, Some(0.0)))
         };
         self.jobs.settle(&stage.name)?;
         self.close(index, attempt, schedule, observe);
@@ -418,19 +418,19 @@ impl<'a> Follower<'a> {
         index: usize,
         observe: &mut dyn FnMut(Event<'_>),
     ) -> Result<Attempt, PipelineError> {
-        let said = self.keep_log(stage, task)?;
+        let log = self.keep_log(stage, task)?;
         let failed = |cause| {
             self.workshop.leave(stage)?;
             let failure = self
                 .workshop
-                .failure(stage, &[], cause, said.clone(), Some(seconds));
+                .failure(stage, &[], cause, log.clone(), Some(seconds));
             Ok(Attempt::Failed(failure))
         };
         if code != 0 {
             return failed(FailureCause::Exit { code });
         }
         let stdout = read_text(&script::printed(&task.spool, task.index, "out"));
-        let now = Present::of(stage, self.workshop.place, &self.workshop.hasher)?;
+        let now = Present::look(stage, self.workshop.place, &self.workshop.hasher)?;
         let known: BTreeSet<&str> = task
             .made_from
             .facts(FactKind::Input)

@@ -237,8 +237,8 @@ pub(crate) fn refuse_while_jobs_run(place: &Place) -> Result<(), PipelineError> 
     let Some(mut jobs) = Jobs::read(&place.jobs())? else {
         return Ok(());
     };
-    let all = jobs.jobs();
-    let still: Vec<&Task> = match engine::alive(jobs.engine, &all) {
+    let ids = jobs.jobs();
+    let still: Vec<&Task> = match engine::alive(jobs.engine, &ids) {
         Ok(alive) => jobs
             .tasks
             .values()
@@ -250,7 +250,7 @@ pub(crate) fn refuse_while_jobs_run(place: &Place) -> Result<(), PipelineError> 
         return Err(PipelineError::OnCluster {
             stages: still.len(),
             engine: engine::name(jobs.engine),
-            jobs: all.into_iter().collect(),
+            jobs: ids.into_iter().collect(),
         });
     }
     jobs.tasks.values().for_each(Task::give_up);

@@ -44,8 +44,8 @@ pub(super) fn text(
     };
     let outputs: Vec<&str> = stage.outputs.iter().map(String::as_str).collect();
     let is_relative = |path: &&str| !path.starts_with('/');
-    let all = reads.iter().chain(&outputs);
-    let up = all.map(|path| path.split('/').take_while(|part| *part == "..").count());
+    let paths = reads.iter().chain(&outputs);
+    let up = paths.map(|path| path.split('/').take_while(|part| *part == "..").count());
     let deep = "/d".repeat(up.max().unwrap_or(0) + 1);
     let mut lines = vec![
         "#!/bin/sh".to_owned(),
@@ -86,17 +86,17 @@ pub(super) fn text(
     let program = program.to_string_lossy().into_owned();
     let arguments = place.arguments_of(stage, files);
     let command = quoted(std::iter::once(&program).chain(&arguments));
-    let made = outputs
+    let relative = outputs
         .iter()
         .filter(|path| is_relative(path) && !inside(path));
-    let made: Vec<&str> = made.copied().collect();
+    let relative: Vec<&str> = relative.copied().collect();
     let run = format!("{command} </dev/null >\"$work.out\" 2>\"$work.err\"; code=$?");
     if stage.retries == 0 {
         lines.push(run);
     } else {
-        let clear = match made.as_slice() {
+        let clear = match relative.as_slice() {
             [] => String::new(),
-            made => format!(" rm -rf {};", quoted(made)),
+            relative => format!(" rm -rf {};", quoted(relative)),
         };
         lines.push(format!(
             "try=0; while {run}; [ $code != 0 ] && [ $try -lt {} ]; do try=$((try + 1));{clear} done",
@@ -108,7 +108,7 @@ pub(super) fn text(
         r#"if [ -e "$spool/$n.ended" ] || [ ! -e "$spool/$n.sh" ] || ! mkdir "$spool/$n.first" 2>/dev/null; then cd "$spool"; rm -rf "$work" "$work".*; exit 0; fi"#
             .to_owned(),
     );
-    for output in &made {
+    for output in &relative {
         let name = word(output);
         let place = folder(output).replace("mkdir -p ", "mkdir -p \"$root\"/");
         lines.push(format!(

@@ -80,8 +80,11 @@ pub(super) fn difference(path: String, a: &Cells, b: &Cells) -> FileDifference {
             (Some(first), Some(second)) => {
                 compared += 1;
                 if first.to_bits() != second.to_bits() {
-                    let at = at.clone();
-                    numbers.push(NumberDifference { at, first, second });
+                    numbers.push(NumberDifference {
+                        at: at.clone(),
+                        first,
+                        second,
+                    });
                 }
             }
             _ if first != second => texts.push(format!("{at}: {first} -> {second}")),

@@ -32,7 +32,7 @@ pub enum FileProblem {
     /// A key that must be there and is not.
     #[error("{table} lacks `{key}`")]
     MissingKey {
-        /// The key.
+        /// The key, without its table.
         key: &'static str,
         /// The table, as it is written in the file.
         table: &'static str,
@@ -40,7 +40,7 @@ pub enum FileProblem {
     /// A value of another type.
     #[error("`{key}` is {found}, expected {expected}")]
     WrongType {
-        /// The key.
+        /// The key, as it is written in the file.
         key: String,
         /// The type that was found, with its article.
         found: String,
@@ -56,7 +56,7 @@ pub enum FileProblem {
     /// Two stages of one name.
     #[error("a second stage `{name}`; the first is on line {first_line}")]
     DuplicateStage {
-        /// The name.
+        /// What both are called.
         name: String,
         /// Where the first one stands.
         first_line: usize,
@@ -111,7 +111,7 @@ pub enum FileProblem {
     CannotQuote {
         /// The parameter.
         name: String,
-        /// Its value.
+        /// The parameter's value, unquoted.
         value: String,
     },
     /// A cell that stands in a path and is no id.
@@ -119,19 +119,19 @@ pub enum FileProblem {
         "column `{column}` of `{table}` makes a path, and line {line} has `{value}`: expected an id of letters, digits, `.`, `-` and `_`, without `..`"
     )]
     NotAnId {
-        /// The column.
+        /// The heading of its column.
         column: String,
         /// The cell.
         value: String,
         /// The table, relative to the root.
         table: String,
-        /// The line.
+        /// The line of the table's file, from 1.
         line: u64,
     },
     /// A stage without a command line.
     #[error("stage `{stage}` has an empty `cmd`")]
     EmptyCommand {
-        /// The stage.
+        /// Its name in the pipeline file.
         stage: String,
     },
     /// A stage that fans out twice.
@@ -177,7 +177,7 @@ pub enum FileProblem {
     /// A list of files that is not that of the command.
     #[error("`{key}` is not what the command {}: {}", if *key == "inputs" { "reads" } else { "writes" }, apart(lacks, strange))]
     OtherFiles {
-        /// The key.
+        /// `inputs` or `outputs`.
         key: &'static str,
         /// Paths that it lacks.
         lacks: Vec<String>,

@@ -19,7 +19,7 @@ impl Group {
     }
 
     /// The group of a child that was begun so.
-    pub(super) fn of(child: &Child) -> Self {
+    pub(super) fn new(child: &Child) -> Self {
         Self {
             id: nix::unistd::Pid::from_raw(child.id().cast_signed()),
         }
@@ -44,7 +44,7 @@ impl Group {
         std::os::windows::process::CommandExt::creation_flags(command, CREATE_NEW_PROCESS_GROUP);
     }
 
-    pub(super) fn of(child: &Child) -> Self {
+    pub(super) fn new(child: &Child) -> Self {
         let mut limits = win32job::ExtendedLimitInfo::new();
         limits.limit_kill_on_job_close();
         let job = win32job::Job::create_with_limit_info(&limits);

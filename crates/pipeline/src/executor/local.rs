@@ -71,7 +71,7 @@ pub(crate) fn run(
     if let Some(stderr) = child.stderr.take() {
         read_lines(stderr, Stream::Stderr, sender.clone());
     }
-    let group = Group::of(&child);
+    let group = Group::new(&child);
     std::thread::spawn(move || {
         let _ = sender.send(Message::Dead(child.wait4()));
     });

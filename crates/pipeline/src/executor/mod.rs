@@ -15,7 +15,7 @@ use std::time::Duration;
 pub(crate) struct Job<'a> {
     /// The executable: a path, or a name to look up.
     pub(crate) program: &'a Path,
-    /// Its arguments.
+    /// One by one, without the program.
     pub(crate) arguments: &'a [String],
     /// The directory in which it runs.
     pub(crate) root: &'a Path,

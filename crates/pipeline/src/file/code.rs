@@ -6,7 +6,7 @@ use std::path::Path;
 /// A stage of a pipeline that no file describes. Braces in it are braces.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct NewStage {
-    /// Its name.
+    /// Fit for a file name, and of no other stage.
     pub name: String,
     /// The command, word by word.
     pub command: Vec<String>,
@@ -42,7 +42,7 @@ impl NewStage {
 
     fn table(&self) -> toml::Value {
         let text = |s: &String| toml::Value::String(s.replace('{', "{{").replace('}', "}}"));
-        let list = |of: &[String]| toml::Value::Array(of.iter().map(text).collect());
+        let list = |texts: &[String]| toml::Value::Array(texts.iter().map(text).collect());
         let mut table = toml::Table::new();
         table.insert("name".to_owned(), text(&self.name));
         table.insert("cmd".to_owned(), list(&self.command));
@@ -57,7 +57,11 @@ impl Pipeline {
     ///
     /// # Errors
     /// As [`Pipeline::parse`]; they name places in [`Pipeline::text`].
-    pub fn of(name: &str, stages: &[NewStage], root: &Path) -> Result<Self, PipelineError> {
+    pub fn from_stages(
+        name: &str,
+        stages: &[NewStage],
+        root: &Path,
+    ) -> Result<Self, PipelineError> {
         let mut file = toml::Table::new();
         file.insert("name".to_owned(), toml::Value::String(name.to_owned()));
         let stages = stages.iter().map(NewStage::table).collect();
@@ -79,10 +83,10 @@ mod tests {
                 .reads(["a"])
                 .makes(["b"]),
         ];
-        let made = Pipeline::of("two", &stages, Path::new(".")).unwrap();
+        let made = Pipeline::from_stages("two", &stages, Path::new(".")).unwrap();
         assert_eq!(made.stages().len(), 2);
         assert_eq!(made.stages()[0].command[2], "echo ${x} {y} > a");
         let twice = [stages[0].clone(), stages[0].clone()];
-        assert!(Pipeline::of("two", &twice, Path::new(".")).is_err());
+        assert!(Pipeline::from_stages("two", &twice, Path::new(".")).is_err());
     }
 }

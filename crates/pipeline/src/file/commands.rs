@@ -100,12 +100,12 @@ impl CommandFiles {
 
     /// Whether a path is in any of its own.
     pub(super) fn has_in_path(&self, text: &str) -> bool {
-        let mut all = self
+        let mut paths = self
             .inputs
             .iter()
             .chain(&self.if_there)
             .chain(&self.outputs);
-        all.any(|path| path.contains(text))
+        paths.any(|path| path.contains(text))
     }
 }
 
@@ -116,18 +116,19 @@ pub(super) fn add_what_is_there<'f>(
     fetched: impl Iterator<Item = &'f String>,
     root: &Path,
 ) {
-    let made = stages.iter().flat_map(|stage| &stage.outputs).cloned();
-    let made: BTreeSet<String> = made.chain(fetched.cloned()).collect();
+    let outputs = stages.iter().flat_map(|stage| &stage.outputs).cloned();
+    let outputs: BTreeSet<String> = outputs.chain(fetched.cloned()).collect();
     for (stage, paths) in stages.iter_mut().zip(if_there) {
         for path in paths {
             let folder = format!("{path}/");
-            let inside = made.range(folder.clone()..).next();
-            let is_made = with_ancestors(&path).any(|above| made.contains(above))
+            let inside = outputs.range(folder.clone()..).next();
+            let is_made = with_ancestors(&path).any(|above| outputs.contains(above))
                 || inside.is_some_and(|first| first.starts_with(&folder));
-            let own = stage.outputs.iter().any(|output| {
+            let makes_it = stage.outputs.iter().any(|output| {
                 with_ancestors(&path).any(|above| above == output) || output.starts_with(&folder)
             });
-            if !own && !stage.inputs.contains(&path) && (is_made || root.join(&path).exists()) {
+            if !makes_it && !stage.inputs.contains(&path) && (is_made || root.join(&path).exists())
+            {
                 stage.inputs.push(path);
             }
         }

@@ -30,13 +30,14 @@ pub(super) fn branches(
 ) -> Result<Vec<Branch>, Located> {
     let branches = match (table.get("foreach"), table.get("matrix")) {
         (Some(value), Some(_)) => {
-            let at = value.span().start;
-            return Err(FileProblem::TwoFanOuts.located(at));
+            let start = value.span().start;
+            return Err(FileProblem::TwoFanOuts.located(start));
         }
         (Some(value), None) => {
-            let at = value.span().start;
-            let path = substitute(&string("foreach", value)?, at)?;
-            rows(&path, root).map_err(|message| FileProblem::Table { path, message }.located(at))?
+            let start = value.span().start;
+            let path = substitute(&string("foreach", value)?, start)?;
+            rows(&path, root)
+                .map_err(|message| FileProblem::Table { path, message }.located(start))?
         }
         (None, Some(value)) => combinations(value)?,
         (None, None) => vec![Branch::default()],
@@ -63,8 +64,8 @@ pub(super) fn branches(
     let over = match table.get("over") {
         None => None,
         Some(value) => {
-            let at = value.span().start;
-            Some(over(&substitute(&string("over", value)?, at)?, at)?)
+            let start = value.span().start;
+            Some(over(&substitute(&string("over", value)?, start)?, start)?)
         }
     };
     let shard = |branch: &Branch, shard: u32| {
@@ -155,8 +156,8 @@ fn combinations(value: &super::value::Value<'_>) -> Result<Vec<Branch>, Located>
     let stages = lists.iter().map(|(_, list)| length(list));
     let stages = stages.fold(1, u64::saturating_mul);
     if stages > MOST_STAGES {
-        let at = value.span().start;
-        return Err(FileProblem::TooManyStages { stages }.located(at));
+        let start = value.span().start;
+        return Err(FileProblem::TooManyStages { stages }.located(start));
     }
     let mut branches = vec![Branch::default()];
     for (name, list) in lists {

@@ -21,7 +21,7 @@ pub(crate) enum Kind {
     Tables(&'static [Key]),
 }
 
-/// One key.
+/// A key of the file or of one of its tables.
 #[derive(Debug)]
 pub(crate) struct Key {
     pub(crate) name: &'static str,
@@ -77,7 +77,7 @@ pub(crate) const TOP_KEYS: &[Key] = &[
     ),
 ];
 
-/// The keys of a stage.
+/// What a `[[stage]]` may have.
 pub(crate) const STAGE_KEYS: &[Key] = &[
     required(
         "name",
@@ -151,7 +151,7 @@ pub(crate) const STAGE_KEYS: &[Key] = &[
     ),
 ];
 
-/// The keys of `resources`.
+/// What `resources` of a stage may have.
 pub(crate) const RESOURCE_KEYS: &[Key] = &[
     key(
         "cpus",

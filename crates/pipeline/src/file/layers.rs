@@ -225,8 +225,9 @@ pub(super) fn move_roots(
     }
     // Outputs that follow from a command begin with the value of a parameter of that command.
     let written = |stage: &str| {
-        let mut of = entries.iter().filter(|e| name_of(e.value) == Some(stage));
-        of.any(|e| matches!(e.value.get_ref(), DeValue::Table(t) if t.contains_key("outputs")))
+        let mut same_stage = entries.iter().filter(|e| name_of(e.value) == Some(stage));
+        same_stage
+            .any(|e| matches!(e.value.get_ref(), DeValue::Table(t) if t.contains_key("outputs")))
     };
     for stage in stages.iter().filter(|stage| !written(&stage.family)) {
         for output in &stage.outputs {

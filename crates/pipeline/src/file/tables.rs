@@ -61,24 +61,25 @@ impl Read {
         let DeValue::Table(table) = entry.value.get_ref() else {
             return Err(wrong_type("stage", entry.value, "a table"));
         };
-        let at = entry.value.span().start;
+        let start = entry.value.span().start;
         check_keys(table, STAGE, STAGE_KEYS)?;
-        let mut substitute = |text: &str, at| {
+        let mut substitute = |text: &str, start| {
             let value = params.substitute(text, &mut BTreeSet::new());
-            value.map_err(|problem| problem.located(at))
+            value.map_err(|problem| problem.located(start))
         };
-        for branch in fan::branches(table, surroundings.root, at, &mut substitute)? {
+        for branch in fan::branches(table, surroundings.root, start, &mut substitute)? {
             let clash = |(name, _): &&(String, Param)| params.0.contains_key(name);
             let clash = branch
                 .values
                 .iter()
                 .find(clash)
                 .map(|(name, _)| name.clone());
-            let (stage, if_there, at) = read_stage(table, params, branch, (at, surroundings))?;
+            let (stage, if_there, start) =
+                read_stage(table, params, branch, (start, surroundings))?;
             if let Some(name) = clash.filter(|name| stage.params.contains_key(name)) {
-                return Err(FileProblem::AlsoParameter { name }.located(at));
+                return Err(FileProblem::AlsoParameter { name }.located(start));
             }
-            let next = (self.stages.len(), at);
+            let next = (self.stages.len(), start);
             let (first, first_at) = *self.firsts.entry(stage.name.clone()).or_insert(next);
             match self.stages.get(first) {
                 None => {
@@ -89,7 +90,7 @@ impl Read {
                 Some(_) => {
                     let first_line = position(entry.layer.text, first_at).0;
                     let name = stage.name;
-                    return Err(FileProblem::DuplicateStage { name, first_line }.located(at));
+                    return Err(FileProblem::DuplicateStage { name, first_line }.located(start));
                 }
             }
         }
@@ -153,9 +154,9 @@ fn read_stage(
         files.check("inputs", table.get("inputs"), &inputs)?;
         files.check("outputs", table.get("outputs"), &outputs)?;
         let in_path = |(_, cell): &&(String, Param)| files.has_in_path(&cell.text);
-        let found = branch.values.iter().filter(in_path);
+        let in_its_paths = branch.values.iter().filter(in_path);
         in_paths.extend(
-            found
+            in_its_paths
                 .map(|(name, _)| name.clone())
                 .filter(|name| used.contains(name)),
         );

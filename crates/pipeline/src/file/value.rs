@@ -104,11 +104,11 @@ pub(super) fn strings(
     };
     let mut texts = Vec::new();
     for entry in entries {
-        let at = entry.span().start;
+        let start = entry.span().start;
         let text = params
             .substitute(&string(key, entry)?, used)
-            .map_err(|problem| problem.located(at))?;
-        texts.push((text, at));
+            .map_err(|problem| problem.located(start))?;
+        texts.push((text, start));
     }
     Ok(texts)
 }
@@ -125,14 +125,14 @@ pub(super) fn command(
     };
     let mut words: Vec<(String, usize)> = Vec::with_capacity(entries.len());
     for entry in entries {
-        let at = entry.span().start;
+        let start = entry.span().start;
         let text = string("cmd", entry)?;
         let word = if text.contains('{') && is_script(words.iter().map(|(word, _)| &**word)) {
             params.substitute_in_script(&text, used)
         } else {
             params.substitute(&text, used)
         };
-        words.push((word.map_err(|problem| problem.located(at))?, at));
+        words.push((word.map_err(|problem| problem.located(start))?, start));
     }
     Ok(words)
 }
@@ -146,14 +146,14 @@ pub(super) fn string(key: &str, value: &Value<'_>) -> Result<String, Located> {
 }
 
 pub(super) fn wrong_type(key: &str, value: &Value<'_>, expected: &'static str) -> Located {
-    let found = match value.get_ref() {
+    let type_name = match value.get_ref() {
         DeValue::Integer(_) => "an integer".to_owned(),
         DeValue::Array(_) => "an array".to_owned(),
         other => format!("a {}", other.type_str()),
     };
     FileProblem::WrongType {
         key: key.to_owned(),
-        found,
+        found: type_name,
         expected,
     }
     .located(value.span().start)

@@ -52,8 +52,11 @@ impl OpenLedger {
         let current: BTreeSet<String> = stages.iter().map(Stage::key).collect();
         let others = ledger.run.keys().chain(ledger.left.keys());
         let is_gone = |key: &&String| {
-            let made = ledger.made_by(key);
-            !current.contains(*key) && !made.keys().any(|output| place.root.join(output).exists())
+            let outputs = ledger.made_by(key);
+            !current.contains(*key)
+                && !outputs
+                    .keys()
+                    .any(|output| place.root.join(output).exists())
         };
         let gone: Vec<String> = others.filter(is_gone).cloned().collect();
         for key in gone {
@@ -66,21 +69,21 @@ impl OpenLedger {
         let ledger = &self.ledger;
         let owners = self.owners.get_or_insert_with(|| {
             let keys = ledger.run.keys().chain(ledger.left.keys());
-            let of = |key: &String| {
+            let owned_by = |key: &String| {
                 let outputs = ledger.made_by(key).into_keys();
                 let owned = |output: &str| (output.to_owned(), key.clone());
                 outputs.map(owned).collect::<Vec<_>>()
             };
-            keys.flat_map(of).collect()
+            keys.flat_map(owned_by).collect()
         });
-        let mut found = BTreeSet::new();
+        let mut overlapping = BTreeSet::new();
         for output in &stage.outputs {
-            found.extend(below(owners, output).map(|(_, key)| key));
-            found.extend(with_ancestors(output).filter_map(|above| owners.get(above)));
+            overlapping.extend(below(owners, output).map(|(_, key)| key));
+            overlapping.extend(with_ancestors(output).filter_map(|above| owners.get(above)));
         }
         let key = stage.key();
         let known = |other: &&String| **other == key || ledger.stage_of(other).is_some();
-        found.into_iter().filter(known).cloned().collect()
+        overlapping.into_iter().filter(known).cloned().collect()
     }
 
     /// Notes that a stage is about to run: its last run is no more.

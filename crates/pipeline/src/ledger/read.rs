@@ -49,14 +49,14 @@ fn parse(path: &Path, bytes: Vec<u8>, pipeline: Option<&str>) -> Result<Ledger, 
         message,
     };
     let text = String::from_utf8(bytes).map_err(|_| damaged("it is not text".to_owned()))?;
-    let at = |error: toml::de::Error| {
+    let damaged_at = |error: toml::de::Error| {
         let line = error.span().and_then(|span| text.get(..span.start));
         let line = line.map_or(1, |before| before.matches('\n').count() + 1);
         damaged(format!("line {line}: {}", error.message()))
     };
     let mut ledger = toml::from_str::<Ledger>(&text);
     if !matches!(&ledger, Ok(ledger) if ledger.version == LEDGER_VERSION) {
-        let AnyVersion { version } = toml::from_str(&text).map_err(at)?;
+        let AnyVersion { version } = toml::from_str(&text).map_err(damaged_at)?;
         if version > LEDGER_VERSION {
             return Err(PipelineError::LedgerNewer {
                 path: path.to_owned(),
@@ -68,7 +68,7 @@ fn parse(path: &Path, bytes: Vec<u8>, pipeline: Option<&str>) -> Result<Ledger, 
             ledger = toml::from_str::<Old>(&text).map(Ledger::from);
         }
     }
-    let ledger = ledger.map_err(at)?;
+    let ledger = ledger.map_err(damaged_at)?;
     if let Some(pipeline) = pipeline
         && ledger.pipeline != pipeline
     {

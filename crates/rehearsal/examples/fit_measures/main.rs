@@ -87,7 +87,7 @@ fn see(path: &str, n: usize, seed: u64) -> Result<Vec<Seen>, Wrong> {
     let model = train(&training, &TrainSettings::default(), seed, go_on)?.model;
     let axis = LinearHead::aggression(&model)?;
     let ellipse = PerpendicularEllipse::of(&model)?;
-    let own = driven(&tested, &who, &scenario, seed, |d| d)?;
+    let own_drives = driven(&tested, &who, &scenario, seed, |d| d)?;
     let see = |drive: &Drive| -> Result<Seen, Wrong> {
         let id = &drive.meta().participant;
         let person: &Participant = cohort.find(id).ok_or("nobody of the cohort")?;
@@ -126,7 +126,7 @@ fn see(path: &str, n: usize, seed: u64) -> Result<Vec<Seen>, Wrong> {
             adb: adb.map_or(f64::NAN, AdbScore::points),
         })
     };
-    all_cores(&own, see)
+    all_cores(&own_drives, see)
 }
 
 /// In SDs of own drives, as the file has it.
@@ -140,9 +140,9 @@ fn standardised(m: &DrawnMeasure, value: f64) -> f64 {
 }
 
 fn fit_measure(m: &mut DrawnMeasure, k: usize, seen: &[Seen], shared: f64) -> Result<f64, Wrong> {
-    let own: Vec<f64> = seen.iter().filter_map(|s| s.own[k]).collect();
-    (m.mean, m.sd) = (rounded(mean(&own)), rounded(sd(&own)));
-    m.missing = rounded(1.0 - own.len() as f64 / seen.len() as f64);
+    let own_values: Vec<f64> = seen.iter().filter_map(|s| s.own[k]).collect();
+    (m.mean, m.sd) = (rounded(mean(&own_values)), rounded(sd(&own_values)));
+    m.missing = rounded(1.0 - own_values.len() as f64 / seen.len() as f64);
     let z = |value: Option<f64>| value.map(|v| standardised(m, v));
     let of_traits: Vec<([f64; 3], f64)> = seen
         .iter()

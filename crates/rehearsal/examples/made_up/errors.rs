@@ -43,8 +43,8 @@ pub(crate) fn errors(
     };
     let go_on = &mut |_: &_| ControlFlow::Continue(());
     let alone = train(&training, &settings, seed, go_on)?.model;
-    let own: Vec<PlannedDrive> = learned.into_iter().filter(|d| !d.role).collect();
-    let second = driven(&again(&own)?, who, &scenario, seed, |d| d)?;
+    let own_drives: Vec<PlannedDrive> = learned.into_iter().filter(|d| !d.role).collect();
+    let second = driven(&again(&own_drives)?, who, &scenario, seed, |d| d)?;
     let owner = |a: &Drive, b: &Drive| a.meta().participant == b.meta().participant;
     let twice: Vec<[&Drive; 2]> = second
         .iter()

@@ -81,36 +81,36 @@ pub(crate) fn again(planned: &[PlannedDrive]) -> Result<Vec<PlannedDrive>, Domai
     planned.iter().map(again).collect()
 }
 
-/// Drives every drive and gives what `of` makes of it, in their order, on all cores.
+/// Drives every drive and gives what `read` makes of it, in their order, on all cores.
 pub(crate) fn driven<T: Send>(
     planned: &[PlannedDrive],
     people: &People,
     scenario: &Scenario,
     seed: u64,
-    of: impl Fn(Drive) -> T + Sync,
+    read: impl Fn(Drive) -> T + Sync,
 ) -> Result<Vec<T>, Wrong> {
     all_cores(planned, |planned| {
-        Ok(of(drive(planned, people, scenario, seed)?))
+        Ok(read(drive(planned, people, scenario, seed)?))
     })
 }
 
-/// `of` of every item, in their order, on all cores.
+/// `work` of every item, in their order, on all cores.
 pub(crate) fn all_cores<I: Sync, T: Send>(
     items: &[I],
-    of: impl Fn(&I) -> Result<T, Wrong> + Sync,
+    work: impl Fn(&I) -> Result<T, Wrong> + Sync,
 ) -> Result<Vec<T>, Wrong> {
     let cores = thread::available_parallelism().map_or(1, usize::from);
     let chunk = items.len().div_ceil(cores).max(1);
     thread::scope(|scope| {
         let parts: Vec<_> = items
             .chunks(chunk)
-            .map(|part| scope.spawn(|| part.iter().map(&of).collect::<Result<Vec<T>, Wrong>>()))
+            .map(|part| scope.spawn(|| part.iter().map(&work).collect::<Result<Vec<T>, Wrong>>()))
             .collect();
-        let mut all = Vec::with_capacity(items.len());
+        let mut results = Vec::with_capacity(items.len());
         for part in parts {
-            all.extend(part.join().map_err(|_| "a drive stopped")??);
+            results.extend(part.join().map_err(|_| "a drive stopped")??);
         }
-        Ok(all)
+        Ok(results)
     })
 }
 

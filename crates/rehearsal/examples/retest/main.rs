@@ -57,9 +57,9 @@ fn people(usual: &Population, of_day: OfTheDay) -> Population {
     let squares = |law: &Law| law.a * law.a + law.b * law.b + law.c * law.c + law.own * law.own;
     let split = |law: &mut Law, share: f64, unit: f64| {
         let person = law.scale * law.scale * squares(law);
-        let all = person + (law.day * unit).powi(2);
-        law.scale *= ((1.0 - share) * all / person).sqrt();
-        law.day = (share * all).sqrt() / unit;
+        let variance = person + (law.day * unit).powi(2);
+        law.scale *= ((1.0 - share) * variance / person).sqrt();
+        law.day = (share * variance).sqrt() / unit;
     };
     let mut new = usual.clone();
     // The day of the speed wanted is relative.
@@ -99,23 +99,23 @@ const ROUNDS: usize = 20;
 const USUAL_HEADWAY: f64 = 0.81;
 
 /// The shares of the day for which both measures have this ICC, in steps as large as what is missing.
-fn fit(usual: &Population, asked: f64, n: usize, seed: u64) -> Result<OfTheDay, Wrong> {
+fn fit(usual: &Population, wanted: f64, n: usize, seed: u64) -> Result<OfTheDay, Wrong> {
     // Near where it ends, since each round drives everybody twice.
-    let rest = 1.3 * (USUAL_HEADWAY - asked);
+    let rest = 1.3 * (USUAL_HEADWAY - wanted);
     let mut of_day = OfTheDay {
-        speed: 0.92 * (1.0 - asked),
+        speed: 0.92 * (1.0 - wanted),
         rest: if rest < 0.0 { 3.0 * rest } else { rest },
     };
     for _ in 0..ROUNDS {
         let people = People::Drivers(Box::new(people(usual, of_day)));
         let [first, second] = twice(&people, n, seed)?;
-        let found = retest(&first, &second);
-        let icc = |k: usize| found[k].icc.ok_or("nobody has the measure twice");
-        let (speed, headway) = (icc(SPEED)? - asked, icc(HEADWAY)? - asked);
+        let retests = retest(&first, &second);
+        let icc = |k: usize| retests[k].icc.ok_or("nobody has the measure twice");
+        let (speed, headway) = (icc(SPEED)? - wanted, icc(HEADWAY)? - wanted);
         eprintln!(
             "{of_day:?}: speed {:.3}, headway {:.3}",
-            speed + asked,
-            headway + asked
+            speed + wanted,
+            headway + wanted
         );
         if speed.abs() < NEAR && headway.abs() < NEAR {
             return Ok(of_day);
@@ -124,7 +124,7 @@ fn fit(usual: &Population, asked: f64, n: usize, seed: u64) -> Result<OfTheDay, 
         // A day in every habit is seen less in a headway time than in the speed.
         of_day.rest = (of_day.rest + 1.5 * headway).clamp(-1.0, 1.0);
     }
-    Err(format!("no shares of the day give {asked} for both measures").into())
+    Err(format!("no shares of the day give {wanted} for both measures").into())
 }
 
 fn print_file(asked: f64, people: &str, population: &Population, of_day: OfTheDay, command: &str) {
@@ -214,13 +214,13 @@ fn main() -> Result<(), Wrong> {
             let [first, second] = twice(&people_of(path)?, n.parse()?, seed.parse()?)?;
             print(&retest(&first, &second), &first);
         }
-        ["fit", asked, n, seed] => {
+        ["fit", wanted, n, seed] => {
             let command = format!(
-                "cargo run -p maveric-rehearsal --example retest -- fit {asked} {n} {seed}"
+                "cargo run -p maveric-rehearsal --example retest -- fit {wanted} {n} {seed}"
             );
-            let asked = asked.parse()?;
-            let of_day = fit(usual, asked, n.parse()?, seed.parse()?)?;
-            print_file(asked, n, &people(usual, of_day), of_day, &command);
+            let wanted = wanted.parse()?;
+            let of_day = fit(usual, wanted, n.parse()?, seed.parse()?)?;
+            print_file(wanted, n, &people(usual, of_day), of_day, &command);
         }
         _ => return Err("give: measure FILE PEOPLE SEED, or: fit SHARE PEOPLE SEED".into()),
     }

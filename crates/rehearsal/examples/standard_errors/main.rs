@@ -31,9 +31,9 @@ fn main() -> Result<(), Wrong> {
     };
     let sizes = (LEARNERS, people.parse()?);
     let errors = errors(&people_of(path)?, heads.parse()?, sizes, seed.parse()?)?;
-    for (of, held) in [("drive", errors.of_drive), ("person", errors.of_person)] {
+    for (what, held) in [("drive", errors.of_drive), ("person", errors.of_person)] {
         println!(
-            "{path}, {heads}, errors of the {of}: within 1 {}, within 2 {}; {} people, {} left out, {} coordinates, {} silent",
+            "{path}, {heads}, errors of the {what}: within 1 {}, within 2 {}; {} people, {} left out, {} coordinates, {} silent",
             percent(held.within_1),
             percent(held.within_2),
             held.people,

@@ -54,7 +54,7 @@ pub struct Direction {
     pub people: Vec<PersonDirection>,
 }
 
-/// One person.
+/// How one person's own change and the car's lie to each other.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct PersonDirection {
     /// Who.
@@ -86,17 +86,17 @@ fn along(response: &[Change], step: &[f64]) -> Change {
     for (axis, part) in change.iter_mut().enumerate() {
         let parts = response.iter().zip(step);
         *part = parts
-            .map(|(of, step)| Some(of[axis]? * step))
+            .map(|(change, step)| Some(change[axis]? * step))
             .sum::<Option<f64>>();
     }
     change
 }
 
 /// Mean over people with a cosine.
-fn mean_cosine(people: &[Pointed], of: impl Fn(&Pointed) -> Change) -> Option<f64> {
+fn mean_cosine(people: &[Pointed], change: impl Fn(&Pointed) -> Change) -> Option<f64> {
     let cosines: Vec<f64> = people
         .iter()
-        .filter_map(|p| cosine(&of(p), &p.own))
+        .filter_map(|p| cosine(&change(p), &p.own))
         .collect();
     mean(&cosines)
 }
@@ -125,9 +125,9 @@ pub fn direction(
     let (mut drawn, mut above, mut below) = (Vec::new(), 0, 0);
     for _ in 0..directions {
         let way: Vec<f64> = (0..size).map(|_| StandardNormal.sample(&mut rng)).collect();
-        let own = length(&way);
+        let way_length = length(&way);
         let cosine = mean_cosine(people, |p| {
-            let scale = length(&p.step) / own;
+            let scale = length(&p.step) / way_length;
             let step: Vec<f64> = way.iter().map(|w| scale * w).collect();
             along(&p.response, &step)
         });
@@ -138,10 +138,8 @@ pub fn direction(
         below += usize::from(cosine <= dial);
         drawn.push(cosine);
     }
-    let share = |count: usize| {
-        let asked = !drawn.is_empty();
-        asked.then(|| (1 + count) as f64 / (1 + drawn.len()) as f64)
-    };
+    let share =
+        |count: usize| (!drawn.is_empty()).then(|| (1 + count) as f64 / (1 + drawn.len()) as f64);
     let rows = people.iter().map(|p| PersonDirection {
         participant: p.participant.clone(),
         own: p.own,

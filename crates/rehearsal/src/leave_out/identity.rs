@@ -47,7 +47,7 @@ pub fn whose(
         .map(|who| driven(drives, who, among).first().copied())
         .collect();
     let place = usize::from(among == sought);
-    let mut found = Vec::new();
+    let mut rows = Vec::new();
     for by in By::ALL {
         let (mut n, mut hits, mut candidates, mut chance) = (0, 0, 0, 0.0);
         let mut uncounted = Vec::new();
@@ -97,7 +97,7 @@ pub fn whose(
         let share = (n > 0)
             .then(|| proportion_exact(hits, n, 0.95))
             .transpose()?;
-        found.push(Whose {
+        rows.push(Whose {
             among,
             sought,
             by,
@@ -109,7 +109,7 @@ pub fn whose(
             uncounted,
         });
     }
-    Ok(found)
+    Ok(rows)
 }
 
 #[cfg(test)]

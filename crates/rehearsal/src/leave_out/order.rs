@@ -51,7 +51,7 @@ impl By {
 pub struct Mean {
     /// People.
     pub n: usize,
-    /// The mean.
+    /// Mean of their values.
     pub mean: f64,
     /// Lower end; none for one person, and where everybody has the same.
     pub low: Option<f64>,
@@ -93,9 +93,9 @@ pub struct PersonOrder {
     pub line: Option<f64>,
     /// Its standard error, the drives taken as independent.
     pub line_se: Option<f64>,
-    /// In m/s.
+    /// Mean speed of the higher drive less the mean of the others, in m/s.
     pub speed_mps: Option<f64>,
-    /// In s.
+    /// Time gap of the higher drive less the mean of the others, in s.
     pub time_gap_s: Option<f64>,
 }
 
@@ -169,10 +169,10 @@ pub fn order<E: From<RehearsalError>>(
         }),
     ];
     let mut uncounted = Vec::new();
-    let mut found = Vec::new();
+    let mut counted = Vec::new();
     for (who, person) in everybody.iter().enumerate() {
         match places(drives, &roles, person, asked) {
-            Ok(places) => found.push((who, places)),
+            Ok(places) => counted.push((who, places)),
             Err(role) => uncounted.push(Uncounted {
                 participant: person.clone(),
                 why: Missing::Drive { role },
@@ -180,7 +180,7 @@ pub fn order<E: From<RehearsalError>>(
         }
     }
     for placed in &placed {
-        for (who, places) in &found {
+        for (who, places) in &counted {
             let missing = places.all().find(|&i| placed.values[*who][i].is_none());
             uncounted.extend(missing.map(|i| Uncounted {
                 participant: everybody[*who].clone(),
@@ -196,8 +196,8 @@ pub fn order<E: From<RehearsalError>>(
             let places = places(drives, roles, &everybody[who], asked).ok();
             places.and_then(|places| places.right(&p.values[who])) == Some(true)
         };
-        let of = |p: &Placed| found.iter().filter(|(who, _)| right(p, *who)).count();
-        placed.iter().map(of).collect()
+        let right_count = |p: &Placed| counted.iter().filter(|(who, _)| right(p, *who)).count();
+        placed.iter().map(right_count).collect()
     };
     let observed = counts(&placed, &roles);
     let (mut above, mut below) = (vec![0; placed.len()], vec![0; placed.len()]);
@@ -215,28 +215,28 @@ pub fn order<E: From<RehearsalError>>(
     let differences: Vec<Vec<Option<f64>>> = placed
         .iter()
         .map(|p| {
-            let of = |(who, places): &(usize, Places)| {
+            let difference = |(who, places): &(usize, Places)| {
                 let values = &p.values[*who];
                 let (_, sd) = between_people(drives, values, &everybody[*who])?;
                 Some(places.difference(values)? / sd)
             };
-            found.iter().map(of).collect()
+            counted.iter().map(difference).collect()
         })
         .collect();
     let mut readings = Vec::new();
     for (k, p) in placed.iter().enumerate() {
         let known = |(who, places): &&(usize, Places)| places.right(&p.values[*who]).is_some();
-        let n = found.iter().filter(known).count();
+        let n = counted.iter().filter(known).count();
         let share = proportion_exact(observed[k], n.max(1), 0.95);
         let chance_of = |count: usize| (1 + count) as f64 / (1 + permutations) as f64;
-        let asked = permutations > 0 && n > 0;
+        let tested = permutations > 0 && n > 0;
         readings.push(ReadOrder {
             by: p.by,
             n,
             right: observed[k],
             share: (n > 0).then_some(share.map_err(RehearsalError::from)?),
-            p: asked.then(|| chance_of(above[k])),
-            p_below: asked.then(|| chance_of(below[k])),
+            p: tested.then(|| chance_of(above[k])),
+            p_below: tested.then(|| chance_of(below[k])),
             difference: mean_of(&differences[k], None)?,
             beyond_speed: if p.by == By::Speed {
                 None
@@ -245,7 +245,7 @@ pub fn order<E: From<RehearsalError>>(
             },
         });
     }
-    let of_people = found.iter().map(|(who, places)| {
+    let of_people = counted.iter().map(|(who, places)| {
         let line = &placed[0].values[*who];
         let ses = lines[*who].as_ref().map(|l| l.se.as_slice());
         PersonOrder {
@@ -282,9 +282,9 @@ fn by_road(
     by: By,
     everybody: &[ParticipantId],
     drives: &[Drove],
-    of: fn(&Drove) -> Option<f64>,
+    value: fn(&Drove) -> Option<f64>,
 ) -> Placed {
-    let values: Vec<Option<f64>> = drives.iter().map(of).collect();
+    let values: Vec<Option<f64>> = drives.iter().map(value).collect();
     Placed {
         by,
         values: vec![values; everybody.len()],
@@ -305,8 +305,8 @@ fn places(
     asked: &Asked,
 ) -> Result<Places, ConditionId> {
     let first = |role: ConditionId| {
-        let mut all = drives.iter().zip(roles);
-        let place = all.position(|(d, r)| d.participant == *who && *r == role);
+        let mut roles_driven = drives.iter().zip(roles);
+        let place = roles_driven.position(|(d, r)| d.participant == *who && *r == role);
         place.ok_or(role)
     };
     Ok(Places {
@@ -355,12 +355,12 @@ fn exchanged(
     let mut rng = Pcg64Mcg::seed_from_u64(stream_seed(seed, &labels));
     let mut order: Vec<usize> = (0..drives.len()).collect();
     for who in everybody {
-        let own: Vec<usize> = (0..drives.len())
+        let theirs: Vec<usize> = (0..drives.len())
             .filter(|&i| drives[i].participant == *who)
             .collect();
-        for last in (1..own.len()).rev() {
+        for last in (1..theirs.len()).rev() {
             let with = rng.random_range(0..=last);
-            order.swap(own[last], own[with]);
+            order.swap(theirs[last], theirs[with]);
         }
     }
     order
@@ -371,8 +371,8 @@ fn mean_of(
     values: &[Option<f64>],
     beside: Option<&[Option<f64>]>,
 ) -> Result<Option<Mean>, RehearsalError> {
-    let of = |i: usize| Some((values[i]?, beside.map_or(Some(0.0), |b| b[i])?));
-    let pairs: Vec<(f64, f64)> = (0..values.len()).filter_map(of).collect();
+    let pair = |i: usize| Some((values[i]?, beside.map_or(Some(0.0), |b| b[i])?));
+    let pairs: Vec<(f64, f64)> = (0..values.len()).filter_map(pair).collect();
     let n = pairs.len();
     let differences: Vec<f64> = pairs.iter().map(|(a, b)| a - b).collect();
     let Some(mean) = crate::validation::mean(&differences) else {

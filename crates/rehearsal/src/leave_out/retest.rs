@@ -22,13 +22,13 @@ pub struct Repeated<'a> {
 /// Two drives of the same people in one role.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Retest {
-    /// The role.
+    /// The role in which they drove twice.
     pub role: ConditionId,
     /// Code name of the measure.
     pub measure: String,
     /// For people.
     pub title: String,
-    /// Its unit.
+    /// Its unit; empty for a number without one.
     pub unit: String,
     /// People with a value in both drives.
     pub n: usize,
@@ -72,11 +72,13 @@ pub fn retest(
                 why,
             });
         };
-        let lacks = |of: &&Repeated<'_>| of.values[first].is_none() || of.values[second].is_none();
+        let lacks = |repeated: &&Repeated<'_>| {
+            repeated.values[first].is_none() || repeated.values[second].is_none()
+        };
         let measures: Vec<String> = measured
             .iter()
             .filter(lacks)
-            .map(|of| of.title.to_owned())
+            .map(|repeated| repeated.title.to_owned())
             .collect();
         if !measures.is_empty() {
             miss(Missing::Measures { measures });
@@ -94,16 +96,21 @@ pub fn retest(
         }
     }
     let score = |who: usize, drive: usize| lines.get(who)?.as_ref()?.score[drive];
-    let mut found = Vec::new();
-    for of in measured {
-        let value = |_: usize, drive: usize| of.values[drive];
-        found.push(compared(role, &pairs, (of.name, of.title, of.unit), value)?);
+    let mut retests = Vec::new();
+    for repeated in measured {
+        let value = |_: usize, drive: usize| repeated.values[drive];
+        retests.push(compared(
+            role,
+            &pairs,
+            (repeated.name, repeated.title, repeated.unit),
+            value,
+        )?);
     }
     let names = ("line_position", "Position on the line", "SD");
-    found.push(compared(role, &pairs, names, position)?);
+    retests.push(compared(role, &pairs, names, position)?);
     let names = ("score", "Score read from the style", "points");
-    found.push(compared(role, &pairs, names, score)?);
-    Ok((found, uncounted))
+    retests.push(compared(role, &pairs, names, score)?);
+    Ok((retests, uncounted))
 }
 
 fn compared(

@@ -80,15 +80,15 @@ pub fn shipped(
     uncounted: Vec<Uncounted>,
 ) -> Result<Shipped, RehearsalError> {
     let count = |right: bool, beyond: Option<bool>| {
-        let of = |p: &&ShippedPerson| {
+        let counts = |p: &&ShippedPerson| {
             p.line.is_some_and(|line| (line > 0.0) == right) && p.beyond() == beyond
         };
-        people.iter().filter(of).count()
+        people.iter().filter(counts).count()
     };
-    let said: Vec<bool> = people.iter().filter_map(|p| p.ordinary_beyond).collect();
-    let ordinary_beyond = said.iter().filter(|beyond| **beyond).count();
-    let share = (!said.is_empty())
-        .then(|| proportion_exact(ordinary_beyond, said.len(), 0.95))
+    let known: Vec<bool> = people.iter().filter_map(|p| p.ordinary_beyond).collect();
+    let ordinary_beyond = known.iter().filter(|beyond| **beyond).count();
+    let share = (!known.is_empty())
+        .then(|| proportion_exact(ordinary_beyond, known.len(), 0.95))
         .transpose()?;
     Ok(Shipped {
         n: people.iter().filter(|p| p.line.is_some()).count(),
@@ -97,7 +97,7 @@ pub fn shipped(
         wrong_within: count(false, Some(false)),
         wrong_beyond: count(false, Some(true)),
         unknown: count(true, None) + count(false, None),
-        ordinary: said.len(),
+        ordinary: known.len(),
         ordinary_beyond,
         share,
         wrong_and_sure: people

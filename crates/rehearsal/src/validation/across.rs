@@ -20,7 +20,7 @@ pub struct Across {
     pub by_chance: Option<f64>,
     /// Multiple R of the change on cosine and sine of the angle.
     pub angle_r: Option<f64>,
-    /// Its p.
+    /// p of the test of this R against 0.
     pub angle_p: Option<f64>,
 }
 
@@ -49,7 +49,7 @@ pub fn across(
         let changes = change(sideways);
         let angles: Vec<Option<f64>> = angles.iter().copied().map(Some).collect();
         let round = match circular_linear(&angles, &changes) {
-            Ok(found) => (found.r, found.p),
+            Ok(association) => (association.r, association.p),
             Err(StatsError::TooFew { .. }) => (None, None),
             Err(error) => return Err(error.into()),
         };

@@ -36,7 +36,7 @@ pub struct Dial {
     pub measure: &'static str,
     /// Name for people.
     pub title: &'static str,
-    /// Its unit.
+    /// Unit of `curve` and `drivers`, as measured.
     pub unit: &'static str,
     /// At plus the points of the conditions.
     pub aggressive: Right,
@@ -56,14 +56,14 @@ pub struct Dial {
     pub drivers: Vec<Vec<Option<f64>>>,
 }
 
-fn right(drivers: &[Vec<Values>], k: usize, at: usize, zero: usize, sign: f64) -> Right {
+fn right(drivers: &[Vec<Values>], k: usize, setting: usize, zero: usize, sign: f64) -> Right {
     let more_changes = MEASURES[k] == "lane_changes" && sign > 0.0;
     // The change from 0, and whether there was room for it.
     let changes: Vec<(f64, bool)> = drivers
         .iter()
         .filter_map(|d| {
-            let (there, here) = (d[at][k]?, d[zero][k]?);
-            Some((there - here, !more_changes || here < FULL))
+            let (at_setting, at_zero) = (d[setting][k]?, d[zero][k]?);
+            Some((at_setting - at_zero, !more_changes || at_zero < FULL))
         })
         .collect();
     let is_right = |c: &&(f64, bool)| sign * c.0 > 0.0;
@@ -107,25 +107,25 @@ pub fn dial(
             if values.iter().flatten().count() < 4 {
                 continue;
             }
-            let found = match correlate(&settings, &values, CorrelationMethod::All, None) {
-                Ok(found) => found,
+            let correlation = match correlate(&settings, &values, CorrelationMethod::All, None) {
+                Ok(correlation) => correlation,
                 Err(StatsError::TooFew { .. }) => continue,
                 Err(error) => return Err(error.into()),
             };
             // A measure that never moves has no coefficient: the dial does nothing for this driver.
-            taus.push(sign * found.kendall.and_then(|c| c.tau_b).unwrap_or(0.0));
-            let rho = sign * found.spearman.and_then(|c| c.rho).unwrap_or(0.0);
+            taus.push(sign * correlation.kendall.and_then(|c| c.tau_b).unwrap_or(0.0));
+            let rho = sign * correlation.spearman.and_then(|c| c.rho).unwrap_or(0.0);
             rising.push(f64::from(u8::from(rho > 0.0)));
         }
         let complete: Vec<&Vec<Values>> = drivers
             .iter()
             .filter(|d| d.iter().all(|v| v[k].is_some()))
             .collect();
-        let at = |i: usize| {
+        let mean_at = |i: usize| {
             let values: Vec<f64> = complete.iter().filter_map(|d| d[i][k]).collect();
             mean(&values)
         };
-        let curve: Vec<Option<f64>> = (0..steps.len()).map(at).collect();
+        let curve: Vec<Option<f64>> = (0..steps.len()).map(mean_at).collect();
         let moves: Option<Vec<f64>> = curve
             .windows(2)
             .map(|w| Some(sign * (w[1]? - w[0]?)))

@@ -37,8 +37,8 @@ pub struct Fidelity {
     pub of_test_retest: Option<f64>,
 }
 
-fn accuracy(found: &[Values], own: &[Values], measure: usize) -> (Option<f64>, usize) {
-    let pairs: Vec<_> = found
+fn accuracy(driven: &[Values], own: &[Values], measure: usize) -> (Option<f64>, usize) {
+    let pairs: Vec<_> = driven
         .iter()
         .zip(own)
         .map(|(f, o)| (f[measure], o[measure]))
@@ -48,14 +48,14 @@ fn accuracy(found: &[Values], own: &[Values], measure: usize) -> (Option<f64>, u
 }
 
 /// Mean accuracy of each of the seven measures, drives in the same order of drivers.
-pub fn accuracies(found: &[Values], own: &[Values]) -> Vec<Option<f64>> {
+pub fn accuracies(driven: &[Values], own: &[Values]) -> Vec<Option<f64>> {
     (0..MEASURES.len())
-        .map(|k| accuracy(found, own, k).0)
+        .map(|k| accuracy(driven, own, k).0)
         .collect()
 }
 
-fn bias(found: &[Values], own: &[Values], measure: usize) -> Option<f64> {
-    let errors: Vec<f64> = found
+fn bias(driven: &[Values], own: &[Values], measure: usize) -> Option<f64> {
+    let errors: Vec<f64> = driven
         .iter()
         .zip(own)
         .filter_map(|(f, o)| Some((f[measure]? - o[measure]?) / o[measure]?))

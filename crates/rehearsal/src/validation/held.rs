@@ -78,7 +78,7 @@ pub fn held(
         let ends = |i: Interval| i.low.zip(i.high);
         Ok(Some(ShareOfPeople {
             estimate,
-            interval: interval.and_then(|found| ends(found.percentile)),
+            interval: interval.and_then(|resampled| ends(resampled.percentile)),
         }))
     };
     Ok(Held {

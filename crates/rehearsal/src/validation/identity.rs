@@ -43,7 +43,7 @@ pub struct WithinPerson(Cholesky<f64, Dyn>);
 
 impl WithinPerson {
     /// `covariance` has shape `(d, d)`; `None` if it is not positive definite.
-    fn of(covariance: DMatrix<f64>) -> Option<Self> {
+    fn from_covariance(covariance: DMatrix<f64>) -> Option<Self> {
         // A matrix that is singular but for rounding tells no distance either.
         let diagonal = covariance.diagonal();
         let factor = covariance.cholesky()?;
@@ -68,8 +68,9 @@ fn ranks(known: &[Vec<f64>], seen: &[Vec<f64>]) -> Vec<usize> {
     let distance =
         |a: &[f64], b: &[f64]| -> f64 { a.iter().zip(b).map(|(a, b)| (a - b).powi(2)).sum() };
     let rank = |(i, seen): (usize, &Vec<f64>)| {
-        let own = distance(&known[i], seen);
-        let nearer = |(j, other): (usize, &Vec<f64>)| j != i && distance(other, seen) <= own;
+        let own_distance = distance(&known[i], seen);
+        let nearer =
+            |(j, other): (usize, &Vec<f64>)| j != i && distance(other, seen) <= own_distance;
         1 + known.iter().enumerate().filter(|&o| nearer(o)).count()
     };
     seen.iter().enumerate().map(rank).collect()
@@ -89,15 +90,15 @@ pub fn identify(
     let whiten = |points: &[Vec<f64>], by: &WithinPerson| -> Vec<Vec<f64>> {
         points.iter().map(|p| by.whiten(p)).collect()
     };
-    let mut found = vec![(Metric::Euclidean, ranks(known, seen))];
+    let mut by_metric = vec![(Metric::Euclidean, ranks(known, seen))];
     if let Some(by) = within {
-        found.push((
+        by_metric.push((
             Metric::WithinPerson,
             ranks(&whiten(known, by), &whiten(seen, by)),
         ));
     }
     let row = |(metric, ranks): (Metric, Vec<usize>)| identification(what, metric, &ranks);
-    found.into_iter().map(row).collect()
+    by_metric.into_iter().map(row).collect()
 }
 
 fn identification(
@@ -128,7 +129,7 @@ pub(crate) fn distance(a: &Known, b: &Known) -> Option<f64> {
     let d = a.0.len();
     let both = DMatrix::from_fn(d, d, |i, j| a.1[i][j] + b.1[i][j]);
     let difference: Vec<f64> = a.0.iter().zip(&b.0).map(|(a, b)| a - b).collect();
-    let factor = WithinPerson::of(both)?;
+    let factor = WithinPerson::from_covariance(both)?;
     let square: f64 = factor.whiten(&difference).iter().map(|x| x * x).sum();
     Some(square + factor.0.ln_determinant())
 }
@@ -167,7 +168,7 @@ pub fn within_person(first: &[Vec<f64>], again: &[Vec<f64>]) -> Option<WithinPer
     let n = differences.len() as f64;
     let entry =
         |i: usize, j: usize| differences.iter().map(|x| x[i] * x[j]).sum::<f64>() / (2.0 * n);
-    WithinPerson::of(DMatrix::from_fn(d, d, entry))
+    WithinPerson::from_covariance(DMatrix::from_fn(d, d, entry))
 }
 
 #[cfg(test)]

@@ -80,8 +80,8 @@ const OTHERS: &str = "first drives of other people";
 
 impl Driven {
     fn spread(&self) -> Spread {
-        let all = [&self.own, &self.again];
-        Spread::of(all.into_iter().flatten().map(Vec::as_slice))
+        let drives = [&self.own, &self.again];
+        Spread::of(drives.into_iter().flatten().map(Vec::as_slice))
     }
 
     /// Each drive beside its owner's first.
@@ -99,15 +99,15 @@ impl Driven {
 
     /// Each first drive beside those of all other people.
     fn between_people(&self, spread: &Spread, seed: u64) -> Vec<Discrepancy> {
-        let mut found = Vec::new();
+        let mut discrepancies = Vec::new();
         for (i, one) in self.own.iter().enumerate() {
             for (j, other) in self.own.iter().enumerate() {
                 if i != j {
-                    found.extend(discrepancy(one, other, spread, 0, seed));
+                    discrepancies.extend(discrepancy(one, other, spread, 0, seed));
                 }
             }
         }
-        found
+        discrepancies
     }
 }
 
@@ -125,7 +125,7 @@ pub fn likeness(driven: &Driven, seed: u64) -> Result<Vec<Likeness>, RehearsalEr
     ];
     let mut rows = Vec::new();
     for (what, drives) in kinds {
-        let mut found: Vec<Discrepancy> = Vec::new();
+        let mut discrepancies: Vec<Discrepancy> = Vec::new();
         let mut ranks: Vec<usize> = Vec::new();
         let beside = driven.beside_owner(drives, &spread, seed);
         for (i, (drive, owner)) in drives.iter().zip(beside).enumerate() {
@@ -137,9 +137,9 @@ pub fn likeness(driven: &Driven, seed: u64) -> Result<Vec<Likeness>, RehearsalEr
                 .filter_map(|j| discrepancy(drive, &driven.own[j], &spread, 0, seed))
                 .filter(|d| d.mmd2 <= owner.mmd2);
             ranks.push(1 + nearer.count());
-            found.push(owner);
+            discrepancies.push(owner);
         }
-        rows.push(row(what, &found, &ranks)?);
+        rows.push(row(what, &discrepancies, &ranks)?);
     }
     rows.push(row(OTHERS, &driven.between_people(&spread, seed), &[])?);
     Ok(rows)
@@ -150,17 +150,17 @@ pub fn likeness(driven: &Driven, seed: u64) -> Result<Vec<Likeness>, RehearsalEr
 /// # Errors
 /// [`RehearsalError::Stats`] without people.
 pub fn likeness_by_column(driven: &Driven, seed: u64) -> Result<Vec<ByColumn>, RehearsalError> {
-    let all = driven.spread();
+    let full_spread = driven.spread();
     let mut rows = Vec::new();
     for looking in [Looking::Alone, Looking::Without] {
         for (k, column) in COLUMNS.into_iter().enumerate() {
             let spread = match looking {
-                Looking::Alone => all.only(k),
-                Looking::Without => all.without(k),
+                Looking::Alone => full_spread.only(k),
+                Looking::Without => full_spread.without(k),
             };
             let beside = |drives: &[Vec<Window>]| -> Vec<Discrepancy> {
-                let found = driven.beside_owner(drives, &spread, seed);
-                found.into_iter().flatten().collect()
+                let discrepancies = driven.beside_owner(drives, &spread, seed);
+                discrepancies.into_iter().flatten().collect()
             };
             rows.push(ByColumn {
                 column,
@@ -177,11 +177,11 @@ pub fn likeness_by_column(driven: &Driven, seed: u64) -> Result<Vec<ByColumn>, R
 
 fn row(
     what: &'static str,
-    found: &[Discrepancy],
+    discrepancies: &[Discrepancy],
     ranks: &[usize],
 ) -> Result<Likeness, RehearsalError> {
-    let mean_of = |of: &dyn Fn(&Discrepancy) -> Option<f64>| {
-        let values: Vec<f64> = found.iter().filter_map(of).collect();
+    let mean_of = |value: &dyn Fn(&Discrepancy) -> Option<f64>| {
+        let values: Vec<f64> = discrepancies.iter().filter_map(value).collect();
         mean(&values)
     };
     let hits = ranks.iter().filter(|&&r| r == 1).count();
@@ -192,7 +192,7 @@ fn row(
     let places: Vec<f64> = ranks.iter().map(|&r| r as f64).collect();
     Ok(Likeness {
         what,
-        n: found.len(),
+        n: discrepancies.len(),
         mmd2: mean_of(&|d| Some(d.mmd2)),
         divergence: mean_of(&|d| Some(d.divergence)),
         different: mean_of(&|d| d.p.map(|p| f64::from(u8::from(p < DIFFERENT)))),

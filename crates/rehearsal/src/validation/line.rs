@@ -62,7 +62,7 @@ pub fn agreement(
 ) -> Result<Agreement, RehearsalError> {
     let r = |truth: &[Option<f64>]| match correlate(values, truth, CorrelationMethod::Pearson, None)
     {
-        Ok(found) => Ok(found.pearson),
+        Ok(correlation) => Ok(correlation.pearson),
         Err(StatsError::TooFew { .. }) => Ok(None),
         Err(error) => Err(RehearsalError::from(error)),
     };

@@ -32,7 +32,7 @@ pub struct Retest {
 pub fn retest(first: &[Values], again: &[Values]) -> Vec<Retest> {
     let row = |(k, measure): (usize, &&'static str)| {
         let [one, two] = [first, again].map(|d| d.iter().map(|v| v[k]).collect::<Vec<_>>());
-        let found = icc(&[("first", &one), ("again", &two)]).ok();
+        let agreement = icc(&[("first", &one), ("again", &two)]).ok();
         let known = |(a, b): &(&Option<f64>, &Option<f64>)| a.is_some() && b.is_some();
         let n = one.iter().zip(&two).filter(known).count();
         Retest {
@@ -41,10 +41,10 @@ pub fn retest(first: &[Values], again: &[Values]) -> Vec<Retest> {
             unit: objective::find(measure).map_or("", |m| m.unit),
             n,
             missing: one.len() - n,
-            icc: found.as_ref().and_then(|f| f.icc),
-            interval: found.as_ref().and_then(|f| f.ci_low.zip(f.ci_high)),
-            sem: found.as_ref().map(|f| f.sem),
-            sdc: found.map(|f| f.sdc),
+            icc: agreement.as_ref().and_then(|f| f.icc),
+            interval: agreement.as_ref().and_then(|f| f.ci_low.zip(f.ci_high)),
+            sem: agreement.as_ref().map(|f| f.sem),
+            sdc: agreement.map(|f| f.sdc),
         }
     };
     MEASURES.iter().enumerate().map(row).collect()

@@ -37,17 +37,21 @@ fn tables() -> Vec<Table> {
         )
         .text("Independent", |row| *row)
         .text("Dependent", |_| "M−C competence")
-        .left("Here", |_| Cell::said(Some(&apa::rho(-0.51, 22, 0.011))))
-        .left("Paper", |_| Cell::said(Some(&apa::rho(-0.71, 22, 0.0001))))
+        .left("Here", |_| {
+            Cell::statement(Some(&apa::rho(-0.51, 22, 0.011)))
+        })
+        .left("Paper", |_| {
+            Cell::statement(Some(&apa::rho(-0.71, 22, 0.0001)))
+        })
         .noted(format!("*n* = {PARTICIPANTS} participants.")),
     ]
 }
 
 fn style_space() -> StyleSpace {
-    let at = |i: usize| [wobble(i, 1), wobble(i, 2), wobble(i, 3)].map(|v| 2.0 * v);
+    let embedding = |i: usize| [wobble(i, 1), wobble(i, 2), wobble(i, 3)].map(|v| 2.0 * v);
     let drive = |i: usize, name: String| SpaceDrive {
         name,
-        at: at(i),
+        at: embedding(i),
         score_points: Some(33.0 + 20.0 * wobble(i, 4)),
         velocity_mps: 29.0 + 4.5 * wobble(i, 5),
     };
@@ -59,9 +63,9 @@ fn style_space() -> StyleSpace {
             .map(|i| SpacePerson {
                 own: drive(i, format!("P{i} <b>&\u{202e}")),
                 conditions: vec![
-                    (conditions()[0], at(i)),
-                    (conditions()[1], at(i).map(|v| v + 0.8)),
-                    (conditions()[2], at(i).map(|v| v - 0.8)),
+                    (conditions()[0], embedding(i)),
+                    (conditions()[1], embedding(i).map(|v| v + 0.8)),
+                    (conditions()[2], embedding(i).map(|v| v - 0.8)),
                 ],
             })
             .collect(),

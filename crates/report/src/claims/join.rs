@@ -9,7 +9,7 @@ use std::collections::BTreeMap;
 /// A claim with our result.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LedgerRow {
-    /// The claim.
+    /// What the paper says.
     pub claim: Claim,
     /// Our number, in the claim's unit.
     pub ours: Option<f64>,

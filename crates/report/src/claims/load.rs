@@ -16,7 +16,7 @@ pub struct Claim {
     pub section: String,
     /// What kind of number.
     pub quantity: Quantity,
-    /// As printed.
+    /// The number, as the paper prints it.
     pub printed: Printed,
     /// The p printed with a coefficient.
     pub printed_p: Option<Printed>,
@@ -50,17 +50,17 @@ pub enum Quantity {
     Rho,
     /// A p value.
     P,
-    /// Percent.
+    /// Per cent: 93.6 for 93.6 %.
     Percent,
     /// Miles an hour.
     Mph,
-    /// Years.
+    /// A time in years.
     Years,
-    /// Minutes.
+    /// A time in minutes.
     Minutes,
     /// Points of a scale.
     Points,
-    /// A count.
+    /// How many there are.
     Count,
     /// A factor of a speed.
     Factor,
@@ -118,12 +118,12 @@ pub enum Rule {
     },
     /// Our p is below a bound.
     PBelow {
-        /// The bound.
+        /// What the p must be below.
         bound: f64,
     },
     /// Our p is above a bound.
     PAbove {
-        /// The bound.
+        /// What the p must be above.
         bound: f64,
     },
     /// Our value is above the printed one.

@@ -14,7 +14,7 @@ pub struct Ablation {
     pub folds: usize,
 }
 
-/// One variant.
+/// The model that the others are compared with, or one that differs from it in a part.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct AblationVariant {
     /// Such as `size 2`.

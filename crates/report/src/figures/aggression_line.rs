@@ -41,7 +41,7 @@ pub fn aggression_line(input: &AggressionLine, context: &Context) -> Result<Figu
         check.finite("position", panel.points.iter().map(|point| point.0))?;
         check.finite(&panel.title, panel.points.iter().map(|point| point.1))?;
     }
-    let grid = Grid::of(input.panels.len(), 3, (10.0, 9.0));
+    let grid = Grid::limited(input.panels.len(), 3, (10.0, 9.0));
     let sizes = input.panels.iter().map(|panel| panel.points.len());
     let panels = input.panels.iter();
     let plan = Plan {
@@ -62,7 +62,7 @@ pub fn aggression_line(input: &AggressionLine, context: &Context) -> Result<Figu
             ),
             crowd::words(sizes.max().unwrap_or(0))
         ),
-        alt: told(panels.map(|p| (p.title.as_str(), p.statistic.as_str()))),
+        alt: described(panels.map(|p| (p.title.as_str(), p.statistic.as_str()))),
         shows: Shows::Participants,
     };
     draw_panels(plan, context, grid, &[], |canvas, index, place| {

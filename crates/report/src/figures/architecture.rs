@@ -7,7 +7,7 @@ use super::prelude::*;
 pub struct Architecture {
     /// Size of the style embedding.
     pub embedding: usize,
-    /// Steps in a window.
+    /// Time steps in the window that an encoder reads.
     pub window_steps: usize,
     /// The following-distance predictor.
     pub following_distance: Vec<usize>,

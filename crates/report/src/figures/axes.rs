@@ -38,7 +38,7 @@ impl Scale {
         let ticks: Vec<f64> = (first..=last).map(|k| k as f64 * step).collect();
         let decimals = (-libm::log10(step) - 1e-9).ceil().clamp(0.0, 6.0) as usize;
         let labels = ticks.iter().map(|&tick| number(tick, decimals)).collect();
-        Self::of((low, high), ticks, labels, false)
+        Self::new((low, high), ticks, labels, false)
     }
 
     /// A logarithmic scale over positive values.
@@ -62,14 +62,14 @@ impl Scale {
                 }
             }
         }
-        Self::of((low, high), ticks, labels, true)
+        Self::new((low, high), ticks, labels, true)
     }
 
     /// A scale whose ticks are given: value and label.
     pub(crate) fn labelled(low: f64, high: f64, ticks: Vec<(f64, String)>) -> Self {
         let (low, high) = widened(low, high);
         let (ticks, labels) = ticks.into_iter().unzip();
-        Self::of((low, high), ticks, labels, false)
+        Self::new((low, high), ticks, labels, false)
     }
 
     /// A scale of names at 0, 1, 2 …: they are set so that none overlaps another.
@@ -84,10 +84,10 @@ impl Scale {
     /// How its names are set on so many points.
     fn names(&self, width: f64) -> Option<Names> {
         let space = width / (self.high - self.low);
-        self.named.then(|| Names::of(&self.labels, space))
+        self.named.then(|| Names::set(&self.labels, space))
     }
 
-    fn of(
+    fn new(
         (low, high): (f64, f64),
         ticks: Vec<f64>,
         labels: Vec<String>,

@@ -365,7 +365,7 @@ impl Canvas<'_> {
         let other = style::current().and_then(|style| style.label(text));
         let text = other.unwrap_or(text);
         self.unknown_signs |= markup::runs(text).iter().any(|run| look.lacks(run));
-        let at = self.at(at);
+        let point = self.at(at);
         let em = look.size * UNITS_PER_POINT * LINE_EM;
         let style = match look.face {
             Face::Regular => FontStyle::Normal,
@@ -380,7 +380,7 @@ impl Canvas<'_> {
         let style = TextStyle::from((FAMILY, em, style).into_font().transform(turn))
             .color(&look.colour)
             .pos(Pos::new(look.h, look.v));
-        let drawn = self.area.draw_text(text, &style, at);
+        let drawn = self.area.draw_text(text, &style, point);
         self.note(drawn);
     }
 }

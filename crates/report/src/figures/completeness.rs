@@ -80,9 +80,9 @@ fn paint(canvas: &mut Canvas<'_>, cell: Place, input: &CompletenessPanel, rows: 
 }
 
 fn plan(input: &Completeness) -> Plan {
-    let said = input.panels.iter().map(|panel| {
-        let of = |f: fn(&(usize, usize)) -> usize| panel.counts.iter().map(f).sum::<usize>();
-        format!("{}: {} of {}.", panel.title, of(|c| c.0), of(|c| c.1))
+    let lines = input.panels.iter().map(|panel| {
+        let total = |f: fn(&(usize, usize)) -> usize| panel.counts.iter().map(f).sum::<usize>();
+        format!("{}: {} of {}.", panel.title, total(|c| c.0), total(|c| c.1))
     });
     let awaited = input.panels.iter().flat_map(|panel| &panel.counts);
     let most = awaited.map(|counts| counts.1).max().unwrap_or(0);
@@ -93,7 +93,7 @@ fn plan(input: &Completeness) -> Plan {
         caption: format!(
             "Blue: people of whom it is there; pale: people of whom it is missing. A dash: nothing is awaited. *n* = {most} people at most; counts, no test."
         ),
-        alt: sentences(said),
+        alt: sentences(lines),
         shows: Shows::Participants,
     }
 }

@@ -25,7 +25,7 @@ pub struct Curves {
     pub panels: Vec<CurvePanel>,
 }
 
-/// One panel.
+/// Some curves over the same axes.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct CurvePanel {
     /// With marks.
@@ -77,7 +77,7 @@ pub fn curves(input: &Curves, context: &Context) -> Result<Figure, ReportError> 
             check.rising("x", curve.iter().map(|p| p.x), "ascending x")?;
         }
     }
-    let grid = Grid::of(input.panels.len(), 3, (10.0, 9.0));
+    let grid = Grid::limited(input.panels.len(), 3, (10.0, 9.0));
     let plan = Plan {
         name: input.name.clone(),
         size_mm: (TWO_COLUMNS_MM, 54.0 * grid.rows() + 8.0),

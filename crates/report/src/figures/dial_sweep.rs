@@ -48,7 +48,7 @@ pub fn dial_sweep(input: &DialSweep, context: &Context) -> Result<Figure, Report
             check.finite(&panel.title, values.iter().flatten().copied())?;
         }
     }
-    let grid = Grid::of(input.panels.len(), 3, (12.0, 9.0));
+    let grid = Grid::limited(input.panels.len(), 3, (12.0, 9.0));
     let ends = [input.points[0], input.points[input.points.len() - 1]];
     let shift = format!("Shift ({})", input.unit);
     draw_panels(
@@ -136,7 +136,7 @@ fn plan(input: &DialSweep, grid: Grid, [first, last]: [f64; 2]) -> Plan {
             input.unit,
             counted.join(", ")
         ),
-        alt: told(panels.map(|p| (p.title.as_str(), p.statistic.as_str()))),
+        alt: described(panels.map(|p| (p.title.as_str(), p.statistic.as_str()))),
         shows: Shows::Participants,
     }
 }

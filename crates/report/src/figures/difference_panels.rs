@@ -91,7 +91,7 @@ pub struct PairTest {
 
 impl PairTest {
     /// On its bracket: the effect size with the stars of the p; the p itself where there is none.
-    fn said(&self) -> String {
+    fn label(&self) -> String {
         let stars = match self.p_holm {
             p if p < 0.001 => "\\*\\*\\*",
             p if p < 0.01 => "\\*\\*",
@@ -132,7 +132,7 @@ pub fn difference_panels(
         check.at_least(1, "values", panel.rows.iter().flatten().flatten().count())?;
     }
     let (columns, height) = input.shape();
-    let grid = Grid::of(input.panels.len(), columns, (10.0, 11.0));
+    let grid = Grid::limited(input.panels.len(), columns, (10.0, 11.0));
     let width = match columns {
         3 => grid.width_mm(),
         2 => TWO_COLUMNS_MM / 2.0 * grid.columns as f64,
@@ -221,7 +221,7 @@ fn drawn<'a>(panel: &'a DifferencePanel, context: &Context) -> Panel<'a> {
     let place = |wanted: ConditionId| panel.conditions.iter().position(|&c| c == wanted);
     let contrasts = bracketed(panel)
         .into_iter()
-        .filter_map(|pair| Some((place(pair.first)?, place(pair.second)?, pair.said())));
+        .filter_map(|pair| Some((place(pair.first)?, place(pair.second)?, pair.label())));
     Panel {
         title: &panel.title,
         subtitle: &panel.omnibus,

@@ -35,8 +35,8 @@ pub fn domain(context: &Context) -> Result<Figure, ReportError> {
         let upper = top + LANE / 2.0;
         let lower = top + 1.5 * LANE;
         let car = (46.0, 19.0);
-        let at = |share: f64, y: f64| (left + share * (right - left), y);
-        let (ego, lead, other) = (at(0.15, upper), at(0.57, lower), at(0.83, upper));
+        let point = |share: f64, y: f64| (left + share * (right - left), y);
+        let (ego, lead, other) = (point(0.15, upper), point(0.57, lower), point(0.83, upper));
         paint_vehicle(canvas, ego, car, 0.0, PURPLE);
         paint_vehicle(canvas, lead, car, 0.0, GREY);
         paint_vehicle(canvas, other, car, 0.0, PAPER);

@@ -23,7 +23,7 @@ pub struct EmbeddingSpace {
 /// One driver.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct EmbeddingPoint {
-    /// The embedding.
+    /// Coordinates in the model's style space.
     pub embedding: Vec<f64>,
     /// The driver's score in points: the size of the point.
     pub score_points: f64,
@@ -67,7 +67,7 @@ pub(crate) struct Palette {
 }
 
 impl Palette {
-    pub(crate) fn of(points: &[EmbeddingPoint]) -> Self {
+    pub(crate) fn for_points(points: &[EmbeddingPoint]) -> Self {
         let (low, high) = extent(points.iter().map(|point| point.mean_velocity_mps));
         Self { low, high }
     }

@@ -66,8 +66,8 @@ pub(crate) fn paint(
 ) {
     let unit = input.unit();
     let across = first_perpendicular(input, &unit);
-    let at = |w: &[f64]| (dot(w, &unit), dot(w, &across));
-    let places: Vec<(f64, f64)> = input.everything().map(at).collect();
+    let projected = |w: &[f64]| (dot(w, &unit), dot(w, &across));
+    let places: Vec<(f64, f64)> = input.everything().map(projected).collect();
     let x = Scale::over(places.iter().map(|place| place.0), 5);
     let y = Scale::over(places.iter().map(|place| place.1), 5);
     let labels = Labels {
@@ -94,7 +94,7 @@ pub(crate) fn paint(
         .canvas
         .arrow((left, y), (right, y), Pen::new(INK, 1.2), 6.0);
     if let Some(ExampleConditions { ellipse, .. }) = &input.example {
-        let ring = ellipse.iter().chain(ellipse.first()).map(|w| at(w));
+        let ring = ellipse.iter().chain(ellipse.first()).map(|w| projected(w));
         panel.line(ring, Pen::new(GREEN, stroke::STRONG));
     }
     let Panel { canvas, frame } = panel;
@@ -113,7 +113,7 @@ pub(crate) fn paint(
         }
     }
     for (condition, w) in input.example.iter().flat_map(|e| &e.conditions) {
-        let (x, y) = at(w);
+        let (x, y) = projected(w);
         paint_condition(canvas, frame.at(x, y), &context.look(*condition));
     }
 }

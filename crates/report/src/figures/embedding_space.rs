@@ -22,7 +22,7 @@ const NAME: &str = "embedding-space";
 /// The paper's figure of the embedding space; method, sections 4 and 9.1. The plane is ours.
 pub fn embedding_space(input: &EmbeddingSpace, context: &Context) -> Result<Figure, ReportError> {
     check(input)?;
-    let palette = Palette::of(&input.points);
+    let palette = Palette::for_points(&input.points);
     let solid = input.gradient.len() == 3;
     draw(plan(input, palette, context), context, |canvas, whole| {
         let upper = Place {

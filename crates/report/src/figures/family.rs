@@ -20,7 +20,7 @@ pub struct Family {
     pub participants: usize,
 }
 
-/// One panel.
+/// The correlations with one rating.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct FamilyPanel {
     /// Its title. Plain text.

@@ -94,11 +94,11 @@ fn count(left: &[(String, usize)]) -> usize {
 
 fn reasons(left: &[(String, usize)]) -> String {
     let one = |(why, n): &(String, usize)| format!("{n}: {why}");
-    let all: Vec<String> = left.iter().map(one).collect();
-    if all.is_empty() {
+    let counts: Vec<String> = left.iter().map(one).collect();
+    if counts.is_empty() {
         String::new()
     } else {
-        format!(" ({})", all.join("; "))
+        format!(" ({})", counts.join("; "))
     }
 }
 
@@ -138,7 +138,7 @@ fn steps(input: &Flow) -> Vec<Step> {
     let outcomes = input.outcomes.iter();
     analysed.extend(outcomes.map(|(title, n)| format!("{title}: {n}")));
     let held_back = count(&input.not_admitted);
-    let asked = (held_back > 0).then(|| Step {
+    let invited = (held_back > 0).then(|| Step {
         lines: vec![format!(
             "Asked to take part: {}",
             input.recruited + held_back
@@ -159,7 +159,7 @@ fn steps(input: &Flow) -> Vec<Step> {
             beside: Vec::new(),
         },
     ];
-    asked.into_iter().chain(others).collect()
+    invited.into_iter().chain(others).collect()
 }
 
 fn paint(canvas: &mut Canvas<'_>, place: Place, steps: &[Step]) {

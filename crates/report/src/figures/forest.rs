@@ -90,15 +90,17 @@ pub fn forest(input: &Forest, context: &Context) -> Result<Figure, ReportError> 
         panel.nothing(0.0);
         for (i, row) in input.rows.iter().enumerate() {
             let y = rows.y(i);
-            let at = (right, panel.frame.y.at(y));
-            panel.canvas.text(&row.said, at, look.end().centred());
+            let right_end = (right, panel.frame.y.at(y));
+            panel
+                .canvas
+                .text(&row.said, right_end, look.end().centred());
             let Some([value, low, high]) = row.estimate else {
                 panel.dash(panel.frame.x.at(0.0), y);
                 continue;
             };
             panel.line([(low, y), (high, y)], Pen::new(INK, stroke::STRONG));
-            let at = panel.frame.at(value, y);
-            panel.canvas.disc(at, 2.0, INK, 1.0);
+            let centre = panel.frame.at(value, y);
+            panel.canvas.disc(centre, 2.0, INK, 1.0);
         }
     })
 }

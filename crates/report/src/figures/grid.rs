@@ -25,8 +25,8 @@ impl Grid {
         }
     }
 
-    /// At most three a row, or another number.
-    pub(crate) fn of(count: usize, most: usize, gap: (f64, f64)) -> Self {
+    /// At most `most` a row.
+    pub(crate) fn limited(count: usize, most: usize, gap: (f64, f64)) -> Self {
         Self::new(count, count.clamp(1, most), gap)
     }
 
@@ -95,9 +95,9 @@ pub(crate) fn draw_panels(
             );
         }
         for index in 0..grid.count {
-            let at = (index % grid.columns, index / grid.columns);
+            let index_of_cell = (index % grid.columns, index / grid.columns);
             canvas.letter = letter(index).filter(|_| grid.count > 1);
-            let cell = place.cell(at, (grid.columns, rows), grid.gap);
+            let cell = place.cell(index_of_cell, (grid.columns, rows), grid.gap);
             cells.push(cell.boxed(grid.gap, whole.bottom));
             paint(canvas, index, cell);
         }

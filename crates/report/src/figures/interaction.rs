@@ -77,7 +77,7 @@ pub fn interaction(input: &Interaction, context: &Context) -> Result<Figure, Rep
     }
     let most = input.panels.iter().map(|panel| panel.levels.len()).max();
     let columns = if most.unwrap_or(0) > 6 { 1 } else { 2 };
-    let grid = Grid::of(input.panels.len(), columns, (12.0, 11.0));
+    let grid = Grid::limited(input.panels.len(), columns, (12.0, 11.0));
     let width = match grid.columns {
         1 if columns == 2 => ONE_COLUMN_MM,
         _ => TWO_COLUMNS_MM,

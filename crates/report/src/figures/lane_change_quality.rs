@@ -59,7 +59,7 @@ pub fn lane_change_quality(
     } else {
         String::new()
     };
-    let grid = Grid::of(input.panels.len(), 3, (11.0, 10.0));
+    let grid = Grid::limited(input.panels.len(), 3, (11.0, 10.0));
     let plan = Plan {
         name: NAME.to_owned(),
         size_mm: (grid.width_mm(), 55.0 * grid.rows() + 3.0),

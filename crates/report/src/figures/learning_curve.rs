@@ -55,7 +55,7 @@ pub fn learning_curve(input: &LearningCurve, context: &Context) -> Result<Figure
         let minutes = panel.points.iter().map(|p| p.minutes);
         check.rising("minutes", minutes, "ascending minutes")?;
     }
-    let grid = Grid::of(input.panels.len(), 4, (10.0, 9.0));
+    let grid = Grid::limited(input.panels.len(), 4, (10.0, 9.0));
     let plan = Plan {
         name: NAME.to_owned(),
         size_mm: (TWO_COLUMNS_MM, 56.0 * grid.rows() + 6.0),

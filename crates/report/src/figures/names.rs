@@ -27,7 +27,7 @@ impl Names {
     /// Names, each with so many points from its neighbour.
     ///
     /// A long name among many that fit is cut, if enough of it is left to tell it from the others.
-    pub(crate) fn of(names: &[String], space: f64) -> Self {
+    pub(crate) fn set(names: &[String], space: f64) -> Self {
         let room = space - GAP;
         let lines: Vec<Vec<String>> = names.iter().map(|name| wrapped(name, room)).collect();
         let cut = |lines: &Vec<String>| lines.iter().map(|l| shortened(l, room)).collect();
@@ -71,8 +71,8 @@ impl Names {
         match self {
             Self::Level(names) => {
                 for (line, text) in names[index].iter().enumerate() {
-                    let at = (x, y + LINE * line as f64);
-                    canvas.text(text, at, look.middle().hanging());
+                    let start = (x, y + LINE * line as f64);
+                    canvas.text(text, start, look.middle().hanging());
                 }
             }
             Self::Turned(names) => {
@@ -121,39 +121,39 @@ mod tests {
     #[test]
     fn names_stand_on_as_few_lines_as_they_need_and_read_upwards_where_no_line_fits() {
         let short = names(&["calm", "sporty"]);
-        let level = Names::of(&short, 40.0);
+        let level = Names::set(&short, 40.0);
         assert_eq!(
             level,
             Names::Level(vec![names(&["calm"]), names(&["sporty"])])
         );
-        let two = Names::of(&names(&["calm, dense", "calm, free"]), 27.0);
+        let two = Names::set(&names(&["calm, dense", "calm, free"]), 27.0);
         assert_eq!(
             two,
             Names::Level(vec![names(&["calm,", "dense"]), names(&["calm,", "free"])])
         );
         assert!(two.height() > level.height());
-        assert_eq!(Names::of(&short, 12.0), Names::Turned(short));
+        assert_eq!(Names::set(&short, 12.0), Names::Turned(short));
     }
 
     #[test]
     fn a_name_that_is_too_long_either_way_is_cut_with_an_ellipsis() {
         let long = names(&["an uncommonly long name of a condition that nobody can print"]);
-        let Names::Turned(cut) = Names::of(&long, 15.0) else {
+        let Names::Turned(cut) = Names::set(&long, 15.0) else {
             panic!("turned");
         };
         assert!(cut[0].ends_with('…') && Look::new(size::TICK).width(&cut[0]) <= LONGEST);
         // One of four is cut where the others stand level; two of four are not.
         let one = names(&["calm", "sporty", "own", "perpendicular"]);
-        let set = Names::of(&one, 34.0);
+        let set = Names::set(&one, 34.0);
         assert!(
             matches!(&set, Names::Level(lines) if lines[3][0].ends_with('…')),
             "{set:?}"
         );
         assert_eq!(
-            (set.cut(), Names::of(&one, 60.0).cut()),
+            (set.cut(), Names::set(&one, 60.0).cut()),
             (vec![3], Vec::new())
         );
         let two = names(&["calm", "sporty", "perpendicularly", "perpendicular"]);
-        assert!(matches!(Names::of(&two, 34.0), Names::Turned(_)));
+        assert!(matches!(Names::set(&two, 34.0), Names::Turned(_)));
     }
 }

@@ -39,7 +39,7 @@ pub(crate) struct Head {
     pub(crate) title: String,
     /// `<desc>`: the finding in words.
     pub(crate) description: String,
-    /// `<metadata>`.
+    /// What stands in `<metadata>`, plain text: whether it is synthetic, and the seed.
     pub(crate) metadata: String,
 }
 

@@ -63,7 +63,7 @@ impl<'p, 'c> Panel<'p, 'c> {
             .fill_rect((left, top), (right, bottom), colour, alpha);
     }
 
-    /// A mark.
+    /// Draws a marker at values of the axes.
     pub(crate) fn mark(&mut self, (x, y): (f64, f64), (radius, shape, colour): Mark) {
         let centre = self.frame.at(x, y);
         self.canvas.marker(centre, radius, shape, colour);

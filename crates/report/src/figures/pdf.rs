@@ -28,11 +28,11 @@ pub(crate) fn render(figure: &str, svg: &str) -> Result<Vec<u8>, ReportError> {
 /// lines, so that nothing moves that the table at the end of the file points to.
 fn in_order(pdf: &mut [u8]) {
     const BEGIN: &[u8] = b"/Resources <<\n";
-    let mut at = 0;
-    while let Some(found) = pdf[at..].windows(BEGIN.len()).position(|w| w == BEGIN) {
-        at += found + BEGIN.len();
-        let end = pdf[at..].windows(6).position(|w| w == b"endobj");
-        let object = &mut pdf[at..at + end.unwrap_or(0)];
+    let mut start = 0;
+    while let Some(offset) = pdf[start..].windows(BEGIN.len()).position(|w| w == BEGIN) {
+        start += offset + BEGIN.len();
+        let end = pdf[start..].windows(6).position(|w| w == b"endobj");
+        let object = &mut pdf[start..start + end.unwrap_or(0)];
         let lines: Vec<Vec<u8>> = object
             .split_inclusive(|b| *b == b'\n')
             .map(<[u8]>::to_vec)

@@ -8,7 +8,7 @@ use maveric_stats::circular_fit;
 /// Panels side by side, one a measure.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct PerpendicularChanges {
-    /// The panels.
+    /// From left to right.
     pub panels: Vec<PerpendicularPanel>,
     /// The condition that moves across the dial.
     pub across: ConditionId,
@@ -93,7 +93,7 @@ pub fn perpendicular(
             from = context.look(input.from).words(),
             across = context.look(input.across).words(),
         ),
-        alt: told(panels.map(|p| (p.title.as_str(), p.statistic.as_str()))),
+        alt: described(panels.map(|p| (p.title.as_str(), p.statistic.as_str()))),
         shows: Shows::Participants,
     };
     let grid = Grid::new(count, count, (14.0, 0.0));
@@ -118,12 +118,12 @@ fn paint(canvas: &mut Canvas<'_>, place: Place, input: &PerpendicularPanel) {
     let mut panel = Panel::open(canvas, place, &labels, (x, y));
     panel.rule(0.0);
     if let Some([level, cosine, sine]) = circular_fit(&angles, &changes) {
-        let at = |degrees: f64| {
+        let point = |degrees: f64| {
             let (sin, cos) = libm::sincos(degrees.to_radians());
             (degrees, level + cosine * cos + sine * sin)
         };
         let (least, most) = (panel.frame.y.low(), panel.frame.y.high());
-        let curve = (0..=90).map(|step| at(4.0 * f64::from(step)));
+        let curve = (0..=90).map(|step| point(4.0 * f64::from(step)));
         let inside = curve.filter(|(_, change)| (least..=most).contains(change));
         panel.line(inside, Pen::new(GREEN, stroke::STRONG));
     }

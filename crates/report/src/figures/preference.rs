@@ -12,7 +12,7 @@ pub struct Preferences {
     pub own: ConditionId,
     /// The conditions elsewhere on the dial, in the order of the bars.
     pub others: Vec<ConditionId>,
-    /// The scales.
+    /// From left to right, with the counts on each.
     pub scales: Vec<ScalePreference>,
 }
 
@@ -49,13 +49,13 @@ pub fn preference(input: &Preferences, context: &Context) -> Result<Figure, Repo
         let expected = format!("at most n = {}", scale.n);
         check.within((0.0, most), "above", counts, &expected)?;
     }
-    let own = context.look(input.own);
+    let own_look = context.look(input.own);
     let others: Vec<ConditionLook> = input.others.iter().map(|c| context.look(*c)).collect();
     let intervals = input.scales.iter().map(ScalePreference::percent);
     let intervals: Vec<Vec<[f64; 3]>> = intervals.collect();
     let tops = intervals.iter().flatten().map(|[_, _, high]| *high);
     let top = tops.fold(50.0, f64::max).min(100.0);
-    draw(plan(input, &own, &others), context, |canvas, place| {
+    draw(plan(input, &own_look, &others), context, |canvas, place| {
         let key =
             |look: &ConditionLook| (Key::Point(Marker::Square, look.rgb()), look.label.clone());
         let place = canvas.legend(place, &others.iter().map(key).collect::<Vec<_>>());
@@ -64,7 +64,7 @@ pub fn preference(input: &Preferences, context: &Context) -> Result<Figure, Repo
         let x = Scale::labelled(-0.55, input.scales.len() as f64 - 0.45, ticks.collect());
         let y = Scale::between(0.0, top + 3.0, 5);
         let labels = Labels {
-            y: &format!("Rated better than {} (% of participants)", own.label),
+            y: &format!("Rated better than {} (% of participants)", own_look.label),
             ..Labels::default()
         };
         let mut panel = Panel::open(canvas, place, &labels, (x, y));

@@ -42,7 +42,7 @@ pub fn press_course(input: &PressCourses, context: &Context) -> Result<Figure, R
         check.finite(&panel.title, panel.points.iter().flatten().copied())?;
         check.finite("the mean at other moments", panel.others)?;
     }
-    let grid = Grid::of(input.panels.len(), 3, (12.0, 11.0));
+    let grid = Grid::limited(input.panels.len(), 3, (12.0, 11.0));
     let n = counted(input.panels.iter().map(|panel| panel.n), " (by panel)");
     let plan = Plan {
         name: NAME.to_owned(),

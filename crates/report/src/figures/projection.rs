@@ -200,12 +200,12 @@ impl View {
 fn paint_axis(canvas: &mut Canvas<'_>, view: &View, axis: usize, title: &str) {
     let upright = axis == 2;
     let base = view.numbered_edge(axis);
-    let at = |value: f64| {
+    let point = |value: f64| {
         let mut w = base;
         w[axis] = value;
         view.project(w).0
     };
-    let (middle, centre) = (view.project(view.centre).0, at(view.centre[axis]));
+    let (middle, centre) = (view.project(view.centre).0, point(view.centre[axis]));
     let (dx, dy) = if upright {
         (-1.0, 0.0)
     } else {
@@ -213,7 +213,7 @@ fn paint_axis(canvas: &mut Canvas<'_>, view: &View, axis: usize, title: &str) {
     };
     let length = libm::hypot(dx, dy);
     let beside = |(x, y): (f64, f64), gap: f64| (x + gap * dx / length, y + gap * dy / length);
-    canvas.line(at(view.low[axis]), at(view.high[axis]), edge());
+    canvas.line(point(view.low[axis]), point(view.high[axis]), edge());
     let look = Look::new(size::TICK).centred();
     let (look, gap) = if upright {
         (look.end(), 4.0)
@@ -224,7 +224,7 @@ fn paint_axis(canvas: &mut Canvas<'_>, view: &View, axis: usize, title: &str) {
     let mut last: Option<((f64, f64), f64)> = None;
     let Scale { ticks, labels, .. } = &view.scales[axis];
     for (&tick, label) in ticks.iter().zip(labels) {
-        let (x, y) = at(tick);
+        let (x, y) = point(tick);
         canvas.line((x, y), beside((x, y), 2.0), edge());
         let width = look.width(label);
         let meets = last.is_some_and(|((from, height), of)| {

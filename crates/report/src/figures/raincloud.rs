@@ -19,7 +19,7 @@ pub(crate) struct Cloud {
 
 impl Cloud {
     /// `None` without values. The density ends where the scale does: nobody can answer beyond it.
-    pub(crate) fn of(mut values: Vec<f64>, range: Option<(f64, f64)>) -> Option<Self> {
+    pub(crate) fn new(mut values: Vec<f64>, range: Option<(f64, f64)>) -> Option<Self> {
         values.sort_by(f64::total_cmp);
         let everything = (f64::NEG_INFINITY, f64::INFINITY);
         let curve = density(&values, STEPS, range.unwrap_or(everything));
@@ -73,12 +73,12 @@ pub(crate) fn paint(
         (high, inside().next_back().unwrap_or(high)),
     ];
     let (centre, half) = (middle + BOX * slot, 0.07 * slot);
-    let at = |side: f64, value: f64| (centre + side * half, frame.y.at(value));
+    let point = |side: f64, value: f64| (centre + side * half, frame.y.at(value));
     let pen = Pen::new(ink, stroke::BOX);
     for (from, to) in whiskers {
-        canvas.line(at(0.0, from), at(0.0, to), pen);
+        canvas.line(point(0.0, from), point(0.0, to), pen);
     }
-    canvas.fill_rect(at(-1.0, high), at(1.0, low), PAPER, 1.0);
-    canvas.rect(at(-1.0, high), at(1.0, low), pen);
-    canvas.line(at(-1.0, median), at(1.0, median), pen);
+    canvas.fill_rect(point(-1.0, high), point(1.0, low), PAPER, 1.0);
+    canvas.rect(point(-1.0, high), point(1.0, low), pen);
+    canvas.line(point(-1.0, median), point(1.0, median), pen);
 }

@@ -36,7 +36,7 @@ const AXIS: f64 = 28.0;
 
 /// How the names of slots are set in a panel of about so many points' width.
 pub(crate) fn names(names: &[String], width: f64) -> Names {
-    Names::of(names, (width - AXIS) / (names.len() as f64 + 0.15))
+    Names::set(names, (width - AXIS) / (names.len() as f64 + 0.15))
 }
 
 /// Draws the panel into its place.
@@ -45,7 +45,7 @@ pub(crate) fn paint(canvas: &mut Canvas<'_>, place: Place, input: &Panel<'_>) {
     let brackets = brackets(&input.contrasts);
     let cloud = |index: usize| {
         let values = input.rows.iter().filter_map(|row| row[index]).collect();
-        Cloud::of(values, input.range)
+        Cloud::new(values, input.range)
     };
     let clouds: Vec<Option<Cloud>> = (0..k).map(cloud).collect();
     let values = clouds.iter().flatten().flat_map(Cloud::ends);
@@ -117,7 +117,7 @@ fn paint_people(canvas: &mut Canvas<'_>, frame: &Frame, panel: &Panel<'_>, slot:
             (turn - 0.5) * 2.0 * JITTER * slot
         }
     };
-    let at = |index: usize, column: usize, value: f64| {
+    let place_of = |index: usize, column: usize, value: f64| {
         (
             frame.x.at(column as f64) + POINTS * slot + jitter(index),
             frame.y.at(value),
@@ -128,17 +128,17 @@ fn paint_people(canvas: &mut Canvas<'_>, frame: &Frame, panel: &Panel<'_>, slot:
         let mut path = Vec::new();
         for (column, value) in row.iter().enumerate() {
             match value {
-                Some(value) => path.push(at(index, column, *value)),
+                Some(value) => path.push(place_of(index, column, *value)),
                 None => canvas.path(&std::mem::take(&mut path), pen),
             }
         }
         canvas.path(&path, pen);
     }
-    for (column, of) in panel.slots.iter().enumerate() {
+    for (column, cloud) in panel.slots.iter().enumerate() {
         for (index, row) in panel.rows.iter().enumerate() {
             if let Some(value) = row[column] {
-                let place = at(index, column, value);
-                canvas.marker(place, stroke::POINT, of.look.0, of.look.1);
+                let place = place_of(index, column, value);
+                canvas.marker(place, stroke::POINT, cloud.look.0, cloud.look.1);
             }
         }
     }

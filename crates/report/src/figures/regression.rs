@@ -22,7 +22,7 @@ pub(crate) struct Cloud<'a> {
 impl Cloud<'_> {
     /// Draws axes, line with band where the points determine one, and the points.
     pub(crate) fn paint(self, canvas: &mut Canvas<'_>, place: Place, labels: &Labels<'_>) {
-        let line = Regression::of(self.points);
+        let line = Regression::fit(self.points);
         self.paint_on(canvas, place, labels, line.as_ref(), &[]);
     }
 
@@ -79,7 +79,7 @@ struct Regression {
 
 impl Regression {
     /// `None` if the points do not determine a line with its band.
-    fn of(points: &[(f64, f64)]) -> Option<Self> {
+    fn fit(points: &[(f64, f64)]) -> Option<Self> {
         let column = |value: fn(&(f64, f64)) -> f64| -> Vec<Option<f64>> {
             points.iter().map(|point| Some(value(point))).collect()
         };
@@ -117,7 +117,7 @@ mod tests {
 
     #[test]
     fn points_at_one_x_have_no_line() {
-        assert!(Regression::of(&[(1.0, 1.0), (1.0, 3.0), (1.0, 5.0)]).is_none());
-        assert!(Regression::of(&[(0.0, 1.0), (1.0, 3.0), (2.0, 4.0)]).is_some());
+        assert!(Regression::fit(&[(1.0, 1.0), (1.0, 3.0), (1.0, 5.0)]).is_none());
+        assert!(Regression::fit(&[(0.0, 1.0), (1.0, 3.0), (2.0, 4.0)]).is_some());
     }
 }

@@ -28,7 +28,7 @@ pub struct ResidualPanel {
     pub mean: f64,
     /// Root-mean-square of the residuals, in the unit.
     pub rms: f64,
-    /// Rows.
+    /// How many rows have a residual.
     pub rows: usize,
 }
 

@@ -18,9 +18,9 @@ pub struct SimulatorView {
     pub lanes: usize,
     /// Width of a lane in metres.
     pub lane_width_m: f64,
-    /// The ego.
+    /// The car in the middle of the view.
     pub ego: VehicleView,
-    /// The others.
+    /// The traffic around it.
     pub others: Vec<VehicleView>,
     /// Which of `others` is the reference vehicle.
     pub reference: Option<usize>,

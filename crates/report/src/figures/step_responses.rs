@@ -55,7 +55,7 @@ pub fn step_responses(input: &StepResponses, context: &Context) -> Result<Figure
         format!("±{} {} ({title})", number(panel.band, 2), panel.unit)
     });
     let most = if input.panels.len() == 4 { 2 } else { 3 };
-    let grid = Grid::of(input.panels.len(), most, (11.0, 10.0));
+    let grid = Grid::limited(input.panels.len(), most, (11.0, 10.0));
     let panels = input.panels.iter();
     let plan = Plan {
         name: NAME.to_owned(),
@@ -75,11 +75,11 @@ pub fn step_responses(input: &StepResponses, context: &Context) -> Result<Figure
         shows: Shows::Explanation,
     };
     let solid = Pen::new(INK, stroke::STRONG);
-    let asked = Pen::new(GREY, stroke::STRONG).dashed(3.0, 2.0);
+    let target_pen = Pen::new(GREY, stroke::STRONG).dashed(3.0, 2.0);
     let settled = Pen::new(OCHRE, stroke::BOX);
     let keys = [
         (Key::Line(solid), "reached"),
-        (Key::Line(asked), "asked for"),
+        (Key::Line(target_pen), "asked for"),
         (Key::Line(settled), "settled from here on"),
     ];
     draw_panels(plan, context, grid, &keys, |canvas, index, place| {
@@ -108,7 +108,7 @@ pub fn step_responses(input: &StepResponses, context: &Context) -> Result<Figure
         if let Some(settling) = input.panels[index].settling_s {
             panel.upright((step_at_s + settling).clamp(first, last), settled);
         }
-        for (values, pen) in [(target, asked), (value, solid)] {
+        for (values, pen) in [(target, target_pen), (value, solid)] {
             let pairs = time_s.iter().copied().zip(values.iter().copied());
             panel.thin_line(&pairs.collect::<Vec<_>>(), MOST_POINTS, pen);
         }

@@ -83,7 +83,7 @@ const MOST_OTHERS: usize = 120;
 /// The oblique form of the diagram: Muñoz and Daganzo (2002), Transportation Research Part A 36, there for counts.
 pub fn time_space(input: &TimeSpace, context: &Context) -> Result<Figure, ReportError> {
     let (first, last) = check(input)?;
-    let ego = Path::of(&input.ego);
+    let ego = Path(&input.ego);
     let start = input.ego.x_m[0];
     let speed = (input.ego.x_m[input.ego.x_m.len() - 1] - start) / (last - first);
     let flat = |(time, x): (f64, f64)| (time - first, x - start - speed * (time - first));
@@ -100,7 +100,7 @@ pub fn time_space(input: &TimeSpace, context: &Context) -> Result<Figure, Report
         .take(MOST_OTHERS)
         .flat_map(near)
         .collect();
-    let own = pieces(&input.ego, |_| true, flat);
+    let ego_pieces = pieces(&input.ego, |_| true, flat);
     let condition = context.look(input.condition);
     let whose = condition.words();
     let kept = format!("{} {}", context.speed(speed, 1), context.speed.name());
@@ -121,7 +121,7 @@ pub fn time_space(input: &TimeSpace, context: &Context) -> Result<Figure, Report
             keys.push((Key::Point(marker, colour), name));
         }
         let place = canvas.legend(whole, &keys);
-        let everything = own.iter().chain(&leads).chain(&others);
+        let everything = ego_pieces.iter().chain(&leads).chain(&others);
         let places = everything.flat_map(|piece| piece.points.iter().map(|p| p.1));
         let labels = Labels {
             x: "Time (s)",
@@ -130,14 +130,14 @@ pub fn time_space(input: &TimeSpace, context: &Context) -> Result<Figure, Report
         };
         let scales = (Scale::between(0.0, last - first, 8), Scale::over(places, 5));
         let mut panel = Panel::open(canvas, place, &labels, scales);
-        for piece in own.iter().filter(|piece| !piece.right_lane) {
+        for piece in ego_pieces.iter().filter(|piece| !piece.right_lane) {
             let ends = [piece.points[0].0, piece.points[piece.points.len() - 1].0];
             panel.stripe(ends, OCHRE, 0.1);
         }
         for (pieces, pen, most) in [
             (&others, other_pen, MOST_POINTS_OF_OTHERS),
             (&leads, lead_pen, MOST_POINTS_OF_OTHERS),
-            (&own, ego_pen, MOST_POINTS),
+            (&ego_pieces, ego_pen, MOST_POINTS),
         ] {
             for Piece { right_lane, points } in pieces {
                 let pen = if *right_lane {
@@ -240,8 +240,8 @@ fn pieces(
     let mut out: Vec<Piece> = Vec::new();
     let mut before: Option<bool> = None;
     for (row, &lane) in track.lane.iter().enumerate() {
-        let at = (track.time_s[row], track.x_m[row]);
-        if !seen(&at) {
+        let point = (track.time_s[row], track.x_m[row]);
+        if !seen(&point) {
             before = None;
             continue;
         }
@@ -257,7 +257,7 @@ fn pieces(
             });
         }
         if let Some(piece) = out.last_mut() {
-            piece.points.push(flat(at));
+            piece.points.push(flat(point));
         }
         before = Some(right_lane);
     }
@@ -267,11 +267,7 @@ fn pieces(
 /// A position between rows.
 struct Path<'a>(&'a Track);
 
-impl<'a> Path<'a> {
-    fn of(track: &'a Track) -> Self {
-        Self(track)
-    }
-
+impl Path<'_> {
     /// By linear interpolation; held at the ends.
     fn at(&self, time: f64) -> f64 {
         let Track { time_s, x_m, .. } = self.0;

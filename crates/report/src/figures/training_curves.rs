@@ -11,7 +11,7 @@ pub struct TrainingCurves {
     pub drives: usize,
 }
 
-/// One term.
+/// A term of the loss, over the epochs.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct LossTerm {
     /// Such as `*L*_{1} following distance`; with marks.
@@ -40,7 +40,7 @@ pub fn training_curves(input: &TrainingCurves, context: &Context) -> Result<Figu
             check.length("the validation curve", kept.len(), train.len())?;
         }
     }
-    let grid = Grid::of(input.terms.len(), 3, (12.0, 9.0));
+    let grid = Grid::limited(input.terms.len(), 3, (12.0, 9.0));
     let validated = input.terms.iter().any(|term| !term.validation.is_empty());
     let epochs = input.terms.iter().map(|term| term.train.len()).max();
     let plan = Plan {

@@ -3,12 +3,12 @@
 use crate::markup;
 
 /// Each panel's title and what its statistic says, in words.
-pub(crate) fn told<'a>(panels: impl IntoIterator<Item = (&'a str, &'a str)>) -> String {
-    let told = panels.into_iter().map(|(title, statistic)| {
+pub(crate) fn described<'a>(panels: impl IntoIterator<Item = (&'a str, &'a str)>) -> String {
+    let sentences = panels.into_iter().map(|(title, statistic)| {
         let statistic = markup::plain(statistic).replace('\n', "; ");
         format!("{title}: {statistic}.")
     });
-    told.collect::<Vec<_>>().join(" ")
+    sentences.collect::<Vec<_>>().join(" ")
 }
 
 /// How many there are: one number, or the least and the most and by what they differ.

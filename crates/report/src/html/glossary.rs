@@ -76,10 +76,10 @@ fn push<'a>(
 ) {
     let mut rest = text;
     let mut next = || -> Option<()> {
-        let of = terms
+        let unexplained = terms
             .iter()
             .filter(|(term, _)| reads && !here.contains(term.as_str()));
-        let (at, term, meaning) = of
+        let (at, term, meaning) = unexplained
             .filter_map(|(term, meaning)| Some((word(rest, term)?, term, meaning)))
             .min_by_key(|(at, term, _)| (*at, usize::MAX - term.len()))?;
         let (before, after) = rest.split_at(at);

@@ -43,8 +43,8 @@ fn kind(verdict: Verdict) -> &'static str {
 }
 
 fn row_value(row: &LedgerRow, anchors: &BTreeSet<String>) -> Value {
-    let made = row.made.as_ref();
-    let shown_in = made
+    let origin = row.made.as_ref();
+    let shown_in = origin
         .and_then(|m| m.shown_in.as_ref())
         .filter(|anchor| anchors.contains(*anchor));
     context! {
@@ -59,7 +59,7 @@ fn row_value(row: &LedgerRow, anchors: &BTreeSet<String>) -> Value {
         kind => kind(row.verdict),
         rule => rule(row.claim.rule),
         clear => row.clear(),
-        stage => made.map(|m| &m.stage),
+        stage => origin.map(|m| &m.stage),
         anchor => shown_in,
         shown_as => shown_in.map(|anchor| if anchor.starts_with("figure-") { "figure" } else { "table" }),
     }

@@ -29,12 +29,12 @@ impl Live {
     /// # Errors
     /// [`ReportError::Live`] for a number that is not finite, or nothing to show.
     pub(crate) fn check(&self) -> Result<(), ReportError> {
-        let found = match &self.content {
+        let checked = match &self.content {
             LiveContent::StyleSpace(space) => space.check(),
             // The player checks its drives itself, when it is made.
             LiveContent::Player(_) => Ok(()),
         };
-        found.map_err(|reason| ReportError::Live {
+        checked.map_err(|reason| ReportError::Live {
             below: self.below.clone(),
             reason,
         })

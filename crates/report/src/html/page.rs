@@ -31,7 +31,7 @@ pub(crate) fn page(
     let mut number = 0;
     let mut shown = Vec::new();
     for live in &report.live {
-        shown.push(Shown::of(live, report)?);
+        shown.push(Shown::new(live, report)?);
     }
     let mut shown_sections = |sections: &[Section]| -> Vec<Value> {
         let one = |section| section_value(section, &shown, &mut number);
@@ -153,12 +153,12 @@ fn marked(texts: &[String]) -> Vec<Value> {
 
 /// The ids of figures and tables on the page.
 fn anchors(report: &Report) -> BTreeSet<String> {
-    let of = |section: &Section| {
+    let ids = |section: &Section| {
         let figures = section.figures.iter().map(|f| format!("figure-{}", f.name));
         let tables = section.tables.iter().map(|t| format!("table-{}", t.name));
         figures.chain(tables).collect::<Vec<_>>()
     };
-    report.all_sections().flat_map(of).collect()
+    report.all_sections().flat_map(ids).collect()
 }
 
 /// A card; it links to what answers its doubt if that is on the page.
@@ -217,7 +217,7 @@ struct Shown {
 }
 
 impl Shown {
-    fn of(live: &Live, report: &Report) -> Result<Self, ReportError> {
+    fn new(live: &Live, report: &Report) -> Result<Self, ReportError> {
         let (value, player) = match &live.content {
             LiveContent::StyleSpace(space) => {
                 let value = context! {

@@ -70,7 +70,7 @@ pub struct Methods {
 pub struct ParameterFile {
     /// Its path, relative to the project.
     pub path: String,
-    /// Its text.
+    /// All that the file holds.
     pub text: String,
 }
 

@@ -25,7 +25,7 @@ pub struct StyleSpace {
     pub dial: Vec<ConditionId>,
 }
 
-/// One drive in the space.
+/// A drive as a point of the space.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SpaceDrive {
     /// Its id; any text.
@@ -56,8 +56,8 @@ impl StyleSpace {
         if self.drives.is_empty() && self.people.is_empty() {
             return Err("no drive to show, expected at least 1".to_owned());
         }
-        let own = self.people.iter().map(|p| &p.own);
-        for drive in self.drives.iter().chain(own) {
+        let own_drives = self.people.iter().map(|p| &p.own);
+        for drive in self.drives.iter().chain(own_drives) {
             finite(&format!("the embedding of {}", drive.name), &drive.at)?;
             let rest = [drive.score_points.unwrap_or_default(), drive.velocity_mps];
             finite(&format!("score or velocity of {}", drive.name), &rest)?;
@@ -80,13 +80,13 @@ impl StyleSpace {
 
     /// What the script reads.
     pub(super) fn json(&self, context: &Context) -> Value {
-        let at = |at: &[f64; 3]| json!(at.map(short));
-        let drive = |d: &SpaceDrive| json!({ "name": d.name, "at": at(&d.at), "score": d.score_points.map(short), "speed": short(d.velocity_mps * context.speed.per_mps()) });
+        let rounded = |point: &[f64; 3]| json!(point.map(short));
+        let drive = |d: &SpaceDrive| json!({ "name": d.name, "at": rounded(&d.at), "score": d.score_points.map(short), "speed": short(d.velocity_mps * context.speed.per_mps()) });
         let person = |p: &SpacePerson| {
             let conditions = p
                 .conditions
                 .iter()
-                .map(|(c, where_)| json!([c.to_string(), at(where_)]));
+                .map(|(c, where_)| json!([c.to_string(), rounded(where_)]));
             let mut out = drive(&p.own);
             out["conditions"] = conditions.collect();
             out
@@ -95,8 +95,8 @@ impl StyleSpace {
             "drives": self.drives.iter().take(MOST).map(drive).collect::<Vec<_>>(),
             "people": self.people.iter().take(MOST).map(person).collect::<Vec<_>>(),
             "unit": context.speed.name(),
-            "gradient": at(&self.gradient),
-            "ellipse": self.ellipse.map(|axes| axes.map(|axis| at(&axis))),
+            "gradient": rounded(&self.gradient),
+            "ellipse": self.ellipse.map(|axes| axes.map(|axis| rounded(&axis))),
             "score": [self.score.0, self.score.1, self.score.2],
             "dial": self.dial.iter().map(ToString::to_string).collect::<Vec<_>>(),
             "looks": self.looks(context).map(|look| json!([look.id.to_string(), look.label, look.marker().corners()])).collect::<Vec<_>>(),
@@ -106,8 +106,8 @@ impl StyleSpace {
     /// How the conditions look that are placed here, in the order of the study.
     fn looks<'a>(&'a self, context: &'a Context) -> impl Iterator<Item = &'a ConditionLook> {
         let placed = |look: &&ConditionLook| {
-            let mut all = self.people.iter().flat_map(|p| &p.conditions);
-            all.any(|(c, _)| *c == look.id)
+            let mut places = self.people.iter().flat_map(|p| &p.conditions);
+            places.any(|(c, _)| *c == look.id)
         };
         context.conditions.iter().filter(placed)
     }

@@ -27,8 +27,8 @@ pub(crate) fn style(context: &Context) -> String {
     out.push_str("@media screen and (prefers-color-scheme: dark) {\n");
     let drawn = DARK.map(|(light, dark)| (light, dark.to_owned()));
     let looks = context.conditions.iter().map(ConditionLook::rgb);
-    let own = looks.filter(|c| DARK.iter().all(|(light, _)| light != c));
-    for (light, dark) in drawn.into_iter().chain(own.map(|c| (c, on_dark(c)))) {
+    let colours = looks.filter(|c| DARK.iter().all(|(light, _)| light != c));
+    for (light, dark) in drawn.into_iter().chain(colours.map(|c| (c, on_dark(c)))) {
         let light = hex(light);
         // A colour that a style put in the place of one of ours turns into one of its own.
         let other = current_style().and_then(|style| style.recoloured(&light));

@@ -12,7 +12,7 @@ pub struct Table {
     pub name: String,
     /// One line, with marks (see [`crate::markup`]).
     pub title: String,
-    /// The columns.
+    /// From left to right.
     pub columns: Vec<Column>,
     /// The rows, each with a cell a column.
     pub rows: Vec<Vec<Cell>>,
@@ -62,14 +62,14 @@ pub enum Cell {
     Marked(String),
     /// A number, rounded for display; whole in the CSV.
     Number {
-        /// The value.
+        /// Before it is rounded.
         value: f64,
         /// Decimals shown.
         decimals: usize,
     },
     /// A number bounded by 1, shown without the zero before the point.
     Bounded {
-        /// The value.
+        /// Before it is rounded.
         value: f64,
         /// Decimals shown.
         decimals: usize,
@@ -102,7 +102,7 @@ impl Cell {
         Self::Text(text.into())
     }
 
-    /// A count.
+    /// A whole number, without decimals.
     pub fn count(count: usize) -> Self {
         Self::Number {
             value: count as f64,
@@ -126,8 +126,8 @@ impl Cell {
     }
 
     /// What a test says, as APA writes it, or missing.
-    pub fn said(found: Option<&apa::Statement>) -> Self {
-        found.map_or(Self::Missing, |said| Self::Marked(said.markup().to_owned()))
+    pub fn statement(statement: Option<&apa::Statement>) -> Self {
+        statement.map_or(Self::Missing, |s| Self::Marked(s.markup().to_owned()))
     }
 
     /// As shown, with marks.

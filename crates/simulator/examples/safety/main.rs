@@ -26,11 +26,11 @@ fn drive(kind: &str, number: u64) -> Result<Outcome, SimulatorError> {
         Driver::Automated(&mut planner, controllers),
         number,
     )?;
-    let own = driven
+    let own_fault = driven
         .collisions
         .iter()
         .filter(|c| c.cause == CollisionCause::AssumptionsHeld);
-    for collision in own {
+    for collision in own_fault {
         println!(
             "{kind} {number}: vehicle {} at {:.2} s",
             collision.vehicle.0, collision.time_s
@@ -53,9 +53,9 @@ fn peak_mib() -> Option<f64> {
 }
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
-    let all: u64 = std::env::args().nth(1).map_or(Ok(700), |n| n.parse())?;
+    let drives: u64 = std::env::args().nth(1).map_or(Ok(700), |n| n.parse())?;
     let start = std::time::Instant::now();
-    let each = all.div_ceil(KINDS.len() as u64);
+    let each = drives.div_ceil(KINDS.len() as u64);
     println!(
         "| kind | drives | km | braked | changes held | given up | s inside the safe distance a drive, mean and most | least share of it | collisions where the assumptions held | where not |"
     );
@@ -66,8 +66,9 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
             .into_par_iter()
             .map(|number| drive(kind, number))
             .collect::<Result<_, _>>()?;
-        let sum =
-            |of: fn(&RolloutReport) -> u32| -> u32 { outcomes.iter().map(|o| of(&o.report)).sum() };
+        let sum = |count: fn(&RolloutReport) -> u32| -> u32 {
+            outcomes.iter().map(|o| count(&o.report)).sum()
+        };
         let inside: Vec<f64> = outcomes
             .iter()
             .map(|o| o.report.inside_safe_distance_s)

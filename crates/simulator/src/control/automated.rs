@@ -39,7 +39,7 @@ pub(crate) struct AutomatedDriver<'a> {
     command_mps2: f64,
     lane_state: LaneState,
     brake: EmergencyBrake,
-    asked: Option<Setpoints>,
+    setpoints: Option<Setpoints>,
     sideways: Sideways,
     interventions: Vec<Intervention>,
 }
@@ -71,7 +71,7 @@ impl<'a> AutomatedDriver<'a> {
             command_mps2: 0.0,
             lane_state: LaneState::Keeping,
             brake: EmergencyBrake::default(),
-            asked: None,
+            setpoints: None,
             sideways: Sideways::default(),
             interventions: Vec::new(),
         }
@@ -86,7 +86,7 @@ impl<'a> AutomatedDriver<'a> {
     pub(crate) fn trace(&self, time_s: f64, steering: &Steering) -> Option<TraceRow> {
         Some(TraceRow {
             time_s,
-            asked: self.asked?,
+            asked: self.setpoints?,
             acceleration_mps2: self.command_mps2,
             braked: self.brake.braking(),
             lane: self.lane_state,
@@ -111,17 +111,17 @@ impl<'a> AutomatedDriver<'a> {
             lane: steering.lane(),
             activity: self.lane_state,
         };
-        let asked = checked(self.planner.plan(&view), scene.time_s)?;
-        self.asked = Some(asked);
+        let setpoints = checked(self.planner.plan(&view), scene.time_s)?;
+        self.setpoints = Some(setpoints);
         let lane_offset_m = self.lane_offset_m(scene.time_s)?;
         self.sideways
             .observe(self.settings, scene, &self.road, self.vehicle.width_m);
-        let acceleration_mps2 = self.accelerate(scene, steering, &asked);
+        let acceleration_mps2 = self.accelerate(scene, steering, &setpoints);
 
         let manoeuvre = if changing {
             self.give_up_if_unsafe(scene, steering)
         } else {
-            let here = steering.lane();
+            let ego_lane = steering.lane();
             let back = self.return_rule.due(
                 self.settings,
                 scene,
@@ -129,13 +129,13 @@ impl<'a> AutomatedDriver<'a> {
                 &reference,
                 PLANNING_STEP_S,
             );
-            let wished = match asked.wish {
-                LaneWish::MoveOut(When::Now) => Some(here + 1).filter(|&l| l < self.road.lanes),
-                LaneWish::MoveBack(When::Now) => here.checked_sub(1),
+            let wished = match setpoints.wish {
+                LaneWish::MoveOut(When::Now) => Some(ego_lane + 1).filter(|&l| l < self.road.lanes),
+                LaneWish::MoveBack(When::Now) => ego_lane.checked_sub(1),
                 _ => None,
             };
-            let lane = wished.or_else(|| here.checked_sub(1).filter(|_| back));
-            self.start_if_safe(scene, here, lane)
+            let lane = wished.or_else(|| ego_lane.checked_sub(1).filter(|_| back));
+            self.start_if_safe(scene, ego_lane, lane)
         };
         Ok(Action {
             acceleration_mps2,
@@ -146,21 +146,21 @@ impl<'a> AutomatedDriver<'a> {
 
     /// Where in its lane the car drives: where the planner asks, well within the lane.
     fn lane_offset_m(&self, time_s: f64) -> Result<f64, SimulatorError> {
-        let found = self.planner.lane_offset_m();
-        if !found.is_finite() {
+        let offset_m = self.planner.lane_offset_m();
+        if !offset_m.is_finite() {
             return Err(SimulatorError::Setpoint {
                 name: "lane_offset_m",
-                found,
+                found: offset_m,
                 time_s,
                 expected: "a finite number",
             });
         }
         let room_m = 0.5 * (self.road.lane_width_m - self.vehicle.width_m) - LEAST_TO_LINE_M;
-        Ok(found.clamp(-room_m.max(0.0), room_m.max(0.0)))
+        Ok(offset_m.clamp(-room_m.max(0.0), room_m.max(0.0)))
     }
 
     /// The smaller of what velocity, following and safety ask, without a jump.
-    fn accelerate(&mut self, scene: &Scene, steering: &Steering, asked: &Setpoints) -> f64 {
+    fn accelerate(&mut self, scene: &Scene, steering: &Steering, setpoints: &Setpoints) -> f64 {
         let s = self.settings;
         let speed = scene.ego.speed_mps;
         let [low, high] = s.speed_range_mps;
@@ -171,12 +171,12 @@ impl<'a> AutomatedDriver<'a> {
         );
         let cruise = self.velocity.command(
             s,
-            asked.speed_mps.clamp(low, high).min(bend_mps),
+            setpoints.speed_mps.clamp(low, high).min(bend_mps),
             speed,
             self.velocity_leads,
             PLANNING_STEP_S,
         );
-        let driven_up_to = self.driven_up_to(scene, steering, asked);
+        let driven_up_to = self.driven_up_to(scene, steering, setpoints);
         // The lane being left counts for the first half of a change, the one entered from its start.
         let left_behind = steering
             .coming_from()
@@ -192,7 +192,7 @@ impl<'a> AutomatedDriver<'a> {
                     gap_m: n.gap_m,
                     speed_mps: n.vehicle.speed_mps,
                 };
-                following_acceleration(s, asked.following_distance_m, speed, lead, cruise)
+                following_acceleration(s, setpoints.following_distance_m, speed, lead, cruise)
             })
             .fold(cruise, f64::min);
         self.velocity_leads = wanted >= cruise;
@@ -218,7 +218,7 @@ impl<'a> AutomatedDriver<'a> {
         &mut self,
         scene: &Scene,
         steering: &Steering,
-        asked: &Setpoints,
+        setpoints: &Setpoints,
     ) -> Option<VehicleId> {
         let s = self.settings;
         if s.following_rule == FollowingRule::Paper {
@@ -226,7 +226,7 @@ impl<'a> AutomatedDriver<'a> {
         }
         let claims = self.sideways.claims();
         let speed = scene.ego.speed_mps;
-        let lead = match (steering.coming_from(), asked.wish) {
+        let lead = match (steering.coming_from(), setpoints.wish) {
             // Out of a lane: the lead left behind, until the line is crossed.
             (Some(from), _) => {
                 let out = from < steering.lane() && self.lane_state == LaneState::Changing;
@@ -234,8 +234,8 @@ impl<'a> AutomatedDriver<'a> {
                 ahead_or_entering(scene, &self.road, from, claims).filter(|_| out && early)
             }
             (None, LaneWish::MoveOut(_)) => {
-                let (here, left) = (steering.lane(), steering.lane() + 1);
-                let lead = ahead_or_entering(scene, &self.road, here, claims);
+                let (ego_lane, left) = (steering.lane(), steering.lane() + 1);
+                let lead = ahead_or_entering(scene, &self.road, ego_lane, claims);
                 let may = left < self.road.lanes
                     && gaps_are_safe(s, scene, &self.road, left, claims, s.margin_m)
                     && duration_s(s, speed, lead).is_some();
@@ -285,7 +285,7 @@ impl<'a> AutomatedDriver<'a> {
         });
     }
 
-    fn start_if_safe(&mut self, scene: &Scene, here: u8, due: Option<u8>) -> Option<Manoeuvre> {
+    fn start_if_safe(&mut self, scene: &Scene, ego_lane: u8, due: Option<u8>) -> Option<Manoeuvre> {
         let Some(lane) = due else {
             self.lane_state = LaneState::Keeping;
             return None;
@@ -301,7 +301,7 @@ impl<'a> AutomatedDriver<'a> {
         let duration = duration_s(
             self.settings,
             scene.ego.speed_mps,
-            ahead(scene, &self.road, here),
+            ahead(scene, &self.road, ego_lane),
         );
         let Some(duration_s) = duration.filter(|_| safe) else {
             if self.lane_state != LaneState::Waiting {
@@ -309,7 +309,7 @@ impl<'a> AutomatedDriver<'a> {
                     scene,
                     InterventionKind::HeldChange {
                         asked_lane: lane,
-                        kept_lane: here,
+                        kept_lane: ego_lane,
                     },
                 );
             }
@@ -321,7 +321,7 @@ impl<'a> AutomatedDriver<'a> {
     }
 }
 
-fn checked(asked: Setpoints, time_s: f64) -> Result<Setpoints, SimulatorError> {
+fn checked(setpoints: Setpoints, time_s: f64) -> Result<Setpoints, SimulatorError> {
     let refuse = |name, found, expected| {
         Err(SimulatorError::Setpoint {
             name,
@@ -330,15 +330,15 @@ fn checked(asked: Setpoints, time_s: f64) -> Result<Setpoints, SimulatorError> {
             expected,
         })
     };
-    if !asked.speed_mps.is_finite() {
-        return refuse("speed_mps", asked.speed_mps, "a finite number");
+    if !setpoints.speed_mps.is_finite() {
+        return refuse("speed_mps", setpoints.speed_mps, "a finite number");
     }
-    if !asked.following_distance_m.is_finite() {
+    if !setpoints.following_distance_m.is_finite() {
         return refuse(
             "following_distance_m",
-            asked.following_distance_m,
+            setpoints.following_distance_m,
             "a finite number",
         );
     }
-    Ok(asked)
+    Ok(setpoints)
 }

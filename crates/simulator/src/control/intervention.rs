@@ -30,7 +30,7 @@ pub enum InterventionKind {
     HeldChange {
         /// Lane asked for.
         asked_lane: u8,
-        /// Lane kept.
+        /// Lane that the car stays in, 0 the right one.
         kept_lane: u8,
     },
     /// A lane change was undone because a gap had become unsafe.

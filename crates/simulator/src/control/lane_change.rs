@@ -73,15 +73,16 @@ impl ReturnRule {
         step_s: f64,
     ) -> bool {
         let reference_lane = road.lane_at(scene.ego.y_m + reference.dy_m);
-        let here = road.nearest_lane(scene.ego.y_m);
-        let passing = reference.vehicle.is_some() && reference_lane.is_some_and(|lane| lane < here);
-        if here == 0 || passing {
+        let ego_lane = road.nearest_lane(scene.ego.y_m);
+        let passing =
+            reference.vehicle.is_some() && reference_lane.is_some_and(|lane| lane < ego_lane);
+        if ego_lane == 0 || passing {
             self.idle_s = 0.0;
             return false;
         }
         self.idle_s += step_s;
         self.idle_s > settings.return_after_s
-            && ahead(scene, road, here - 1)
+            && ahead(scene, road, ego_lane - 1)
                 .is_none_or(|n| n.gap_m > settings.return_free_s * scene.ego.speed_mps)
     }
 }

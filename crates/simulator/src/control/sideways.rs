@@ -33,12 +33,13 @@ impl Sideways {
             let before = self.last.get(i).filter(same);
             let before = before.or_else(|| self.last.iter().find(same));
             let speed = before.map_or(0.0, |&(_, y_m)| (v.y_m - y_m) / PLANNING_STEP_S);
-            let here = road.lane_at(v.y_m);
+            let current = road.lane_at(v.y_m);
             let lane = if speed > DRIFT_MPS {
-                here.and_then(|here| here.checked_add(1))
+                current
+                    .and_then(|current| current.checked_add(1))
                     .filter(|&lane| lane < road.lanes)
             } else if speed < -DRIFT_MPS {
-                here.and_then(|here| here.checked_sub(1))
+                current.and_then(|current| current.checked_sub(1))
             } else {
                 None
             };

@@ -12,7 +12,7 @@ use serde::Serialize;
 pub struct Distribution {
     /// Which parameter, as in `study_data/population_sources.toml`.
     pub quantity: &'static str,
-    /// Its unit.
+    /// `m/s`, `s` or `m/s²`: of mean, SDs, range and deciles.
     pub unit: &'static str,
     /// Number of people.
     pub n: usize,
@@ -63,15 +63,21 @@ pub fn population_table(population: &Population, n: usize, seed: u64) -> Vec<Dis
         return Vec::new();
     }
     let person = |i: usize| {
-        let own = stream_seed(seed, &["population", &i.to_string()]);
-        let mut rng = Pcg64Mcg::seed_from_u64(own);
+        let person_seed = stream_seed(seed, &["population", &i.to_string()]);
+        let mut rng = Pcg64Mcg::seed_from_u64(person_seed);
         let mut normal = || standard_normal(&mut rng);
         let traits = LatentTraits {
             aggressiveness: normal(),
             spacing: normal(),
             pace: normal(),
         };
-        let day = |name| population.draw(&traits, own, stream_seed(own, &["day", name]));
+        let day = |name| {
+            population.draw(
+                &traits,
+                person_seed,
+                stream_seed(person_seed, &["day", name]),
+            )
+        };
         [day("first"), day("second")]
     };
     let people: Vec<[DriverParams; 2]> = (0..n).map(person).collect();
@@ -120,10 +126,10 @@ fn summary(
     let mut sorted = first.to_vec();
     sorted.sort_by(f64::total_cmp);
     let quantile = |q: f64| {
-        let at = q * free;
-        let below = at.floor() as usize;
+        let rank = q * free;
+        let below = rank.floor() as usize;
         let above = (below + 1).min(n - 1);
-        sorted[below] + (at - below as f64) * (sorted[above] - sorted[below])
+        sorted[below] + (rank - below as f64) * (sorted[above] - sorted[below])
     };
     let differences: Vec<f64> = first.iter().zip(second).map(|(a, b)| a - b).collect();
     Distribution {

@@ -62,8 +62,8 @@ impl AroundEgo {
         let flow_settings = background.flow(road.lanes);
         let count = background.count(road.lanes);
         let mut vehicles = evenly(&flow_settings, count, &background.mix, seed)?;
-        let own = vehicles.iter().position(|v| v.lane == ego.lane);
-        let place = own.map(|i| vehicles.swap_remove(i));
+        let index = vehicles.iter().position(|v| v.lane == ego.lane);
+        let place = index.map(|i| vehicles.swap_remove(i));
         let front_m = ego.x_m + 0.5 * ego.length_m;
         let origin_m = place.map_or(0.0, |place| place.front_m - front_m);
         if let Some(wave) = &background.wave {

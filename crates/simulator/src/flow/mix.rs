@@ -82,19 +82,19 @@ pub fn evenly(
     let lanes = usize::from(settings.lanes);
     let mut placed = Vec::with_capacity(count);
     for lane in 0..lanes {
-        let own = || drivers.iter().skip(lane).step_by(lanes);
-        let n = own().count();
-        let taken: f64 = own().map(|d| d.length_m).sum();
+        let in_lane = || drivers.iter().skip(lane).step_by(lanes);
+        let n = in_lane().count();
+        let taken: f64 = in_lane().map(|d| d.length_m).sum();
         let gap_m = (settings.length_m - taken) / n.max(1) as f64;
         let room = Range::Because(1.0, f64::MAX, "at least 1 m between vehicles");
         if n > 0 {
             check(&format!("lane[{lane}].gap_m"), gap_m, room)?;
         }
-        let slowest = own().map(|d| d.equilibrium_speed_mps(gap_m));
+        let slowest = in_lane().map(|d| d.equilibrium_speed_mps(gap_m));
         let speed_mps = slowest.fold(f64::INFINITY, f64::min);
         // Lanes start at shifted places, so that nobody has a neighbour exactly beside it.
         let mut rear_m = gap_m * lane as f64 / lanes as f64;
-        for driver in own() {
+        for driver in in_lane() {
             placed.push(Placed {
                 lane: lane as u8,
                 front_m: (rear_m + driver.length_m) % settings.length_m,
@@ -130,7 +130,7 @@ pub fn departures(
     check("inflow.duration_s", duration_s, 0.0..=1e6)?;
     let mut rng = Pcg64Mcg::seed_from_u64(seed);
     let rest_s = 3600.0 / per_hour_and_lane - LEAST_HEADWAY_S;
-    let mut all = Vec::new();
+    let mut departures = Vec::new();
     for lane in 0..settings.lanes {
         let mut time_s = 0.0;
         loop {
@@ -140,13 +140,13 @@ pub fn departures(
                 break;
             }
             let driver = mix.draw(&mut rng);
-            all.push(Departure {
+            departures.push(Departure {
                 time_s,
                 lane,
                 driver,
             });
         }
     }
-    all.sort_by(|a, b| a.time_s.total_cmp(&b.time_s).then(a.lane.cmp(&b.lane)));
-    Ok(all)
+    departures.sort_by(|a, b| a.time_s.total_cmp(&b.time_s).then(a.lane.cmp(&b.lane)));
+    Ok(departures)
 }

@@ -20,7 +20,7 @@ pub enum Shape {
 pub struct FlowSettings {
     /// Number of lanes, 1 to 8.
     pub lanes: u8,
-    /// Length, in m.
+    /// From its start to its end, or once around a ring, 100 to 1 000 000 m.
     pub length_m: f64,
     /// Ring or open road.
     pub shape: Shape,
@@ -64,7 +64,7 @@ pub struct Placed {
 pub struct Departure {
     /// Earliest time, in s.
     pub time_s: f64,
-    /// Lane.
+    /// 0 is the right one.
     pub lane: u8,
     /// Who drives.
     pub driver: IdmDriver,

@@ -24,7 +24,7 @@ pub struct MapPose {
     pub x_m: f64,
     /// Position, in m.
     pub y_m: f64,
-    /// Heading, in rad.
+    /// In rad from x; not wrapped to one turn.
     pub heading_rad: f64,
 }
 
@@ -57,8 +57,8 @@ impl Piece {
         let (mut x, mut y) = (0.0, 0.0);
         for panel in 0..panels as usize {
             for (node, weight) in GAUSS {
-                let at = width * (panel as f64 + node);
-                let (sin, cos) = libm::sincos(self.pose.heading_rad + self.turned(at));
+                let node_m = width * (panel as f64 + node);
+                let (sin, cos) = libm::sincos(self.pose.heading_rad + self.turned(node_m));
                 x += weight * cos;
                 y += weight * sin;
             }
@@ -226,8 +226,7 @@ impl CentreLine {
                 f64::INFINITY
             }
         };
-        let here = squared(self.pieces[index].curvature(along));
-        let mut lowest = here;
+        let mut lowest = squared(self.pieces[index].curvature(along));
         // Within a piece the tightest place is an end; looking a second lap ahead covers short ones.
         let mut ahead_m = self.pieces[index].length_m - along;
         for step in 1..=2 * self.pieces.len() {

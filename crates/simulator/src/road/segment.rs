@@ -33,19 +33,19 @@ use serde::{Deserialize, Serialize};
 pub enum Segment {
     /// Curvature 0.
     Straight {
-        /// Length, in m.
+        /// Along the centre line of lane 0, in m.
         length_m: f64,
     },
     /// A constant curvature.
     Arc {
-        /// Length, in m.
+        /// Along the centre line of lane 0, in m.
         length_m: f64,
         /// Radius, in m, signed.
         radius_m: f64,
     },
     /// A curvature that changes evenly from that of the segment before (of the last one, for the first).
     Clothoid {
-        /// Length, in m.
+        /// Along the centre line of lane 0, in m.
         length_m: f64,
         /// Radius at its end, in m, signed; without, it ends straight.
         #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -58,7 +58,6 @@ const TIGHTEST_M: f64 = 50.0;
 const RADIUS: Range = Range::Because(TIGHTEST_M, 1e6, "50 to 1000000 m, or the same negative");
 
 impl Segment {
-    /// Length, in m.
     pub(crate) fn length_m(&self) -> f64 {
         match *self {
             Self::Straight { length_m }

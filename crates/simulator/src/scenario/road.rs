@@ -4,7 +4,7 @@ use super::setting::{LANE, Range, check, settings};
 use crate::{error::SimulatorError, road::Segment};
 
 settings! {
-    /// The road.
+    /// Lanes, posted speed and course of the road.
     pub struct RoadSettings {
         /// Number of lanes.
         lanes: u8 = 2, 2.0..=4.0;

@@ -54,22 +54,22 @@ pub(crate) fn wanted(
 /// # Source
 /// The interaction term of IDM (Treiber, Hennecke and Helbing 2000), only where the gap is shorter than wanted.
 pub(crate) fn held_back(car: &Car, cars: &[Car], ego: &EgoView) -> f64 {
-    let own = &car.state;
+    let state = &car.state;
     let others = cars
         .iter()
         .map(|c| &c.state)
-        .filter(|s| s.id != own.id)
+        .filter(|s| s.id != state.id)
         .map(|s| (s.x_m, s.y_m, s.speed_mps, s.length_m));
     let nearest = others
         .chain([(ego.x_m, ego.y_m, ego.speed_mps, ego.length_m)])
-        .filter(|&(x, y, ..)| x > own.x_m && (y - own.y_m).abs() < IN_THE_WAY_M)
-        .map(|(x, _, speed, length)| (x - own.x_m - 0.5 * (length + own.length_m), speed))
+        .filter(|&(x, y, ..)| x > state.x_m && (y - state.y_m).abs() < IN_THE_WAY_M)
+        .map(|(x, _, speed, length)| (x - state.x_m - 0.5 * (length + state.length_m), speed))
         .min_by(|a, b| a.0.total_cmp(&b.0));
     let Some((gap_m, speed_mps)) = nearest else {
         return f64::INFINITY;
     };
     FOLLOWING
-        .held_back_mps2(gap_m, own.speed_mps, speed_mps)
+        .held_back_mps2(gap_m, state.speed_mps, speed_mps)
         .map_or(f64::INFINITY, |wanted| wanted.max(-BRAKING_MPS2))
 }
 

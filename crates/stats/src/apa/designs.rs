@@ -38,7 +38,7 @@ impl Factorial {
             df_error: effect.df2 as f64 * times,
             p: p?,
             eta2_partial: effect.eta2_partial,
-            interval: Interval::of(0.9, low, high),
+            interval: Interval::from_ends(0.9, low, high),
             epsilon: epsilon
                 .filter(|_| corrected.is_some_and(|(c, _)| c != SphericityCorrection::None)),
         }))
@@ -48,9 +48,9 @@ impl Factorial {
 impl Statements for Factorial {
     fn statements(&self) -> Vec<(String, Statement)> {
         let effects = self.anova.iter();
-        let said =
+        let named_statement =
             |(name, e): (&str, &FactorialEffect)| Some((name.to_owned(), self.effect(name, e)?));
-        effects.filter_map(said).collect()
+        effects.filter_map(named_statement).collect()
     }
 }
 
@@ -58,8 +58,9 @@ impl Statements for AlignedRanks {
     fn statements(&self) -> Vec<(String, Statement)> {
         let effects = self.art.iter().filter_map(|(name, effect)| {
             let df = [effect.df1 as f64, effect.df2 as f64];
-            let said = Statement::of("*F*", &df, effect.f?).p(effect.p?, Adjustment::None);
-            Some((name.to_owned(), said))
+            let statement =
+                Statement::with_df("*F*", &df, effect.f?).p(effect.p?, Adjustment::None);
+            Some((name.to_owned(), statement))
         });
         effects.collect()
     }
@@ -71,40 +72,41 @@ impl Statements for GroupsAnalysis {
         let Some(several) = &self.several else {
             let welch = || {
                 let test = self.welch_t.values().next()?;
-                let said = Statement::of("*t*", &[test.df?], test.t?).p(test.p?, Adjustment::None);
+                let statement =
+                    Statement::with_df("*t*", &[test.df?], test.t?).p(test.p?, Adjustment::None);
                 let size = self.hedges.values().next()?;
-                let ci = Interval::of(0.95, size.g_ci_low, size.g_ci_high);
+                let ci = Interval::from_ends(0.95, size.g_ci_low, size.g_ci_high);
                 Some(match size.g {
-                    Some(g) => said.and("*g*", &number(g, 2)).ci(ci, number),
-                    None => said,
+                    Some(g) => statement.and("*g*", &number(g, 2)).ci(ci, number),
+                    None => statement,
                 })
             };
             let ranks = || {
                 let test = self.mann_whitney.values().next()?;
-                let said =
+                let statement =
                     Statement(format!("*U* = {}", degrees(test.u))).p(test.p?, Adjustment::None);
-                Some(said.and("*r*_{rb}", &bounded(test.rank_biserial, 2)))
+                Some(statement.and("*r*_{rb}", &bounded(test.rank_biserial, 2)))
             };
             return those([("welch_t", welch()), ("mann_whitney", ranks())]);
         };
         let welch = || {
             let test = &several.welch_anova;
-            let said = Statement::of("*F*", &[test.df1 as f64, test.df2?], test.f?);
-            Some(said.p(test.p?, Adjustment::None))
+            let statement = Statement::with_df("*F*", &[test.df1 as f64, test.df2?], test.f?);
+            Some(statement.p(test.p?, Adjustment::None))
         };
         let ranks = || {
             let test = &several.kruskal;
             let (df, n, chi2) = (test.df, self.n, number(test.chi2?, 2));
-            let said = Statement(format!("*χ*^{{2}}({df}, *N* = {n}) = {chi2}"));
-            let said = said.p(test.p?, Adjustment::None);
-            Some(said.and("*ε*^{2}", &bounded(test.epsilon2?, 2)))
+            let statement = Statement(format!("*χ*^{{2}}({df}, *N* = {n}) = {chi2}"));
+            let statement = statement.p(test.p?, Adjustment::None);
+            Some(statement.and("*ε*^{2}", &bounded(test.epsilon2?, 2)))
         };
-        let mut said = those([("welch_anova", welch()), ("kruskal", ranks())]);
-        said.extend(several.games_howell.iter().filter_map(|(name, pair)| {
-            let test = Statement::of("*t*", &[pair.df?], pair.t?).p(pair.p?, Adjustment::None);
+        let mut statements = those([("welch_anova", welch()), ("kruskal", ranks())]);
+        statements.extend(several.games_howell.iter().filter_map(|(name, pair)| {
+            let test = Statement::with_df("*t*", &[pair.df?], pair.t?).p(pair.p?, Adjustment::None);
             Some((name.to_owned(), test))
         }));
-        said
+        statements
     }
 }
 
@@ -118,9 +120,9 @@ impl Statements for Equivalence {
             } else {
                 upper
             };
-            let said = t(weaker, test.df as f64, test.p?, Adjustment::None, None);
-            let ci = Interval::of(0.9, test.ci90_low, test.ci90_high);
-            Some((name.to_owned(), said.ci(ci, number)))
+            let statement = t(weaker, test.df as f64, test.p?, Adjustment::None, None);
+            let ci = Interval::from_ends(0.9, test.ci90_low, test.ci90_high);
+            Some((name.to_owned(), statement.ci(ci, number)))
         });
         pairs.collect()
     }
@@ -136,7 +138,7 @@ fn bayes_factor(log_bf10: f64) -> Statement {
     if value >= 1e5 {
         return Statement(format!("{symbol} = {value:.2e}"));
     }
-    Statement::of(symbol, &[], value)
+    Statement::with_df(symbol, &[], value)
 }
 
 impl Statement {
@@ -154,27 +156,27 @@ impl Statement {
 impl Statements for BayesTAnalysis {
     fn statements(&self) -> Vec<(String, Statement)> {
         let tests = self.bayes_t.iter();
-        let said = tests.filter_map(|(name, t)| {
+        let statements = tests.filter_map(|(name, t)| {
             let factor = bayes_factor(t.bf10.and(t.bf01).and(t.log_bf10)?);
             Some((name.to_owned(), factor.under(&self.prior, "scale")))
         });
-        said.collect()
+        statements.collect()
     }
 }
 
 /// `BF10 = 3.20 (stretched beta prior of the correlation, κ = .33); BF10 = 2.71 (…, κ = 1.00), r = .46`.
 impl Statements for BayesCorrelationAnalysis {
     fn statements(&self) -> Vec<(String, Statement)> {
-        let found = &self.bayes_r;
-        let said = || {
-            let (third, flat) = (found.log_bf10?, found.log_bf10_kappa1?);
-            found.bf10.and(found.bf01).and(found.bf10_kappa1)?;
+        let bayes_r = &self.bayes_r;
+        let statement = || {
+            let (third, flat) = (bayes_r.log_bf10?, bayes_r.log_bf10_kappa1?);
+            bayes_r.bf10.and(bayes_r.bf01).and(bayes_r.bf10_kappa1)?;
             let factor = bayes_factor(third).under(&self.prior, "*κ* =").0;
             let flat = bayes_factor(flat).under(&self.prior_kappa1, "*κ* =").0;
             let both = Statement(format!("{factor}; {flat}"));
-            Some(both.and("*r*", &bounded(found.r?, 2)))
+            Some(both.and("*r*", &bounded(bayes_r.r?, 2)))
         };
-        those([("bayes_r", said())])
+        those([("bayes_r", statement())])
     }
 }
 
@@ -182,30 +184,31 @@ impl TermTest {
     /// `F(2, 23.40) = 4.10, p = .030`; none without degrees of freedom.
     pub fn statement(&self) -> Option<Statement> {
         let df = [self.df1 as f64, self.df2?];
-        Some(Statement::of("*F*", &df, self.f).p(self.p?, Adjustment::None))
+        Some(Statement::with_df("*F*", &df, self.f).p(self.p?, Adjustment::None))
     }
 }
 
 impl Statements for RandomIntercept {
     fn statements(&self) -> Vec<(String, Statement)> {
         let terms = self.anova.iter();
-        let said = |(name, test): (&str, &TermTest)| Some((name.to_owned(), test.statement()?));
-        terms.filter_map(said).collect()
+        let named_statement =
+            |(name, test): (&str, &TermTest)| Some((name.to_owned(), test.statement()?));
+        terms.filter_map(named_statement).collect()
     }
 }
 
 impl Statements for MixedFinding {
     fn statements(&self) -> Vec<(String, Statement)> {
-        let mut said = self.model.statements();
-        for (name, statement) in &mut said {
+        let mut statements = self.model.statements();
+        for (name, statement) in &mut statements {
             let test = self.model.anova.get(name);
             if let (Some(test), Some(term)) = (test, self.corrected.get(name)) {
-                let corrected = Statement::of("*F*", &[term.df1, term.df2], test.f);
+                let corrected = Statement::with_df("*F*", &[term.df1, term.df2], test.f);
                 let corrected = corrected.p(term.p, Adjustment::None);
                 *statement = corrected.and("*ε*", &bounded(term.epsilon, 2));
             }
         }
-        said
+        statements
     }
 }
 
@@ -214,41 +217,45 @@ impl Statements for Ordinal {
     fn statements(&self) -> Vec<(String, Statement)> {
         let test = &self.quadrature.lr;
         let lr = || {
-            let said = Statement::of("*χ*^{2}", &[test.df as f64], test.chi2?);
-            Some(said.p(test.p?, Adjustment::None))
+            let statement = Statement::with_df("*χ*^{2}", &[test.df as f64], test.chi2?);
+            Some(statement.p(test.p?, Adjustment::None))
         };
-        let mut said = those([("lr", lr())]);
-        let of = |found: &OrdinalParameter| {
-            let ci = Interval::of(0.95, found.ci_low, found.ci_high);
-            let value = number(found.estimate?, 2);
-            let said = Statement(format!("*b* = {value}")).ci(ci, number);
+        let mut statements = those([("lr", lr())]);
+        let statement_of = |parameter: &OrdinalParameter| {
+            let ci = Interval::from_ends(0.95, parameter.ci_low, parameter.ci_high);
+            let value = number(parameter.estimate?, 2);
+            let statement = Statement(format!("*b* = {value}")).ci(ci, number);
             Some(
-                said.and("*z*", &number(found.z?, 2))
-                    .p(found.p?, Adjustment::None),
+                statement
+                    .and("*z*", &number(parameter.z?, 2))
+                    .p(parameter.p?, Adjustment::None),
             )
         };
         let coefficients = self.quadrature.coef.iter();
-        said.extend(coefficients.filter_map(|(name, found)| Some((name.to_owned(), of(found)?))));
-        said
+        statements.extend(
+            coefficients
+                .filter_map(|(name, parameter)| Some((name.to_owned(), statement_of(parameter)?))),
+        );
+        statements
     }
 }
 
 /// As of the model, with the conditions held against F.
 impl Statements for OrdinalFinding {
     fn statements(&self) -> Vec<(String, Statement)> {
-        let mut said = self.model.statements();
-        said.retain(|(name, _)| name != "lr");
+        let mut statements = self.model.statements();
+        statements.retain(|(name, _)| name != "lr");
         if let Some(test) = &self.small_sample {
             let df = [test.df1 as f64, test.df2 as f64];
-            let conditions = Statement::of("*F*", &df, test.f).p(test.p, Adjustment::None);
-            said.insert(0, ("conditions".to_owned(), conditions));
+            let conditions = Statement::with_df("*F*", &df, test.f).p(test.p, Adjustment::None);
+            statements.insert(0, ("conditions".to_owned(), conditions));
         }
         if let Some(test) = &self.period {
             let df = [test.df1 as f64, test.df2 as f64];
-            let period = Statement::of("*F*", &df, test.f).p(test.p, Adjustment::None);
-            said.push((PERIOD.to_owned(), period));
+            let period = Statement::with_df("*F*", &df, test.f).p(test.p, Adjustment::None);
+            statements.push((PERIOD.to_owned(), period));
         }
-        said
+        statements
     }
 }
 
@@ -256,7 +263,7 @@ impl Statements for OrdinalFinding {
 impl Statements for FactorialFinding {
     fn statements(&self) -> Vec<(String, Statement)> {
         let tests = self.tests.iter();
-        let said = |(name, test): (&str, &EffectTest)| {
+        let named_statement = |(name, test): (&str, &EffectTest)| {
             let (value, p) = (test.statistic?, test.p?);
             let statement = match (test.method, test.df1, test.df2) {
                 (
@@ -272,32 +279,32 @@ impl Statements for FactorialFinding {
                         df_error: b,
                         p,
                         eta2_partial: effect.eta2_partial,
-                        interval: Interval::of(0.9, low, high),
+                        interval: Interval::from_ends(0.9, low, high),
                         epsilon: test
                             .epsilon
                             .filter(|_| test.correction != SphericityCorrection::None),
                     })
                 }
                 (_, Some(a), Some(b)) => {
-                    Statement::of("*F*", &[a, b], value).p(p, Adjustment::None)
+                    Statement::with_df("*F*", &[a, b], value).p(p, Adjustment::None)
                 }
                 (_, Some(df), None) => {
                     let (n, chi2) = (self.anova.n, number(value, 2));
-                    let said = format!("*χ*^{{2}}({}, *N* = {n}) = {chi2}", degrees(df));
-                    Statement(said).p(p, Adjustment::None)
+                    let text = format!("*χ*^{{2}}({}, *N* = {n}) = {chi2}", degrees(df));
+                    Statement(text).p(p, Adjustment::None)
                 }
                 (method, ..) => {
                     let symbol = match method {
                         EffectMethod::SignedRanks => "*W*",
                         _ => "*U*",
                     };
-                    let said = format!("{symbol} = {}", degrees(value));
-                    Statement(said).p(p, Adjustment::None)
+                    let text = format!("{symbol} = {}", degrees(value));
+                    Statement(text).p(p, Adjustment::None)
                 }
             };
             Some((name.to_owned(), statement))
         };
-        tests.filter_map(said).collect()
+        tests.filter_map(named_statement).collect()
     }
 }
 
@@ -305,20 +312,19 @@ impl Statements for FactorialFinding {
 impl Statements for ByDesign {
     fn statements(&self) -> Vec<(String, Statement)> {
         match self {
-            Self::OneFactor(found) => found.statements(),
-            Self::Factorial(found) => found.found.statements(),
-            Self::Groups(found) => {
-                let (skipped, ranks) = match found.chosen {
+            Self::OneFactor(comparison) => comparison.statements(),
+            Self::Factorial(chosen) => chosen.found.statements(),
+            Self::Groups(groups) => {
+                let (skipped, ranks) = match groups.chosen {
                     ChosenTest::WelchT => ("mann_whitney", false),
                     ChosenTest::MannWhitney => ("welch_t", true),
                     ChosenTest::WelchAnova => ("kruskal", false),
                     _ => ("welch_anova", true),
                 };
-                let all = found.found.statements().into_iter();
-                let own = |name: &str| name != skipped && !(ranks && name.contains('|'));
-                let mut said: Vec<_> = all.filter(|(name, _)| own(name)).collect();
-                let dunn = found.found.several.as_ref().filter(|_| ranks);
-                said.extend(
+                let mut statements = groups.found.statements();
+                statements.retain(|(name, _)| name != skipped && !(ranks && name.contains('|')));
+                let dunn = groups.found.several.as_ref().filter(|_| ranks);
+                statements.extend(
                     dunn.into_iter()
                         .flat_map(|several| several.dunn.iter())
                         .filter_map(|(name, pair)| {
@@ -326,10 +332,10 @@ impl Statements for ByDesign {
                             Some((name.to_owned(), z.p(pair.p_holm?, Adjustment::Holm)))
                         }),
                 );
-                said
+                statements
             }
-            Self::Mixed(found) => found.found.statements(),
-            Self::Ordinal(found) => found.found.statements(),
+            Self::Mixed(chosen) => chosen.found.statements(),
+            Self::Ordinal(chosen) => chosen.found.statements(),
         }
     }
 }

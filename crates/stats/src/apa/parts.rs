@@ -8,12 +8,12 @@ impl SimpleTest {
     pub fn statement(&self, p: f64) -> Option<Statement> {
         let test = self.test.as_ref()?;
         let value = test.statistic?;
-        let said = match (test.df1, test.df2) {
-            (Some(df1), Some(df2)) => Statement::of("*F*", &[df1, df2], value),
-            (Some(df), None) => Statement::of("*χ*^{2}", &[df], value),
+        let statement = match (test.df1, test.df2) {
+            (Some(df1), Some(df2)) => Statement::with_df("*F*", &[df1, df2], value),
+            (Some(df), None) => Statement::with_df("*χ*^{2}", &[df], value),
             _ => ranks(test.method, value),
         };
-        Some(said.p(p, Adjustment::None))
+        Some(statement.p(p, Adjustment::None))
     }
 }
 
@@ -21,11 +21,11 @@ impl LevelContrast {
     /// Its test with this p, which may be adjusted; none where there is no statistic.
     pub fn statement(&self, p: f64) -> Option<Statement> {
         let value = self.statistic?;
-        let said = match self.df {
-            Some(df) => Statement::of("*t*", &[df], value),
+        let statement = match self.df {
+            Some(df) => Statement::with_df("*t*", &[df], value),
             None => ranks(self.method, value),
         };
-        Some(said.p(p, Adjustment::None))
+        Some(statement.p(p, Adjustment::None))
     }
 }
 

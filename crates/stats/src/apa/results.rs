@@ -17,12 +17,12 @@ pub trait Statements {
 }
 
 /// One sentence alone, several with their names, a line each.
-pub(super) fn write(said: &[(String, Statement)], f: &mut fmt::Formatter<'_>) -> fmt::Result {
-    for (i, (name, statement)) in said.iter().enumerate() {
+pub(super) fn write(statements: &[(String, Statement)], f: &mut fmt::Formatter<'_>) -> fmt::Result {
+    for (i, (name, statement)) in statements.iter().enumerate() {
         if i > 0 {
             f.write_str("\n")?;
         }
-        if said.len() > 1 {
+        if statements.len() > 1 {
             write!(f, "{name}: ")?;
         }
         write!(f, "{statement}")?;
@@ -58,43 +58,49 @@ says_itself!(
 
 /// Those of the named statements that exist.
 pub(super) fn those<const N: usize>(
-    all: [(&str, Option<Statement>); N],
+    statements: [(&str, Option<Statement>); N],
 ) -> Vec<(String, Statement)> {
-    let named = |(name, said): (&str, Option<Statement>)| Some((name.to_owned(), said?));
-    all.into_iter().filter_map(named).collect()
+    let named = |(name, statement): (&str, Option<Statement>)| Some((name.to_owned(), statement?));
+    statements.into_iter().filter_map(named).collect()
 }
 
 /// Level at which Mauchly's test asks for a correction.
 const ALPHA: f64 = 0.05;
 
 /// F, corrected after Greenhouse and Geisser where Mauchly's test rejects sphericity.
-fn of_anova(found: &RmAnova, mauchly: &Mauchly, sphericity: &Sphericity) -> Option<Statement> {
-    let corrected = mauchly.p.is_none_or(|p| p < ALPHA) && found.df1 > 1;
+fn of_anova(anova: &RmAnova, mauchly: &Mauchly, sphericity: &Sphericity) -> Option<Statement> {
+    let corrected = mauchly.p.is_none_or(|p| p < ALPHA) && anova.df1 > 1;
     let epsilon = if corrected { sphericity.gg } else { None };
-    let (low, high) = (found.eta2_partial_ci90_low, found.eta2_partial_ci90_high);
+    let (low, high) = (anova.eta2_partial_ci90_low, anova.eta2_partial_ci90_high);
     Some(f(&F {
-        f: found.f?,
-        df_effect: found.df1 as f64 * epsilon.unwrap_or(1.0),
-        df_error: found.df2 as f64 * epsilon.unwrap_or(1.0),
+        f: anova.f?,
+        df_effect: anova.df1 as f64 * epsilon.unwrap_or(1.0),
+        df_error: anova.df2 as f64 * epsilon.unwrap_or(1.0),
         p: if epsilon.is_some() {
             sphericity.p_gg?
         } else {
-            found.p?
+            anova.p?
         },
-        eta2_partial: found.eta2_partial,
-        interval: Interval::of(0.9, low, high),
+        eta2_partial: anova.eta2_partial,
+        interval: Interval::from_ends(0.9, low, high),
         epsilon,
     }))
 }
 
-fn of_friedman(found: &Friedman, n: usize) -> Option<Statement> {
-    Some(chi2(found.chi2?, found.df?, n, found.p?, found.kendall_w))
+fn of_friedman(friedman: &Friedman, n: usize) -> Option<Statement> {
+    Some(chi2(
+        friedman.chi2?,
+        friedman.df?,
+        n,
+        friedman.p?,
+        friedman.kendall_w,
+    ))
 }
 
 impl Statements for RmAnovaAnalysis {
     fn statements(&self) -> Vec<(String, Statement)> {
-        let said = of_anova(&self.rm_anova, &self.mauchly, &self.sphericity);
-        those([("rm_anova", said)])
+        let statement = of_anova(&self.rm_anova, &self.mauchly, &self.sphericity);
+        those([("rm_anova", statement)])
     }
 }
 
@@ -108,9 +114,9 @@ impl Statements for WithinAnalysis {
     fn statements(&self) -> Vec<(String, Statement)> {
         let anova = of_anova(&self.rm_anova, &self.mauchly, &self.sphericity);
         let friedman = of_friedman(&self.friedman, self.n);
-        let mut said = those([("rm_anova", anova), ("friedman", friedman)]);
-        said.extend(self.paired.iter().filter_map(|(name, pair)| {
-            let ci = Interval::of(0.95, pair.dz_ci_low, pair.dz_ci_high);
+        let mut statements = those([("rm_anova", anova), ("friedman", friedman)]);
+        statements.extend(self.paired.iter().filter_map(|(name, pair)| {
+            let ci = Interval::from_ends(0.95, pair.dz_ci_low, pair.dz_ci_high);
             let dz = pair.dz.map(|dz| (dz, ci));
             let (value, p) = (pair.t?, pair.p_holm?);
             Some((
@@ -118,22 +124,22 @@ impl Statements for WithinAnalysis {
                 t(value, pair.df as f64, p, Adjustment::Holm, dz),
             ))
         }));
-        said
+        statements
     }
 }
 
 impl Omnibus {
     /// The test as it is reported, of `n` subjects; `None` if it has no value.
     pub fn statement(&self, n: usize) -> Option<Statement> {
-        self.said(n, false)
+        self.full_or_short(n, false)
     }
 
     /// The same without interval and ε, for a figure.
     pub fn short_statement(&self, n: usize) -> Option<Statement> {
-        self.said(n, true)
+        self.full_or_short(n, true)
     }
 
-    fn said(&self, n: usize, short: bool) -> Option<Statement> {
+    fn full_or_short(&self, n: usize, short: bool) -> Option<Statement> {
         let (statistic, p, effect) = (self.statistic?, self.p?, &self.effect);
         if self.test == OmnibusTest::Wilcoxon {
             return Some(wilcoxon(statistic, p, Adjustment::None, effect.value));
@@ -161,24 +167,25 @@ impl Omnibus {
 }
 
 fn of_effect(effect: &Effect) -> Option<Interval> {
-    Interval::of(effect.confidence, effect.ci_low, effect.ci_high)
+    Interval::from_ends(effect.confidence, effect.ci_low, effect.ci_high)
 }
 
 impl Statements for Comparison {
     fn statements(&self) -> Vec<(String, Statement)> {
-        let mut said = those([("omnibus", self.omnibus.statement(self.n))]);
+        let mut statements = those([("omnibus", self.omnibus.statement(self.n))]);
         // The only pair of two conditions is the test itself.
         if self.k > 2 {
-            said.extend(self.posthoc.statements());
+            statements.extend(self.posthoc.statements());
         }
-        said
+        statements
     }
 }
 
 impl Statements for Posthoc {
     fn statements(&self) -> Vec<(String, Statement)> {
-        let said = |(name, pair): (&str, &PosthocPair)| Some((name.to_owned(), self.pair(pair)?));
-        self.pairs.iter().filter_map(said).collect()
+        let named_statement =
+            |(name, pair): (&str, &PosthocPair)| Some((name.to_owned(), self.pair(pair)?));
+        self.pairs.iter().filter_map(named_statement).collect()
     }
 }
 
@@ -195,8 +202,8 @@ impl Posthoc {
             PosthocTest::Wilcoxon => wilcoxon(statistic, p_value, adjust, effect.value),
             PosthocTest::Nemenyi => {
                 let q = number(statistic, 2);
-                let said = Statement(format!("*q*({}, ∞) = {q}", self.k));
-                said.p(p_value, Adjustment::None)
+                let statement = Statement(format!("*q*({}, ∞) = {q}", self.k));
+                statement.p(p_value, Adjustment::None)
             }
         })
     }
@@ -205,17 +212,17 @@ impl Posthoc {
 impl Statements for Correlation {
     fn statements(&self) -> Vec<(String, Statement)> {
         let of_r = || {
-            let found = self.pearson.as_ref()?;
-            Some(r(found.r?, found.df?, found.p?))
+            let pearson = self.pearson.as_ref()?;
+            Some(r(pearson.r?, pearson.df?, pearson.p?))
         };
         let of_rho = || {
-            let found = self.spearman.as_ref()?;
-            Some(rho(found.rho?, found.df?, found.p?))
+            let spearman = self.spearman.as_ref()?;
+            Some(rho(spearman.rho?, spearman.df?, spearman.p?))
         };
         let of_tau = || {
-            let found = self.kendall.as_ref()?;
-            let tau = Statement(format!("*τ*_{{b}} = {}", bounded(found.tau_b?, 2)));
-            Some(tau.p(found.p?, Adjustment::None))
+            let kendall = self.kendall.as_ref()?;
+            let tau = Statement(format!("*τ*_{{b}} = {}", bounded(kendall.tau_b?, 2)));
+            Some(tau.p(kendall.p?, Adjustment::None))
         };
         those([
             ("pearson", of_r()),
@@ -227,32 +234,32 @@ impl Statements for Correlation {
 
 impl Statements for RmCorrelationAnalysis {
     fn statements(&self) -> Vec<(String, Statement)> {
-        let found = &self.rm_corr;
-        let said = || Some(r_rm(found.r?, found.df?, found.p?));
-        those([("rm_corr", said())])
+        let rm_corr = &self.rm_corr;
+        let statement = || Some(r_rm(rm_corr.r?, rm_corr.df?, rm_corr.p?));
+        those([("rm_corr", statement())])
     }
 }
 
 impl Statements for Normality {
     fn statements(&self) -> Vec<(String, Statement)> {
-        let said = || {
+        let statement = || {
             let w = Statement(format!("*W* = {}", bounded(self.shapiro.w?, 3)));
             Some(w.p(self.shapiro.p?, Adjustment::None))
         };
-        those([("shapiro", said())])
+        those([("shapiro", statement())])
     }
 }
 
 impl Statements for VarianceTests {
     fn statements(&self) -> Vec<(String, Statement)> {
-        let of_f = |found: &Levene| {
-            let df = [found.df1 as f64, found.df2 as f64];
-            Some(Statement::of("*F*", &df, found.f?).p(found.p?, Adjustment::None))
+        let of_f = |test: &Levene| {
+            let df = [test.df1 as f64, test.df2 as f64];
+            Some(Statement::with_df("*F*", &df, test.f?).p(test.p?, Adjustment::None))
         };
         let of_k2 = || {
-            let found = &self.bartlett;
-            let k2 = Statement::of("*χ*^{2}", &[found.df as f64], found.k2?);
-            Some(k2.p(found.p?, Adjustment::None))
+            let bartlett = &self.bartlett;
+            let k2 = Statement::with_df("*χ*^{2}", &[bartlett.df as f64], bartlett.k2?);
+            Some(k2.p(bartlett.p?, Adjustment::None))
         };
         those([
             ("levene_mean", of_f(&self.levene_mean)),
@@ -264,31 +271,34 @@ impl Statements for VarianceTests {
 
 impl Statements for AlphaAnalysis {
     fn statements(&self) -> Vec<(String, Statement)> {
-        let found = &self.alpha;
-        let said = || {
-            let alpha = Statement(format!("*α* = {}", bounded(found.raw?, 2)));
-            Some(alpha.ci(Interval::of(0.95, found.ci_low, found.ci_high), bounded))
+        let alpha = &self.alpha;
+        let statement = || {
+            let raw = Statement(format!("*α* = {}", bounded(alpha.raw?, 2)));
+            Some(raw.ci(
+                Interval::from_ends(0.95, alpha.ci_low, alpha.ci_high),
+                bounded,
+            ))
         };
-        let omega = found
+        let omega = alpha
             .omega
             .map(|o| Statement(format!("*ω* = {}", bounded(o, 2))));
-        those([("alpha", said()), ("omega", omega)])
+        those([("alpha", statement()), ("omega", omega)])
     }
 }
 
 impl Statements for Bootstrap {
     fn statements(&self) -> Vec<(String, Statement)> {
         let (level, estimate) = (self.settings.confidence, self.estimate);
-        let said = |name: &str, low: Option<f64>, high: Option<f64>| {
-            let ci = Some(Interval::of(level, low, high)?);
+        let statement = |name: &str, low: Option<f64>, high: Option<f64>| {
+            let ci = Some(Interval::from_ends(level, low, high)?);
             Some(Statement(format!("{name} {}", number(estimate?, 2))).ci(ci, number))
         };
         let (bca, percentile) = (self.bca, self.percentile);
         those([
-            ("bca", said("estimate", bca.low, bca.high)),
+            ("bca", statement("estimate", bca.low, bca.high)),
             (
                 "percentile",
-                said("estimate", percentile.low, percentile.high),
+                statement("estimate", percentile.low, percentile.high),
             ),
         ])
     }

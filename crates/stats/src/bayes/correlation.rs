@@ -94,7 +94,7 @@ pub fn bayes_correlation(
             undefined.note(name, reason);
         }
     }
-    let found = BayesCorrelation {
+    let bayes_r = BayesCorrelation {
         n,
         r,
         log_bf10: third,
@@ -103,14 +103,14 @@ pub fn bayes_correlation(
         log_bf10_kappa1: flat,
         bf10_kappa1: flat.and_then(power),
     };
-    if found.bf10.is_none() || found.bf01.is_none() || found.bf10_kappa1.is_none() {
+    if bayes_r.bf10.is_none() || bayes_r.bf01.is_none() || bayes_r.bf10_kappa1.is_none() {
         for name in &factors {
             undefined.note(name, TOO_LARGE);
         }
     }
     Ok(BayesCorrelationAnalysis {
         missing: pairs.missing,
-        bayes_r: found,
+        bayes_r,
         prior,
         prior_kappa1,
         undefined,

@@ -85,14 +85,14 @@ pub fn bayes_paired(data: &WithinSubjects) -> BayesTAnalysis {
 /// [`StatsError::NotFinite`]; [`StatsError::BadParameter`] if `mu` is not finite; [`StatsError::TooFew`] below two values.
 pub fn bayes_one(values: &[Option<f64>], mu: f64) -> Result<BayesTAnalysis, StatsError> {
     let (differences, constant) = less(values, mu)?;
-    let (found, reasons) = of_sample(&differences, constant);
+    let (test, reasons) = of_sample(&differences, constant);
     let mut undefined = Reasons::default();
     undefined.absorb("bayes_t.value", reasons);
     Ok(BayesTAnalysis {
         n: differences.len(),
         dropped: Vec::new(),
         missing: values.len() - differences.len(),
-        bayes_t: [("value".to_owned(), found)].into_iter().collect(),
+        bayes_t: [("value".to_owned(), test)].into_iter().collect(),
         prior: prior(),
         undefined,
     })
@@ -114,8 +114,8 @@ pub fn bayes_groups(
         let why = reasons.get("t").unwrap_or_default().to_owned();
         reasons = Reasons::default();
         let values = vec![a.n() as usize, b.n() as usize];
-        let found = of_t((n, values), student.t.zip(student.df), &why, &mut reasons);
-        (found, reasons)
+        let test = of_t((n, values), student.t.zip(student.df), &why, &mut reasons);
+        (test, reasons)
     });
     Ok(BayesTAnalysis {
         n: samples.n(),
@@ -142,13 +142,13 @@ fn of_sample(differences: &[f64], constant: bool) -> (BayesT, Reasons) {
     let (mean, squares) = mean_and_square_sum(differences.iter().copied());
     let varies = !constant && squares > 0.0;
     let t = varies.then(|| mean / (squares / (n - 1.0) / n).sqrt());
-    let found = of_t(
+    let test = of_t(
         (n, vec![differences.len()]),
         t.map(|t| (t, n - 1.0)),
         "the differences do not vary",
         &mut reasons,
     );
-    (found, reasons)
+    (test, reasons)
 }
 
 fn of_t(

@@ -36,7 +36,7 @@ pub(super) enum Sample {
 
 impl Sample {
     /// The sample and the number of rows left out.
-    pub(super) fn of(
+    pub(super) fn from_data(
         statistic: Statistic,
         data: BootstrapData<'_>,
     ) -> Result<(Self, usize), StatsError> {
@@ -88,7 +88,7 @@ impl Sample {
                 Ok((sample, data.dropped().len()))
             }
             (Statistic::KendallW, BootstrapData::Within(data)) => {
-                Ok((Self::KendallW(RankTable::of(data)), data.dropped().len()))
+                Ok((Self::KendallW(RankTable::new(data)), data.dropped().len()))
             }
             (Statistic::Alpha, BootstrapData::Sheets { items, people }) => {
                 let complete = complete::rows(items, "sheet", 2)?;
@@ -98,18 +98,18 @@ impl Sample {
                     complete.kept.len() + complete.missing,
                 )?;
                 let kept: Vec<String> = complete.kept.iter().map(|&i| people[i].clone()).collect();
-                let index = Index::of(&kept);
+                let index = Index::from_labels(&kept);
                 complete::enough("person", index.names.len(), 0, 2)?;
                 let columns: Vec<Vec<f64>> = complete.columns.iter().map(|c| centred(c)).collect();
                 let mut sums = vec![vec![0.0; 4 + columns.len()]; index.names.len()];
                 for (sheet, &person) in index.rows.iter().enumerate() {
-                    let own = &mut sums[person];
+                    let person_sums = &mut sums[person];
                     let sum: f64 = columns.iter().map(|c| c[sheet]).sum();
                     let squares: f64 = columns.iter().map(|c| c[sheet] * c[sheet]).sum();
-                    for (to, add) in own.iter_mut().zip([1.0, sum, sum * sum, squares]) {
+                    for (to, add) in person_sums.iter_mut().zip([1.0, sum, sum * sum, squares]) {
                         *to += add;
                     }
-                    for (to, column) in own[4..].iter_mut().zip(&columns) {
+                    for (to, column) in person_sums[4..].iter_mut().zip(&columns) {
                         *to += column[sheet];
                     }
                 }
@@ -151,7 +151,7 @@ impl Sample {
                 Some(pivot + sum / f64::from(total))
             }
             Self::Median(sorted) => {
-                let at = |place: u32| {
+                let value_at = |place: u32| {
                     let mut seen = 0;
                     let mut pairs = sorted.iter().zip(counts);
                     pairs.find_map(|(v, &c)| {
@@ -159,7 +159,7 @@ impl Sample {
                         (seen > place).then_some(*v)
                     })
                 };
-                Some(0.5 * (at((total - 1) / 2)? + at(total / 2)?))
+                Some(0.5 * (value_at((total - 1) / 2)? + value_at(total / 2)?))
             }
             Self::Pearson(x, y) => weighted_r(x, y, counts, f64::from(total)),
             Self::Spearman(x, y) => {
@@ -195,12 +195,12 @@ impl Sample {
                 };
                 let (mut within, mut mean, mut mean_squares) = (0.0, 0.0, 0.0);
                 let subjects = rows.chunks_exact(*k).zip(squares).zip(means).zip(counts);
-                for (((row, square), own), &count) in subjects {
+                for (((row, square), subject_mean), &count) in subjects {
                     if count > 0 {
                         let weight = f64::from(count);
                         within += weight * square;
-                        mean += weight * own;
-                        mean_squares += weight * own * own;
+                        mean += weight * subject_mean;
+                        mean_squares += weight * subject_mean * subject_mean;
                         for (sum, v) in sums.iter_mut().zip(row) {
                             *sum += weight * v;
                         }
@@ -230,8 +230,8 @@ impl Sample {
 /// Alpha of the sheets of people, each counted as often as drawn.
 fn weighted_alpha(people: &[Vec<f64>], counts: &[u32]) -> Option<f64> {
     let mut sums = vec![0.0; people[0].len()];
-    for (own, &count) in people.iter().zip(counts).filter(|(_, c)| **c > 0) {
-        for (sum, v) in sums.iter_mut().zip(own) {
+    for (person_sums, &count) in people.iter().zip(counts).filter(|(_, c)| **c > 0) {
+        for (sum, v) in sums.iter_mut().zip(person_sums) {
             *sum += f64::from(count) * v;
         }
     }

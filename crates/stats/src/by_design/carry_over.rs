@@ -19,9 +19,9 @@ const TERM: &str = "carry_over";
 pub enum CarryOver {
     /// The model.
     Fitted(Box<CarriedOver>),
-    /// None.
+    /// No model of these data.
     NotFitted {
-        /// Why.
+        /// What stands in its way.
         why_not: NoCarryOver,
     },
 }
@@ -48,7 +48,7 @@ pub enum NoCarryOver {
     TwoConditions,
     /// Hardly anybody shares an order.
     FewPeople {
-        /// People.
+        /// How many have at least one value.
         people: usize,
         /// Different orders.
         orders: usize,
@@ -57,7 +57,7 @@ pub enum NoCarryOver {
     NotConnected,
     /// Several factors, groups or covariates.
     SeveralFactors,
-    /// Ordered answers.
+    /// The answers are ordered, and their model has no carry-over term.
     OrderedAnswers,
     /// The model refuses the data.
     Refused {
@@ -112,7 +112,7 @@ pub fn carry_over(data: &DesignColumns<'_>) -> Result<CarryOver, StatsError> {
     let whole = kept::listwise(data);
     let whole = whole.as_ref().map(DesignTable::columns);
     Ok(match fitted(whole.as_ref().unwrap_or(data)) {
-        Ok(found) => CarryOver::Fitted(Box::new(found)),
+        Ok(model) => CarryOver::Fitted(Box::new(model)),
         Err(why_not) => CarryOver::NotFitted { why_not },
     })
 }
@@ -124,7 +124,7 @@ fn fitted(data: &DesignColumns<'_>) -> Result<CarriedOver, NoCarryOver> {
     if !data.between.is_empty() || !data.covariates.is_empty() {
         return Err(NoCarryOver::SeveralFactors);
     }
-    let rows = Met::of(data);
+    let rows = Met::new(data);
     if rows.conditions < 3 {
         return Err(NoCarryOver::TwoConditions);
     }
@@ -137,7 +137,7 @@ fn fitted(data: &DesignColumns<'_>) -> Result<CarriedOver, NoCarryOver> {
         return Err(NoCarryOver::NotConnected);
     };
     let before: Vec<Option<String>> = (0..data.values.len())
-        .map(|row| rows.before[row].map(|at| conditions[at].clone()))
+        .map(|row| rows.before[row].map(|before| conditions[before].clone()))
         .collect();
     let cells: Vec<Option<String>> = conditions.iter().cloned().map(Some).collect();
     let periods = kept::labels(data.periods);
@@ -172,7 +172,7 @@ fn fitted(data: &DesignColumns<'_>) -> Result<CarriedOver, NoCarryOver> {
 
 /// Whether condition and period can be told apart within people.
 pub(super) fn is_connected(data: &DesignColumns<'_>) -> bool {
-    Met::of(data).variance(false).is_some()
+    Met::new(data).variance(false).is_some()
 }
 
 /// Which cells people met, in which periods, in rows that have a value.
@@ -189,25 +189,25 @@ struct Met {
 }
 
 impl Met {
-    fn of(data: &DesignColumns<'_>) -> Self {
+    fn new(data: &DesignColumns<'_>) -> Self {
         let rows = data.values.len();
         let cell = |row: usize| -> String {
             let levels = data.within.iter();
             let levels: Vec<&str> = levels.map(|(_, cells)| cells[row].as_str()).collect();
             levels.join(":")
         };
-        let cells = Index::of(&(0..rows).map(cell).collect::<Vec<_>>());
-        let people = Index::of(data.subjects);
+        let cells = Index::from_labels(&(0..rows).map(cell).collect::<Vec<_>>());
+        let people = Index::from_labels(data.subjects);
         let mut of_person = vec![Vec::new(); people.names.len()];
         for row in (0..rows).filter(|row| data.values[*row].is_some()) {
             of_person[people.rows[row]].push(row);
         }
         of_person.retain(|rows| !rows.is_empty());
         let mut before = vec![None; rows];
-        for own in &of_person {
-            for &row in own {
+        for person_rows in &of_person {
+            for &row in person_rows {
                 let earlier = data.periods[row].checked_sub(1);
-                before[row] = own
+                before[row] = person_rows
                     .iter()
                     .copied()
                     .find(|r| Some(data.periods[*r]) == earlier);
@@ -263,11 +263,11 @@ impl Met {
         };
         let mut information = Matrix::zeros(columns, columns);
         for rows in &self.of_person {
-            let own = Matrix::from(rows.len(), columns, |i, column| {
+            let centred = Matrix::from(rows.len(), columns, |i, column| {
                 let mean: f64 = rows.iter().map(|&row| value(row, column)).sum();
                 value(rows[i], column) - mean / rows.len() as f64
             });
-            information.add(&own.transposed_times(&own), 1.0);
+            information.add(&centred.transposed_times(&centred), 1.0);
         }
         let inverse = information.cholesky()?.inverse();
         let entry = |i: usize, j: usize| match (i.checked_sub(1), j.checked_sub(1)) {

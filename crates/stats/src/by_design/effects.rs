@@ -33,7 +33,7 @@ pub struct EffectTest {
 }
 
 impl EffectTest {
-    fn of(method: EffectMethod) -> Self {
+    fn untested(method: EffectMethod) -> Self {
         Self {
             method,
             statistic: None,
@@ -53,7 +53,7 @@ impl EffectTest {
         p: Option<f64>,
         sphericity: Option<&Sphericity>,
     ) -> Self {
-        let mut test = Self::of(method);
+        let mut test = Self::untested(method);
         (test.statistic, test.p) = (f, p);
         if let Some(sphericity) = sphericity {
             test.correction = match method {
@@ -103,7 +103,7 @@ impl Effects<'_> {
                 }
                 EffectMethod::Regression => {
                     let test = regressions.iter().find(|test| test.name == name);
-                    test.map_or_else(|| EffectTest::of(method), of_regression)
+                    test.map_or_else(|| EffectTest::untested(method), of_regression)
                 }
                 ranks => self.ranks(name, ranks)?,
             };
@@ -138,7 +138,7 @@ impl Effects<'_> {
 
     fn strata(&self, name: &str, method: EffectMethod) -> EffectTest {
         let Some(effect) = self.anova.anova.get(name) else {
-            return EffectTest::of(method);
+            return EffectTest::untested(method);
         };
         let sphericity = self.anova.sphericity.get(name);
         EffectTest::f(
@@ -160,12 +160,12 @@ impl Effects<'_> {
             .filter(|(_, kept)| **kept)
             .map(|((_, k), _)| *k)
             .collect();
-        let mut test = EffectTest::of(method);
+        let mut test = EffectTest::untested(method);
         match method {
             EffectMethod::SignedRanks => {
                 let table = table(self.design, &signed(&sums, levels.len()))?;
-                let all = within_without_exact(&table);
-                let ranks = all.wilcoxon.values().next();
+                let tests = within_without_exact(&table);
+                let ranks = tests.wilcoxon.values().next();
                 test.statistic = ranks.and_then(|w| w.w_plus);
                 test.p = ranks.and_then(|w| w.p);
             }
@@ -189,13 +189,13 @@ impl Effects<'_> {
             }
             _ => {
                 let values: Vec<Option<f64>> = sums.iter().map(|s| Some(s.iter().sum())).collect();
-                let found = groups(&self.design.levels_of(0), &values)?;
-                if let Some(several) = &found.several {
+                let comparison = groups(&self.design.levels_of(0), &values)?;
+                if let Some(several) = &comparison.several {
                     test.statistic = several.kruskal.chi2;
                     test.df1 = Some(several.kruskal.df as f64);
                     test.p = several.kruskal.p;
                 } else {
-                    let two = found.mann_whitney.values().next();
+                    let two = comparison.mann_whitney.values().next();
                     test.statistic = two.map(|u| u.u);
                     test.p = two.and_then(|u| u.p);
                 }
@@ -228,12 +228,12 @@ fn table(design: &FactorialDesign, rows: &[Vec<f64>]) -> Result<WithinSubjects, 
 }
 
 fn of_unpooled(test: Option<Unpooled>) -> EffectTest {
-    let mut found = EffectTest::of(EffectMethod::Unpooled);
+    let mut effect = EffectTest::untested(EffectMethod::Unpooled);
     if let Some(test) = test {
-        found.statistic = Some(test.f);
-        (found.df1, found.df2, found.p) = (Some(test.df1), Some(test.df2), Some(test.p));
+        effect.statistic = Some(test.f);
+        (effect.df1, effect.df2, effect.p) = (Some(test.df1), Some(test.df2), Some(test.p));
     }
-    found
+    effect
 }
 
 fn of_regression(test: &Regressed) -> EffectTest {

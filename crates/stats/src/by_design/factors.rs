@@ -125,7 +125,7 @@ fn methods_in_words(data: &DesignColumns<'_>, plan: &DesignPlan, normal: bool) -
 
 /// The values, without those of subjects who lack a covariate: they are left out and named.
 fn with_covariates(data: &DesignColumns<'_>) -> Vec<Option<f64>> {
-    let people = Index::of(data.subjects);
+    let people = Index::from_labels(data.subjects);
     let known: Vec<bool> = (0..people.names.len())
         .map(|person| {
             data.covariates.iter().all(|(_, cells)| {
@@ -161,8 +161,10 @@ fn of_subjects<'a>(
 
 fn shape_of(data: &DesignColumns<'_>, design: &FactorialDesign) -> Result<DesignShape, StatsError> {
     let levels = |factors: &[Factor]| {
-        let all = factors.iter();
-        all.map(|f| (f.name.clone(), f.levels.len())).collect()
+        factors
+            .iter()
+            .map(|f| (f.name.clone(), f.levels.len()))
+            .collect()
     };
     let products = products(data)?;
     let with = |name: &str| -> Vec<String> {

@@ -135,7 +135,7 @@ pub struct SmallSample {
 }
 
 impl SmallSample {
-    pub(super) fn of(model: &Ordinal) -> Option<Self> {
+    pub(super) fn from_model(model: &Ordinal) -> Option<Self> {
         let lr = &model.quadrature.lr;
         Self::of_ratio(model, lr.chi2?, lr.df, 0)
     }
@@ -188,29 +188,29 @@ impl ByDesign {
     /// Why this test, one sentence a step.
     pub fn reasons(&self) -> &[String] {
         match self {
-            Self::OneFactor(found) => &found.reasons,
-            Self::Factorial(found) => &found.reasons,
-            Self::Groups(found) => &found.reasons,
-            Self::Mixed(found) => &found.reasons,
-            Self::Ordinal(found) => &found.reasons,
+            Self::OneFactor(comparison) => &comparison.reasons,
+            Self::Factorial(chosen) => &chosen.reasons,
+            Self::Groups(chosen) => &chosen.reasons,
+            Self::Mixed(chosen) => &chosen.reasons,
+            Self::Ordinal(chosen) => &chosen.reasons,
         }
     }
 
     /// Every check that was made.
     pub fn checks(&self) -> &[AssumptionCheck] {
         match self {
-            Self::OneFactor(found) => &found.checks,
-            Self::Factorial(found) => &found.checks,
-            Self::Groups(found) => &found.checks,
-            Self::Mixed(found) => &found.checks,
-            Self::Ordinal(found) => &found.checks,
+            Self::OneFactor(comparison) => &comparison.checks,
+            Self::Factorial(chosen) => &chosen.checks,
+            Self::Groups(chosen) => &chosen.checks,
+            Self::Mixed(chosen) => &chosen.checks,
+            Self::Ordinal(chosen) => &chosen.checks,
         }
     }
 
     /// The comparison of one factor within subjects, if that is what it is.
     pub fn one_factor(&self) -> Option<&Comparison> {
         match self {
-            Self::OneFactor(found) => Some(found),
+            Self::OneFactor(comparison) => Some(comparison),
             _ => None,
         }
     }
@@ -218,19 +218,21 @@ impl ByDesign {
     /// p of each effect by its name; of one factor, of groups and of answers without periods the single one is `omnibus`.
     pub fn effects(&self) -> Vec<(&str, Option<f64>)> {
         match self {
-            Self::OneFactor(found) => vec![("omnibus", found.omnibus.p)],
-            Self::Factorial(found) => {
-                let tests = found.found.tests.iter();
+            Self::OneFactor(comparison) => vec![("omnibus", comparison.omnibus.p)],
+            Self::Factorial(chosen) => {
+                let tests = chosen.found.tests.iter();
                 tests.map(|(name, test)| (name, test.p)).collect()
             }
-            Self::Groups(found) => vec![("omnibus", group_p(found.chosen, &found.found))],
-            Self::Mixed(found) => {
-                let terms = found.found.model.anova.iter();
-                terms.map(|(name, _)| (name, found.found.p(name))).collect()
+            Self::Groups(chosen) => vec![("omnibus", group_p(chosen.chosen, &chosen.found))],
+            Self::Mixed(chosen) => {
+                let terms = chosen.found.model.anova.iter();
+                terms
+                    .map(|(name, _)| (name, chosen.found.p(name)))
+                    .collect()
             }
-            Self::Ordinal(found) => {
-                let p = found.found.small_sample.as_ref().map(|test| test.p);
-                match &found.found.period {
+            Self::Ordinal(chosen) => {
+                let p = chosen.found.small_sample.as_ref().map(|test| test.p);
+                match &chosen.found.period {
                     None => vec![("omnibus", p)],
                     Some(period) => vec![("conditions", p), (PERIOD, Some(period.p))],
                 }
@@ -239,11 +241,11 @@ impl ByDesign {
     }
 }
 
-fn group_p(chosen: ChosenTest, found: &GroupsAnalysis) -> Option<f64> {
-    let several = found.several.as_ref();
+fn group_p(chosen: ChosenTest, groups: &GroupsAnalysis) -> Option<f64> {
+    let several = groups.several.as_ref();
     match chosen {
-        ChosenTest::WelchT => found.welch_t.values().next()?.p,
-        ChosenTest::MannWhitney => found.mann_whitney.values().next()?.p,
+        ChosenTest::WelchT => groups.welch_t.values().next()?.p,
+        ChosenTest::MannWhitney => groups.mann_whitney.values().next()?.p,
         ChosenTest::WelchAnova => several?.welch_anova.p,
         _ => several?.kruskal.p,
     }

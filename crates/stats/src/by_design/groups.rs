@@ -12,7 +12,7 @@ pub(super) fn independent(
     choice: &DesignChoice,
     mut reasons: Vec<String>,
 ) -> Result<ByDesign, StatsError> {
-    if let Some(name) = Index::of(data.subjects).repeated {
+    if let Some(name) = Index::from_labels(data.subjects).repeated {
         let what = "subject".to_owned();
         return Err(StatsError::DoubleName { what, name });
     }
@@ -20,8 +20,8 @@ pub(super) fn independent(
     let (names, values): (Vec<String>, Vec<Option<f64>>) = rows
         .filter_map(|(group, value)| Some((group.clone()?, *value)))
         .unzip();
-    let found = groups(&names, &values)?;
-    let (test, _) = shapiro_wilk(&standardised(&Index::of(&names).rows, &values));
+    let comparison = groups(&names, &values)?;
+    let (test, _) = shapiro_wilk(&standardised(&Index::from_labels(&names).rows, &values));
     let checks = vec![AssumptionCheck::of_normality(
         "the standardised residuals",
         &test,
@@ -29,10 +29,10 @@ pub(super) fn independent(
     let (normal, mut words) = judged(&checks);
     let ranked = said_of_ordinal(choice, "their ranks are compared");
     let normal = normal && choice.scale != OutcomeScale::Ordinal;
-    if let Some(asked) = ranked {
-        words = asked;
+    if let Some(ranked) = ranked {
+        words = ranked;
     }
-    let (chosen, name) = match (normal, found.several.is_some()) {
+    let (chosen, name) = match (normal, comparison.several.is_some()) {
         (true, false) => (ChosenTest::WelchT, "Welch's t"),
         (false, false) => (ChosenTest::MannWhitney, "Mann-Whitney"),
         (true, true) => (
@@ -49,7 +49,7 @@ pub(super) fn independent(
         chosen,
         reasons,
         checks,
-        found,
+        found: comparison,
     })))
 }
 
@@ -58,12 +58,12 @@ fn standardised(group: &[usize], values: &[Option<f64>]) -> Vec<f64> {
     let most = group.iter().max().map_or(0, |g| g + 1);
     let mut out = Vec::new();
     for g in 0..most {
-        let of = group.iter().zip(values).filter(|(own, _)| **own == g);
-        let own: Vec<f64> = of.filter_map(|(_, value)| *value).collect();
-        let n = own.len() as f64;
-        let pivot = own.first().copied().unwrap_or_default();
-        let mean = own.iter().map(|v| v - pivot).sum::<f64>() / n;
-        let residuals: Vec<f64> = own.iter().map(|v| v - pivot - mean).collect();
+        let members = group.iter().zip(values).filter(|(of_row, _)| **of_row == g);
+        let sample: Vec<f64> = members.filter_map(|(_, value)| *value).collect();
+        let n = sample.len() as f64;
+        let pivot = sample.first().copied().unwrap_or_default();
+        let mean = sample.iter().map(|v| v - pivot).sum::<f64>() / n;
+        let residuals: Vec<f64> = sample.iter().map(|v| v - pivot - mean).collect();
         let size = (residuals.iter().map(|r| r * r).sum::<f64>() / n).sqrt();
         let scaled = |r: f64| if size > 0.0 { r / size } else { 0.0 };
         out.extend(residuals.into_iter().map(scaled));

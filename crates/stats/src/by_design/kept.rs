@@ -37,14 +37,14 @@ fn subjects_with_gaps<'a>(data: &DesignColumns<'a>) -> BTreeSet<&'a str> {
     let cells: BTreeSet<Vec<&str>> = (0..rows).map(cell).collect();
     let mut filled: BTreeMap<&str, BTreeSet<Vec<&str>>> = BTreeMap::new();
     for row in 0..rows {
-        let own = filled.entry(data.subjects[row].as_str()).or_default();
+        let person_cells = filled.entry(data.subjects[row].as_str()).or_default();
         if data.values[row].is_some() {
-            own.insert(cell(row));
+            person_cells.insert(cell(row));
         }
     }
     let short = filled
         .into_iter()
-        .filter(|(_, own)| own.len() < cells.len());
+        .filter(|(_, person_cells)| person_cells.len() < cells.len());
     short.map(|(subject, _)| subject).collect()
 }
 
@@ -53,7 +53,7 @@ fn subjects_with_gaps<'a>(data: &DesignColumns<'a>) -> BTreeSet<&'a str> {
 /// # Errors
 /// [`StatsError::LengthMismatch`].
 pub(super) fn varying<'a>(data: &DesignColumns<'a>) -> Result<Option<&'a str>, StatsError> {
-    let people = Index::of(data.subjects);
+    let people = Index::from_labels(data.subjects);
     for (name, cells) in &data.covariates {
         StatsError::same_length(name, cells.len(), data.subjects.len())?;
         let mut values: Vec<Option<f64>> = vec![None; people.names.len()];
@@ -70,7 +70,7 @@ pub(super) fn varying<'a>(data: &DesignColumns<'a>) -> Result<Option<&'a str>, S
 
 /// The model in words.
 pub(super) fn model_of(data: &DesignColumns<'_>) -> &'static str {
-    if Index::of(data.subjects).repeated.is_none() {
+    if Index::from_labels(data.subjects).repeated.is_none() {
         return "linear model, as each subject has a single row (analysis of covariance)";
     }
     match data.within.len() {
@@ -129,7 +129,7 @@ pub(super) fn mixed(
                 .to_owned(),
         );
     }
-    let found = MixedFinding {
+    let finding = MixedFinding {
         model,
         corrected,
         own_error: Named::default(),
@@ -138,7 +138,7 @@ pub(super) fn mixed(
         chosen: ChosenTest::Mixed,
         reasons,
         checks: Vec::new(),
-        found,
+        found: finding,
     })))
 }
 

@@ -241,8 +241,8 @@ impl Scores<'_> {
         let names = ["plus", "minus"].map(str::to_owned);
         let rows: Vec<Vec<f64>> = self.sides.iter().map(|sides| sides.to_vec()).collect();
         let table = WithinSubjects::from_rows(&names, self.design.subjects(), &rows)?;
-        let all = within(&table);
-        let ranks = all.wilcoxon.values().next();
+        let tests = within(&table);
+        let ranks = tests.wilcoxon.values().next();
         let scores = self.of_people();
         Ok(LevelContrast {
             // Ranks know no groups: everybody counts alike.
@@ -261,8 +261,8 @@ impl Scores<'_> {
         two.sort_by_key(|(second, _)| *second);
         let names: Vec<String> = two.iter().map(|(second, _)| second.to_string()).collect();
         let values: Vec<Option<f64>> = two.into_iter().map(|(_, score)| Some(score)).collect();
-        let found = groups(&names, &values)?;
-        let test = found.mann_whitney.values().next();
+        let comparison = groups(&names, &values)?;
+        let test = comparison.mann_whitney.values().next();
         Ok(LevelContrast {
             statistic: test.map(|t| t.u),
             p: test.and_then(|t| t.p),

@@ -90,7 +90,7 @@ pub(super) fn one_factor(
             reasons,
             checks: Vec::new(),
             found: OrdinalFinding {
-                small_sample: SmallSample::of(&model),
+                small_sample: SmallSample::from_model(&model),
                 model,
                 period: None,
                 contrast: Named::default(),
@@ -99,23 +99,23 @@ pub(super) fn one_factor(
         })));
     }
     let complete = complete?;
-    let mut found = if choice.exact {
+    let mut comparison = if choice.exact {
         compare(&complete, choice.alpha)?
     } else {
         compare_without_exact(&complete, choice.alpha)?
     };
-    found.reasons.splice(0..0, reasons);
-    Ok(ByDesign::OneFactor(Box::new(found)))
+    comparison.reasons.splice(0..0, reasons);
+    Ok(ByDesign::OneFactor(Box::new(comparison)))
 }
 
 fn rank_check(data: &WithinSubjects, exact: bool) -> RankCheck {
-    let all = if exact {
+    let tests = if exact {
         within(data)
     } else {
         within_without_exact(data)
     };
     let mut undefined = Reasons::default();
-    for (name, reason) in all.undefined.iter() {
+    for (name, reason) in tests.undefined.iter() {
         if name.starts_with("friedman") || name.starts_with("wilcoxon") {
             undefined.note(name, reason);
         }
@@ -123,8 +123,8 @@ fn rank_check(data: &WithinSubjects, exact: bool) -> RankCheck {
     RankCheck {
         n: data.n(),
         left_out: data.dropped().to_vec(),
-        friedman: all.friedman,
-        wilcoxon: all.wilcoxon,
+        friedman: tests.friedman,
+        wilcoxon: tests.wilcoxon,
         undefined,
     }
 }

@@ -18,7 +18,7 @@ pub(super) fn own_errors(
     data: &DesignColumns<'_>,
     conditions: &[String],
 ) -> Option<Named<MarginalContrast>> {
-    let fit = Fit::of(data, conditions)?;
+    let fit = Fit::new(data, conditions)?;
     let names = &fit.names;
     let pairs = (0..names.len()).flat_map(|a| (a + 1..names.len()).map(move |b| (a, b)));
     let pairs = pairs.map(|(a, b)| Some((format!("{}|{}", names[a], names[b]), fit.pair(a, b)?)));
@@ -43,24 +43,24 @@ struct Fit {
 }
 
 impl Fit {
-    fn of(data: &DesignColumns<'_>, conditions: &[String]) -> Option<Self> {
-        let levels = Index::of(conditions);
-        let subjects = Index::of(data.subjects);
+    fn new(data: &DesignColumns<'_>, conditions: &[String]) -> Option<Self> {
+        let levels = Index::from_labels(conditions);
+        let subjects = Index::from_labels(data.subjects);
         let k = levels.names.len();
-        let mut rows: Vec<Vec<usize>> = vec![Vec::new(); subjects.names.len()];
+        let mut by_person: Vec<Vec<usize>> = vec![Vec::new(); subjects.names.len()];
         for row in (0..data.values.len()).filter(|row| data.values[*row].is_some()) {
-            rows[subjects.rows[row]].push(row);
+            by_person[subjects.rows[row]].push(row);
         }
-        rows.retain(|own| !own.is_empty());
-        let complete = |own: &Vec<usize>| {
-            let mut met: Vec<usize> = own.iter().map(|&row| levels.rows[row]).collect();
+        by_person.retain(|rows| !rows.is_empty());
+        let complete = |rows: &Vec<usize>| {
+            let mut met: Vec<usize> = rows.iter().map(|&row| levels.rows[row]).collect();
             met.sort_unstable();
             met.iter().copied().eq(0..k)
         };
-        if rows.len() < 2 || !rows.iter().all(complete) {
+        if by_person.len() < 2 || !by_person.iter().all(complete) {
             return None;
         }
-        let mut periods: Vec<usize> = rows
+        let mut periods: Vec<usize> = by_person
             .iter()
             .flatten()
             .filter_map(|row| data.periods.get(*row).copied())
@@ -79,11 +79,13 @@ impl Fit {
         let mut information = Matrix::zeros(columns, columns);
         let mut pull = Matrix::zeros(columns, 1);
         let mut centred = Vec::new();
-        for own in &rows {
+        for rows in &by_person {
             let mean =
-                |column: usize| own.iter().map(|&row| value(row, column)).sum::<f64>() / k as f64;
-            let x = Matrix::from(k, columns, |i, column| value(own[i], column) - mean(column));
-            let y: Vec<f64> = own.iter().filter_map(|&row| data.values[row]).collect();
+                |column: usize| rows.iter().map(|&row| value(row, column)).sum::<f64>() / k as f64;
+            let x = Matrix::from(k, columns, |i, column| {
+                value(rows[i], column) - mean(column)
+            });
+            let y: Vec<f64> = rows.iter().filter_map(|&row| data.values[row]).collect();
             let level = y[0] + y.iter().map(|v| v - y[0]).sum::<f64>() / k as f64;
             let y = Matrix::from(k, 1, |i, _| y[i] - level);
             information.add(&x.transposed_times(&x), 1.0);
@@ -112,19 +114,19 @@ impl Fit {
 
     fn pair(&self, a: usize, b: usize) -> Option<MarginalContrast> {
         let columns = self.beta.rows;
-        let of = |level: usize, column: usize| f64::from(u8::from(level == column + 1));
+        let indicator = |level: usize, column: usize| f64::from(u8::from(level == column + 1));
         let weights = Matrix::from(columns, 1, |j, _| {
             let factor = if j + 1 < self.names.len() { 1.0 } else { 0.0 };
-            factor * (of(a, j) - of(b, j))
+            factor * (indicator(a, j) - indicator(b, j))
         });
         let direction = self.inverse.times(&weights);
         let estimate = weights.transposed_times(&self.beta)[(0, 0)];
-        let (mut variance, mut own, mut shared) = (0.0, Vec::new(), Vec::new());
+        let (mut variance, mut square_norms, mut shared) = (0.0, Vec::new(), Vec::new());
         for person in &self.people {
             let turned = person.root.times(&person.x.times(&direction));
             let turned: Vec<f64> = (0..turned.rows).map(|i| turned[(i, 0)]).collect();
             variance += dot(&turned, &person.residuals).powi(2);
-            own.push(dot(&turned, &turned));
+            square_norms.push(dot(&turned, &turned));
             let q = Matrix::from(columns, 1, |j, _| {
                 (0..turned.len())
                     .map(|i| person.x[(i, j)] * turned[i])
@@ -132,20 +134,20 @@ impl Fit {
             });
             shared.push(q);
         }
-        // The entries δᵢⱼ ownᵢ − qᵢᵀ I⁻¹ qⱼ of all pairs of people: their trace, and the sum of their squares; the squares of the second
+        // The entries δᵢⱼ ‖tᵢ‖² − qᵢᵀ I⁻¹ qⱼ of all pairs of people: their trace, and the sum of their squares; the squares of the second
         // part alone add up to the trace of (I⁻¹ Σ q qᵀ)².
         let (mut trace, mut squares) = (0.0, 0.0);
         let mut products = Matrix::zeros(columns, columns);
-        for (alone, q) in own.iter().zip(&shared) {
+        for (square_norm, q) in square_norms.iter().zip(&shared) {
             let common = q.transposed_times(&self.inverse.times(q))[(0, 0)];
-            trace += alone - common;
-            squares += alone * (alone - 2.0 * common);
+            trace += square_norm - common;
+            squares += square_norm * (square_norm - 2.0 * common);
             products.add(&q.times(&q.transposed()), 1.0);
         }
         let products = self.inverse.times(&products);
         squares += products.trace_of_product(&products);
         let df = Some(trace * trace / squares).filter(|df| df.is_finite() && *df > 0.0);
-        (variance > 0.0).then(|| MarginalContrast::of(estimate, variance.sqrt(), df))
+        (variance > 0.0).then(|| MarginalContrast::from_estimate(estimate, variance.sqrt(), df))
     }
 }
 

@@ -39,7 +39,7 @@ pub fn simple_effects(
 ) -> Result<Vec<SimpleTest>, StatsError> {
     let levels: Vec<(&str, &Vec<String>)> = whole.found.anova.levels.iter().collect();
     let normal = whole.chosen != ChosenTest::Ranks;
-    let mut found = Vec::new();
+    let mut tests = Vec::new();
     for (i, first) in levels.iter().enumerate() {
         for second in &levels[i + 1..] {
             let mut family = Vec::new();
@@ -60,10 +60,10 @@ pub fn simple_effects(
             }
             let p = |effect: &SimpleTest| effect.test.as_ref()?.p;
             Adjustment::Holm.correct(&mut family, p, |effect, holm| effect.p_holm = holm);
-            found.extend(family);
+            tests.extend(family);
         }
     }
-    Ok(found)
+    Ok(tests)
 }
 
 /// The test of one effect of these data, by the kind that the whole was tested by.

@@ -14,14 +14,14 @@ use crate::{
 };
 
 /// The test that was asked for; where orders are known, with the period.
-pub(super) fn asked(
+pub(super) fn with_period_or_declared(
     data: &DesignColumns<'_>,
     choice: &DesignChoice,
 ) -> Result<ByDesign, StatsError> {
     let periods = !data.periods.is_empty();
     if let (MissingCells::Listwise, Some(whole)) = (choice.missing, kept::listwise(data)) {
         // Nobody is left in whom a cell is missing.
-        return asked(&whole.columns(), choice);
+        return with_period_or_declared(&whole.columns(), choice);
     }
     if periods {
         StatsError::same_length(PERIOD, data.periods.len(), data.values.len())?;
@@ -63,22 +63,22 @@ pub(super) fn asked(
         )),
         (Some(test), Some(conditions)) => {
             let complete = WithinSubjects::from_long(data.subjects, conditions, data.values)?;
-            let found = compare_as(&complete, choice.alpha, choice.exact, test)?;
-            Ok(ByDesign::OneFactor(Box::new(found)))
+            let comparison = compare_as(&complete, choice.alpha, choice.exact, test)?;
+            Ok(ByDesign::OneFactor(Box::new(comparison)))
         }
         (None, Some(conditions)) if as_answers => ordered(data, conditions, reasons),
         (None, _) if !as_answers => {
             reasons.push(kept::model_of(data).to_owned());
-            let mut found = kept::mixed(data, choice, reasons)?;
-            let own = one_factor.and_then(|conditions| own_errors(data, conditions));
-            if let (ByDesign::Mixed(found), Some(own)) = (&mut found, own) {
-                found.found.own_error = own;
-                found.reasons.push(
+            let mut by_design = kept::mixed(data, choice, reasons)?;
+            let pairs = one_factor.and_then(|conditions| own_errors(data, conditions));
+            if let (ByDesign::Mixed(mixed), Some(pairs)) = (&mut by_design, pairs) {
+                mixed.found.own_error = pairs;
+                mixed.reasons.push(
                     "each pair of conditions has an error of its own, over the spread of that difference between people"
                         .to_owned(),
                 );
             }
-            Ok(found)
+            Ok(by_design)
         }
         _ => Err(no_test(
             "the test that was asked for is of one factor within subjects alone",
@@ -139,6 +139,7 @@ fn ordered(
 
 /// Differences of coefficients with their tests.
 fn pairs_by_t(pairs: Vec<(String, Difference)>, df: Option<f64>) -> Named<MarginalContrast> {
-    let contrast = |(name, (estimate, se))| (name, MarginalContrast::of(estimate, se, df));
+    let contrast =
+        |(name, (estimate, se))| (name, MarginalContrast::from_estimate(estimate, se, df));
     MarginalContrast::family(pairs.into_iter().map(contrast))
 }

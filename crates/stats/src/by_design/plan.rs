@@ -192,8 +192,9 @@ impl DesignShape {
     /// The covariates that are multiplied by this part within subjects.
     pub(super) fn multiplied(&self, within: Mask) -> Vec<&str> {
         let name = self.name_within(within);
-        let all = self.covariates.iter();
-        all.filter(|(_, with)| with.contains(&name))
+        let covariates = self.covariates.iter();
+        covariates
+            .filter(|(_, with)| with.contains(&name))
             .map(|(covariate, _)| covariate.as_str())
             .collect()
     }

@@ -74,7 +74,7 @@ impl DesignTable {
         }
     }
 
-    /// Its columns.
+    /// The table borrowed, as the tests take it.
     pub fn columns(&self) -> DesignColumns<'_> {
         fn columns<T>(all: &[(String, Vec<T>)]) -> Vec<(&str, &[T])> {
             all.iter()

@@ -69,7 +69,7 @@ pub fn rm_correlation(
         .iter()
         .map(|&row| subjects[row].clone())
         .collect();
-    let index = Index::of(&kept);
+    let index = Index::from_labels(&kept);
     complete::enough("subject", index.names.len(), 0, 2)?;
     let within = |column: &[f64]| {
         let mut result = vec![0.0; column.len()];
@@ -77,8 +77,8 @@ pub fn rm_correlation(
             let rows: Vec<usize> = (0..column.len())
                 .filter(|&r| index.rows[r] == subject)
                 .collect();
-            let own: Vec<f64> = rows.iter().map(|&r| column[r]).collect();
-            for (row, value) in rows.into_iter().zip(centred(&own)) {
+            let values: Vec<f64> = rows.iter().map(|&r| column[r]).collect();
+            for (row, value) in rows.into_iter().zip(centred(&values)) {
                 result[row] = value;
             }
         }

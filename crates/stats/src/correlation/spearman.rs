@@ -144,10 +144,10 @@ fn edgeworth(rho: f64, n: f64) -> f64 {
     let cube = n * (n * n - 1.0) / 6.0;
     let sum = (cube * (1.0 - rho)).round();
     let upper = sum > cube;
-    // The series is that of P(S' ≥ at), S being even: S itself above, S + 2 below.
-    let at = if upper { sum } else { sum + 2.0 };
+    // The series is that of P(S' ≥ start), S being even: S itself above, S + 2 below.
+    let start = if upper { sum } else { sum + 2.0 };
     let b = 1.0 / n;
-    let x = (6.0 * (at - 1.0) * b / (n * n - 1.0) - 1.0) * (n - 1.0).sqrt();
+    let x = (6.0 * (start - 1.0) * b / (n * n - 1.0) - 1.0) * (n - 1.0).sqrt();
     let y = x * x;
     let series = x
         * b

@@ -26,7 +26,7 @@ pub struct FactorialEffect {
     pub p: Option<f64>,
     /// Type III sum of squares.
     pub ss: f64,
-    /// Of its error.
+    /// Sum of squares of the error that `f` is over.
     pub ss_error: f64,
     /// SS / (SS + SSe).
     pub eta2_partial: Option<f64>,

@@ -120,21 +120,22 @@ impl Aligner {
             .iter()
             .map(|cells| sums(cells, &vec![1; whole.len()]))
             .collect();
-        let multiple = counts
-            .iter()
-            .flatten()
-            .filter(|c| **c > 0)
-            .try_fold(1, |all, &count| {
-                let next = all / greatest_common_divisor(all, count) * count;
-                (next < 1 << MOST_BITS).then_some(next)
-            });
+        let multiple =
+            counts
+                .iter()
+                .flatten()
+                .filter(|c| **c > 0)
+                .try_fold(1, |multiple, &count| {
+                    let next = multiple / greatest_common_divisor(multiple, count) * count;
+                    (next < 1 << MOST_BITS).then_some(next)
+                });
         // Without one the means are rounded, far below the values.
         let (scale, rounding) = multiple.map_or((1 << MOST_BITS, 64), |m| (m, 0));
         let mean = |(cells, counts): (&Vec<usize>, &Vec<i128>)| {
             let sums = sums(cells, &whole);
-            let of =
+            let cell_mean =
                 |&cell: &usize| (sums[cell] * scale + counts[cell] / 2).div_euclid(counts[cell]);
-            cells.iter().map(of).collect()
+            cells.iter().map(cell_mean).collect()
         };
         Self {
             means: cells.iter().zip(&counts).map(mean).collect(),
@@ -166,7 +167,7 @@ impl Aligner {
 
 /// Values less the first: decimals as written, longer numbers in units far below their rounding; and how far apart they may be to tie.
 fn whole(values: &[f64]) -> (Vec<i128>, i128) {
-    match Written::of(values) {
+    match Written::from_values(values) {
         Written::Decimals(written) => {
             let whole = written
                 .iter()
@@ -194,19 +195,19 @@ fn greatest_common_divisor(a: i128, b: i128) -> i128 {
 /// The level of each factor in each row, a row a subject and cell.
 fn levels(design: &FactorialDesign) -> Vec<Vec<usize>> {
     let width = design.cells();
-    let of = |row: usize, factors: &[super::Factor], cell: usize| {
+    let level_of = |row: usize, factors: &[super::Factor], cell: usize| {
         let below: usize = factors[row + 1..].iter().map(|f| f.levels.len()).product();
         cell / below % factors[row].levels.len()
     };
     let rows = 0..design.n() * width;
     let between = (0..design.between.len()).map(|f| {
         rows.clone()
-            .map(|r| of(f, &design.between, design.group[r / width]))
+            .map(|r| level_of(f, &design.between, design.group[r / width]))
             .collect()
     });
     let within = (0..design.within.len()).map(|f| {
         rows.clone()
-            .map(|r| of(f, &design.within, r % width))
+            .map(|r| level_of(f, &design.within, r % width))
             .collect()
     });
     between.chain(within).collect()
@@ -257,7 +258,7 @@ fn mid_ranks(values: &[i128], tolerance: i128) -> Vec<f64> {
 fn of_ranks(effect: Effect, design: &FactorialDesign, ranks: &[f64]) -> (ArtEffect, Reasons) {
     let mut reasons = Reasons::default();
     let cells = Cells::new(design, ranks);
-    let own = effect.sums(&cells);
+    let sums = effect.sums(&cells);
     let (subjects, within) = anova::errors(&cells);
     let (error, df2) = if effect.is_within(&cells) {
         (within, cells.freedom * (design.cells() - 1))
@@ -265,23 +266,27 @@ fn of_ranks(effect: Effect, design: &FactorialDesign, ranks: &[f64]) -> (ArtEffe
         (subjects, cells.freedom)
     };
     let over = |error: f64, df2: usize| {
-        let f = (error > 0.0).then(|| own.ss / own.df1 as f64 / (error / df2 as f64));
-        (f, f.map(|f| f_upper(f, own.df1 as f64, df2 as f64)))
+        let f = (error > 0.0).then(|| sums.ss / sums.df1 as f64 / (error / df2 as f64));
+        (f, f.map(|f| f_upper(f, sums.df1 as f64, df2 as f64)))
     };
     let (f, p) = over(error, df2);
     if f.is_none() {
         reasons.note_all(&["F", "p"], "the ranks have no error");
     }
     let strata = (design.within.len() > 1).then(|| {
-        let (f, p) = over(own.ss_error, own.df2);
+        let (f, p) = over(sums.ss_error, sums.df2);
         if f.is_none() {
             reasons.note_all(&["F_strata", "p_strata"], "the ranks have no error");
         }
-        ArtStrata { f, df2: own.df2, p }
+        ArtStrata {
+            f,
+            df2: sums.df2,
+            p,
+        }
     });
     let test = ArtEffect {
         f,
-        df1: own.df1,
+        df1: sums.df1,
         df2,
         p,
         strata,

@@ -16,7 +16,7 @@ pub(super) fn unit_average(levels: usize) -> Rows {
     vec![vec![1.0 / (levels as f64).sqrt(); levels]]
 }
 
-/// One level.
+/// Weight 1 on the level at position `at`, 0 on the others.
 pub(super) fn level(levels: usize, at: usize) -> Rows {
     vec![
         (0..levels)
@@ -133,8 +133,8 @@ impl<'a> Cells<'a> {
 
     /// The mean of a combination of groups and cells.
     pub(super) fn mean(&self, groups: &[f64], cells: &[f64]) -> f64 {
-        let of = |(g, weight): (usize, &f64)| weight * dot(self.means.row(g), cells);
-        groups.iter().enumerate().map(of).sum()
+        let weighted_mean = |(g, weight): (usize, &f64)| weight * dot(self.means.row(g), cells);
+        groups.iter().enumerate().map(weighted_mean).sum()
     }
 
     /// Σ w² / n: how far the mean of a combination of groups varies.

@@ -5,7 +5,7 @@ use crate::{StatsError, complete, within_subjects::Index};
 /// A factor and its levels, in order of first appearance.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Factor {
-    /// Its name.
+    /// As in the data; effects are named after it.
     pub name: String,
     /// Its levels, at least two.
     pub levels: Vec<String>,
@@ -67,13 +67,16 @@ impl FactorialDesign {
         values: &[Option<f64>],
     ) -> Result<Self, StatsError> {
         check_shape(subjects, within, between, values)?;
-        let within_index: Vec<Index> = within.iter().map(|(_, cells)| Index::of(cells)).collect();
+        let within_index: Vec<Index> = within
+            .iter()
+            .map(|(_, cells)| Index::from_labels(cells))
+            .collect();
         let within: Vec<Factor> = within
             .iter()
             .zip(&within_index)
             .map(|((name, _), index)| factor(name, index.names.clone()))
             .collect::<Result<_, _>>()?;
-        let people = Index::of(subjects);
+        let people = Index::from_labels(subjects);
         if let (true, Some(name)) = (within.is_empty(), people.repeated) {
             let what = "subject".to_owned();
             return Err(StatsError::DoubleName { what, name });
@@ -205,8 +208,8 @@ impl FactorialDesign {
             .map(|f| f.levels.len())
             .product();
         let levels = &self.between[between].levels;
-        let of = |&g: &usize| levels[g / below % levels.len()].clone();
-        self.group.iter().map(of).collect()
+        let level = |&g: &usize| levels[g / below % levels.len()].clone();
+        self.group.iter().map(level).collect()
     }
 
     /// All factors, those between subjects first.
@@ -238,7 +241,7 @@ impl Levels {
         rows: &[usize],
     ) -> Result<Self, StatsError> {
         let present: Vec<String> = column.iter().flatten().cloned().collect();
-        let index = Index::of(&present);
+        let index = Index::from_labels(&present);
         let mut of_subject = vec![None; people.len()];
         let mut next = index.rows.iter();
         for (&person, cell) in rows.iter().zip(*column) {
@@ -262,7 +265,7 @@ impl Levels {
 
 /// Refuses a factor between subjects that has one level, or changes within a subject.
 pub(crate) fn check_between(subjects: &[String], column: &BetweenColumn) -> Result<(), StatsError> {
-    let people = Index::of(subjects);
+    let people = Index::from_labels(subjects);
     Levels::new(column, &people.names, &people.rows).map(|_| ())
 }
 
@@ -282,7 +285,7 @@ fn position(counts: &[usize], levels: &[usize]) -> usize {
     counts
         .iter()
         .zip(levels)
-        .fold(0, |at, (count, level)| at * count + level)
+        .fold(0, |place, (count, level)| place * count + level)
 }
 
 /// The levels of a cell, joined by `:`.

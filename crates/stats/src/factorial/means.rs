@@ -18,7 +18,7 @@ use crate::{
 /// A mean over cells with equal weight.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct MarginalMean {
-    /// The mean.
+    /// In the unit of the values.
     pub mean: f64,
     /// Its standard error.
     pub se: f64,
@@ -136,22 +136,22 @@ impl<'a> Means<'a> {
                 let mut names = Vec::new();
                 let mut rest = cell;
                 for &f in inside.iter().rev() {
-                    let at = rest % self.counts[f];
+                    let position = rest % self.counts[f];
                     rest /= self.counts[f];
-                    parts[f] = level(self.counts[f], at);
-                    names.push(factors[f].levels[at].as_str());
+                    parts[f] = level(self.counts[f], position);
+                    names.push(factors[f].levels[position].as_str());
                 }
                 names.reverse();
                 let (mean, se) = self.estimate(&parts);
                 let mean = self.cells.pivot + mean;
                 let half = self.t95.map(|t| t * se);
-                let found = MarginalMean {
+                let marginal = MarginalMean {
                     mean,
                     se,
                     ci_low: half.map(|h| mean - h),
                     ci_high: half.map(|h| mean + h),
                 };
-                (names.join(":"), found)
+                (names.join(":"), marginal)
             };
             (effect.name(design), (0..count).map(of_cell).collect())
         };
@@ -225,22 +225,22 @@ impl<'a> Means<'a> {
                 (effect, first, last)
             })
             .collect();
-        let mut found = Vec::new();
+        let mut by_term = Vec::new();
         for (effect, first, last) in two {
             let name = effect.name(design);
             let mut effects = Vec::new();
-            for (target, at) in [(first, last), (last, first)] {
-                for (i, of) in factors[at].levels.iter().enumerate() {
-                    let key = format!("{}@{of}", factors[target].name);
+            for (target, held) in [(first, last), (last, first)] {
+                for (i, held_level) in factors[held].levels.iter().enumerate() {
+                    let key = format!("{}@{held_level}", factors[target].name);
                     let mut parts = self.averages();
-                    parts[at] = level(self.counts[at], i);
+                    parts[held] = level(self.counts[held], i);
                     let prefix = format!("simple.{name}.{key}");
                     effects.push((key, self.simple_effect(target, &parts, &prefix, undefined)));
                 }
             }
-            found.push((name, effects.into_iter().collect()));
+            by_term.push((name, effects.into_iter().collect()));
         }
-        found.into_iter().collect()
+        by_term.into_iter().collect()
     }
 
     fn simple_effect(

@@ -89,16 +89,18 @@ pub(crate) fn regressed(
         };
         terms.push((name, vec![centred(&covariate.values)]));
     }
-    let all: Vec<&Vec<f64>> = terms.iter().flat_map(|(_, columns)| columns).collect();
-    let freedom = (design.n()).checked_sub(all.len()).filter(|df| *df > 0);
+    let all_columns: Vec<&Vec<f64>> = terms.iter().flat_map(|(_, columns)| columns).collect();
+    let freedom = (design.n())
+        .checked_sub(all_columns.len())
+        .filter(|df| *df > 0);
     let freedom = freedom.ok_or_else(|| StatsError::TooFew {
         unit: "subject".to_owned(),
         found: design.n(),
         dropped: design.dropped().len(),
-        expected: all.len() + 1,
+        expected: all_columns.len() + 1,
     })?;
-    let errors = residuals(&all, &scores).map_err(|column| StatsError::Collinear {
-        name: covariates[column + covariates.len() - all.len()]
+    let errors = residuals(&all_columns, &scores).map_err(|column| StatsError::Collinear {
+        name: covariates[column + covariates.len() - all_columns.len()]
             .name
             .to_owned(),
     })?;

@@ -42,7 +42,7 @@ fn over_its_size(residuals: impl Iterator<Item = (usize, f64)>, into: &mut [f64]
     let residuals: Vec<(usize, f64)> = residuals.collect();
     let squares: f64 = residuals.iter().map(|(_, r)| r * r).sum();
     let size = (squares / residuals.len() as f64).sqrt();
-    for (at, residual) in residuals {
-        into[at] = if size > 0.0 { residual / size } else { 0.0 };
+    for (place, residual) in residuals {
+        into[place] = if size > 0.0 { residual / size } else { 0.0 };
     }
 }

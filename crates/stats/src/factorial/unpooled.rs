@@ -25,8 +25,8 @@ pub(super) fn test(effect: Effect, cells: &Cells) -> Option<Unpooled> {
     let count = cells.design.groups();
     // Contrasts within subjects are orthonormal, those of groups orthogonal.
     let projection = |g: usize, h: usize| -> f64 {
-        let of = |row: &Vec<f64>| row[g] * row[h] / dot(row, row);
-        groups.iter().map(of).sum()
+        let entry = |row: &Vec<f64>| row[g] * row[h] / dot(row, row);
+        groups.iter().map(entry).sum()
     };
     let mean = |g: usize, row: &[f64]| {
         let only: Vec<f64> = (0..count).map(|h| f64::from(u8::from(h == g))).collect();

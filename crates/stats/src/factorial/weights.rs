@@ -16,11 +16,11 @@ pub(crate) fn level_weights<'a>(
         let levels = factor.levels.len();
         places.map_or_else(|| average(levels), |(a, b)| difference(levels, a, b))
     };
-    let of = |factors: &[Factor]| {
+    let weights_of = |factors: &[Factor]| {
         let parts: Vec<Rows> = factors.iter().map(part).collect();
         products(&parts).concat()
     };
-    (of(&design.between), of(&design.within))
+    (weights_of(&design.between), weights_of(&design.within))
 }
 
 impl FactorialDesign {

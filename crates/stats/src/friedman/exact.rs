@@ -20,7 +20,7 @@ pub(super) fn p_value(table: &RankTable) -> Option<f64> {
     // unchanged but for scale and offset, which the spread does not see.
     let factor = common_factor(&table.doubled);
     let largest = table.n as u64 * u64::try_from(2 * (table.k as i64 - 1) / factor).ok()?;
-    let packing = Packing::of(table.k, largest)?;
+    let packing = Packing::new(table.k, largest)?;
     let mut rows: Vec<Vec<u64>> = table
         .doubled
         .chunks_exact(table.k)
@@ -35,7 +35,7 @@ pub(super) fn p_value(table: &RankTable) -> Option<f64> {
     // because their sums stay even and have far fewer states.
     rows.sort_by_cached_key(|row| (row.iter().any(|r| r % 2 == 1), row.clone()));
     let needed = table.spread() * table.k as i64;
-    let limits = Limits::of(&rows, (needed as u64).div_ceil((factor * factor) as u64));
+    let limits = Limits::new(&rows, (needed as u64).div_ceil((factor * factor) as u64));
     let mut budget = MOST_TRANSITIONS;
     // The last step is only summed, never stored.
     let last = rows.pop()?;
@@ -81,13 +81,13 @@ struct Limits {
 }
 
 impl Limits {
-    fn of(rows: &[Vec<u64>], needed: u64) -> Self {
+    fn new(rows: &[Vec<u64>], needed: u64) -> Self {
         let width = rows.first().map_or(0, Vec::len);
         let (mut still, mut norms) = (vec![vec![0; width]], vec![0.0]);
         for row in rows.iter().rev() {
             let before = &still[still.len() - 1];
             still.push(before.iter().zip(row).map(|(a, b)| a + b).collect());
-            norms.push(norms[norms.len() - 1] + (spread(&Sums::of(row)) as f64).sqrt());
+            norms.push(norms[norms.len() - 1] + (spread(&Sums::from_row(row)) as f64).sqrt());
         }
         still.reverse();
         norms.reverse();
@@ -119,7 +119,7 @@ struct Sums {
 }
 
 impl Sums {
-    fn of(row: &[u64]) -> Self {
+    fn from_row(row: &[u64]) -> Self {
         let mut values = [0; MOST_CONDITIONS];
         values[..row.len()].copy_from_slice(row);
         Self {
@@ -150,7 +150,7 @@ struct Packing {
 }
 
 impl Packing {
-    fn of(conditions: usize, largest: u64) -> Option<Self> {
+    fn new(conditions: usize, largest: u64) -> Option<Self> {
         let bits = u64::BITS - largest.leading_zeros();
         let fits = conditions <= MOST_CONDITIONS && bits as usize * conditions <= 64;
         fits.then_some(Self { conditions, bits })
@@ -189,17 +189,17 @@ impl Packing {
     /// The distinct orders of a sorted row, packed; `None` if there are more than `most`.
     fn orders(&self, sorted: &[u64], most: usize) -> Option<Vec<u64>> {
         let mut row = sorted.to_vec();
-        let mut all = vec![self.pack(&row)];
+        let mut orders = vec![self.pack(&row)];
         loop {
             // The next permutation in lexicographic order; ties are visited once.
             let Some(i) = (1..row.len()).rev().find(|&i| row[i - 1] < row[i]) else {
-                return Some(all);
+                return Some(orders);
             };
             let j = (i..row.len()).rev().find(|&j| row[j] > row[i - 1])?;
             row.swap(i - 1, j);
             row[i..].reverse();
-            all.push(self.pack(&row));
-            if all.len() > most {
+            orders.push(self.pack(&row));
+            if orders.len() > most {
                 return None;
             }
         }
@@ -305,7 +305,7 @@ mod tests {
 
     /// Every order of every subject, one by one.
     fn enumerated(table: &RankTable) -> f64 {
-        let packing = Packing::of(table.k, 2 * (table.n * table.k) as u64).unwrap();
+        let packing = Packing::new(table.k, 2 * (table.n * table.k) as u64).unwrap();
         let mut all = vec![0_u64];
         for row in table.doubled.chunks_exact(table.k) {
             let mut row: Vec<u64> = row.iter().map(|&v| v as u64).collect();
@@ -352,7 +352,7 @@ mod tests {
             let k = rows[0].len();
             let names: Vec<String> = (0..9).map(|i| format!("n{i}")).collect();
             let data = WithinSubjects::from_rows(&names[..k], &names[..rows.len()], &rows).unwrap();
-            let table = RankTable::of(&data);
+            let table = RankTable::new(&data);
             assert!((p_value(&table).unwrap() - enumerated(&table)).abs() < 1e-14);
         }
     }

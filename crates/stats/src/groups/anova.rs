@@ -68,8 +68,8 @@ pub(super) fn fisher(samples: &Samples) -> (OneWayAnova, Reasons) {
         let names = ["eta2_ci90_low", "eta2_ci90_high"];
         reasons.note_all(&names, "there is no F to invert");
     }
-    let all = ss_between + ss_within;
-    let varies = all > 0.0;
+    let ss_total = ss_between + ss_within;
+    let varies = ss_total > 0.0;
     if !varies {
         reasons.note("eta2", "the values do not vary at all: it is 0/0");
     }
@@ -83,10 +83,10 @@ pub(super) fn fisher(samples: &Samples) -> (OneWayAnova, Reasons) {
         p: f.map(|f| f_upper(f, d1, d2)),
         ss_between,
         ss_within,
-        eta2: varies.then(|| ss_between / all),
+        eta2: varies.then(|| ss_between / ss_total),
         eta2_ci90_low: interval.map(|(low, _)| low / (low + d2)),
         eta2_ci90_high: interval.map(|(_, high)| high / (high + d2)),
-        omega2: error.map(|error| (ss_between - d1 * error) / (all + error)),
+        omega2: error.map(|error| (ss_between - d1 * error) / (ss_total + error)),
     };
     (anova, reasons)
 }
@@ -104,7 +104,7 @@ pub(super) fn welch(samples: &Samples) -> (WelchAnova, Reasons) {
         let reason = format!("no variance in group {}", names.join(", "));
         reasons.note_all(&["F", "df2", "p"], &reason);
     }
-    let found = weights.map(|weights| {
+    let f_and_df2 = weights.map(|weights| {
         let total: f64 = weights.iter().sum();
         let pairs = || weights.iter().zip(&samples.all);
         let grand = pairs().map(|(w, s)| w * s.mean).sum::<f64>() / total;
@@ -115,10 +115,10 @@ pub(super) fn welch(samples: &Samples) -> (WelchAnova, Reasons) {
         (f, (k * k - 1.0) / (3.0 * uneven))
     });
     let anova = WelchAnova {
-        f: found.map(|(f, _)| f),
+        f: f_and_df2.map(|(f, _)| f),
         df1: samples.all.len() - 1,
-        df2: found.map(|(_, df2)| df2),
-        p: found.map(|(f, df2)| f_upper(f, k - 1.0, df2)),
+        df2: f_and_df2.map(|(_, df2)| df2),
+        p: f_and_df2.map(|(f, df2)| f_upper(f, k - 1.0, df2)),
     };
     (anova, reasons)
 }

@@ -131,14 +131,14 @@ fn exact(doubled: &[i64], size: usize, sum: i64) -> Option<(f64, f64)> {
         }
     }
     let ways = &ways[size * width..];
-    let all: f64 = ways.iter().sum();
+    let all_ways: f64 = ways.iter().sum();
     // The mean of the sum is size / n of all ranks; distances are compared times n.
     let n = ranks.len();
     let middle = size * ranks.iter().sum::<usize>();
     let distance = |s: usize| (s * n).abs_diff(middle);
     let beyond = |keep: &dyn Fn(usize) -> bool| {
         let kept = ways.iter().enumerate().filter(|(s, _)| keep(*s));
-        kept.map(|(_, w)| w).sum::<f64>() / all
+        kept.map(|(_, w)| w).sum::<f64>() / all_ways
     };
     let two = beyond(&|s| distance(s) >= distance(seen));
     let smaller = beyond(&|s| s <= seen).min(beyond(&|s| s >= seen));

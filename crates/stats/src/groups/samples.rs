@@ -45,7 +45,7 @@ impl Samples {
     pub(crate) fn new(groups: &[String], values: &[Option<f64>]) -> Result<Self, StatsError> {
         StatsError::same_length("group", groups.len(), values.len())?;
         let kept = complete::rows(&[("value", values)], "value", 1)?;
-        let index = Index::of(groups);
+        let index = Index::from_labels(groups);
         complete::enough("group", index.names.len(), kept.missing, 2)?;
         let mut columns = vec![(Vec::new(), Vec::new()); index.names.len()];
         let given = &kept.columns[0];
@@ -70,9 +70,9 @@ impl Samples {
                 squares: if constant { 0.0 } else { squares },
             })
         };
-        let all: Result<_, _> = index.names.into_iter().zip(columns).map(sample).collect();
+        let samples: Result<_, _> = index.names.into_iter().zip(columns).map(sample).collect();
         Ok(Self {
-            all: all?,
+            all: samples?,
             pivot,
             missing: kept.missing,
         })
@@ -89,15 +89,15 @@ impl Samples {
         undefined: &mut Reasons,
         test: impl Fn(&Sample, &Sample) -> (T, Reasons),
     ) -> Named<T> {
-        let mut found = Vec::new();
+        let mut pairs = Vec::new();
         for (i, a) in self.all.iter().enumerate() {
             for b in &self.all[i + 1..] {
                 let name = format!("{}|{}", a.name, b.name);
                 let (result, reasons) = test(a, b);
                 undefined.absorb(&format!("{prefix}.{name}"), reasons);
-                found.push((name, result));
+                pairs.push((name, result));
             }
         }
-        found.into_iter().collect()
+        pairs.into_iter().collect()
     }
 }

@@ -61,7 +61,7 @@ impl Belief {
         self.mean.is_empty()
     }
 
-    /// Their means.
+    /// Mean of each number, shape `(k,)`.
     pub fn mean(&self) -> &[f64] {
         &self.mean
     }

@@ -90,8 +90,8 @@ impl Blocks {
 
     /// Root mean square of a random column.
     pub(super) fn size(&self, j: usize) -> f64 {
-        let of = |b: &Block| (0..b.z.rows).map(|i| b.z[(i, j)].powi(2)).sum::<f64>();
-        let squares: f64 = self.subjects.iter().map(of).sum();
+        let block_squares = |b: &Block| (0..b.z.rows).map(|i| b.z[(i, j)].powi(2)).sum::<f64>();
+        let squares: f64 = self.subjects.iter().map(block_squares).sum();
         (squares / self.rows as f64).sqrt()
     }
 

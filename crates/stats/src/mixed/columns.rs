@@ -148,7 +148,7 @@ impl<'a> Columns<'a> {
             Coded::SumToZero { levels, of_row } => match of_row[i] {
                 None => 0.0,
                 Some(last) if last + 1 == levels.len() => -1.0,
-                Some(own) => f64::from(u8::from(own == level)),
+                Some(of_row) => f64::from(u8::from(of_row == level)),
             },
         };
         column.parts.iter().map(part).product()
@@ -156,8 +156,8 @@ impl<'a> Columns<'a> {
 
     /// The factor of this name; none if it is no predictor, or a covariate.
     pub(super) fn factor(&self, name: &str) -> Option<FactorRows<'_>> {
-        let at = self.formula.predictors().iter().position(|p| p == name)?;
-        match &self.coded[at] {
+        let place = self.formula.predictors().iter().position(|p| p == name)?;
+        match &self.coded[place] {
             Coded::Covariate { .. } | Coded::SumToZero { .. } => None,
             Coded::Factor { levels, of_row } => Some(FactorRows {
                 levels: levels.len(),
@@ -321,7 +321,8 @@ fn code(name: &str, predictor: &Predictor, kept: &[usize]) -> Result<Coded, Stat
             })
         }
         Predictor::SumToZero(cells) => {
-            let levels = Index::of(&cells.iter().flatten().cloned().collect::<Vec<_>>()).names;
+            let levels =
+                Index::from_labels(&cells.iter().flatten().cloned().collect::<Vec<_>>()).names;
             let place = |cell: &String| levels.iter().position(|level| level == cell);
             let of_row = kept
                 .iter()
@@ -334,9 +335,9 @@ fn code(name: &str, predictor: &Predictor, kept: &[usize]) -> Result<Coded, Stat
         }
         Predictor::Factor(cells) => {
             // In order of appearance in all rows, without levels that no row has that is used.
-            let all: Vec<String> = cells.iter().flatten().cloned().collect();
+            let labels: Vec<String> = cells.iter().flatten().cloned().collect();
             let used: Vec<String> = kept.iter().filter_map(|&row| cells[row].clone()).collect();
-            let mut levels = Index::of(&all).names;
+            let mut levels = Index::from_labels(&labels).names;
             levels.retain(|level| used.contains(level));
             if levels.len() < 2 {
                 return Err(one_level(name, levels));

@@ -101,7 +101,7 @@ fn with(theta: &[f64], values: &[(usize, f64)]) -> Vec<f64> {
 fn newton(theta: &[f64], value: &impl Fn(&[f64]) -> f64) -> Option<Vec<f64>> {
     let free: Vec<usize> = (0..theta.len()).filter(|&k| theta[k] > 0.0).collect();
     let step = |k: usize| 1e-4 * theta[k];
-    let here = value(theta);
+    let centre = value(theta);
     let moved = |signs: &[(usize, f64)]| {
         let values: Vec<(usize, f64)> = signs
             .iter()
@@ -115,7 +115,7 @@ fn newton(theta: &[f64], value: &impl Fn(&[f64]) -> f64) -> Option<Vec<f64>> {
     for (a, &i) in free.iter().enumerate() {
         let (low, high) = (moved(&[(i, -1.0)]), moved(&[(i, 1.0)]));
         slope[(a, 0)] = (high - low) / (2.0 * step(i));
-        curvature[(a, a)] = (high - 2.0 * here + low) / (step(i) * step(i));
+        curvature[(a, a)] = (high - 2.0 * centre + low) / (step(i) * step(i));
         for (b, &j) in free[..a].iter().enumerate() {
             let corner = |x: f64, y: f64| moved(&[(i, x), (j, y)]);
             let twist =

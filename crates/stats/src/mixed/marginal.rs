@@ -31,7 +31,7 @@ pub struct MarginalContrast {
 
 impl MarginalContrast {
     /// By t with these degrees of freedom, not adjusted.
-    pub(crate) fn of(estimate: f64, se: f64, df: Option<f64>) -> Self {
+    pub(crate) fn from_estimate(estimate: f64, se: f64, df: Option<f64>) -> Self {
         let t = estimate / se;
         let half = df.and_then(|df| Some(se * t_quantile_two_sided(0.05, df)?));
         Self {
@@ -78,7 +78,7 @@ pub(super) const NO_FREEDOM: &str =
 impl Described<'_> {
     /// The cells of each term that has factors alone: covariates at their mean, other factors averaged.
     fn cells(&self, formula: &Formula) -> Vec<(String, Vec<Cell<'_>>)> {
-        let mut found = Vec::new();
+        let mut by_term = Vec::new();
         for term in formula.terms() {
             let levels: Option<Vec<&[String]>> =
                 term.iter().map(|&p| self.columns.levels(p)).collect();
@@ -101,9 +101,9 @@ impl Described<'_> {
                 levels,
                 weights: self.columns.combination(&weights),
             });
-            found.push((formula.name(term), cells.collect()));
+            by_term.push((formula.name(term), cells.collect()));
         }
-        found
+        by_term
     }
 
     /// Means by term and cell.
@@ -142,7 +142,7 @@ impl Described<'_> {
         formula: &Formula,
         undefined: &mut Reasons,
     ) -> Named<Named<MarginalContrast>> {
-        let mut found = Vec::new();
+        let mut by_term = Vec::new();
         for (term, cells) in self.cells(formula) {
             let mut pairs = Vec::new();
             for (i, a) in cells.iter().enumerate() {
@@ -155,14 +155,14 @@ impl Described<'_> {
                     pairs.push((name, contrast));
                 }
             }
-            found.push((term, MarginalContrast::family(pairs)));
+            by_term.push((term, MarginalContrast::family(pairs)));
         }
-        found.into_iter().collect()
+        by_term.into_iter().collect()
     }
 
     fn contrast(&self, a: &Cell, b: &Cell) -> MarginalContrast {
         let weights = a.weights.iter().zip(&b.weights).map(|(a, b)| a - b);
         let (estimate, se, df) = self.estimates.estimate(&weights.collect::<Vec<f64>>());
-        MarginalContrast::of(estimate, se, df)
+        MarginalContrast::from_estimate(estimate, se, df)
     }
 }

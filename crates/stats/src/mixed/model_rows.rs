@@ -94,11 +94,13 @@ fn find<'a>(
     predictors: &[(&str, Predictor<'a>)],
 ) -> Result<Vec<Predictor<'a>>, StatsError> {
     let one = |name: &String| {
-        let found = predictors.iter().find(|(known, _)| known == name);
-        found.map(|(_, p)| *p).ok_or_else(|| StatsError::Formula {
-            text: name.clone(),
-            expected: "the name of a predictor".to_owned(),
-        })
+        let predictor = predictors.iter().find(|(known, _)| known == name);
+        predictor
+            .map(|(_, p)| *p)
+            .ok_or_else(|| StatsError::Formula {
+                text: name.clone(),
+                expected: "the name of a predictor".to_owned(),
+            })
     };
     formula.predictors().iter().map(one).collect()
 }

@@ -53,7 +53,7 @@ pub struct RandomIntercept {
     pub formula: String,
     /// Rows with all values.
     pub n_obs: usize,
-    /// Subjects.
+    /// How many subjects have at least one of those rows.
     pub n_subjects: usize,
     /// Rows left out because a value is missing.
     pub missing: usize,
@@ -192,8 +192,8 @@ fn restricted(
         .collect();
     // The intercept, then each level of each factor.
     let random = |row: usize, j: usize| {
-        let at = |(f, level): (usize, usize)| by[f].1.of_row[row] == level;
-        f64::from(u8::from(j == 0 || at(places[j - 1])))
+        let in_level = |(f, level): (usize, usize)| by[f].1.of_row[row] == level;
+        f64::from(u8::from(j == 0 || in_level(places[j - 1])))
     };
     let blocks = rows.blocks(1 + places.len(), random);
     let components = Components::of_sizes(&sizes);

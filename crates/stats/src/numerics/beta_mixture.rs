@@ -41,8 +41,8 @@ impl BetaMixture {
         let mut tails = Vec::with_capacity(terms);
         for j in 0..terms {
             tails.push(step);
-            let at = self.a + j as f64;
-            step *= self.x * (at + self.b) / (at + 1.0);
+            let a = self.a + j as f64;
+            step *= self.x * (a + self.b) / (a + 1.0);
         }
         // Summed from the far end, so that only positive numbers are added.
         let mut tail = beta_tails(self.a + terms as f64, self.b, self.x, self.y).0;

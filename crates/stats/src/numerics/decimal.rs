@@ -32,7 +32,7 @@ pub(crate) enum Written<'a> {
 
 impl<'a> Written<'a> {
     /// Looks at how the values of one column were written.
-    pub(crate) fn of(values: &'a [f64]) -> Self {
+    pub(crate) fn from_values(values: &'a [f64]) -> Self {
         (0..=FAST_PLACES)
             .find_map(|places| scaled(values, places))
             .or_else(|| from_digits(values))
@@ -84,11 +84,11 @@ impl<'a> Written<'a> {
 
 /// The column with numbers that tie made equal, for ranking.
 pub(crate) fn tied(values: &[f64]) -> Cow<'_, [f64]> {
-    match Written::of(values) {
+    match Written::from_values(values) {
         Written::Decimals(_) => Cow::Borrowed(values),
         Written::Rounded { .. } => {
             // A short decimal ties with its equal alone.
-            let own = |&value: &f64| {
+            let with_reach = |&value: &f64| {
                 let reach = if is_decimal(value) {
                     0.0
                 } else {
@@ -96,7 +96,7 @@ pub(crate) fn tied(values: &[f64]) -> Cow<'_, [f64]> {
                 };
                 (value, reach)
             };
-            let groups = groups(&values.iter().map(own).collect::<Vec<_>>());
+            let groups = groups(&values.iter().map(with_reach).collect::<Vec<_>>());
             let most = groups.iter().max().map_or(0, |&g| g as usize + 1);
             let mut first = vec![f64::INFINITY; most];
             for (&group, &value) in groups.iter().zip(values) {
@@ -115,8 +115,8 @@ fn groups(values: &[(f64, f64)]) -> Vec<i64> {
     let mut start = order.first().map(|&i| values[i]);
     let (mut group, mut groups) = (0, vec![0; values.len()]);
     for i in order {
-        let (value, own) = values[i];
-        if start.is_some_and(|(first, reach)| value - first > own.max(reach)) {
+        let (value, tolerance) = values[i];
+        if start.is_some_and(|(first, reach)| value - first > tolerance.max(reach)) {
             start = Some(values[i]);
             group += 1;
         }
@@ -230,7 +230,7 @@ mod tests {
 
     fn differences(values: &[f64]) -> Vec<i64> {
         let half = values.len() / 2;
-        Written::of(values).differences((0..half).map(|i| (2 * i, 2 * i + 1)))
+        Written::from_values(values).differences((0..half).map(|i| (2 * i, 2 * i + 1)))
     }
 
     #[test]

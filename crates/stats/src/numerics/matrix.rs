@@ -34,14 +34,14 @@ impl Matrix {
         Self::from(size, size, |i, j| if i == j { 1.0 } else { 0.0 })
     }
 
-    pub(crate) fn from(rows: usize, columns: usize, of: impl Fn(usize, usize) -> f64) -> Self {
-        let mut made = Self::zeros(rows, columns);
+    pub(crate) fn from(rows: usize, columns: usize, entry: impl Fn(usize, usize) -> f64) -> Self {
+        let mut matrix = Self::zeros(rows, columns);
         for i in 0..rows {
             for j in 0..columns {
-                made[(i, j)] = of(i, j);
+                matrix[(i, j)] = entry(i, j);
             }
         }
-        made
+        matrix
     }
 
     pub(crate) fn row(&self, i: usize) -> &[f64] {

@@ -14,10 +14,10 @@ pub(crate) fn minimise(
     let mut best = (start.to_vec(), value(start));
     let mut edge = step;
     for _ in 0..12 {
-        let found = simplex(&best.0, edge, tolerance, &value);
-        let gain = best.1 - found.1;
-        if found.1 <= best.1 {
-            best = found;
+        let candidate = simplex(&best.0, edge, tolerance, &value);
+        let gain = best.1 - candidate.1;
+        if candidate.1 <= best.1 {
+            best = candidate;
         }
         edge *= 0.4;
         if gain.abs() <= tolerance {

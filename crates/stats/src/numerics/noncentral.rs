@@ -119,25 +119,28 @@ pub(crate) fn f_ncp_interval(f: f64, df1: f64, df2: f64, tail: f64) -> Option<(f
     let spread = (1.0 + scale / (2.0 * df2)).sqrt();
     let centre = (scale - df1).max(0.0).sqrt();
     let reach = normal_quantile(1.0 - tail) * spread;
-    let mut here = AtF::new(f, df1, df2);
-    here.mixture = here
+    let mut distribution = AtF::new(f, df1, df2);
+    distribution.mixture = distribution
         .mixture
         .tabulated(0.5 * (centre + reach + spread).powi(2));
-    let central = here.lower(0.0);
-    let at = |probability: f64, guess: f64| {
+    let central = distribution.lower(0.0);
+    let ncp_at = |probability: f64, guess: f64| {
         if central <= probability {
             return Some(0.0);
         }
-        let lower_tail = |root: f64| here.lower(root * root);
+        let lower_tail = |root: f64| distribution.lower(root * root);
         let first = guess.max(0.1);
         on_normal_scale(lower_tail, probability, first, first + 0.2 * spread)
             .map(|root| root * root)
             .or_else(|| {
-                let gap = |ncp: f64| here.lower(ncp) - probability;
+                let gap = |ncp: f64| distribution.lower(ncp) - probability;
                 roots::upwards(gap, 0.0, scale.max(1.0))
             })
     };
-    Some((at(1.0 - tail, centre - reach)?, at(tail, centre + reach)?))
+    Some((
+        ncp_at(1.0 - tail, centre - reach)?,
+        ncp_at(tail, centre + reach)?,
+    ))
 }
 
 /// The noncentralities that leave `tail` above and below an observed t.
@@ -149,16 +152,16 @@ pub(crate) fn t_ncp_interval(t: f64, df: f64, tail: f64) -> Option<(f64, f64)> {
     // (ncp - t) / √(1 + t²/2df) is nearly normal: a first guess.
     let spread = (1.0 + t * t / (2.0 * df)).sqrt();
     let reach = normal_quantile(1.0 - tail) * spread;
-    let mut here = AtT::new(t, df);
+    let mut distribution = AtT::new(t, df);
     let rate = 0.5 * (t + reach + spread).powi(2);
-    here.even = here.even.tabulated(rate);
-    here.odd = here.odd.tabulated(rate);
-    let at = |probability: f64, guess: f64| {
-        let lower_tail = |ncp: f64| here.lower(ncp);
+    distribution.even = distribution.even.tabulated(rate);
+    distribution.odd = distribution.odd.tabulated(rate);
+    let ncp_at = |probability: f64, guess: f64| {
+        let lower_tail = |ncp: f64| distribution.lower(ncp);
         on_normal_scale(lower_tail, probability, guess, guess + 0.1 * spread)
             .or_else(|| bracketed(|ncp| lower_tail(ncp) - probability, guess, 0.1 * spread))
     };
-    Some((at(1.0 - tail, t - reach)?, at(tail, t + reach)?))
+    Some((ncp_at(1.0 - tail, t - reach)?, ncp_at(tail, t + reach)?))
 }
 
 /// The root of a falling function, looked for outwards from a guess.

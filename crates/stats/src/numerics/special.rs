@@ -56,11 +56,11 @@ pub(crate) fn beta_tails(a: f64, b: f64, x: f64, y: f64) -> (f64, f64) {
         return (1.0, 0.0);
     }
     // The logarithm of what is close to 1 has its digits in the other of both.
-    let ln = |of: f64, rest: f64| {
+    let ln = |x: f64, rest: f64| {
         if rest < 0.5 {
             libm::log1p(-rest)
         } else {
-            libm::log(of)
+            libm::log(x)
         }
     };
     let front = libm::exp(a * ln(x, y) + b * ln(y, x) - ln_beta(a, b));

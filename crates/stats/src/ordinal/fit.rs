@@ -5,7 +5,7 @@ use crate::numerics::{matrix::Matrix, moments::dot};
 
 /// The highest point of a likelihood.
 pub(super) struct Top {
-    pub(super) at: Vec<f64>,
+    pub(super) parameters: Vec<f64>,
     pub(super) value: f64,
 }
 
@@ -18,13 +18,14 @@ const NO_SD: f64 = 1e-4;
 
 impl Top {
     pub(super) fn sd(&self) -> f64 {
-        self.at.last().copied().unwrap_or(0.0)
+        self.parameters.last().copied().unwrap_or(0.0)
     }
 
     /// The estimate with its standard error; `None` where it grows without bound.
-    pub(super) fn finite(&self, at: usize, se: Option<f64>) -> Option<(f64, Option<f64>)> {
-        let finite = self.at[at].abs() < LARGEST_ESTIMATE && se.is_none_or(|se| se < LARGEST_ERROR);
-        finite.then_some((self.at[at], se))
+    pub(super) fn finite(&self, parameter: usize, se: Option<f64>) -> Option<(f64, Option<f64>)> {
+        let finite = self.parameters[parameter].abs() < LARGEST_ESTIMATE
+            && se.is_none_or(|se| se < LARGEST_ERROR);
+        finite.then_some((self.parameters[parameter], se))
     }
 }
 
@@ -33,19 +34,23 @@ impl Top {
 /// `None` if that does not settle.
 pub(super) fn top(likelihood: &mut Likelihood, from: Option<&Top>) -> Option<Top> {
     let size = likelihood.sample().parameters();
-    let mut at = likelihood.sample().start();
+    let mut parameters = likelihood.sample().start();
     if let Some(near) = from.filter(|near| near.sd() > NO_SD) {
-        at.clone_from(&near.at);
+        parameters.clone_from(&near.parameters);
     }
     let mut gradient = vec![0.0; size];
-    let mut value = likelihood.at(&at, &mut gradient)?;
+    let mut value = likelihood.at(&parameters, &mut gradient)?;
     let mut settled = false;
     for _ in 0..100 {
-        let step = uphill(likelihood, &at, &gradient)?;
+        let step = uphill(likelihood, &parameters, &gradient)?;
         let gain = dot(&step, &gradient);
         let mut share = 1.0;
         let (next, there) = loop {
-            let next: Vec<f64> = at.iter().zip(&step).map(|(x, s)| x + share * s).collect();
+            let next: Vec<f64> = parameters
+                .iter()
+                .zip(&step)
+                .map(|(x, s)| x + share * s)
+                .collect();
             let there = likelihood.at(&next, &mut gradient);
             if let Some(there) = there.filter(|there| *there >= value + 1e-4 * share * gain - 1e-11)
             {
@@ -56,44 +61,44 @@ pub(super) fn top(likelihood: &mut Likelihood, from: Option<&Top>) -> Option<Top
                 return None;
             }
         };
-        (at, value) = (next, there);
+        (parameters, value) = (next, there);
         if gain < 1e-11 && share > 0.5 {
             settled = true;
             break;
         }
     }
-    let sd = at[size - 1].abs();
-    at[size - 1] = if sd < NO_SD { 0.0 } else { sd };
+    let sd = parameters[size - 1].abs();
+    parameters[size - 1] = if sd < NO_SD { 0.0 } else { sd };
     if !settled || sd > LARGEST_SD {
         return None;
     }
-    let value = likelihood.at(&at, &mut gradient)?;
-    Some(Top { at, value })
+    let value = likelihood.at(&parameters, &mut gradient)?;
+    Some(Top { parameters, value })
 }
 
 /// -∂²/∂θ² by differences of the gradient, on both sides or on one.
 fn information(
     likelihood: &mut Likelihood,
-    at: &[f64],
+    parameters: &[f64],
     step: f64,
-    here: Option<&[f64]>,
+    gradient: Option<&[f64]>,
 ) -> Option<Matrix> {
-    let size = at.len();
+    let size = parameters.len();
     let mut rows = Matrix::zeros(size, size);
-    let (mut moved, mut up, mut down) = (at.to_vec(), vec![0.0; size], vec![0.0; size]);
+    let (mut moved, mut up, mut down) = (parameters.to_vec(), vec![0.0; size], vec![0.0; size]);
     for j in 0..size {
-        let h = step * (1.0 + at[j].abs());
-        moved[j] = at[j] + h;
+        let h = step * (1.0 + parameters[j].abs());
+        moved[j] = parameters[j] + h;
         likelihood.at(&moved, &mut up)?;
-        let width = if let Some(here) = here {
-            down.copy_from_slice(here);
+        let width = if let Some(gradient) = gradient {
+            down.copy_from_slice(gradient);
             h
         } else {
-            moved[j] = at[j] - h;
+            moved[j] = parameters[j] - h;
             likelihood.at(&moved, &mut down)?;
             2.0 * h
         };
-        moved[j] = at[j];
+        moved[j] = parameters[j];
         for i in 0..size {
             rows[(j, i)] = (down[i] - up[i]) / width;
         }
@@ -104,9 +109,9 @@ fn information(
 }
 
 /// Newton's step, bent towards the gradient where the likelihood is not concave, and no longer than a few logits.
-fn uphill(likelihood: &mut Likelihood, at: &[f64], gradient: &[f64]) -> Option<Vec<f64>> {
-    let size = at.len();
-    let information = information(likelihood, at, 1e-6, Some(gradient))?;
+fn uphill(likelihood: &mut Likelihood, parameters: &[f64], gradient: &[f64]) -> Option<Vec<f64>> {
+    let size = parameters.len();
+    let information = information(likelihood, parameters, 1e-6, Some(gradient))?;
     let slope = Matrix::from(size, 1, |i, _| gradient[i]);
     let mut ridge = 0.0;
     for _ in 0..60 {
@@ -133,24 +138,25 @@ pub(super) struct Errors {
 }
 
 impl Errors {
-    pub(super) fn at(likelihood: &mut Likelihood, at: &[f64]) -> Self {
-        let free = at.len() - usize::from(at[at.len() - 1].abs() < NO_SD);
-        let inverse = information(likelihood, at, 1e-4, None).and_then(|all| {
+    pub(super) fn at(likelihood: &mut Likelihood, parameters: &[f64]) -> Self {
+        let free = parameters.len() - usize::from(parameters[parameters.len() - 1].abs() < NO_SD);
+        let inverse = information(likelihood, parameters, 1e-4, None).and_then(|all| {
             let part = Matrix::from(free, free, |i, j| all[(i, j)]);
             Some(part.cholesky()?.inverse())
         });
         Self { inverse }
     }
 
-    pub(super) fn of(&self, parameter: usize) -> Option<f64> {
+    pub(super) fn of_parameter(&self, parameter: usize) -> Option<f64> {
         self.of_difference(Some(parameter), None)
     }
 
     /// Of one parameter less another; none of the two is 0, as the reference's.
     pub(super) fn of_difference(&self, a: Option<usize>, b: Option<usize>) -> Option<f64> {
         let inverse = self.inverse.as_ref()?;
-        let known = |at: Option<usize>| at.is_none_or(|at| at < inverse.rows);
-        let entry = |i: Option<usize>, j: Option<usize>| i.zip(j).map_or(0.0, |at| inverse[at]);
+        let known = |i: Option<usize>| i.is_none_or(|i| i < inverse.rows);
+        let entry =
+            |i: Option<usize>, j: Option<usize>| i.zip(j).map_or(0.0, |place| inverse[place]);
         let variance = || entry(a, a) + entry(b, b) - 2.0 * entry(a, b);
         let variance = (known(a) && known(b)).then(variance)?;
         Some(variance.sqrt()).filter(|se| se.is_finite() && *se > 0.0)

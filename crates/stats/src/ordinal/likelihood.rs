@@ -93,8 +93,12 @@ impl Sample {
         }
         let first = [categories - 1, categories + levels[0] - 2];
         let terms = |rows: Vec<(usize, [usize; 2])>| {
-            let of = |(category, at): (usize, [usize; 2])| {
-                let effect = |of: usize| at[of].checked_sub(1).map(|at| first[of] + at);
+            let of_answer = |(category, positions): (usize, [usize; 2])| {
+                let effect = |f: usize| {
+                    positions[f]
+                        .checked_sub(1)
+                        .map(|position| first[f] + position)
+                };
                 let term = |sign, threshold| Term {
                     sign,
                     threshold,
@@ -104,7 +108,7 @@ impl Sample {
                 let below = (category > 0).then(|| term(-1.0, category.wrapping_sub(1)));
                 above.into_iter().chain(below)
             };
-            rows.into_iter().flat_map(of).collect()
+            rows.into_iter().flat_map(of_answer).collect()
         };
         Self {
             subjects: subjects.into_iter().map(terms).collect(),
@@ -159,13 +163,13 @@ impl Sample {
         work.mean.resize(terms.len(), 0.0);
         for (node, weight) in rule.nodes.iter().zip(&rule.weights) {
             let v = mode + spread * node;
-            let here = work.at(terms, sigma, v, false);
-            let share = weight * libm::exp(here.value - top.value);
+            let point = work.at(terms, sigma, v, false);
+            let share = weight * libm::exp(point.value - top.value);
             sum += share;
-            let slope = share * (-sigma * here.d[0] - v);
+            let slope = share * (-sigma * point.d[0] - v);
             pull += slope;
             stretch += slope * node;
-            by_sigma -= share * v * here.d[0];
+            by_sigma -= share * v * point.d[0];
             for (mean, d) in work.mean.iter_mut().zip(&work.first) {
                 *mean += share * d;
             }
@@ -256,7 +260,7 @@ struct Work {
 
 impl Work {
     fn at(&mut self, terms: &[Term], sigma: f64, v: f64, keep: bool) -> At {
-        let mut at = At {
+        let mut sums = At {
             value: -0.5 * v * v,
             d: [0.0; 3],
         };
@@ -271,23 +275,23 @@ impl Work {
             let q = 1.0 / (1.0 + odds);
             product *= odds * q;
             if product < 1e-200 {
-                at.value += libm::log(product);
+                sums.value += libm::log(product);
                 product = 1.0;
             }
             let first = term.sign * q;
             let second = -q * (odds * q);
-            at.d[0] += first;
-            at.d[1] += second;
+            sums.d[0] += first;
+            sums.d[1] += second;
             self.first.push(first);
             if keep {
                 let third = -term.sign * second * (1.0 - 2.0 * q);
-                at.d[2] += third;
+                sums.d[2] += third;
                 self.second.push(second);
                 self.third.push(third);
             }
         }
-        at.value += libm::log(product);
-        at
+        sums.value += libm::log(product);
+        sums
     }
 
     /// Where value is largest: Newton's method from a point nearby, kept within what brackets the root of a falling slope.
@@ -295,14 +299,14 @@ impl Work {
         let reach = sigma.abs() * terms.len() as f64 + 1e-9;
         let (mut low, mut high, mut v) = (-reach, reach, near.clamp(-reach, reach));
         for _ in 0..200 {
-            let here = self.at(terms, sigma, v, false);
-            let slope = -sigma * here.d[0] - v;
+            let point = self.at(terms, sigma, v, false);
+            let slope = -sigma * point.d[0] - v;
             if slope > 0.0 {
                 low = v;
             } else {
                 high = v;
             }
-            let step = slope / (1.0 - sigma * sigma * here.d[1]);
+            let step = slope / (1.0 - sigma * sigma * point.d[1]);
             let next = v + step;
             let inside = next > low && next < high;
             v = if inside {

@@ -33,8 +33,8 @@ impl Answers {
         periods: &[usize],
         answers: &[Option<f64>],
     ) -> Result<Self, StatsError> {
-        for (name, found) in [("condition", conditions.len()), ("value", answers.len())] {
-            StatsError::same_length(name, found, subjects.len())?;
+        for (name, length) in [("condition", conditions.len()), ("value", answers.len())] {
+            StatsError::same_length(name, length, subjects.len())?;
         }
         let kept = complete::rows(&[("value", answers)], "answer", 2)?;
         let mut whole = Vec::with_capacity(kept.kept.len());
@@ -48,13 +48,14 @@ impl Answers {
         let mut categories = whole.clone();
         categories.sort_unstable();
         categories.dedup();
-        let named = Index::of(conditions);
+        let named = Index::from_labels(conditions);
         if named.names.len() < 2 {
-            let found = named.names.len();
-            return Err(StatsError::TooFewConditions { found });
+            return Err(StatsError::TooFewConditions {
+                found: named.names.len(),
+            });
         }
         let used: Vec<String> = kept.kept.iter().map(|&row| subjects[row].clone()).collect();
-        let people = Index::of(&used);
+        let people = Index::from_labels(&used);
         complete::enough("subject", people.names.len(), kept.missing, 2)?;
         let mut met: Vec<usize> = kept
             .kept
@@ -101,9 +102,9 @@ impl Answers {
         loop {
             let highest = left.categories.len() - 1;
             let extreme = (0..left.conditions.len()).find(|&condition| {
-                let mut of = left.rows.iter().filter(|row| row.condition == condition);
-                let first = of.next().map_or(0, |row| row.category);
-                (first == 0 || first == highest) && of.all(|row| row.category == first)
+                let mut answers = left.rows.iter().filter(|row| row.condition == condition);
+                let first = answers.next().map_or(0, |row| row.category);
+                (first == 0 || first == highest) && answers.all(|row| row.category == first)
             });
             let Some(extreme) = extreme else {
                 return Ok(left);

@@ -27,7 +27,7 @@ pub(crate) struct SignedRanks {
 
 impl SignedRanks {
     /// `keys` are the differences: doubles, or the decimal numbers as written.
-    pub(crate) fn of<K: PartialOrd + Copy + Default + std::ops::Neg<Output = K>>(
+    pub(crate) fn from_differences<K: PartialOrd + Copy + Default + std::ops::Neg<Output = K>>(
         keys: &[K],
         treatment: Zeros,
     ) -> Self {
@@ -133,8 +133,8 @@ impl SignedRanks {
                 end = start;
             }
         }
-        let all = 2.0_f64.powi(order.len() as i32);
-        Some((2.0 * (counts.iter().sum::<f64>() / all)).min(1.0))
+        let all_signs = 2.0_f64.powi(order.len() as i32);
+        Some((2.0 * (counts.iter().sum::<f64>() / all_signs)).min(1.0))
     }
 }
 
@@ -149,7 +149,7 @@ mod tests {
     fn the_exact_p_is_that_of_all_sign_changes() {
         let differences = [3.0, -1.0, 2.0, 2.0, -5.0, 7.0, 0.0, 4.0];
         for treatment in [Zeros::Dropped, Zeros::RankedThenDropped] {
-            let ranks = SignedRanks::of(&differences, treatment);
+            let ranks = SignedRanks::from_differences(&differences, treatment);
             let n = ranks.ranks.len();
             let total: i64 = ranks.ranks.iter().sum();
             let gap = |plus: i64| (2 * plus - total).abs();

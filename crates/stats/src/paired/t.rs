@@ -164,6 +164,6 @@ pub(crate) fn is_constant_difference(a: &[f64], b: &[f64], differences: &[f64]) 
         return false;
     }
     let (n, both) = (a.len(), [a, b].concat());
-    let written = decimal::Written::of(&both);
+    let written = decimal::Written::from_values(&both);
     (1..n).all(|i| written.same_difference((i, n + i), (0, n)))
 }

@@ -88,15 +88,16 @@ pub struct WilcoxonCompat {
 /// Compares two columns of shape `(n,)`; `keys` are their differences as written, with the ties that those have;
 /// `rounded` says that some numbers are longer than stand for themselves.
 pub(crate) fn test(a: &[f64], b: &[f64], keys: &[i64], rounded: bool) -> (Wilcoxon, Reasons) {
-    let main = SignedRanks::of(keys, Zeros::Dropped);
-    let pratt = (main.zeros > 0).then(|| SignedRanks::of(keys, Zeros::RankedThenDropped));
+    let main = SignedRanks::from_differences(keys, Zeros::Dropped);
+    let pratt =
+        (main.zeros > 0).then(|| SignedRanks::from_differences(keys, Zeros::RankedThenDropped));
     let mut result = of_ranks(&main, pratt.as_ref().unwrap_or(&main));
     let raw: Vec<f64> = a.iter().zip(b).map(|(a, b)| a - b).collect();
     result.compat = quote_others(&result, &raw, &main);
     let split = if rounded {
-        SignedRanks::of(keys, Zeros::Split)
+        SignedRanks::from_differences(keys, Zeros::Split)
     } else {
-        SignedRanks::of(&raw, Zeros::Split)
+        SignedRanks::from_differences(&raw, Zeros::Split)
     };
     result.compat.p_zsplit = split.p_normal(0.0);
     let reasons = reasons(&result);
@@ -152,7 +153,7 @@ fn of_ranks(main: &SignedRanks, pratt: &SignedRanks) -> Wilcoxon {
 
 /// The p values that rank raw doubles, by the rules of R 4.2 and SciPy 1.17.
 fn quote_others(result: &Wilcoxon, raw: &[f64], main: &SignedRanks) -> WilcoxonCompat {
-    let dropped = SignedRanks::of(raw, Zeros::Dropped);
+    let dropped = SignedRanks::from_differences(raw, Zeros::Dropped);
     let clean = !dropped.has_ties && dropped.zeros == 0;
     let some = !dropped.ranks.is_empty();
     let same = dropped.ranks == main.ranks && dropped.plus == main.plus;

@@ -121,8 +121,8 @@ pub fn alpha(
     let covariances = covariance_matrix(columns);
     let mut undefined = Reasons::default();
     let mut warnings = Vec::new();
-    let all: Vec<usize> = (0..k).collect();
-    let raw = raw_alpha(&covariances, &all);
+    let all_items: Vec<usize> = (0..k).collect();
+    let raw = raw_alpha(&covariances, &all_items);
     let item = item_statistics(items, columns, &mut undefined, &mut warnings);
     let drop = items
         .iter()
@@ -145,9 +145,9 @@ pub fn alpha(
     let mean_r = mean_correlation(&covariances);
     let several = several_sheets(people, &complete)?;
     let interval = match (several, people) {
-        (Some(found), Some(people)) => {
+        (Some(count), Some(people)) => {
             warnings.push(format!(
-                "{n} sheets come from {found} people: the interval of alpha is a bootstrap over people"
+                "{n} sheets come from {count} people: the interval of alpha is a bootstrap over people"
             ));
             by_person(items, people)?
         }
@@ -162,7 +162,7 @@ pub fn alpha(
         mean_r,
         ci_low: interval.map(|(low, _)| low),
         ci_high: interval.map(|(_, high)| high),
-        raw_pairwise: pairwise.as_ref().and_then(|m| raw_alpha(m, &all)),
+        raw_pairwise: pairwise.as_ref().and_then(|m| raw_alpha(m, &all_items)),
         standardized_pairwise: pairwise
             .as_ref()
             .and_then(|m| mean_correlation(m))
@@ -206,9 +206,9 @@ fn by_person(
 ) -> Result<Option<(f64, f64)>, StatsError> {
     let data = BootstrapData::Sheets { items, people };
     match bootstrap(Statistic::Alpha, data, &BootstrapSettings::default()) {
-        Ok(found) => {
+        Ok(resampled) => {
             let ends = |i: &Interval| i.low.zip(i.high);
-            Ok(ends(&found.bca).or_else(|| ends(&found.percentile)))
+            Ok(ends(&resampled.bca).or_else(|| ends(&resampled.percentile)))
         }
         Err(StatsError::TooFew { .. }) => Ok(None),
         Err(other) => Err(other),

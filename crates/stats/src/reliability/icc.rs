@@ -74,19 +74,19 @@ pub fn icc(occasions: &[(&str, &[Option<f64>])]) -> Result<Icc, StatsError> {
     let columns = &complete.columns;
     let (people, times) = (columns[0].len(), columns.len());
     let (n, k) = (people as f64, times as f64);
-    let all = n * k;
-    let grand = columns.iter().flatten().sum::<f64>() / all;
+    let readings = n * k;
+    let grand = columns.iter().flatten().sum::<f64>() / readings;
     // Centred, so that a large mean takes no digits.
-    let at = |i: usize, j: usize| columns[j][i] - grand;
-    let person = |i: usize| (0..times).map(|j| at(i, j)).sum::<f64>() / k;
-    let occasion = |j: usize| (0..people).map(|i| at(i, j)).sum::<f64>() / n;
+    let deviation = |i: usize, j: usize| columns[j][i] - grand;
+    let person = |i: usize| (0..times).map(|j| deviation(i, j)).sum::<f64>() / k;
+    let occasion = |j: usize| (0..people).map(|i| deviation(i, j)).sum::<f64>() / n;
     let between = k * (0..people).map(|i| person(i).powi(2)).sum::<f64>() / (n - 1.0);
     let over_times = n * (0..times).map(|j| occasion(j).powi(2)).sum::<f64>() / (k - 1.0);
     let (mut within, mut rest) = (0.0, 0.0);
     for i in 0..people {
         for j in 0..times {
-            within += (at(i, j) - person(i)).powi(2);
-            rest += (at(i, j) - person(i) - occasion(j)).powi(2);
+            within += (deviation(i, j) - person(i)).powi(2);
+            rest += (deviation(i, j) - person(i) - occasion(j)).powi(2);
         }
     }
     let rest_df = (n - 1.0) * (k - 1.0);
@@ -97,11 +97,11 @@ pub fn icc(occasions: &[(&str, &[Option<f64>])]) -> Result<Icc, StatsError> {
         (0.0, rest)
     };
     let variance = of_occasions + of_rest;
-    let alike = is_rounding((within / all).sqrt(), grand.abs().max(between.sqrt()));
+    let alike = is_rounding((within / readings).sqrt(), grand.abs().max(between.sqrt()));
     let sem = if alike { 0.0 } else { variance.sqrt() };
     let sem_df = variance.powi(2) / (of_occasions.powi(2) / (k - 1.0) + of_rest.powi(2) / rest_df);
     let sem_interval = sd_interval(sem, sem_df);
-    let mut found = Icc {
+    let mut result = Icc {
         n: people,
         k: times,
         missing: complete.missing,
@@ -116,23 +116,23 @@ pub fn icc(occasions: &[(&str, &[Option<f64>])]) -> Result<Icc, StatsError> {
     };
     if sem_interval.is_none() {
         let reason = "everybody's readings are alike on all occasions";
-        found.undefined.note_all(&["sem_low", "sem_high"], reason);
+        result.undefined.note_all(&["sem_low", "sem_high"], reason);
     }
     let total = between + (k - 1.0) * rest + k / n * (over_times - rest);
     let flat = columns.iter().flatten().copied().collect::<Vec<f64>>();
     if is_constant(&flat) || total <= 0.0 {
         let reason = "all readings are alike";
-        found
+        result
             .undefined
             .note_all(&["icc", "ci_low", "ci_high"], reason);
-        return Ok(found);
+        return Ok(result);
     }
     let estimate = (between - rest) / total;
-    found.icc = Some(estimate);
+    result.icc = Some(estimate);
     if alike {
         let reason = "everybody's readings are alike on all occasions";
-        found.undefined.note_all(&["ci_low", "ci_high"], reason);
-        return Ok(found);
+        result.undefined.note_all(&["ci_low", "ci_high"], reason);
+        return Ok(result);
     }
     let free = {
         let ratio = k * estimate / (n * (1.0 - estimate));
@@ -144,12 +144,12 @@ pub fn icc(occasions: &[(&str, &[Option<f64>])]) -> Result<Icc, StatsError> {
         .map(|f| n * (between - f * rest) / (f * others + n * between));
     let high = f_quantile_upper(0.025, free, n - 1.0)
         .map(|f| n * (f * between - rest) / (others + n * f * between));
-    (found.ci_low, found.ci_high) = (low, high);
+    (result.ci_low, result.ci_high) = (low, high);
     if low.is_none() || high.is_none() {
         let reason = "the F distribution has no such quantile";
-        found.undefined.note_all(&["ci_low", "ci_high"], reason);
+        result.undefined.note_all(&["ci_low", "ci_high"], reason);
     }
-    Ok(found)
+    Ok(result)
 }
 
 #[cfg(test)]

@@ -12,7 +12,7 @@ const LEDGERS: [&str; 2] = [".maveric", "pipelines"];
 /// # Errors
 /// [`StudyError::BadFile`] for a ledger that is none, [`StudyError::NotPossible`] while a run holds it.
 pub(super) fn by_runs(folder: &Path) -> Result<Vec<PathBuf>, StudyError> {
-    let mut made = Vec::new();
+    let mut files = Vec::new();
     for place in LEDGERS.map(|name| folder.join(name)) {
         for entry in std::fs::read_dir(&place).into_iter().flatten() {
             let path = entry.map_err(StudyError::read(&place))?.path();
@@ -22,17 +22,17 @@ pub(super) fn by_runs(folder: &Path) -> Result<Vec<PathBuf>, StudyError> {
                 continue;
             }
             if name == ".logs" || name.contains(".lock.") {
-                made.push(path);
+                files.push(path);
             } else if path.extension().is_some_and(|e| e == "lock") {
                 refuse_running(&path)?;
-                made.extend(outputs(folder, &path)?);
-                made.push(path);
+                files.extend(outputs(folder, &path)?);
+                files.push(path);
             }
         }
     }
-    made.sort();
-    made.dedup();
-    Ok(made)
+    files.sort();
+    files.dedup();
+    Ok(files)
 }
 
 /// Refuses while a run is under way: it would write again what is removed.
@@ -56,7 +56,7 @@ fn outputs(folder: &Path, ledger: &Path) -> Result<Vec<PathBuf>, StudyError> {
         .map_err(|e| StudyError::file(ledger, format!("not a ledger of runs: {e}")))?;
     let runs = ["run", "left"].into_iter();
     let runs = runs.filter_map(|key| read.get(key)?.as_table());
-    let mut found = Vec::new();
+    let mut paths = Vec::new();
     for run in runs.flat_map(toml::Table::values) {
         let table = |key: &str| run.get(key).and_then(toml::Value::as_table);
         let words = |list: Option<&toml::Value>| {
@@ -67,20 +67,20 @@ fn outputs(folder: &Path, ledger: &Path) -> Result<Vec<PathBuf>, StudyError> {
         let files = table("files");
         for output in table("outputs").into_iter().flat_map(toml::Table::keys) {
             if !files.is_some_and(|files| files.contains_key(output)) {
-                found.push(PathBuf::from(output));
+                paths.push(PathBuf::from(output));
             }
         }
         for (output, names) in files.into_iter().flatten() {
             let names = words(Some(names));
-            found.extend(names.iter().map(|name| Path::new(output).join(name)));
+            paths.extend(names.iter().map(|name| Path::new(output).join(name)));
         }
-        found.extend(words(run.get("open")).into_iter().map(PathBuf::from));
+        paths.extend(words(run.get("open")).into_iter().map(PathBuf::from));
     }
     let inside = |path: &&PathBuf| {
         let mut parts = path.components();
         parts.all(|part| matches!(part, Component::Normal(_)))
     };
-    let within = found.iter().filter(inside);
+    let within = paths.iter().filter(inside);
     // Of a file the ledger's name for what is in it is empty.
     Ok(within
         .map(|path| folder.join(path).components().collect())

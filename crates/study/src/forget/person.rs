@@ -57,7 +57,7 @@ pub fn forget_person(study: &DesignFile, id: &ParticipantId) -> Result<Forgotten
         });
     }
     let folder = study.folder();
-    let made = made::by_runs(&folder)?;
+    let by_runs = made::by_runs(&folder)?;
     let (logs, shared) = logs_of(study, id)?;
     let inputs = inputs(study);
     let learned = models_of(study, &folder, id)?;
@@ -72,11 +72,11 @@ pub fn forget_person(study: &DesignFile, id: &ParticipantId) -> Result<Forgotten
     let beside = learned
         .iter()
         .flat_map(|model| [model.clone(), training_path(model), embeddings_path(model)]);
-    let made = made.into_iter().filter(|path| !inputs.contains(path));
+    let by_runs = by_runs.into_iter().filter(|path| !inputs.contains(path));
     let named = files_below(&folder)?
         .into_iter()
         .filter(|path| is_kept_under(study, path, id));
-    for path in made.chain(beside).chain(logs).chain(named) {
+    for path in by_runs.chain(beside).chain(logs).chain(named) {
         remove(&path, &folder, &mut forgotten.removed)?;
     }
     for path in files_below(&folder)? {
@@ -200,7 +200,7 @@ fn names_still(study: &DesignFile, path: &Path, id: &ParticipantId) -> Result<bo
 
 /// Every file of a folder and of the folders in it, in order; links are not followed.
 fn files_below(folder: &Path) -> Result<Vec<PathBuf>, StudyError> {
-    let mut found = Vec::new();
+    let mut files = Vec::new();
     let mut folders = vec![folder.to_owned()];
     while let Some(folder) = folders.pop() {
         for entry in std::fs::read_dir(&folder).map_err(StudyError::read(&folder))? {
@@ -209,12 +209,12 @@ fn files_below(folder: &Path) -> Result<Vec<PathBuf>, StudyError> {
             if kind.is_dir() {
                 folders.push(entry.path());
             } else if kind.is_file() {
-                found.push(entry.path().components().collect());
+                files.push(entry.path().components().collect());
             }
         }
     }
-    found.sort();
-    Ok(found)
+    files.sort();
+    Ok(files)
 }
 
 /// Removes a file, or a folder with all that is in it, and the folders above it that are empty then.

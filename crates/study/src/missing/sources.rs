@@ -68,8 +68,8 @@ pub(super) struct Sources<'a> {
     drives: Drives,
     answers: Answers,
     /// The scales that are asked of those who are tested (or of the others) at a time of a kind.
-    asked: BTreeMap<(bool, Time), BTreeSet<String>>,
-    own: Option<OwnMeasures>,
+    asked_scales: BTreeMap<(bool, Time), BTreeSet<String>>,
+    own_measures: Option<OwnMeasures>,
 }
 
 /// Kinds of times at which the same is asked.
@@ -93,8 +93,8 @@ impl<'a> Sources<'a> {
             logs: Logs::read(study)?,
             drives: Drives::read(results)?,
             answers: Answers::read(study, results)?,
-            asked: BTreeMap::new(),
-            own: read_own_measures(study, participants)?,
+            asked_scales: BTreeMap::new(),
+            own_measures: read_own_measures(study, participants)?,
         };
         let table = study.resolve(&study.design.people().file);
         let beside = results.join("participants.csv");
@@ -134,14 +134,14 @@ impl<'a> Sources<'a> {
     /// A scale is asked where somebody like this answered it, and where the design cannot do without.
     fn ask(&mut self) {
         let design = &self.study.design;
-        let mut asked: BTreeMap<(bool, Time), BTreeSet<String>> = BTreeMap::new();
+        let mut asked_scales: BTreeMap<(bool, Time), BTreeSet<String>> = BTreeMap::new();
         for person in &self.people {
             let first = (person.id.clone(), Moment::Pre);
             let theirs = self.answers.given.range(first..);
             let theirs = theirs.take_while(|((who, _), _)| *who == person.id);
             for ((_, moment), scales) in theirs {
                 if let Some(time) = self.time(*moment) {
-                    let known = asked.entry((person.tested, time)).or_default();
+                    let known = asked_scales.entry((person.tested, time)).or_default();
                     known.extend(scales.iter().cloned());
                 }
             }
@@ -165,9 +165,9 @@ impl<'a> Sources<'a> {
             ((true, Time::Condition), rated.chain(after).collect()),
             ((true, Time::End), post.collect()),
         ] {
-            asked.entry(key).or_default().extend(scales);
+            asked_scales.entry(key).or_default().extend(scales);
         }
-        self.asked = asked;
+        self.asked_scales = asked_scales;
     }
 
     pub(super) fn people(&self) -> &[Person] {
@@ -179,9 +179,10 @@ impl<'a> Sources<'a> {
         let logs = self.logs.named.keys().map(|(who, _)| who);
         let drives = self.drives.made.iter().map(|(who, _)| who);
         let answers = self.answers.given.keys().map(|(who, _)| who);
-        let own = self.own.iter().flat_map(|own| &own.rows);
-        let own = own.map(|(who, _)| who);
-        let ids: BTreeSet<&ParticipantId> = logs.chain(drives).chain(answers).chain(own).collect();
+        let measured = self.own_measures.iter().flat_map(|own| &own.rows);
+        let measured = measured.map(|(who, _)| who);
+        let ids: BTreeSet<&ParticipantId> =
+            logs.chain(drives).chain(answers).chain(measured).collect();
         let excluded = self.study.design.exclude();
         ids.into_iter()
             .filter(|id| excluded.person(id).is_none())
@@ -251,8 +252,8 @@ impl<'a> Sources<'a> {
 
     fn answers(&self, person: &Person, moment: Moment) -> Awaited {
         let time = self.time(moment);
-        let asked = time.and_then(|time| self.asked.get(&(person.tested, time)));
-        let Some(asked) = asked.filter(|asked| !asked.is_empty()) else {
+        let scales = time.and_then(|time| self.asked_scales.get(&(person.tested, time)));
+        let Some(scales) = scales.filter(|scales| !scales.is_empty()) else {
             return Awaited::No;
         };
         if let Some(why) = &self.answers.none {
@@ -260,9 +261,9 @@ impl<'a> Sources<'a> {
         }
         let given = self.answers.given.get(&(person.id.clone(), moment));
         let lacking = |scale: &&String| given.is_none_or(|given| !given.contains(*scale));
-        let lacking: Vec<&str> = asked.iter().filter(lacking).map(String::as_str).collect();
+        let lacking: Vec<&str> = scales.iter().filter(lacking).map(String::as_str).collect();
         Awaited::there_if(lacking.is_empty(), || {
-            if lacking.len() == asked.len() {
+            if lacking.len() == scales.len() {
                 "no answers".to_owned()
             } else {
                 format!("not answered: {}", lacking.join(", "))
@@ -281,7 +282,7 @@ impl<'a> Sources<'a> {
         }
         let cell = &(cell.0.clone(), cell.1.condition);
         let is_condition = design.condition(cell.1).is_some();
-        let Some(own) = &self.own else {
+        let Some(own) = &self.own_measures else {
             let why = format!("{} is not there", files.measures.to_slash_lossy());
             return if is_condition {
                 Awaited::Missing(why)
@@ -384,7 +385,7 @@ impl Drives {
     }
 }
 
-/// The answers.
+/// What the tables of answers hold.
 #[derive(Default)]
 struct Answers {
     /// Scales of which somebody answered anything.

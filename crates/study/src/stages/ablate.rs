@@ -91,10 +91,10 @@ pub struct Ablate {
     pub command: Option<String>,
 }
 
-type Of = fn(&HeldOut) -> Option<f64>;
+type Loss = fn(&HeldOut) -> Option<f64>;
 
 /// What is compared: key of its title, unit, value.
-const LOSSES: [(&str, &str, Of); 3] = [
+const LOSSES: [(&str, &str, Loss); 3] = [
     ("following_distance", "m", |h| h.following_distance_m),
     ("lane_change", "nats", |h| h.lane_change),
     ("speed", "m/s", |h| h.speed_mps),
@@ -160,14 +160,15 @@ impl Stage for Ablate {
             folds,
             ..AblationSettings::default()
         };
-        let all = variants(&base, &self.sizes, &self.windows_s);
+        let variants = variants(&base, &self.sizes, &self.windows_s);
         let mut observe = |done, total| match watch.step(done, total, "trainings") {
             Ok(()) => ControlFlow::Continue(()),
             Err(_) => ControlFlow::Break(()),
         };
         let pool = threads(self.jobs)?;
-        let found = pool.install(|| compare(&given, &all, &settings, self.seed, &mut observe));
-        let found = match found {
+        let ablated =
+            pool.install(|| compare(&given, &variants, &settings, self.seed, &mut observe));
+        let ablated = match ablated {
             Err(ModelError::Cancelled { .. }) => return Err(StudyError::Interrupted),
             other => other?,
         };
@@ -177,26 +178,26 @@ impl Stage for Ablate {
         let context = Context::of(synthetic, self.seed);
         let words = Words {
             preface: context.preface(),
-            drives: found.drives.len(),
-            folds: found.settings.folds,
+            drives: ablated.drives.len(),
+            folds: ablated.settings.folds,
             people: self.leave_out.is_some(),
             passes: self.epochs,
-            known: found.settings.known_fraction,
+            known: ablated.settings.known_fraction,
         };
         let texts = PageTexts::new(ABLATION, &words)?;
-        let finding = parts(&found, &texts)?;
+        let finding = parts(&ablated, &texts)?;
         let judged = Judged {
-            result: &found,
+            result: &ablated,
             findings: finding.as_slice(),
         };
         write_json(&out, &judged)?;
-        let table = texts.table("ablation", rows(&found))?;
+        let table = texts.table("ablation", rows(&ablated))?;
         let text = table.to_markdown();
         let page = write_page(
             &self.out,
-            &page(&found, finding.as_ref(), self, (&texts, table), &context)?,
+            &page(&ablated, finding.as_ref(), self, (&texts, table), &context)?,
         )?;
-        let short = found.drives.iter().zip(&found.variants[0].of_each);
+        let short = ablated.drives.iter().zip(&ablated.variants[0].of_each);
         let short = short.filter(|(_, judged)| judged.is_none());
         let why = texts.text("short")?;
         warnings.extend(told_once(
@@ -206,13 +207,13 @@ impl Stage for Ablate {
         let mut summary: Vec<String> = text.lines().map(str::to_owned).collect();
         summary.push(format!(
             "{} variants on {} drives, {} folds: {}",
-            found.variants.len(),
-            found.drives.len(),
+            ablated.variants.len(),
+            ablated.drives.len(),
             folds,
             page.to_slash_lossy()
         ));
         Ok(Outcome {
-            value: found,
+            value: ablated,
             summary,
             warnings,
         })
@@ -240,8 +241,8 @@ impl Ablate {
         let study = DesignFile::find(self.design.as_deref())?;
         let scale = StyleScale::of(&study)?;
         let files = (&*self.drives, self.scores.as_deref());
-        let all = recordings::read(&study, files, scale, warnings)?;
-        let people = people(&all.drove()).len();
+        let driven = recordings::read(&study, files, scale, warnings)?;
+        let people = people(&driven.drove()).len();
         recordings::enough(people).map_err(|why| StudyError::BadFile {
             path: self.drives.clone(),
             problem: why,
@@ -252,17 +253,17 @@ impl Ablate {
             let score = points.map(|points| scale.score(points)).transpose()?;
             Ok((recorded.drive, score))
         };
-        let scored: Result<_, StudyError> = all.rows.into_iter().map(scored).collect();
+        let scored: Result<_, StudyError> = driven.rows.into_iter().map(scored).collect();
         Ok((scored?, people))
     }
 }
 
 /// A variant's value on every drive.
-fn values(variant: &VariantResult, of: Of) -> Vec<Option<f64>> {
+fn values(variant: &VariantResult, loss: Loss) -> Vec<Option<f64>> {
     variant
         .of_each
         .iter()
-        .map(|h| h.as_ref().and_then(of))
+        .map(|h| h.as_ref().and_then(loss))
         .collect()
 }
 
@@ -280,11 +281,13 @@ struct LossRow {
     both: Option<usize>,
 }
 
-fn rows(found: &Ablated) -> impl Iterator<Item = Row<'_>> {
-    let reference = &found.variants[0];
-    let row = |variant: &VariantResult, of: Of| {
-        let known: Vec<f64> = values(variant, of).into_iter().flatten().collect();
-        let pairs = values(variant, of).into_iter().zip(values(reference, of));
+fn rows(ablated: &Ablated) -> impl Iterator<Item = Row<'_>> {
+    let reference = &ablated.variants[0];
+    let row = |variant: &VariantResult, loss: Loss| {
+        let known: Vec<f64> = values(variant, loss).into_iter().flatten().collect();
+        let pairs = values(variant, loss)
+            .into_iter()
+            .zip(values(reference, loss));
         let both: Vec<f64> = pairs.filter_map(|(v, r)| Some(v? - r?)).collect();
         let compared = variant.name != reference.name && !both.is_empty();
         LossRow {
@@ -293,14 +296,14 @@ fn rows(found: &Ablated) -> impl Iterator<Item = Row<'_>> {
             both: compared.then_some(both.len()),
         }
     };
-    found.variants.iter().map(move |variant| Row {
+    ablated.variants.iter().map(move |variant| Row {
         name: &variant.name,
-        losses: LOSSES.map(|(_, _, of)| row(variant, of)),
+        losses: LOSSES.map(|(_, _, loss)| row(variant, loss)),
     })
 }
 
 fn page(
-    found: &Ablated,
+    ablated: &Ablated,
     finding: Option<&Finding>,
     options: &Ablate,
     (texts, table): (&PageTexts, Table),
@@ -308,26 +311,26 @@ fn page(
 ) -> Result<Report, StudyError> {
     let titles = LOSSES.map(|(key, unit, _)| Ok(format!("{} ({unit})", texts.text(key)?)));
     // The own time gap predicts one thing of three; it stands in the table.
-    let shown = found.variants.iter().filter(|v| {
+    let shown = ablated.variants.iter().filter(|v| {
         LOSSES
             .iter()
-            .all(|(_, _, of)| values(v, *of).iter().any(Option::is_some))
+            .all(|(_, _, loss)| values(v, *loss).iter().any(Option::is_some))
     });
     let figure = Ablation {
         losses: titles.into_iter().collect::<Result<_, StudyError>>()?,
         variants: shown
             .map(|v| AblationVariant {
                 name: v.name.clone(),
-                losses: LOSSES.iter().map(|(_, _, of)| values(v, *of)).collect(),
+                losses: LOSSES.iter().map(|(_, _, loss)| values(v, *loss)).collect(),
             })
             .collect(),
-        folds: found.settings.folds,
+        folds: ablated.settings.folds,
     };
     let new = texts.page(context, (options.seed, options.command.as_deref()))?;
     let figures = vec![figure_of(&figure, context)?];
     Ok(Report {
         cards: finding
-            .map(|finding| ablation::parts(finding, &found.variants[0].name))
+            .map(|finding| ablation::parts(finding, &ablated.variants[0].name))
             .into_iter()
             .collect::<Result<_, _>>()?,
         sections: vec![texts.section("ablation", figures, vec![table])?],
@@ -341,23 +344,25 @@ fn page(
 
 /// Is the whole model better than it is without each of its parts? For every variant and loss it has to be on more than half of the unseen
 /// drives; ties count for neither.
-fn parts(found: &Ablated, texts: &PageTexts) -> Result<Option<Finding>, StudyError> {
-    let Some((reference, others)) = found.variants.split_first() else {
+fn parts(ablated: &Ablated, texts: &PageTexts) -> Result<Option<Finding>, StudyError> {
+    let Some((reference, others)) = ablated.variants.split_first() else {
         return Ok(None);
     };
     let mut parts = Vec::new();
     for variant in others {
-        for (title, _, of) in LOSSES {
-            let pairs = values(variant, of).into_iter().zip(values(reference, of));
+        for (title, _, loss) in LOSSES {
+            let pairs = values(variant, loss)
+                .into_iter()
+                .zip(values(reference, loss));
             let differences = pairs.filter_map(|(v, r)| Some(v? - r?));
             let differences: Vec<f64> = differences.filter(|d| *d != 0.0).collect();
             let worse = differences.iter().filter(|d| **d > 0.0).count();
             let share = proportion(worse, differences.len(), 0.95).ok();
             if let Some(share) = share {
                 let title = texts.text(title)?;
-                let of = format!("{}: {}", variant.name, markup::plain(&title));
+                let label = format!("{}: {}", variant.name, markup::plain(&title));
                 let ends = (0.5, f64::INFINITY);
-                parts.push(Part::share(of, differences.len(), Some(&share), ends));
+                parts.push(Part::share(label, differences.len(), Some(&share), ends));
             }
         }
     }

@@ -46,7 +46,7 @@ const PATHS: [&str; 3] = ["codebook.csv", "codebook.md", "codebook_measures.csv"
 pub struct Codebook {
     /// Questionnaires.
     pub scales: usize,
-    /// Their items.
+    /// Items of all of them together.
     pub items: usize,
     /// Measures of the study's own.
     pub measures: usize,

@@ -91,12 +91,12 @@ impl Stage for Evaluate {
         let f = model
             .map(|(model, embeddings)| read_distances(model, embeddings, &judged))
             .transpose()?;
-        let mut found = evaluate_following(&judged, &learned, f.as_ref(), &settings)?;
+        let mut evaluation = evaluate_following(&judged, &learned, f.as_ref(), &settings)?;
         watch.step(1, 2, "comparing")?;
-        found.compared = compare::pairs(&found, self.seed)?;
+        evaluation.compared = compare::pairs(&evaluation, self.seed)?;
         let with_findings = Judged {
-            findings: &findings::findings(&found),
-            result: &found,
+            findings: &findings::findings(&evaluation),
+            result: &evaluation,
         };
         write_json(&self.out, &with_findings)?;
         watch.step(2, 2, "comparing")?;
@@ -106,9 +106,9 @@ impl Stage for Evaluate {
             learned.len(),
             self.out.to_slash_lossy()
         )];
-        summary.extend(text::lines(&found)?);
+        summary.extend(text::lines(&evaluation)?);
         Ok(Outcome {
-            value: found,
+            value: evaluation,
             summary,
             warnings: Vec::new(),
         })
@@ -139,7 +139,7 @@ fn read_distances(
         Box::new(move |speed| predictor.following_distance(speed))
     };
     let mean = Predictor::new(&model, model.mean_embedding())?;
-    let own = judged
+    let own_laws = judged
         .iter()
         .map(|run| {
             let id = run.driver();
@@ -151,7 +151,7 @@ fn read_distances(
         })
         .collect::<Result<_, StudyError>>()?;
     Ok(Distances {
-        own,
+        own: own_laws,
         mean: judged.iter().map(|_| by(mean.clone())).collect(),
     })
 }

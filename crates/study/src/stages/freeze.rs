@@ -112,8 +112,8 @@ pub fn freeze(design: Option<&Path>, date: &str) -> Result<Outcome<Frozen>, Stud
     }
     let text = read_text(path)?;
     let files = study.design.files();
-    let own = Some(&files.measures).filter(|_| !study.design.measures().is_empty());
-    let tables = [&files.answers].into_iter().chain(own);
+    let measures = Some(&files.measures).filter(|_| !study.design.measures().is_empty());
+    let tables = [&files.answers].into_iter().chain(measures);
     let tables = tables.filter(|path| study.resolve(path).is_file());
     let cannot = |e| StudyError::file(&lock, format!("cannot be written: {e}"));
     let mut frozen = Frozen {
@@ -158,7 +158,7 @@ pub fn freeze(design: Option<&Path>, date: &str) -> Result<Outcome<Frozen>, Stud
 /// Files below a folder.
 fn count(folder: &Path) -> usize {
     let mut folders = vec![folder.to_owned()];
-    let mut found = 0;
+    let mut files = 0;
     while let Some(folder) = folders.pop() {
         for path in std::fs::read_dir(&folder)
             .into_iter()
@@ -169,11 +169,11 @@ fn count(folder: &Path) -> usize {
             if path.is_dir() {
                 folders.push(path);
             } else {
-                found += 1;
+                files += 1;
             }
         }
     }
-    found
+    files
 }
 
 /// What the page says of the declaration: that nothing differs, or one sentence a difference, and of what the lock vouches; nothing where
@@ -274,7 +274,7 @@ impl Changes<'_> {
 
 /// The leaves of a file, each under its path.
 fn leaves(table: toml::Table) -> BTreeMap<String, String> {
-    fn add(path: &str, value: &toml::Value, found: &mut BTreeMap<String, String>) {
+    fn add(path: &str, value: &toml::Value, leaves: &mut BTreeMap<String, String>) {
         match value {
             toml::Value::Table(table) => {
                 for (key, value) in table {
@@ -283,7 +283,7 @@ fn leaves(table: toml::Table) -> BTreeMap<String, String> {
                     } else {
                         format!("{path}.{key}")
                     };
-                    add(&path, value, found);
+                    add(&path, value, leaves);
                 }
             }
             toml::Value::Array(rows) if rows.iter().all(toml::Value::is_table) => {
@@ -293,17 +293,17 @@ fn leaves(table: toml::Table) -> BTreeMap<String, String> {
                         || format!("{path}[{}]", at + 1),
                         |id| format!("{path}.{id}"),
                     );
-                    add(&name, row, found);
+                    add(&name, row, leaves);
                 }
             }
             leaf => {
-                found.insert(path.to_owned(), leaf.to_string());
+                leaves.insert(path.to_owned(), leaf.to_string());
             }
         }
     }
-    let mut found = BTreeMap::new();
-    add("", &toml::Value::Table(table), &mut found);
-    found
+    let mut leaves = BTreeMap::new();
+    add("", &toml::Value::Table(table), &mut leaves);
+    leaves
 }
 
 #[cfg(test)]

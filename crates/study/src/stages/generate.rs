@@ -79,7 +79,7 @@ const MOST_PEOPLE: usize = 100_000;
 pub struct Generated {
     /// People.
     pub participants: usize,
-    /// Drives.
+    /// Drives of all of them together.
     pub drives: usize,
     /// Answers before the drives.
     pub answers: usize,
@@ -112,7 +112,7 @@ impl Stage for Generate {
 
     fn files(&self, root: &Path) -> Result<Files, StudyError> {
         let study = DesignFile::below_or_paper(root, self.design.as_deref())?;
-        let place = Place::of(self, &study, root)?;
+        let place = Place::new(self, &study, root)?;
         Ok(Files::default()
             .reads_design(self.design.as_deref())
             .reads(&self.population)
@@ -133,7 +133,7 @@ impl Stage for Generate {
             });
         }
         let study = DesignFile::find(self.design.as_deref())?;
-        let place = Place::of(self, &study, Path::new(""))?;
+        let place = Place::new(self, &study, Path::new(""))?;
         let scenario = read_scenario(place.scenario.as_deref(), self.duration_s)?;
         let people = read_people(self.population.as_deref(), &scenario)?;
         let scales = read_scales(&place.scales)?;
@@ -151,8 +151,8 @@ impl Stage for Generate {
         }
         let mut answers = answer_before(&cohort, &scales, &effects, self.seed)?;
         let without_effects = |scale: &&Scale| {
-            let asked = study.design.protocol().before.contains(&scale.id);
-            asked && scale.id != ADB && !effects.answers.contains_key(&scale.id)
+            let is_asked = study.design.protocol().before.contains(&scale.id);
+            is_asked && scale.id != ADB && !effects.answers.contains_key(&scale.id)
         };
         for person in &cohort.participants {
             let scales = scales.iter().filter(without_effects);
@@ -209,9 +209,9 @@ struct Place {
 }
 
 impl Place {
-    fn of(options: &Generate, study: &DesignFile, root: &Path) -> Result<Self, StudyError> {
+    fn new(options: &Generate, study: &DesignFile, root: &Path) -> Result<Self, StudyError> {
         let files = study.design.files();
-        let own = |given: &Option<PathBuf>, path: Option<&PathBuf>, usual: &str| {
+        let chosen = |given: &Option<PathBuf>, path: Option<&PathBuf>, usual: &str| {
             let of_design = || {
                 path.filter(|_| study.path.is_some())
                     .map(|p| study.resolve(p))
@@ -248,8 +248,8 @@ impl Place {
             people,
             answers,
             scenario: options.scenario.clone().or(world),
-            scales: own(&options.scales, Some(&files.scales), "study_data/scales"),
-            effects: own(
+            scales: chosen(&options.scales, Some(&files.scales), "study_data/scales"),
+            effects: chosen(
                 &options.effects,
                 files.effects.as_ref(),
                 "study_data/effects.toml",
@@ -310,14 +310,15 @@ fn remove_former_logs(place: &Place, planned: &[(PlannedDrive, &str)]) -> Result
 /// Everybody's own drive once more. Its name is another, and so are the day and the road that follow from the name; the
 /// person is the same.
 fn again(cohort: &Cohort) -> Result<Vec<PlannedDrive>, StudyError> {
-    let own = cohort.drives.iter().filter(|d| !d.role);
-    own.map(|d| {
-        Ok(PlannedDrive {
-            drive: DriveId::new(format!("{}-again", d.drive))?,
-            ..d.clone()
+    let own_drives = cohort.drives.iter().filter(|d| !d.role);
+    own_drives
+        .map(|d| {
+            Ok(PlannedDrive {
+                drive: DriveId::new(format!("{}-again", d.drive))?,
+                ..d.clone()
+            })
         })
-    })
-    .collect()
+        .collect()
 }
 
 /// Drives once and writes the log; gives the number of collisions.

@@ -76,10 +76,10 @@ pub struct Import {
 
 fn software() -> impl TypedValueParser<Value = Software> {
     let known = Software::IMPORTED;
-    let of = move |word: String| known.into_iter().find(|software| software.id() == word);
+    let by_id = move |word: String| known.into_iter().find(|software| software.id() == word);
     // No other word comes through.
     PossibleValuesParser::new(known.map(Software::id))
-        .map(move |word| of(word).unwrap_or(Software::Wide))
+        .map(move |word| by_id(word).unwrap_or(Software::Wide))
 }
 
 /// What was done.
@@ -131,8 +131,8 @@ impl Stage for Import {
         let Some(out) = self.out.as_deref().filter(|_| !self.suggest) else {
             return self.suggested(&export, &columns, &study.design);
         };
-        let here = DesignFile::here(self.design.as_deref())?;
-        let gate = here
+        let own_design = DesignFile::here(self.design.as_deref())?;
+        let gate = own_design
             .map(|study| Gate::where_listed(&study, None))
             .transpose()?;
         let contents = export.answers(&self.file, &columns, &orders(gate.as_ref()))?;

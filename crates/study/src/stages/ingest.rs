@@ -80,9 +80,9 @@ pub struct IngestedDrives {
 /// A log that could not be ingested.
 #[derive(Debug, Clone, Serialize)]
 pub struct FailedLog {
-    /// The log.
+    /// The log's file.
     pub log: PathBuf,
-    /// Why.
+    /// The error, with what caused it.
     pub why: String,
 }
 
@@ -286,8 +286,8 @@ fn sights(drives: &[Written]) -> Vec<String> {
         *rigs.entry(drive.sees.to_string()).or_default() += 1;
     }
     let line = |(sees, drives): (String, usize)| {
-        let of = count(drives, "drive", "drives");
-        format!("the rig of {of} sees: {sees}; habits that need more are not read")
+        let how_many = count(drives, "drive", "drives");
+        format!("the rig of {how_many} sees: {sees}; habits that need more are not read")
     };
     rigs.into_iter().map(line).collect()
 }
@@ -298,11 +298,11 @@ fn doubted<'a>(doubts: impl Iterator<Item = (String, &'a Warning)>) -> Vec<Strin
     let same = together(doubts.iter().map(|(log, w)| (log.clone(), &w.what)));
     same.into_iter()
         .flat_map(|(logs, what)| {
-            let mut of = doubts.iter().filter(|(_, w)| w.what == *what);
+            let mut alike = doubts.iter().filter(|(_, w)| w.what == *what);
             if logs.len() == 1 {
-                return of.map(|(_, w)| w.to_string()).collect();
+                return alike.map(|(_, w)| w.to_string()).collect();
             }
-            let times: usize = of.by_ref().map(|(_, w)| w.count).sum();
+            let times: usize = alike.by_ref().map(|(_, w)| w.count).sum();
             let times = if times > logs.len() {
                 format!(" ({times} times)")
             } else {
@@ -384,8 +384,8 @@ fn orders_agree(
     gate: &Gate,
     drives: &[Written],
 ) -> Result<(), StudyError> {
-    let own = study.resolve(&study.design.people().file);
-    let table = participants.unwrap_or(&own);
+    let people_file = study.resolve(&study.design.people().file);
+    let table = participants.unwrap_or(&people_file);
     for (row, person) in gate.people().enrolled.iter().enumerate() {
         let theirs = drives.iter().filter(|d| d.meta.participant == person.id);
         let ridden = theirs.filter(|d| study.design.condition(d.meta.condition).is_some());

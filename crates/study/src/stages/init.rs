@@ -56,18 +56,18 @@ fn further_scales(ids: &[String]) -> Result<Vec<(&'static str, &'static str)>, S
         Some((name, *text))
     };
     let shipped: Vec<_> = maveric_data::FILES.iter().filter_map(below).collect();
-    let of = |id: &String| {
+    let scale = |id: &String| {
         let file = format!("scales/{id}.toml");
         let known = || {
             let names = shipped.iter().map(|(name, _)| *name);
             names.filter_map(|name| name.strip_prefix("scales/")?.strip_suffix(".toml"))
         };
-        let found = shipped.iter().find(|(name, _)| *name == file);
-        found
+        let shipped_scale = shipped.iter().find(|(name, _)| *name == file);
+        shipped_scale
             .copied()
             .ok_or_else(|| refused(DesignError::word("--scales", id, known())))
     };
-    ids.iter().map(of).collect()
+    ids.iter().map(scale).collect()
 }
 
 /// A word that is refused, with what is possible.

@@ -130,7 +130,7 @@ pub enum Inspected {
         meta: DriveMeta,
         /// Samples a second.
         rate_hz: f64,
-        /// Rows.
+        /// Number of samples.
         rows: usize,
         /// Length, in s.
         duration_s: f64,
@@ -138,7 +138,7 @@ pub enum Inspected {
         segments: usize,
         /// Rows with a reference vehicle.
         lead_rows: usize,
-        /// Rows following it.
+        /// Rows in which ego follows its reference vehicle.
         following_rows: usize,
         /// Lane changes, completed ones.
         lane_changes: usize,
@@ -151,7 +151,7 @@ pub enum Inspected {
     Model {
         /// Which heads it has.
         heads: HeadsKind,
-        /// Size of its embeddings.
+        /// Numbers of one embedding.
         embedding_size: usize,
         /// Numbers that were learned.
         parameters: usize,
@@ -299,8 +299,8 @@ fn look_into(path: &Path, settings: &IngestSettings) -> Result<Inspected, StudyE
         let model = read_model(path)?;
         let learned = match model.heads() {
             Heads::Linear(linear) => {
-                let own = linear.heads.iter().zip(&HEADS).filter(|(h, _)| h.learned());
-                own.map(|(_, head)| head.title.to_owned()).collect()
+                let heads = linear.heads.iter().zip(&HEADS).filter(|(h, _)| h.learned());
+                heads.map(|(_, head)| head.title.to_owned()).collect()
             }
             Heads::Paper(paper) => {
                 let learned = paper.learned();

@@ -92,10 +92,10 @@ impl Stage for Measure {
         let study = DesignFile::here(self.design.as_deref())?;
         let measures = measures_of(study.as_ref());
         let gate = study.as_ref();
-        let gate = gate.map(|study| Gate::of(study, self.participants.as_deref()));
+        let gate = gate.map(|study| Gate::new(study, self.participants.as_deref()));
         let gate = gate.transpose()?;
-        let own = self.average_own(study.as_ref())?;
-        let presses = study.as_ref().map(Presses::of).transpose()?.flatten();
+        let averaged = self.average_own(study.as_ref())?;
+        let presses = study.as_ref().map(Presses::read).transpose()?.flatten();
         let (mut met, left_out) = self.drives(gate.as_ref(), &measures, presses.as_ref(), watch)?;
         let compared = |condition: ConditionId| {
             study.as_ref().is_none_or(|study| {
@@ -123,7 +123,7 @@ impl Stage for Measure {
         let out = left_out.iter();
         let out = out.map(|(drive, why)| (drive.to_string(), why.to_string()));
         warnings.extend(told_once("drive", out));
-        warnings.extend(own.warnings);
+        warnings.extend(averaged.warnings);
         let mut summary = vec![format!(
             "{} drives measured: {}",
             rows.len(),
@@ -141,13 +141,13 @@ impl Stage for Measure {
                 presses_path(&self.out).to_slash_lossy()
             )
         }));
-        summary.extend(own.summary);
+        summary.extend(averaged.summary);
         Ok(Outcome {
             value: Measured {
                 drives: rows.len(),
                 measures: measures.iter().map(|m| m.name).collect(),
                 missing,
-                own: own.value,
+                own: averaged.value,
             },
             summary,
             warnings,
@@ -197,7 +197,7 @@ impl Measure {
                     values: measures.iter().map(value).collect(),
                     counted_s: None,
                 },
-                exposure: Exposure::of(&drive),
+                exposure: Exposure::from_drive(&drive),
                 pressed,
             }))
         })?;
@@ -251,34 +251,34 @@ impl Measure {
         let table = study.resolve(&study.design.files().measures);
         let table = table.to_slash_lossy();
         let mut warnings = Vec::new();
-        let own = read_own_measures(study, self.participants.as_deref())?.unwrap_or_else(|| {
+        let means = read_own_measures(study, self.participants.as_deref())?.unwrap_or_else(|| {
             warnings.push(format!(
                 "{table} is not there: nobody has a value of the study's own measures"
             ));
             OwnMeasures::default()
         });
-        if !own.undeclared.is_empty() {
+        if !means.undeclared.is_empty() {
             warnings.push(format!(
                 "{table}: columns that no [[measure]] declares are not read: {}",
-                own.undeclared.join(", ")
+                means.undeclared.join(", ")
             ));
         }
-        if own.later > 0 {
+        if means.later > 0 {
             warnings.push(format!(
                 "{table}: {} of later sessions, which are in no mean: the first session is compared",
-                count(own.later, "row is", "rows are")
+                count(means.later, "row is", "rows are")
             ));
         }
         let out = own_path(&self.out);
-        write_rows(TableName::OwnMeasurements, &out, &own.measurements)?;
-        let averaged = own.measurements.iter().filter(|m| m.n > 1).count();
+        write_rows(TableName::OwnMeasurements, &out, &means.measurements)?;
+        let averaged = means.measurements.iter().filter(|m| m.n > 1).count();
         let summary = vec![format!(
             "{} of the study's own measures ({averaged} of them means of several sessions or trials): {}",
-            count(own.measurements.len(), "value", "values"),
+            count(means.measurements.len(), "value", "values"),
             out.to_slash_lossy()
         )];
         Ok(Outcome {
-            value: own.measurements.len(),
+            value: means.measurements.len(),
             summary,
             warnings,
         })
@@ -299,14 +299,14 @@ fn why_missing(measures: &[&objective::Measure], missing: &[usize], drives: usiz
         .iter()
         .zip(missing)
         .filter(|(_, count)| **count > 0);
-    let told = missed.map(|(m, count)| {
+    let warnings = missed.map(|(m, count)| {
         format!(
             "{count} of {drives} drives have no {}: {}",
             m.title.to_lowercase(),
             m.why_missing
         )
     });
-    told.collect()
+    warnings.collect()
 }
 
 /// A drive that is not compared whole, and the part of it that is.
@@ -325,8 +325,8 @@ fn comparable_parts(met: &[Met], compared: impl Fn(ConditionId) -> bool) -> Vec<
     for drives in people.values() {
         let exposures = drives.iter().map(|&at| met[at].exposure.clone());
         let exposures: Vec<Exposure> = exposures.collect();
-        let found = drives.iter().copied().zip(comparable(&exposures));
-        parts.extend(found.filter(|(_, part)| *part != Comparable::Whole));
+        let drive_parts = drives.iter().copied().zip(comparable(&exposures));
+        parts.extend(drive_parts.filter(|(_, part)| *part != Comparable::Whole));
     }
     parts
 }
@@ -374,10 +374,10 @@ fn count_in_parts(
         .iter()
         .map(|p| &met[p.0].row.meta.participant)
         .collect();
-    let mut said = Vec::new();
+    let mut sentences = Vec::new();
     if !parts.is_empty() {
         let titles: Vec<String> = grows.iter().map(|m| m.title.to_lowercase()).collect();
-        said.push(format!(
+        sentences.push(format!(
             "{} drives that differ in length: {} are taken from the part of each that is as long and meets as many lead vehicles \
              (`counted_s`; {cut} of {} drives)",
             count(people.len(), "person has", "people have"),
@@ -385,8 +385,8 @@ fn count_in_parts(
             met.len()
         ));
     }
-    said.extend(too_little);
-    Ok(said)
+    sentences.extend(too_little);
+    Ok(sentences)
 }
 
 #[cfg(test)]

@@ -43,7 +43,7 @@ pub struct Orders {
 /// Orders that were written.
 #[derive(Debug, Clone, Serialize)]
 pub struct OrdersWritten {
-    /// The table.
+    /// The table of people that was written.
     pub table: PathBuf,
     /// The square that they are rows of.
     pub square: Square,
@@ -56,45 +56,49 @@ pub struct OrdersWritten {
 ///
 /// # Errors
 /// [`StudyError`] for a table that is there already, a factor that the conditions do not cross, or a design without conditions to order.
-pub fn orders(design: Option<&Path>, asked: &Orders) -> Result<Outcome<OrdersWritten>, StudyError> {
+pub fn orders(
+    design: Option<&Path>,
+    options: &Orders,
+) -> Result<Outcome<OrdersWritten>, StudyError> {
     let study = DesignFile::find(design)?;
-    let square = if asked.latin {
+    let square = if options.latin {
         Square::Latin
     } else {
         Square::Williams
     };
-    let plan = OrderPlan::new(&study.design, square, asked.blocks.as_deref()).map_err(|error| {
-        let help = error.suggestion();
-        study.wrong(error.to_string(), help)
-    })?;
+    let plan =
+        OrderPlan::new(&study.design, square, options.blocks.as_deref()).map_err(|error| {
+            let help = error.suggestion();
+            study.wrong(error.to_string(), help)
+        })?;
     if study.design.conditions().len() < 2 {
         return Err(study.wrong(
             "has fewer than two conditions: there is no order of them",
             None,
         ));
     }
-    let own = study.resolve(&study.design.people().file);
-    let out = asked.out.clone().unwrap_or_else(|| own.clone());
+    let people_file = study.resolve(&study.design.people().file);
+    let out = options.out.clone().unwrap_or_else(|| people_file.clone());
     // What `init` makes is a table without a row.
-    let empty = (out == own && out.is_file())
+    let empty = (out == people_file && out.is_file())
         .then(|| Table::read(&out))
         .transpose()?
         .filter(|table| table.rows() == 0);
-    if out.exists() && (empty.is_none() || asked.people.is_none()) {
+    if out.exists() && (empty.is_none() || options.people.is_none()) {
         return Err(StudyError::BadFile {
             path: out,
             problem: "is there already".to_owned(),
             help: Some("name another table by --out; without --people it has the people of the design's own, each with an order".to_owned()),
         });
     }
-    let (table, orders) = match asked.people {
+    let (table, orders) = match options.people {
         Some(n) => new_people(
             &study,
             &plan,
             n,
             &empty.map_or_else(Vec::new, |t| t.columns()),
         )?,
-        None => same_people(&study, &plan, &own)?,
+        None => same_people(&study, &plan, &people_file)?,
     };
     table.write(&out)?;
     let people = orders.len();
@@ -170,7 +174,7 @@ fn same_people(study: &DesignFile, plan: &OrderPlan, path: &Path) -> Result<Writ
             help: Some("say how many people there will be: --people 24".to_owned()),
         });
     }
-    let gate = Gate::of(study, Some(path))?;
+    let gate = Gate::new(study, Some(path))?;
     let factors = study.design.factors();
     let mut met: BTreeMap<Vec<Option<&String>>, usize> = BTreeMap::new();
     let mut orders = Vec::new();

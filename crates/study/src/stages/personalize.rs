@@ -76,7 +76,7 @@ pub struct Personalize {
 /// What was fitted.
 #[derive(Debug, Clone, Serialize)]
 pub struct PersonalizedDrives {
-    /// Drives.
+    /// Drives whose style was fitted.
     pub drives: usize,
     /// Drives left out: too short.
     pub left_out: usize,
@@ -94,7 +94,7 @@ pub struct PersonalizedDrives {
     pub beyond: usize,
     /// People learned from; none for a model that does not say, of which nothing is known to be beyond.
     pub people_learned_from: Option<usize>,
-    /// The embeddings.
+    /// One row for each of these drives.
     pub embeddings: Vec<EmbeddingRow>,
 }
 
@@ -198,14 +198,14 @@ impl Stage for Personalize {
         };
         if let Some(path) = &self.variability {
             let measured = for_each_on(self.jobs, &drives, watch, "variability", |drive| {
-                Ok(VariabilityRow::of(drive))
+                Ok(VariabilityRow::from_drive(drive))
             })?;
             write_rows(TableName::Variability, path, &measured)?;
         }
         let scale = scale.unwrap_or(StyleScale::ADB);
         let off_the_scale = scale.outward_rows(&mut rows);
-        warnings.extend(scale.told(&off_the_scale));
-        warnings.extend(beyond::told(&model, &rows));
+        warnings.extend(scale.warnings(&off_the_scale));
+        warnings.extend(beyond::warnings(&model, &rows));
         let strangers = rows.iter().filter(|row| row.beyond() == Some(true));
         let strangers: BTreeSet<&str> = strangers.map(|row| row.drive.as_str()).collect();
         write_embeddings(&self.out, &rows)?;
@@ -282,10 +282,10 @@ fn without_habits(rows: &[EmbeddingRow]) -> (usize, Vec<String>) {
         .map(|row| row.drive.as_str())
         .collect();
     let why = "shows no habit (no free road, nobody followed or passed), so its driver is taken as anybody";
-    let said = blank
+    let reasons = blank
         .iter()
         .map(|drive| ((*drive).to_owned(), why.to_owned()));
-    (blank.len(), told_once("drive", said))
+    (blank.len(), told_once("drive", reasons))
 }
 
 /// Counts the participants with an ADB score and without a drive; if that is all of them, the files do not belong
@@ -322,19 +322,19 @@ fn scored_without_drive(
 }
 
 fn median_standard_error(rows: &[EmbeddingRow]) -> Option<f64> {
-    let of = |r: &EmbeddingRow| {
+    let standard_errors = |r: &EmbeddingRow| {
         let d = r.embedding.size();
         let covariance = r.covariance.clone().unwrap_or_default();
         covariance.into_iter().step_by(d + 1).map(f64::sqrt)
     };
-    let mut errors: Vec<f64> = rows.iter().flat_map(of).collect();
+    let mut errors: Vec<f64> = rows.iter().flat_map(standard_errors).collect();
     errors.sort_by(f64::total_cmp);
     errors.get(errors.len() / 2).copied()
 }
 
 fn fit(personalizer: &Personalizer<'_>, task: &Task<'_>) -> Result<EmbeddingRow, StudyError> {
     let score = task.adb.filter(|_| task.use_adb);
-    let found = personalizer.fit(task.drive, score)?;
+    let fitted = personalizer.fit(task.drive, score)?;
     let axis = LinearHead::aggression(personalizer.model()).ok();
     let meta = task.drive.meta();
     Ok(EmbeddingRow {
@@ -343,19 +343,19 @@ fn fit(personalizer: &Personalizer<'_>, task: &Task<'_>) -> Result<EmbeddingRow,
         condition: meta.condition,
         session: meta.session,
         trial: meta.trial,
-        adb_used: found.used_adb,
+        adb_used: fitted.used_adb,
         adb: task.adb.map(AdbScore::points),
-        adb_hat: found.aggression_hat,
+        adb_hat: fitted.aggression_hat,
         line_position: axis
             .as_ref()
-            .map(|a| a.position(&found.embedding))
+            .map(|a| a.position(&fitted.embedding))
             .transpose()?,
-        readings: Some(found.readings),
-        line_position_se: axis.and_then(|a| found.sd_along(a.gradient())),
-        support_p: found.support.as_ref().and_then(|s| s.p),
-        beyond_why: found.support.as_ref().and_then(Support::beyond),
-        posted_unseen: (personalizer.model().posted()).map(|_| found.posted_unseen),
-        covariance: found.covariance,
-        embedding: found.embedding,
+        readings: Some(fitted.readings),
+        line_position_se: axis.and_then(|a| fitted.sd_along(a.gradient())),
+        support_p: fitted.support.as_ref().and_then(|s| s.p),
+        beyond_why: fitted.support.as_ref().and_then(Support::beyond),
+        posted_unseen: (personalizer.model().posted()).map(|_| fitted.posted_unseen),
+        covariance: fitted.covariance,
+        embedding: fitted.embedding,
     })
 }

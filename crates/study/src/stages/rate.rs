@@ -70,7 +70,7 @@ pub struct Rate {
 pub struct Ratings {
     /// Participants who rated.
     pub participants: usize,
-    /// Their answers.
+    /// Answers that they gave.
     pub answers: usize,
     /// What they pressed on the rides; none where the effects do not say when.
     pub presses: Option<usize>,

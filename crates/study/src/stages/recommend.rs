@@ -66,8 +66,8 @@ impl Stage for Recommend {
         let wanted: Vec<&ParticipantId> = match &self.participant {
             None => data.participants.iter().collect(),
             Some(name) => {
-                let found = data.participants.iter().find(|p| p.as_str() == name);
-                vec![found.ok_or_else(|| unknown(name, &data))?]
+                let person = data.participants.iter().find(|p| p.as_str() == name);
+                vec![person.ok_or_else(|| unknown(name, &data))?]
             }
         };
         let mut recommendations = Vec::new();
@@ -107,14 +107,16 @@ impl Stage for Recommend {
 
 /// Whoever gets no recommendation, or one from a style that the model has met nobody with.
 fn warnings(recommendations: &[Recommendation]) -> Vec<String> {
-    let of = |r: &&Recommendation, preferred: bool| r.preferred.is_some() == preferred;
+    let has_top = |r: &&Recommendation, preferred: bool| r.preferred.is_some() == preferred;
     let strangers = |preferred: bool| {
-        let these = recommendations.iter().filter(move |r| of(r, preferred));
+        let these = recommendations
+            .iter()
+            .filter(move |r| has_top(r, preferred));
         these.filter_map(|r| Some((r.participant.to_string(), r.beyond.as_ref()?)))
     };
     let no_top = recommendations
         .iter()
-        .filter(|r| of(r, false) && r.beyond.is_none())
+        .filter(|r| has_top(r, false) && r.beyond.is_none())
         .map(|r| {
             let why = "the ratings have no highest point, so nothing is recommended";
             (r.participant.to_string(), why.to_owned())

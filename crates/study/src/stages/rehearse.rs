@@ -151,7 +151,7 @@ impl Stage for Rehearse {
         for (cell, _) in grid.iter().enumerate() {
             items.extend((0..self.studies).map(|index| (cell, index)));
         }
-        let found = for_each_on(self.jobs, &items, watch, "studies", |&(cell, index)| {
+        let studied = for_each_on(self.jobs, &items, watch, "studies", |&(cell, index)| {
             let (scale, n) = grid[cell];
             let labels = [format!("{scale}"), n.to_string(), index.to_string()];
             let [scale, size, index] = labels.each_ref().map(String::as_str);
@@ -162,7 +162,7 @@ impl Stage for Rehearse {
         })?;
         let cells: Vec<Cell> = grid
             .iter()
-            .zip(found.chunks(self.studies))
+            .zip(studied.chunks(self.studies))
             .map(|((scale, n), studies)| Cell::of(*n, *scale, studies))
             .collect();
         let signs = match &self.claims {

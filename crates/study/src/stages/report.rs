@@ -54,8 +54,8 @@ pub struct DrawReport {
 impl DrawReport {
     /// The value of a parameter of the run.
     fn parameter(&self, key: &str) -> Option<&str> {
-        let mut all = self.parameters.iter();
-        let (_, value) = all.find(|(name, _)| name == key)?;
+        let mut parameters = self.parameters.iter();
+        let (_, value) = parameters.find(|(name, _)| name == key)?;
         Some(value)
     }
 }
@@ -63,7 +63,7 @@ impl DrawReport {
 /// What was written.
 #[derive(Debug, Clone, Serialize)]
 pub struct Reported {
-    /// The page.
+    /// Path of the page, index.html.
     pub page: PathBuf,
     /// Files written, the page included.
     pub files: usize,

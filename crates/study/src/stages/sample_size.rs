@@ -80,10 +80,10 @@ pub(super) fn sample_size(
         ("studies", first.studies.to_string()),
     ]);
     lines.insert(0, texts.with(&values).text("rehearsed")?);
-    let own = design.measures().iter();
-    let own: Vec<&str> = own.map(|m| m.title.as_str()).collect();
-    if !own.is_empty() {
-        let texts = texts.with(&BTreeMap::from([("own", own)]));
+    let own_measures = design.measures().iter();
+    let own_titles: Vec<&str> = own_measures.map(|m| m.title.as_str()).collect();
+    if !own_titles.is_empty() {
+        let texts = texts.with(&BTreeMap::from([("own", own_titles)]));
         lines.push(texts.text("own_measures")?);
     }
     Ok(lines)
@@ -106,19 +106,20 @@ fn wanted(
     let title = |outcome: &str| {
         let declared = design.outcomes().iter().find(|o| o.id() == outcome);
         let label = declared.and_then(|o| o.label.clone());
-        let own = || design.measure(outcome).map(|m| m.title.clone());
-        let measure = || own().or_else(|| objective::find(outcome).map(|m| m.title.to_owned()));
+        let own_measure = || design.measure(outcome).map(|m| m.title.clone());
+        let measure =
+            || own_measure().or_else(|| objective::find(outcome).map(|m| m.title.to_owned()));
         label.or_else(measure).unwrap_or_else(|| outcome.to_owned())
     };
     let mut outcomes: Vec<String> = design.outcomes().iter().map(Outcome::id).collect();
     if outcomes.is_empty() {
         let keys = cells.iter().flat_map(|c| &c.tests);
-        let of = |t: &TestRate| {
+        let outcome_of = |t: &TestRate| {
             let inner = t.key.strip_prefix("panel.")?.strip_suffix(".omnibus")?;
             Some(inner.to_owned())
         };
         let mut seen = BTreeMap::new();
-        for (at, outcome) in keys.filter_map(of).enumerate() {
+        for (at, outcome) in keys.filter_map(outcome_of).enumerate() {
             seen.entry(outcome).or_insert(at);
         }
         let mut listed: Vec<(usize, String)> = seen.into_iter().map(|(o, at)| (at, o)).collect();
@@ -136,13 +137,14 @@ fn wanted(
     }
     let mut pairs: Vec<(String, [_; 2])> = Vec::new();
     if design.hypotheses().is_empty() && design.conditions().len() < 3 {
-        let all = design.contrasts();
-        let of = |o: &String| {
-            all.iter()
+        let contrasts = design.contrasts();
+        let pairs_of = |o: &String| {
+            contrasts
+                .iter()
                 .map(|pair| (o.clone(), *pair))
                 .collect::<Vec<_>>()
         };
-        pairs = outcomes.iter().flat_map(of).collect();
+        pairs = outcomes.iter().flat_map(pairs_of).collect();
     }
     for (outcome, [first, second]) in pairs {
         let values = BTreeMap::from([

@@ -134,12 +134,12 @@ fn reliability(matrix: &ItemMatrix, scales: &[Scale], scores: &[Score]) -> Relia
         .respondents
         .iter()
         .any(|(_, moment)| *moment == Moment::Pre);
-    let asked = |moment: Moment| !before || moment == Moment::Pre;
+    let counts = |moment: Moment| !before || moment == Moment::Pre;
     let (people, sheets): (Vec<String>, Vec<&Vec<Option<f64>>>) = matrix
         .respondents
         .iter()
         .zip(&matrix.answers)
-        .filter(|((_, m), _)| asked(*m))
+        .filter(|((_, m), _)| counts(*m))
         .map(|((who, _), row)| (who.to_string(), row))
         .unzip();
     let columns: Vec<Vec<Option<f64>>> = (0..names.len())
@@ -157,37 +157,37 @@ fn reliability(matrix: &ItemMatrix, scales: &[Scale], scores: &[Score]) -> Relia
             .and_then(|s| s.item(*item))
             .is_some_and(|i| i.kind.rates())
     };
-    let found = maveric_stats::alpha(&items, Some(&people)).ok();
-    let found = found.filter(|_| matrix.items.iter().all(rates));
-    let alpha = found.as_ref().map(|a| &a.alpha);
+    let analysis = maveric_stats::alpha(&items, Some(&people)).ok();
+    let analysis = analysis.filter(|_| matrix.items.iter().all(rates));
+    let alpha = analysis.as_ref().map(|a| &a.alpha);
     let values: Vec<f64> = scores
         .iter()
-        .filter(|s| s.scale == matrix.scale && s.subscale == matrix.subscale && asked(s.moment))
+        .filter(|s| s.scale == matrix.scale && s.subscale == matrix.subscale && counts(s.moment))
         .filter_map(|s| s.value)
         .collect();
     let subscale = scale.and_then(|s| s.subscales.iter().find(|u| u.id == matrix.subscale));
     let ends = scale
         .zip(subscale)
         .map(|(scale, subscale)| scale.score_range(subscale));
-    let at = |end: f64| values.iter().filter(|v| (*v - end).abs() < 1e-9).count();
+    let count_at = |end: f64| values.iter().filter(|v| (*v - end).abs() < 1e-9).count();
     Reliability {
         scale: matrix.scale.clone(),
         subscale: matrix.subscale.clone(),
         items: matrix.items.len(),
-        n: found.as_ref().map_or(0, |a| a.n),
-        dropped: found.as_ref().map_or(sheets.len(), |a| a.missing),
-        people: found.as_ref().and_then(|a| a.people),
+        n: analysis.as_ref().map_or(0, |a| a.n),
+        dropped: analysis.as_ref().map_or(sheets.len(), |a| a.missing),
+        people: analysis.as_ref().and_then(|a| a.people),
         alpha: alpha.and_then(|a| a.raw),
         ci_low: alpha.and_then(|a| a.ci_low),
         ci_high: alpha.and_then(|a| a.ci_high),
         omega: alpha.and_then(|a| a.omega),
         mean: mean(&values),
         sd: sd(&values),
-        floor: ends.map_or(0, |(low, _)| at(low)),
-        ceiling: ends.map_or(0, |(_, high)| at(high)),
+        floor: ends.map_or(0, |(low, _)| count_at(low)),
+        ceiling: ends.map_or(0, |(_, high)| count_at(high)),
         item: scale
             .zip(subscale)
-            .map(|(scale, subscale)| item_parts(scale, subscale, &columns, found.as_ref()))
+            .map(|(scale, subscale)| item_parts(scale, subscale, &columns, analysis.as_ref()))
             .unwrap_or_default(),
     }
 }
@@ -196,23 +196,23 @@ fn item_parts(
     scale: &Scale,
     subscale: &Subscale,
     columns: &[Vec<Option<f64>>],
-    found: Option<&AlphaAnalysis>,
+    analysis: Option<&AlphaAnalysis>,
 ) -> Vec<ItemReliability> {
     let part = |(i, (&item, column)): (usize, (&u32, &Vec<Option<f64>>))| {
-        let at = |end: i32| {
+        let count_at = |end: i32| {
             let ticked = |v: &Option<f64>| v.is_some_and(|v| (v - f64::from(end)).abs() < 1e-9);
             column.iter().filter(|v| ticked(v)).count()
         };
-        let (asked, statistics) = (scale.item(item), found.map(|f| &f.item[i]));
+        let (definition, statistics) = (scale.item(item), analysis.map(|f| &f.item[i]));
         ItemReliability {
             item,
             reversed: scale.is_reversed(subscale, item),
             mean: statistics.map(|s| s.mean),
             sd: statistics.map(|s| s.sd),
             r_rest: statistics.and_then(|s| s.r_drop),
-            alpha_dropped: found.and_then(|f| f.drop[i].alpha),
-            floor: asked.map_or(0, |asked| at(asked.min)),
-            ceiling: asked.map_or(0, |asked| at(asked.max)),
+            alpha_dropped: analysis.and_then(|f| f.drop[i].alpha),
+            floor: definition.map_or(0, |definition| count_at(definition.min)),
+            ceiling: definition.map_or(0, |definition| count_at(definition.max)),
         }
     };
     let items = scale.items_of(subscale);
@@ -238,7 +238,7 @@ impl Stage for ScoreAnswers {
                     item_means_path,
                     exclusions_path,
                 ]
-                .map(|of| of(&self.out)),
+                .map(|beside| beside(&self.out)),
             ))
     }
 
@@ -248,21 +248,21 @@ impl Stage for ScoreAnswers {
         let (mut answers, mut probes, mut times) = (Vec::new(), Vec::new(), Vec::new());
         let study = DesignFile::here(self.design.as_deref())?;
         for path in &self.surveys {
-            let found = read_answered(path).map_err(|error| told_as_export(path, error))?;
+            let answered = read_answered(path).map_err(|error| told_as_export(path, error))?;
             if let Some(study) = &study {
-                refuse_unclear(path, &found.answers, &study.design)?;
+                refuse_unclear(path, &answered.answers, &study.design)?;
             }
-            answers.extend(found.answers);
-            probes.extend(found.probes);
-            times.extend(found.times);
+            answers.extend(answered.answers);
+            probes.extend(answered.probes);
+            times.extend(answered.times);
         }
         if self.moments == Moments::After {
             answers.retain(|a| a.moment != Moment::Pre);
             times.retain(|t| t.moment != Moment::Pre);
         }
         watch.check()?;
-        let found = (&mut answers, &mut probes, &mut times);
-        let left_out = let_in(study.as_ref(), self, &scales, found)?;
+        let collected = (&mut answers, &mut probes, &mut times);
+        let left_out = let_in(study.as_ref(), self, &scales, collected)?;
         if answers.is_empty() && probes.is_empty() {
             return Err(StudyError::NotPossible {
                 problem: "the surveys hold no answers".to_owned(),
@@ -365,7 +365,7 @@ fn let_in(
     for folder in &options.drives {
         drives.extend(kept_out(folder)?);
     }
-    let gate = Gate::of(study, options.participants.as_deref())?;
+    let gate = Gate::new(study, options.participants.as_deref())?;
     let gate = gate.with_sheets(scales, answers, &drives);
     let mut keeps = |who: &ParticipantId, moment: Moment| match gate.answer(who, moment) {
         None => true,

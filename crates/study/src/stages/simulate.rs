@@ -132,32 +132,31 @@ impl Scenes {
 
 /// The participants whose drives are written as logs too.
 struct Logged<'a> {
-    asked: [Option<&'a Scenes>; 2],
+    wished: [Option<&'a Scenes>; 2],
     shown: Option<&'a ParticipantId>,
 }
 
 impl<'a> Logged<'a> {
     /// Those of whom logs or scenes are asked; without such a wish the one whom the report shows: a log takes longer to write than its drive
     /// to be driven, and nothing else reads it.
-    fn of(options: &'a Simulate, conditions: &'a [ConditionRow]) -> Self {
-        let asked = [options.logs.as_ref(), options.scenes.as_ref()];
+    fn new(options: &'a Simulate, conditions: &'a [ConditionRow]) -> Self {
         let shown = (options.logs.is_none()).then(|| in_the_middle(conditions));
         Self {
-            asked,
+            wished: [options.logs.as_ref(), options.scenes.as_ref()],
             shown: shown.flatten(),
         }
     }
 
     fn cover(&self, participant: &ParticipantId) -> bool {
-        let asked = self.asked.iter().flatten();
-        self.shown == Some(participant) || asked.into_iter().any(|whose| whose.cover(participant))
+        let mut wished = self.wished.iter().flatten();
+        self.shown == Some(participant) || wished.any(|whose| whose.cover(participant))
     }
 }
 
 /// Whose own style reads as the middle score of all: both directions of the dial show best there.
 fn in_the_middle(conditions: &[ConditionRow]) -> Option<&ParticipantId> {
-    let own = |row: &&ConditionRow| row.moved_points.is_some_and(|by| by.abs() < 1e-9);
-    let mut rows: Vec<&ConditionRow> = conditions.iter().filter(own).collect();
+    let unmoved = |row: &&ConditionRow| row.moved_points.is_some_and(|by| by.abs() < 1e-9);
+    let mut rows: Vec<&ConditionRow> = conditions.iter().filter(unmoved).collect();
     if rows.is_empty() {
         rows = conditions.iter().collect();
     }
@@ -201,7 +200,7 @@ fn known<'a>(
 /// What was driven.
 #[derive(Debug, Clone, Serialize)]
 pub struct Simulated {
-    /// Drives.
+    /// Drives that came to their end.
     pub drives: usize,
     /// Collisions over all drives.
     pub collisions: usize,
@@ -244,7 +243,7 @@ impl Stage for Simulate {
         for whose in self.scenes.iter().chain(&self.logs) {
             whose.check(people())?;
         }
-        let logged = Logged::of(self, &conditions);
+        let logged = Logged::new(self, &conditions);
         let watched = self.watch.as_ref().and_then(|_| {
             let first = || people().next().map(ToString::to_string);
             self.watch_participant.clone().or_else(first)
@@ -270,7 +269,7 @@ impl Stage for Simulate {
             write_page(self, page, &driven)?;
         }
         let strangers = strangers(&conditions);
-        let value = Simulated::of(&driven, &strangers);
+        let value = Simulated::from_drives(&driven, &strangers);
         let mut summary = vec![format!(
             "{} AV drives, {} collisions, {} safety interventions: {}",
             value.drives,
@@ -293,9 +292,10 @@ impl Stage for Simulate {
 }
 
 impl Simulated {
-    fn of(driven: &[Driven], strangers: &BTreeMap<&ParticipantId, &BeyondWhy>) -> Self {
-        let total =
-            |of: fn(&RolloutReport) -> u32| driven.iter().map(|d| of(&d.report) as usize).sum();
+    fn from_drives(driven: &[Driven], strangers: &BTreeMap<&ParticipantId, &BeyondWhy>) -> Self {
+        let total = |count: fn(&RolloutReport) -> u32| {
+            driven.iter().map(|d| count(&d.report) as usize).sum()
+        };
         Self {
             drives: driven.len(),
             collisions: total(|r| r.collisions),
@@ -457,14 +457,14 @@ impl Simulate {
         };
         let known = read_variability(path)?;
         let baseline = design.and_then(maveric_domain::Design::baseline_id);
-        let of = |row: &ConditionRow| {
+        let variability = |row: &ConditionRow| {
             if !varies(row) {
                 return Ok(None);
             }
-            let own = known
+            let by_hand = known
                 .iter()
                 .find(|k| k.participant == row.participant && Some(k.condition) == baseline);
-            own.map(|k| Some(k.variability())).ok_or_else(|| {
+            by_hand.map(|k| Some(k.variability())).ok_or_else(|| {
                 let whose = &row.participant;
                 StudyError::file(
                     path,
@@ -472,7 +472,7 @@ impl Simulate {
                 )
             })
         };
-        conditions.iter().map(of).collect()
+        conditions.iter().map(variability).collect()
     }
 }
 
@@ -568,8 +568,8 @@ fn drive(
         let log = log_of(&options.out, meta.drive.as_str());
         write_recording(&log, &driven.recording, &meta, &beside)?;
     }
-    let made = Drive::from_recording(meta.clone(), &driven.recording)?;
-    write_drive(&options.out.join("drives"), &made)?;
+    let recorded = Drive::from_recording(meta.clone(), &driven.recording)?;
+    write_drive(&options.out.join("drives"), &recorded)?;
     let watched = watched.then(|| {
         let interventions = Some(braking(&driven.trace));
         let road = centre_line(scenario, &driven.recording);
@@ -577,8 +577,8 @@ fn drive(
     });
     Ok(Ok(Driven {
         meta,
-        rows: made.len(),
-        duration_s: made.rows().time_s.last().copied().unwrap_or(0.0),
+        rows: recorded.len(),
+        duration_s: recorded.rows().time_s.last().copied().unwrap_or(0.0),
         report: driven.report,
         watched: watched.transpose()?,
     }))
@@ -661,7 +661,7 @@ mod tests {
         }
         let logged = |more: &[&str]| -> Vec<String> {
             let asked = asked(more);
-            let logged = Logged::of(&asked, &rows);
+            let logged = Logged::new(&asked, &rows);
             let people = rows.iter().step_by(2).map(|row| &row.participant);
             people
                 .filter(|who| logged.cover(who))

@@ -79,7 +79,7 @@ pub struct Steer {
 /// Where the conditions lie.
 #[derive(Debug, Clone, Serialize)]
 pub struct Steered {
-    /// Participants.
+    /// People with an own drive to steer from.
     pub participants: usize,
     /// Shifts that the ends of the scale cut short.
     pub clamped: usize,
@@ -89,7 +89,7 @@ pub struct Steered {
     pub beyond_left_out: bool,
     /// Heads that were fitted to scores.
     pub attributes: Vec<AttributeSummary>,
-    /// The conditions.
+    /// What was written: a row a person and condition, or a person and point of a sweep.
     pub conditions: Vec<ConditionRow>,
 }
 
@@ -130,16 +130,16 @@ impl Stage for Steer {
                 Some("add [baseline] with the id of that drive, such as id = \"own\"".to_owned()),
             ));
         };
-        let own = own_drives(&rows, baseline);
-        if own.is_empty() {
+        let people = own_drives(&rows, baseline);
+        if people.is_empty() {
             return Err(StudyError::file(
                 &self.embeddings,
                 "holds no own drive to steer from",
             ));
         }
         let outcome = match &axis {
-            Some(axis) if sweeps => sweep::sweep(self, &study, (&model, axis), &own, watch)?,
-            _ => conditions::conditions(self, &study, &model, axis.as_ref(), &own, watch)?,
+            Some(axis) if sweeps => sweep::sweep(self, &study, (&model, axis), &people, watch)?,
+            _ => conditions::conditions(self, &study, &model, axis.as_ref(), &people, watch)?,
         };
         write_conditions(&self.out, &outcome.value.conditions)?;
         Ok(outcome)
@@ -148,13 +148,13 @@ impl Stage for Steer {
 
 /// One row a participant, of the drive of their first session: the fit with the ADB score where there is one.
 fn own_drives(rows: &[EmbeddingRow], baseline: ConditionId) -> Vec<&EmbeddingRow> {
-    let own = |r: &&EmbeddingRow| r.condition == baseline && is_first(&r.session);
+    let is_own_drive = |r: &&EmbeddingRow| r.condition == baseline && is_first(&r.session);
     let has_adb_fit = |p: &ParticipantId| {
-        let mut fits = rows.iter().filter(own);
+        let mut fits = rows.iter().filter(is_own_drive);
         fits.any(|r| r.participant == *p && r.adb_used)
     };
     rows.iter()
-        .filter(own)
+        .filter(is_own_drive)
         .filter(|r| r.adb_used == has_adb_fit(&r.participant))
         .collect()
 }

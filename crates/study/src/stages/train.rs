@@ -154,8 +154,8 @@ impl Stage for Train {
         let study = DesignFile::here(design)?;
         let baseline = DesignFile::find(design)?.design.baseline_id();
         let score = |drive: &Drive| -> Result<Option<AdbScore>, StudyError> {
-            let told = instructed(drive, study.as_ref(), scale)?;
-            Ok(told.or(adb_of(drive, &scores, baseline)?))
+            let by_role = instructed(drive, study.as_ref(), scale)?;
+            Ok(by_role.or(adb_of(drive, &scores, baseline)?))
         };
         let mut unscored = Vec::new();
         let mut training = Vec::new();
@@ -211,7 +211,7 @@ impl Stage for Train {
         let off_the_scale = scale.outward_rows(&mut rows);
         write_embeddings(&embeddings_path(&self.out), &rows)?;
         let mut warnings = summary.warnings.clone();
-        warnings.extend(scale.told(&off_the_scale));
+        warnings.extend(scale.warnings(&off_the_scale));
         let mut lines = self.lines(&summary);
         lines.extend(progress.rate_line());
         Ok(Outcome {
@@ -311,14 +311,14 @@ impl Train {
             })
             .collect();
         let model = learn_days(model, training, self.fit_fraction, &twice, self.seed)?;
-        let told = model.days().is_none().then(|| {
+        let warning = model.days().is_none().then(|| {
             format!(
                 "{} drove twice, expected at least {}: standard errors of styles are of a drive, not of a person",
                 count(twice.len(), "person who is learned from", "people who are learned from"),
                 self.embedding_size
             )
         });
-        Ok((model, told))
+        Ok((model, warning))
     }
 }
 
@@ -373,15 +373,15 @@ fn style_line(style: &StyleHead) -> String {
 /// What the run that kept people back found, in a line.
 fn validation_line(selection: &Selection) -> String {
     let (networks, own) = (&selection.networks, &selection.own_means);
-    let beside = |what: &str, unit: &str, found: Option<f64>, own: Option<f64>| {
-        let (found, own) = (found?, own?);
-        let worse = if found < own {
+    let beside = |what: &str, unit: &str, network: Option<f64>, own: Option<f64>| {
+        let (network, own) = (network?, own?);
+        let worse = if network < own {
             ""
         } else {
             " (no better than the own mean)"
         };
         Some(format!(
-            "{what} off by {found:.2} {unit}, the own mean by {own:.2}{worse}"
+            "{what} off by {network:.2} {unit}, the own mean by {own:.2}{worse}"
         ))
     };
     let gap = beside(

@@ -169,10 +169,7 @@ impl Stage for Validate {
 
     fn work(&self, watch: Watch<'_>) -> Result<Outcome<Checked>, StudyError> {
         match self.leave_out {
-            Some(LeaveOut::People) => {
-                let found = leave_out::work(self, watch)?;
-                Ok(found.map(Checked::InTurn))
-            }
+            Some(LeaveOut::People) => Ok(leave_out::work(self, watch)?.map(Checked::InTurn)),
             None => Ok(self.drove_twice(watch)?.map(Checked::DroveTwice)),
         }
     }
@@ -207,8 +204,8 @@ impl Validate {
             let name = path.to_slash_lossy().into_owned();
             models.push(examination.examine(&name, &read_model(path)?, watch)?);
         }
-        let measured = |of: fn(&people::Person) -> &Drive| -> Vec<Values> {
-            people.test.iter().map(|p| values(of(p))).collect()
+        let measured = |drive: fn(&people::Person) -> &Drive| -> Vec<Values> {
+            people.test.iter().map(|p| values(drive(p))).collect()
         };
         let retest = retest(&measured(|p| &p.first), &measured(|p| &p.again));
         let first = || people.test.iter().map(|p| p.first.meta().driven_by);

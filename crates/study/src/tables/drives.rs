@@ -126,14 +126,14 @@ pub(crate) fn refuse_foreign<'a>(
     now: impl IntoIterator<Item = &'a str>,
 ) -> Result<(), StudyError> {
     let list = folder.join(LIST);
-    let mut own: BTreeSet<String> = now.into_iter().map(str::to_owned).collect();
+    let mut known_ids: BTreeSet<String> = now.into_iter().map(str::to_owned).collect();
     if list.is_file() {
         let listed: Vec<DriveId> = Table::read(&list)?.ids("drive")?;
-        own.extend(listed.iter().map(ToString::to_string));
+        known_ids.extend(listed.iter().map(ToString::to_string));
     }
     let known = |path: &PathBuf| {
         let stem = path.file_stem();
-        stem.is_some_and(|stem| own.contains(stem.to_string_lossy().as_ref()))
+        stem.is_some_and(|stem| known_ids.contains(stem.to_string_lossy().as_ref()))
     };
     match drive_files(folder)?.into_iter().find(|path| !known(path)) {
         None => Ok(()),

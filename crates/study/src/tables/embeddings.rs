@@ -85,15 +85,15 @@ pub fn read_embeddings(path: &Path) -> Result<Vec<EmbeddingRow>, StudyError> {
 /// As [`read_embeddings`]; [`StudyError::BadFile`] for styles of another model, and for a file without rows.
 pub fn read_styles(path: &Path, size: usize) -> Result<Vec<EmbeddingRow>, StudyError> {
     let rows = read_embeddings(path)?;
-    let found = rows.first().map_or(0, |row| row.embedding.size());
-    if found == size {
+    let numbers = rows.first().map_or(0, |row| row.embedding.size());
+    if numbers == size {
         return Ok(rows);
     }
     Err(StudyError::BadFile {
         path: path.to_owned(),
-        problem: match found {
+        problem: match numbers {
             0 => "has no row, expected one for everybody, or one a person".to_owned(),
-            _ => format!("has styles of {found} numbers (w1, …), and the model's have {size}"),
+            _ => format!("has styles of {numbers} numbers (w1, …), and the model's have {size}"),
         },
         help: Some("write it with `maveric personalize` and the study's model".to_owned()),
     })
@@ -108,8 +108,8 @@ pub fn style_of<'a>(
     file: &Path,
     who: Option<&ParticipantId>,
 ) -> Result<&'a Embedding, StudyError> {
-    let own = rows.iter().find(|row| Some(&row.participant) == who);
-    if let Some(row) = own.or(rows.first().filter(|_| rows.len() == 1)) {
+    let by_id = rows.iter().find(|row| Some(&row.participant) == who);
+    if let Some(row) = by_id.or(rows.first().filter(|_| rows.len() == 1)) {
         return Ok(&row.embedding);
     }
     let (whose, expected) = match who {
@@ -132,13 +132,13 @@ pub fn style_of<'a>(
 
 /// The covariance of each row; none where a cell of it is missing.
 fn read_covariances(table: &Table, d: usize) -> Result<Vec<Option<Vec<f64>>>, StudyError> {
-    let mut found: Vec<Option<Vec<f64>>> = vec![None; table.rows()];
+    let mut matrices: Vec<Option<Vec<f64>>> = vec![None; table.rows()];
     if !table.has("cov1_1") {
-        return Ok(found);
+        return Ok(matrices);
     }
-    found.fill(Some(vec![0.0; d * d]));
+    matrices.fill(Some(vec![0.0; d * d]));
     for (name, i, j) in covariances(d) {
-        for (row, cell) in found.iter_mut().zip(table.numbers(&name)?) {
+        for (row, cell) in matrices.iter_mut().zip(table.numbers(&name)?) {
             match (row.as_mut(), cell) {
                 (Some(matrix), Some(value)) => {
                     (matrix[i * d + j], matrix[j * d + i]) = (value, value);
@@ -147,7 +147,7 @@ fn read_covariances(table: &Table, d: usize) -> Result<Vec<Option<Vec<f64>>>, St
             }
         }
     }
-    Ok(found)
+    Ok(matrices)
 }
 
 #[cfg(test)]

@@ -49,12 +49,12 @@ pub fn read_own_measures(
     let [_, _, (_, sessions), (_, trials)] = keys;
     let people = known_people(study, participants, &table)?;
     let conditions = known_conditions(study, &table)?;
-    let here: Vec<&str> = keys
+    let given: Vec<&str> = keys
         .into_iter()
         .filter(|(_, there)| *there)
         .map(|(key, _)| key)
         .collect();
-    one_row_each(&table, &here, sessions || trials)?;
+    one_row_each(&table, &given, sessions || trials)?;
     let cells: Vec<(ParticipantId, ConditionId)> = people.into_iter().zip(conditions).collect();
     // Of a study that declares its sessions, the first is compared.
     let counts: Vec<bool> = if study.design.protocol().session_count() == 1 {
@@ -131,9 +131,9 @@ fn known_people(
 ) -> Result<Vec<ParticipantId>, StudyError> {
     let ids: Vec<ParticipantId> = table.ids("participant")?;
     study.forgotten()?.refuse(table.path(), ids.iter())?;
-    let own = study.resolve(&study.design.people().file);
-    let list = participants.unwrap_or(&own);
-    if participants.is_none() && !own.is_file() {
+    let people_file = study.resolve(&study.design.people().file);
+    let list = participants.unwrap_or(&people_file);
+    if participants.is_none() && !people_file.is_file() {
         return Ok(ids);
     }
     let people = study.people(participants)?;

@@ -32,7 +32,7 @@ struct Made {
 }
 
 impl Made {
-    fn of(person: &Participant) -> Self {
+    fn from_person(person: &Participant) -> Self {
         let words: Vec<&str> = person.order.iter().map(ConditionId::as_str).collect();
         let (traits, personality) = (&person.traits, &person.personality);
         Self {
@@ -98,7 +98,7 @@ pub fn write_participants(path: &Path, cohort: &Cohort, design: &Design) -> Resu
             (column.to_owned(), word.cloned().unwrap_or_default())
         };
         let telling: Vec<(String, String)> = parts.columns().into_iter().map(word).collect();
-        (Made::of(person), telling)
+        (Made::from_person(person), telling)
     });
     write_rows(TableName::Participants, path, rows)
 }
@@ -261,8 +261,8 @@ fn conditions(
 pub fn read_participants(path: &Path, design: &Design) -> Result<Vec<Participant>, StudyError> {
     let table = Table::read(path)?;
     table.each_once(&["participant"])?;
-    let made = table.records::<Made>()?.into_iter().enumerate();
-    made.map(|(row, made)| {
+    let rows = table.records::<Made>()?.into_iter().enumerate();
+    rows.map(|(row, made)| {
         let order = conditions(&table, row, &made.order, design)?;
         Ok(made.person(order))
     })

@@ -85,9 +85,9 @@ impl Table {
                 .copied()
                 .zip(texts.iter().enumerate().map(cell));
             T::deserialize(MapDeserializer::new(cells)).map_err(|Expected(expected)| {
-                let at = reading.get();
-                let found = texts[at].get(row).and_then(Option::as_deref);
-                self.bad_cell(row, names[at], found.unwrap_or_default(), expected)
+                let column = reading.get();
+                let text = texts[column].get(row).and_then(Option::as_deref);
+                self.bad_cell(row, names[column], text.unwrap_or_default(), expected)
             })
         };
         let record = |row| wanted(row).then(|| record(row)).transpose();
@@ -151,8 +151,8 @@ impl OneCell<'_> {
         } else {
             ""
         };
-        let found = self.text.trim().parse();
-        found.map_err(|_| Expected(format!("a whole number{rest}")))
+        let number = self.text.trim().parse();
+        number.map_err(|_| Expected(format!("a whole number{rest}")))
     }
 }
 
@@ -182,8 +182,8 @@ impl<'de> Deserializer<'de> for OneCell<'_> {
     }
 
     fn deserialize_bool<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Expected> {
-        let found = self.text.trim().parse::<bool>();
-        visitor.visit_bool(found.map_err(|_| Expected("true or false".to_owned()))?)
+        let value = self.text.trim().parse::<bool>();
+        visitor.visit_bool(value.map_err(|_| Expected("true or false".to_owned()))?)
     }
 
     fn deserialize_f64<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Expected> {

@@ -22,9 +22,9 @@ impl Table {
             let Some(first) = seen.insert(key.clone(), row) else {
                 continue;
             };
-            let found: Vec<&str> = key.into_iter().flatten().collect();
+            let values: Vec<&str> = key.into_iter().flatten().collect();
             let expected = format!("each once: row {} says so already", self.origin(first) + 1);
-            return Err(self.bad_cell(row, &columns.join("`, `"), found.join(", "), expected));
+            return Err(self.bad_cell(row, &columns.join("`, `"), values.join(", "), expected));
         }
         Ok(())
     }

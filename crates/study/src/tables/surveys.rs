@@ -77,8 +77,8 @@ fn with_occasions(table: &Table, moments: Vec<Moment>) -> Result<Vec<Moment>, St
             let column = OCCASION.into_iter().find(|column| table.has(column));
             let expected =
                 "nothing or 1: what is asked before the drives or at the end is asked once";
-            let found = occasion.to_string();
-            return Err(table.bad_cell(row, column.unwrap_or("moment"), found, expected));
+            let given = occasion.to_string();
+            return Err(table.bad_cell(row, column.unwrap_or("moment"), given, expected));
         }
         Ok(match occasion {
             Occasion::FIRST => moment,
@@ -138,8 +138,8 @@ fn words_as_moments(table: &Table) -> Result<Vec<Moment>, StudyError> {
     let moment = |((row, word), condition): ((usize, String), Option<String>)| {
         let id = condition.as_ref().map(|id| id.parse()).transpose();
         let id = id.map_err(|_| {
-            let found = condition.as_deref().unwrap_or_default();
-            wrong(row, "condition", found, "the id of a condition, or nothing")
+            let given = condition.as_deref().unwrap_or_default();
+            wrong(row, "condition", given, "the id of a condition, or nothing")
         })?;
         moment_of(&word, id).ok_or_else(|| {
             let expected = "`pre` or `post` without a condition, `after` or `probe` with one";

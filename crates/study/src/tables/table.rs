@@ -84,8 +84,8 @@ impl Table {
         } else if is_parquet(path) {
             return Err(StudyError::file(path, "does not start like Parquet (PAR1)"));
         } else {
-            let told = is_tsv(path).then_some(b'\t');
-            let csv = maveric_ingest::read_csv(&bytes, told).map_err(|e| bad("CSV", e))?;
+            let separator = is_tsv(path).then_some(b'\t');
+            let csv = maveric_ingest::read_csv(&bytes, separator).map_err(|e| bad("CSV", e))?;
             (csv.frame, csv.decimal_comma)
         };
         Ok(Self {
@@ -145,12 +145,11 @@ impl Table {
             });
         }
         self.frame.column(wanted).map_err(|_| {
-            let found = self.columns();
-            let nearest = nearest(wanted, found.iter().map(String::as_str)).map(str::to_owned);
+            let nearest = nearest(wanted, columns.iter().map(String::as_str)).map(str::to_owned);
             StudyError::NoColumn {
                 path: self.path.clone(),
                 wanted: wanted.to_owned(),
-                found,
+                found: columns,
                 nearest,
             }
         })

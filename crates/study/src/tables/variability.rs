@@ -25,7 +25,7 @@ pub struct VariabilityRow {
 
 impl VariabilityRow {
     /// Measures a drive.
-    pub fn of(drive: &Drive) -> Self {
+    pub fn from_drive(drive: &Drive) -> Self {
         let meta = drive.meta();
         let v = variability(drive);
         let sd = |wander: Option<Wander>| wander.map(|w| w.sd);

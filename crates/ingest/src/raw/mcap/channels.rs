@@ -33,7 +33,7 @@ impl<'a> Decoders<'a> {
     }
 
     /// The decoder of a channel, or a sentence that says why it cannot be decoded.
-    pub(crate) fn of(
+    pub(crate) fn for_channel(
         &mut self,
         channel: &Channel,
         schema: Option<&OwnedSchema>,
@@ -44,7 +44,7 @@ impl<'a> Decoders<'a> {
             return decoder.clone();
         }
         let name = schema.map_or("", |s| s.name.as_str());
-        let reading = Reading::of(name, self.mapped);
+        let reading = Reading::for_type(name, self.mapped);
         let paths = reading.as_ref().map_or(&[][..], |r| &r.paths);
         let paths: Vec<&str> = paths.iter().map(String::as_str).collect();
         let codec = Codec::compile(channel, schema, &paths);

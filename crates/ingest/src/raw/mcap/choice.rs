@@ -38,10 +38,10 @@ pub(crate) fn parent(topic: &str) -> &str {
 pub(crate) fn choose(
     path: &Path,
     given: Option<&McapMapping>,
-    found: &[Found<'_>],
+    candidates: &[Found<'_>],
 ) -> Result<Choice, IngestError> {
-    let chooser = Chooser { path, found };
-    let (mapping, rig) = rigs::applied(given, found);
+    let chooser = Chooser { path, candidates };
+    let (mapping, rig) = rigs::applied(given, candidates);
     let named = |topics: fn(&McapMapping) -> &Topics, roles: &[Role]| {
         let must = given.is_some_and(|g| !topics(g).0.is_empty());
         chooser.named(topics(&mapping), roles, must)
@@ -64,16 +64,16 @@ pub(crate) fn choose(
         let list = objects_named.or_else(|| chooser.best(Role::Objects, &|_| false));
         list.filter(|_| known)
     };
-    let told = given.is_some_and(|g| g.ego_object.is_some() && g.ego_topic.0.is_empty());
-    let ego = if told { among_objects() } else { None };
+    let by_object = given.is_some_and(|g| g.ego_object.is_some() && g.ego_topic.0.is_empty());
+    let ego = if by_object { among_objects() } else { None };
     let ego = ego.or(by_name).or_else(by_type).or_else(among_objects);
     let ego = ego.ok_or_else(|| IngestError::NoEgo {
         path: path.to_owned(),
-        found: describe(found),
+        found: describe(candidates),
     })?;
-    let beside_ego = |topic: &str| parent(topic) == parent(found[ego].topic);
+    let beside_ego = |topic: &str| parent(topic) == parent(candidates[ego].topic);
     let objects = objects_named.or_else(|| chooser.best(Role::Objects, &beside_ego));
-    let role = found[ego].role;
+    let role = candidates[ego].role;
     let speed = match role {
         Ok(Some(Role::Pose | Role::Frames | Role::Fix)) => {
             named(|m| &m.speed_topic, &[Role::Speed])?
@@ -81,10 +81,10 @@ pub(crate) fn choose(
         }
         _ => None,
     };
-    let rivals = (0..found.len()).filter(|&i| i != ego && found[i].role == role);
-    let rivals: Vec<&str> = rivals.map(|i| found[i].topic).collect();
+    let rivals = (0..candidates.len()).filter(|&i| i != ego && candidates[i].role == role);
+    let rivals: Vec<&str> = rivals.map(|i| candidates[i].topic).collect();
     let others = (!rivals.is_empty() && role != Ok(Some(Role::Objects))).then(|| {
-        let chosen = found[ego].topic;
+        let chosen = candidates[ego].topic;
         format!(
             "ego is taken from `{chosen}`, not from {}",
             rivals.join(", ")
@@ -103,13 +103,15 @@ pub(crate) fn choose(
 
 struct Chooser<'a> {
     path: &'a Path,
-    found: &'a [Found<'a>],
+    candidates: &'a [Found<'a>],
 }
 
 impl Chooser<'_> {
     fn with_role(&self, role: Role) -> impl Iterator<Item = usize> {
-        let indices = 0..self.found.len();
-        indices.filter(move |&i| self.found[i].role == Ok(Some(role)) && self.found[i].messages > 0)
+        let indices = 0..self.candidates.len();
+        indices.filter(move |&i| {
+            self.candidates[i].role == Ok(Some(role)) && self.candidates[i].messages > 0
+        })
     }
 
     /// The first channel that a pattern names, by pattern, then role, then number of messages.
@@ -124,9 +126,9 @@ impl Chooser<'_> {
             for &role in roles {
                 let fits = self
                     .with_role(role)
-                    .filter(|&i| matches(pattern, self.found[i].topic));
+                    .filter(|&i| matches(pattern, self.candidates[i].topic));
                 let most = fits.max_by_key(|&i| {
-                    let f = &self.found[i];
+                    let f = &self.candidates[i];
                     (f.messages, std::cmp::Reverse(f.topic))
                 });
                 if most.is_some() {
@@ -139,7 +141,7 @@ impl Chooser<'_> {
             Some(topic) => Err(IngestError::UnknownTopic {
                 path: self.path.to_owned(),
                 topic: topic.clone(),
-                nearest: nearest(topic, candidates().map(|i| self.found[i].topic))
+                nearest: nearest(topic, candidates().map(|i| self.candidates[i].topic))
                     .map(str::to_owned),
             }),
         }
@@ -147,15 +149,15 @@ impl Chooser<'_> {
 
     fn best(&self, role: Role, prefer: &dyn Fn(&str) -> bool) -> Option<usize> {
         self.with_role(role).max_by_key(|&i| {
-            let f = &self.found[i];
+            let f = &self.candidates[i];
             (prefer(f.topic), f.messages, std::cmp::Reverse(f.topic))
         })
     }
 }
 
-fn describe(found: &[Found<'_>]) -> String {
+fn describe(candidates: &[Found<'_>]) -> String {
     const MOST: usize = 6;
-    if found.is_empty() {
+    if candidates.is_empty() {
         return "it has no channels".to_owned();
     }
     let one = |f: &Found<'_>| {
@@ -166,9 +168,9 @@ fn describe(found: &[Found<'_>]) -> String {
         };
         format!("`{}` ({}{why})", f.topic, f.type_name)
     };
-    let mut list: Vec<String> = found.iter().take(MOST).map(one).collect();
-    if found.len() > MOST {
-        list.push(format!("and {} more", found.len() - MOST));
+    let mut list: Vec<String> = candidates.iter().take(MOST).map(one).collect();
+    if candidates.len() > MOST {
+        list.push(format!("and {} more", candidates.len() - MOST));
     }
     list.join(", ")
 }

@@ -145,7 +145,7 @@ pub fn read_decisions(path: &Path) -> Result<Option<Vec<Decision>>, IngestError>
     }
     let mut messages: Vec<(u64, String)> = of_topic.flat_map(|s| s.taken.messages).collect();
     messages.sort_by_key(|message| message.0);
-    let mut found = Vec::new();
+    let mut decisions = Vec::new();
     for (time_ns, text) in messages {
         let kind = DecisionKind::ALL.into_iter().find(|k| k.as_str() == text);
         let kind = kind.ok_or_else(|| IngestError::BadMetadata {
@@ -154,12 +154,12 @@ pub fn read_decisions(path: &Path) -> Result<Option<Vec<Decision>>, IngestError>
             found: text,
             expected: "a decision of the automated car",
         })?;
-        found.push(Decision {
+        decisions.push(Decision {
             time_s: time_ns as f64 / 1e9,
             kind,
         });
     }
-    Ok(Some(found))
+    Ok(Some(decisions))
 }
 
 /// The texts of a stream of logs, if they are wanted.

@@ -98,9 +98,10 @@ pub(crate) struct Frames {
 
 impl Frames {
     /// The frames of a row of a transform; none where it is not ego's pose.
-    pub(crate) fn of(row: &[f64]) -> Option<Self> {
+    pub(crate) fn from_row(row: &[f64]) -> Option<Self> {
         let [parent, child] = *row.get(EGO_SLOTS.len()..)?.first_chunk()?;
-        let place = |all: &[f64], name: f64| all.iter().position(|n| n.to_bits() == name.to_bits());
+        let place =
+            |names: &[f64], name: f64| names.iter().position(|n| n.to_bits() == name.to_bits());
         Some(Self {
             fixed: place(&NUMBERS.0, parent)?,
             ego: place(&NUMBERS.1, child)?,

@@ -38,7 +38,7 @@ pub(crate) const KEYS: [&str; 12] = [
 ];
 
 /// What is said of a drive, by [`KEYS`] and in their order.
-pub(crate) fn told_of(
+pub(crate) fn meta_entries(
     meta: &DriveMeta,
     road: &Road,
     rate_hz: f64,
@@ -88,11 +88,13 @@ pub(crate) fn values(
 ) -> BTreeMap<String, String> {
     let road = recording.road();
     let (rate_hz, lateral) = (recording.rate_hz(), recording.has_lateral());
-    let told = told_of(meta, road, rate_hz, lateral, recording.sees());
-    let own = [("ego_length_m", recording.ego().length_m.to_string())];
+    let entries = meta_entries(meta, road, rate_hz, lateral, recording.sees());
+    let length = [("ego_length_m", recording.ego().length_m.to_string())];
     let note = note.map(|note| (NOTE, note.to_owned()));
-    let all = told.into_iter().chain(own).chain(note);
-    all.map(|(key, value)| (key.to_owned(), value)).collect()
+    let entries = entries.into_iter().chain(length).chain(note);
+    entries
+        .map(|(key, value)| (key.to_owned(), value))
+        .collect()
 }
 
 /// Reads the record's values.
@@ -103,24 +105,24 @@ pub(crate) fn parse(
     path: &Path,
     values: &BTreeMap<String, String>,
 ) -> Result<DriveRecord, IngestError> {
-    let told = Told { path, values };
+    let record = MetaValues { path, values };
     Ok(DriveRecord {
-        meta: told.meta()?,
-        road: told.road()?,
-        ego_length_m: told.positive("ego_length_m")?,
-        without_lateral: told.without_lateral(),
-        sees: told.sees()?,
+        meta: record.meta()?,
+        road: record.road()?,
+        ego_length_m: record.positive("ego_length_m")?,
+        without_lateral: record.without_lateral(),
+        sees: record.sees()?,
         note: values.get(NOTE).cloned(),
     })
 }
 
 /// What a file says of its drive; each value that is missing or makes no sense is an [`IngestError::BadMetadata`].
-pub(crate) struct Told<'a> {
+pub(crate) struct MetaValues<'a> {
     pub(crate) path: &'a Path,
     pub(crate) values: &'a BTreeMap<String, String>,
 }
 
-impl Told<'_> {
+impl MetaValues<'_> {
     /// Whose drive it is.
     pub(crate) fn meta(&self) -> Result<DriveMeta, IngestError> {
         let driven_by = "human, synthetic or automated";
@@ -174,11 +176,11 @@ impl Told<'_> {
         expected: &'static str,
         read: impl Fn(&str) -> Result<T, E>,
     ) -> Result<T, IngestError> {
-        let found = self.values.get(key).map_or("", String::as_str);
-        read(found).map_err(|_| IngestError::BadMetadata {
+        let value = self.values.get(key).map_or("", String::as_str);
+        read(value).map_err(|_| IngestError::BadMetadata {
             path: self.path.to_owned(),
             key,
-            found: found.to_owned(),
+            found: value.to_owned(),
             expected,
         })
     }

@@ -49,9 +49,9 @@ pub(crate) fn collect(
 ) -> Result<Collected, IngestError> {
     if let Some(topics) = chosen(path, parts, mapping) {
         let collected = collect_from(parts, mapping, recover, false, Some(&topics))?;
-        let found: Vec<Found<'_>> = collected.streams.iter().map(found).collect();
-        let choice = choose(path, mapping, &found);
-        let same = choice.is_ok_and(|c| topics_of(&c, &found).keys().eq(topics.keys()));
+        let candidates: Vec<Found<'_>> = collected.streams.iter().map(found).collect();
+        let choice = choose(path, mapping, &candidates);
+        let same = choice.is_ok_and(|c| topics_of(&c, &candidates).keys().eq(topics.keys()));
         let whole = collected.walked.iter().all(|w| w.damage.is_empty());
         if same && whole && collected.undeclared == 0 {
             return Ok(collected);
@@ -83,14 +83,14 @@ fn chosen(path: &Path, parts: &[PathBuf], mapping: Option<&McapMapping>) -> Opti
     let mut decoders = Decoders::new(mapping.map_or(&[][..], |m| &m.messages));
     for part in parts {
         for (channel, schema, count) in announced(part)? {
-            let decoder = decoders.of(&channel, schema.as_ref());
+            let decoder = decoders.for_channel(&channel, schema.as_ref());
             let role = decoder.map(|d| d.reading.as_ref().map(|r| r.role));
             let name = schema.map_or_else(String::new, |s| s.name);
             let stream = streams.entry((channel.topic, name)).or_insert((role, 0));
             stream.1 += count;
         }
     }
-    let found = streams
+    let candidates = streams
         .iter()
         .map(|((topic, type_name), (role, count))| Found {
             topic,
@@ -98,21 +98,21 @@ fn chosen(path: &Path, parts: &[PathBuf], mapping: Option<&McapMapping>) -> Opti
             messages: *count as usize,
             role: role.as_ref().copied().map_err(String::as_str),
         });
-    let found: Vec<Found<'_>> = found.collect();
-    let choice = choose(path, mapping, &found).ok()?;
-    Some(topics_of(&choice, &found))
+    let candidates: Vec<Found<'_>> = candidates.collect();
+    let choice = choose(path, mapping, &candidates).ok()?;
+    Some(topics_of(&choice, &candidates))
 }
 
 /// The topics of a choice.
-fn topics_of(choice: &Choice, found: &[Found<'_>]) -> Chosen {
+fn topics_of(choice: &Choice, candidates: &[Found<'_>]) -> Chosen {
     let places = [
         Some(choice.ego),
         choice.objects,
         choice.speed,
         choice.identity,
     ];
-    let found = places.into_iter().flatten().map(|i| &found[i]);
-    found.map(|f| (f.topic.to_owned(), f.messages)).collect()
+    let picked = places.into_iter().flatten().map(|i| &candidates[i]);
+    picked.map(|f| (f.topic.to_owned(), f.messages)).collect()
 }
 
 fn collect_from(
@@ -133,7 +133,7 @@ fn collect_from(
     };
     let mut decoders = Decoders::new(mapping.map_or(&[][..], |m| &m.messages));
     let streams = read_streams(parts, how, |channel, schema| Samples {
-        decoder: decoders.of(channel, schema),
+        decoder: decoders.for_channel(channel, schema),
         messages: 0,
         bad: 0,
         bad_why: None,
@@ -197,8 +197,8 @@ pub(crate) fn drive(
     let what = format!("messages of more than {most} MiB are passed over");
     warn(WarningKind::BadMessage, collected.too_long, what);
     let streams = collected.streams;
-    let found: Vec<Found<'_>> = streams.iter().map(found).collect();
-    let choice = choose(path, mapping, &found)?;
+    let candidates: Vec<Found<'_>> = streams.iter().map(found).collect();
+    let choice = choose(path, mapping, &candidates)?;
     for stream in &streams {
         let (topic, samples) = (&stream.channel.topic, &stream.taken);
         if let Err(why) = &samples.decoder {
@@ -274,7 +274,7 @@ fn drive_of(
         None => (Vec::new(), None, None),
     };
     let sees = seen(record, others.is_some());
-    let mut others = Others::of(others, of_ego, &mut warn);
+    let mut others = Others::from_samples(others, of_ego, &mut warn);
     if choice.mapping.left_handed == Some(true) {
         turn(&mut ego, &mut others.objects);
     }
@@ -353,7 +353,7 @@ struct Others {
 
 impl Others {
     /// Of their stream, beside the frame of ego's; says what was chosen.
-    fn of(
+    fn from_samples(
         stream: Option<Samples>,
         of_ego: Option<FrameNames>,
         warn: &mut impl FnMut(WarningKind, usize, &str),
@@ -491,14 +491,14 @@ impl Take for Samples {
                 }
             }
             if role == Role::Frames
-                && let Some(found) = Frames::of(row)
+                && let Some(sample_frames) = Frames::from_row(row)
             {
                 match *frames {
-                    Some(taken) if taken < found => return,
-                    Some(taken) if taken == found => {}
+                    Some(taken) if taken < sample_frames => return,
+                    Some(taken) if taken == sample_frames => {}
                     _ => {
                         // Better frames than those so far.
-                        *frames = Some(found);
+                        *frames = Some(sample_frames);
                         ego.clear();
                         mark[2] = 0;
                     }

@@ -18,10 +18,10 @@ static RIGS: LazyLock<Vec<(&'static str, McapMapping)>> = LazyLock::new(|| {
 /// What `given` leaves out is taken from the rig that it names, or else the first one that the channels show.
 pub(crate) fn applied(
     given: Option<&McapMapping>,
-    found: &[Found<'_>],
+    candidates: &[Found<'_>],
 ) -> (McapMapping, Option<&'static str>) {
-    let types: Vec<String> = found.iter().map(|f| plain_name(f.type_name)).collect();
-    let channels: Vec<(&str, &str)> = found
+    let types: Vec<String> = candidates.iter().map(|f| plain_name(f.type_name)).collect();
+    let channels: Vec<(&str, &str)> = candidates
         .iter()
         .zip(&types)
         .map(|(f, t)| (f.topic, t.as_str()))

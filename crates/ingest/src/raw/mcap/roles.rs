@@ -40,7 +40,7 @@ const TIMESTAMP: [(&str, &str); 2] = [
 
 impl Reading {
     /// What messages of a type tell, by the mapping or by what is known; none where nothing is.
-    pub(crate) fn of(type_name: &str, mapped: &[MessageMapping]) -> Option<Self> {
+    pub(crate) fn for_type(type_name: &str, mapped: &[MessageMapping]) -> Option<Self> {
         let wanted = plain_name(type_name);
         if let Some(mapped) = mapped.iter().find(|m| plain_name(&m.message) == wanted) {
             return Some(Self::mapped(mapped));
@@ -170,8 +170,14 @@ impl Reading {
     }
 
     fn autoware(prefix: &str) -> Self {
-        let of = |what: &str| format!("objects[].kinematics.{prefix}{what}_with_covariance.{what}");
-        let mut paths = place(&OBJECT_SLOTS, &HEADER, &of("pose"), &of("twist"));
+        let kinematics =
+            |what: &str| format!("objects[].kinematics.{prefix}{what}_with_covariance.{what}");
+        let mut paths = place(
+            &OBJECT_SLOTS,
+            &HEADER,
+            &kinematics("pose"),
+            &kinematics("twist"),
+        );
         fill(
             &mut paths,
             &OBJECT_SLOTS,
@@ -194,25 +200,25 @@ impl Reading {
 /// Paths of a pose and a twist of `geometry_msgs`, where they are given.
 fn place(slots: &[&str], stamp: &[(&str, &str)], pose: &str, twist: &str) -> Vec<String> {
     let mut paths = filled(slots, stamp);
-    let at = |prefix: &str, rest: &str| format!("{prefix}.{rest}");
+    let joined = |prefix: &str, rest: &str| format!("{prefix}.{rest}");
     let mut set = |slot: &str, path: String| {
         fill(&mut paths, slots, &[(slot, path.as_str())]);
     };
     if !pose.is_empty() {
-        set("x", at(pose, "position.x"));
-        set("y", at(pose, "position.y"));
+        set("x", joined(pose, "position.x"));
+        set("y", joined(pose, "position.y"));
         for axis in ["x", "y", "z", "w"] {
             set(
                 &format!("q{axis}"),
-                at(pose, &format!("orientation.{axis}")),
+                joined(pose, &format!("orientation.{axis}")),
             );
         }
     }
     if !twist.is_empty() {
         // Where there are positions speeds can do without it.
         let optional = if pose.is_empty() { "" } else { "?" };
-        set("vx", at(twist, &format!("linear.x{optional}")));
-        set("vy", at(twist, &format!("linear.y{optional}")));
+        set("vx", joined(twist, &format!("linear.x{optional}")));
+        set("vy", joined(twist, &format!("linear.y{optional}")));
     }
     paths
 }

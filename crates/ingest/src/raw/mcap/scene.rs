@@ -222,7 +222,6 @@ pub(super) fn signals(
     ))
 }
 
-/// A decision.
 pub(super) fn decision(kind: DecisionKind, drive: &str, time_ns: u64) -> Vec<u8> {
     json(&Log {
         timestamp: Time::from_nanos(time_ns),

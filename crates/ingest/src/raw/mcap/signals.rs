@@ -222,8 +222,8 @@ pub(crate) fn settle_speeds(rows: &mut [EgoRow]) -> Option<&'static str> {
             };
             let (dx, dy) = moved(&w[0], &w[1]);
             let (speed2, way2) = (twist.0 * twist.0 + twist.1 * twist.1, dx * dx + dy * dy);
-            let told = speed2 >= MOVING_MPS * MOVING_MPS && way2 >= 1e-6;
-            if told && speed2.is_finite() && way2.is_finite() {
+            let moving = speed2 >= MOVING_MPS * MOVING_MPS && way2 >= 1e-6;
+            if moving && speed2.is_finite() && way2.is_finite() {
                 let (vx, vy) = turned(twist, yaw);
                 sum += (vx * dx + vy * dy) / (speed2 * way2).sqrt();
                 n += 1;

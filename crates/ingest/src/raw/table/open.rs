@@ -61,8 +61,8 @@ impl Table {
     /// Puts the rows of another part below those that are there.
     fn append(&mut self, part: &Self) -> Result<(), IngestError> {
         let names = self.frame.get_column_names_owned();
-        let all = names.iter().all(|name| part.has(name));
-        if !all || part.frame.width() != names.len() {
+        let has_all = names.iter().all(|name| part.has(name));
+        if !has_all || part.frame.width() != names.len() {
             let theirs = part.frame.get_column_names_owned().join(", ");
             return Err(part.bad(format!(
                 "of the columns that the mapping names it has {theirs}, but {} has {}: parts of one recording are expected to have \
@@ -241,10 +241,12 @@ impl Table {
     }
 
     fn read_parquet(&mut self, bytes: Vec<u8>, wanted: &[(&str, Kind)]) -> Result<(), IngestError> {
-        let all = Self::parquet_columns(&self.path, &bytes)?;
-        self.names = all.iter().map(|(name, _)| name.clone()).collect();
+        let file_columns = Self::parquet_columns(&self.path, &bytes)?;
+        self.names = file_columns.iter().map(|(name, _)| name.clone()).collect();
         let columns: Vec<String> = self.wanted(wanted)?.into_iter().map(|c| c.0).collect();
-        let mut unreadable = all.iter().filter(|(name, _)| columns.contains(name));
+        let mut unreadable = file_columns
+            .iter()
+            .filter(|(name, _)| columns.contains(name));
         if let Some((name, Some(kind))) = unreadable.find(|(_, kind)| kind.is_some()) {
             return Err(self.bad(format!(
                 "column `{name}` is of type {kind}: expected numbers, words or times"
@@ -257,19 +259,19 @@ impl Table {
 
     /// The columns that there are of those that are wanted, by the file's names and once each.
     fn wanted(&self, wanted: &[(&str, Kind)]) -> Result<Vec<(String, Kind)>, IngestError> {
-        let mut found: Vec<(String, Kind)> = Vec::new();
+        let mut columns: Vec<(String, Kind)> = Vec::new();
         for &(name, kind) in wanted {
             match self.find(name) {
                 Some(actual) => {
-                    if found.iter().all(|(f, _)| f != actual) {
-                        found.push((actual.to_owned(), kind));
+                    if columns.iter().all(|(f, _)| f != actual) {
+                        columns.push((actual.to_owned(), kind));
                     }
                 }
                 None if name.ends_with('?') => {}
                 None => return Err(self.unknown(name)),
             }
         }
-        Ok(found)
+        Ok(columns)
     }
 
     /// The file's name of a column: the same, else the same but for capitals and blanks.
@@ -452,9 +454,9 @@ impl Table {
         for (i, code) in (0..).zip(codes.values_mut()) {
             *code = i;
         }
-        let of = |w: &Option<String>| w.as_deref().map(|w| codes[w]);
+        let code_of = |w: &Option<String>| w.as_deref().map(|w| codes[w]);
         let list = codes.keys().map(|w| (*w).to_owned()).collect();
-        Ok((words.iter().map(of).collect(), list))
+        Ok((words.iter().map(code_of).collect(), list))
     }
 }
 

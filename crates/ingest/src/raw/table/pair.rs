@@ -26,7 +26,7 @@ pub(super) enum Lane {
 
 impl Lane {
     /// By the columns that there are: of a position across the road, of the lane's number, and of the place in it.
-    pub(super) fn told(across: bool, number: bool, place: bool) -> Self {
+    pub(super) fn known_by(across: bool, number: bool, place: bool) -> Self {
         match (across, number, place) {
             (true, ..) | (_, true, true) => Self::Place,
             (_, true, false) => Self::Number,
@@ -115,7 +115,7 @@ pub(super) fn read(mut log: TableLog<'_>, pair: &Pair) -> Result<TableDrive, Ing
             None => lanes.across_m(lane.as_deref(), offset.as_deref()),
             across => across,
         },
-        lane: Lane::told(names.ego_y.is_some(), lane.is_some(), offset.is_some()),
+        lane: Lane::known_by(names.ego_y.is_some(), lane.is_some(), offset.is_some()),
         signed: mapping.gap_kind == Some(GapKind::Signed),
         lead_id,
         lead_dy_m: column(&names.lead_dy, along)?,
@@ -153,8 +153,11 @@ fn leaders_lengths(
                 first.entry(id).or_insert(*length);
             }
         }
-        let of = |id: &Option<u32>| id.and_then(|id| first.get(&id)).copied();
-        return ids.iter().map(|id| of(id).unwrap_or(otherwise_m)).collect();
+        let length_of = |id: &Option<u32>| id.and_then(|id| first.get(&id)).copied();
+        return ids
+            .iter()
+            .map(|id| length_of(id).unwrap_or(otherwise_m))
+            .collect();
     }
     let known = lengths.iter().copied().find(|l| *l > 0.0);
     let mut now = known.unwrap_or(otherwise_m);
@@ -238,7 +241,7 @@ struct WithLeader {
 
 /// Takes the leader's rows, in which ego is too, into a drive.
 fn leader(couple: &Couple, drive: &mut TableDrive) -> WithLeader {
-    let mut found = WithLeader::default();
+    let mut with_leader = WithLeader::default();
     let objects = &mut drive.raw.objects;
     objects.reserve_exact(couple.stamp_ns.len());
     for row in 0..couple.stamp_ns.len() {
@@ -253,10 +256,10 @@ fn leader(couple: &Couple, drive: &mut TableDrive) -> WithLeader {
         let x_m = of_row(&couple.ego_x_m) + gap_m + if behind { -centres_m } else { centres_m };
         let speed_mps = couple.lead_speed_mps.as_ref().map(|s| s[row]);
         if !x_m.is_finite() || speed_mps.is_some_and(f64::is_nan) {
-            found.without += 1;
+            with_leader.without += 1;
             continue;
         }
-        found.passed |= behind;
+        with_leader.passed |= behind;
         if !couple.signed {
             drive.gaps.note(stamp_ns, gap_m);
         }
@@ -271,7 +274,7 @@ fn leader(couple: &Couple, drive: &mut TableDrive) -> WithLeader {
             length_m,
         });
     }
-    found
+    with_leader
 }
 
 /// Ego's samples: the columns themselves, where ego is in every row.

@@ -24,9 +24,8 @@ pub(crate) fn parse(
     // The names are ours: the file's may have blanks around them, or stand twice.
     let field = |(i, name): (usize, &String)| {
         let first = header.names.iter().position(|n| n == name) == Some(i);
-        let own = (!first).then(|| format!("{name} (column {})", i + 1));
-        let own = own.as_deref().unwrap_or(name);
-        Field::new(own.into(), kind(name))
+        let numbered = (!first).then(|| format!("{name} (column {})", i + 1));
+        Field::new(numbered.as_deref().unwrap_or(name).into(), kind(name))
     };
     let schema: Schema = header.names.iter().enumerate().map(field).collect();
     let names = names.map(|names| names.iter().map(|n| PlSmallStr::from_str(n)).collect());

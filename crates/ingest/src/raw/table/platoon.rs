@@ -26,10 +26,11 @@ pub(super) fn read(
     platoon: &Platoon,
 ) -> Result<Vec<TableDrive>, IngestError> {
     let (mapping, columns, clock) = (log.mapping, &platoon.columns, log.clock());
-    let of = |template: &str, n: usize| template.replace("{n}", &n.to_string());
-    let optional = |template: &str, n: usize| format!("{}?", of(template, n).trim_end_matches('?'));
+    let column = |template: &str, n: usize| template.replace("{n}", &n.to_string());
+    let optional =
+        |template: &str, n: usize| format!("{}?", column(template, n).trim_end_matches('?'));
     let (speed, gap) = (&columns.speed, &columns.gap);
-    let mut names = vec![of(speed, 1), of(speed, 2), of(gap, 1)];
+    let mut names = vec![column(speed, 1), column(speed, 2), column(gap, 1)];
     let given = mapping.layout.columns();
     let of_cars: Vec<&String> = given
         .iter()
@@ -50,7 +51,7 @@ pub(super) fn read(
     let some = |template: &Option<String>, n: usize, unit: f64| {
         table.scaled(template.as_ref().map(|t| optional(t, n)).as_ref(), unit)
     };
-    let of_car = |template: &str, n: usize, unit: f64| table.times(&of(template, n), unit);
+    let of_car = |template: &str, n: usize, unit: f64| table.times(&column(template, n), unit);
     let length_m = |n: usize, otherwise_m: f64| -> Result<f64, IngestError> {
         let known = some(&columns.length, n, to_m)?;
         let first = known.into_iter().flatten().find(|l| *l > 0.0);
@@ -60,14 +61,14 @@ pub(super) fn read(
     // Where a car is across the road, and what columns say of its lane.
     let across = |n: usize| -> Result<(Option<Vec<f64>>, Lane), IngestError> {
         let (lane, offset) = (some(&columns.lane, n, 1.0)?, some(&columns.offset, n, 1.0)?);
-        let told = Lane::told(false, lane.is_some(), offset.is_some());
-        Ok((lanes.across_m(lane.as_deref(), offset.as_deref()), told))
+        let known = Lane::known_by(false, lane.is_some(), offset.is_some());
+        Ok((lanes.across_m(lane.as_deref(), offset.as_deref()), known))
     };
     let stamp_ns = stamps(&table, &columns.time, clock)?;
     let mut drives = Vec::new();
     for lead in 1..MOST_VEHICLES {
         let ego = lead + 1;
-        if !(table.has(&of(speed, ego)) && table.has(&of(gap, lead))) {
+        if !(table.has(&column(speed, ego)) && table.has(&column(gap, lead))) {
             break;
         }
         let lead_length_m = length_m(lead, mapping.lead_length_m)?;

@@ -44,8 +44,8 @@ pub(super) fn read(
     let meta = Table::open(&path, bytes, Style::default(), &wanted)?;
     let number = |name: &Option<String>| match name {
         Some(name) => {
-            let found = meta.numbers(name)?.first().copied();
-            Ok::<_, IngestError>(found.filter(|v| *v > 0.0))
+            let value = meta.numbers(name)?.first().copied();
+            Ok::<_, IngestError>(value.filter(|v| *v > 0.0))
         }
         None => Ok(None),
     };

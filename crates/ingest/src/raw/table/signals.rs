@@ -118,21 +118,25 @@ fn across(
     }
     // Whoever changes lanes has two.
     let least = if across.changes.is_empty() { 1 } else { 2 };
-    let found = RoadMapping {
+    let road_mapping = RoadMapping {
         lanes: along.lanes.unwrap_or(mapped.lanes).max(least),
         posted_speed_mps: along.posted_speed_mps.unwrap_or(mapped.posted_speed_mps),
         ..*mapped
     };
     if let Some(signal) = &signals.lane {
-        across.lane(files, signal, mapping, &found, warnings)?;
+        across.lane(files, signal, mapping, &road_mapping, warnings)?;
     }
     let mapped_lanes = signals.lane.is_some() || signals.lane_changes.is_some();
     let place = driven.ends_ns().filter(|_| mapped_lanes);
     let place = place.map(|ends| {
-        let road = found.road();
+        let road = road_mapping.road();
         across.place(files.log, &road, &along.lane, ends, warnings)
     });
-    Ok(((found != *mapped).then_some(found), place, across))
+    Ok((
+        (road_mapping != *mapped).then_some(road_mapping),
+        place,
+        across,
+    ))
 }
 
 /// Ego as its speed says, and between at the times at which its place across the road is known.
@@ -203,9 +207,9 @@ fn headings(files: &mut Files<'_>, signal: &VelocitySignal) -> Result<Vec<Headin
         ])
     };
     let (position, velocity) = (vector(&signal.position)?, vector(&signal.velocity)?);
-    let at = |v: &[Vec<f64>; 3], row: usize| [v[0][row], v[1][row], v[2][row]];
+    let xyz = |v: &[Vec<f64>; 3], row: usize| [v[0][row], v[1][row], v[2][row]];
     let rows = times.into_iter().enumerate();
     Ok(rows
-        .filter_map(|(row, time)| path::heading(time?, at(&position, row), at(&velocity, row)))
+        .filter_map(|(row, time)| path::heading(time?, xyz(&position, row), xyz(&velocity, row)))
         .collect())
 }

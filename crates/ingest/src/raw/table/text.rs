@@ -54,18 +54,18 @@ pub(crate) struct Header {
 
 /// Cells that any number of blanks and tabs separate, by one tab each; blank lines at the end are left out.
 pub(crate) fn blanks_to_tabs(text: &[u8]) -> Vec<u8> {
-    let mut found = Vec::with_capacity(text.len());
+    let mut tabbed = Vec::with_capacity(text.len());
     for line in text.trim_ascii_end().split(|&b| b == b'\n') {
         let cells = line.split(u8::is_ascii_whitespace);
         for (i, cell) in cells.filter(|c| !c.is_empty()).enumerate() {
             if i > 0 {
-                found.push(b'\t');
+                tabbed.push(b'\t');
             }
-            found.extend_from_slice(cell);
+            tabbed.extend_from_slice(cell);
         }
-        found.push(b'\n');
+        tabbed.push(b'\n');
     }
-    found
+    tabbed
 }
 
 /// Finds the header of a text: the first line with a cell `anchor`, else the first line; without one, numbers of columns.
@@ -214,9 +214,9 @@ fn is_plain(text: &[u8], separator: u8, width: usize) -> bool {
     let line_after =
         |at: usize| memchr::memchr(b'\n', &text[at..]).map_or(text.len(), |n| at + n + 1);
     let fits = |line: &[u8]| {
-        let found = memchr::memchr_iter(separator, line).count() + 1;
+        let cells = memchr::memchr_iter(separator, line).count() + 1;
         let ends = || line.trim_ascii_end().ends_with(&[separator]);
-        found <= width || (found == width + 1 && ends())
+        cells <= width || (cells == width + 1 && ends())
     };
     // Lines that begin in a piece are its own.
     let piece = |start: usize| {

@@ -87,11 +87,11 @@ pub(super) fn as_written(
     };
     let numbers = table.numbers_of(name, &clock.expected())?;
     // Into room for all: a collection that may fail does not know how many come.
-    let mut found = Vec::with_capacity(numbers.len());
+    let mut stamps_ns = Vec::with_capacity(numbers.len());
     for cell in numbers.into_iter().enumerate() {
-        found.push(stamp(cell)?);
+        stamps_ns.push(stamp(cell)?);
     }
-    Ok(found)
+    Ok(stamps_ns)
 }
 
 /// Times that are words.
@@ -122,7 +122,7 @@ pub(crate) fn written(words: &[Option<String>]) -> Option<Written> {
         pattern.map_or_else(|| date(word), |p| patterned(word, p))
     };
     let first = words.iter().flatten().next()?;
-    let of = |pattern: Option<&'static str>| {
+    let with_pattern = |pattern: Option<&'static str>| {
         read(pattern, first)?;
         let second = |word: &Option<String>| match word {
             None => Some(f64::NAN),
@@ -131,7 +131,10 @@ pub(crate) fn written(words: &[Option<String>]) -> Option<Written> {
         let seconds = words.iter().map(second).collect::<Option<_>>()?;
         Some(Written { pattern, seconds })
     };
-    [None].into_iter().chain(PATTERNS.map(Some)).find_map(of)
+    [None]
+        .into_iter()
+        .chain(PATTERNS.map(Some))
+        .find_map(with_pattern)
 }
 
 /// A date and a time of day in ns since 1970; without an offset it is UTC.

@@ -78,12 +78,12 @@ pub(super) fn nearer(
     let Some(weakest) = weakest else {
         return Ok(None);
     };
-    let of = |row: &Nearer| context! { other => study.label(row.than), ..value(row) };
+    let with_label = |row: &Nearer| context! { other => study.label(row.than), ..value(row) };
     let [near, tied, far] = rows.iter().fold([0; 3], |[a, b, c], r| {
         [a + r.nearer, b + r.tied, c + r.farther]
     });
-    let all = (near + tied + far).max(1) as f64;
-    let share = |part: usize| 100.0 * part as f64 / all;
+    let total = (near + tied + far).max(1) as f64;
+    let share = |part: usize| 100.0 * part as f64 / total;
     // Of each measure the comparison that is least clear.
     let mut least: Vec<&Nearer> = Vec::new();
     for row in rows {
@@ -102,10 +102,10 @@ pub(super) fn nearer(
         nearer => share(near),
         tied => share(tied),
         farther => share(far),
-        weakest => of(weakest),
+        weakest => with_label(weakest),
     };
     let tested = rows.iter().filter(|row| row.p_holm.is_some());
-    let tests = tested.map(|row| texts.say("nearer", "test", &of(row)));
+    let tests = tested.map(|row| texts.say("nearer", "test", &with_label(row)));
     let drawn = Drawn {
         rows: drawn.collect(),
         nothing: Some(0.0),

@@ -26,8 +26,8 @@ fn whole<'a>(study: &Study<'a>) -> impl Iterator<Item = &'a Panel> {
 fn widest<'a>(study: &Study<'_>, contrasts: &[&'a Contrast]) -> Option<&'a Contrast> {
     let dial = |id: ConditionId| study.design.condition(id).and_then(Condition::dial);
     let apart = |c: &Contrast| (dial(c.first).unwrap_or(0.0) - dial(c.second).unwrap_or(0.0)).abs();
-    let all = contrasts.iter().copied();
-    all.max_by(|a, b| apart(a).total_cmp(&apart(b)))
+    let contrasts = contrasts.iter().copied();
+    contrasts.max_by(|a, b| apart(a).total_cmp(&apart(b)))
 }
 
 /// People for whom a contrast lies the expected way, in %.
@@ -60,9 +60,9 @@ pub(super) fn stays(
     texts: &Texts,
     finding: &Finding,
 ) -> Result<Card, ReportError> {
-    let all = &study.analysis.sensitivity;
+    let choices_compared = &study.analysis.sensitivity;
     let mut tests = Vec::new();
-    for by_choice in all {
+    for by_choice in choices_compared {
         let rows = by_choice.rows.iter();
         for row in rows.filter(|row| row.differs == Verdict::Shown) {
             let values = context! {
@@ -75,14 +75,20 @@ pub(super) fn stays(
             tests.push(texts.say("stays", "test", &values)?);
         }
     }
-    let outcomes: BTreeSet<&str> = all.iter().map(|one| one.title.as_str()).collect();
-    let choices: BTreeSet<String> = all.iter().map(|one| other_choice(&one.choice)).collect();
+    let outcomes: BTreeSet<&str> = choices_compared
+        .iter()
+        .map(|one| one.title.as_str())
+        .collect();
+    let choices: BTreeSet<String> = choices_compared
+        .iter()
+        .map(|one| other_choice(&one.choice))
+        .collect();
     let values = context! {
         outcomes => value(&outcomes),
         choices => value(&choices),
         all => finding.parts.len(),
         stay => finding.count(Verdict::Shown),
-        only => all.iter().map(Sensitivity::only_there).sum::<usize>(),
+        only => choices_compared.iter().map(Sensitivity::only_there).sum::<usize>(),
     };
     Ok(Card {
         tests,
@@ -119,12 +125,12 @@ pub(super) fn expected(
             .unwrap_or(0.0)
             .total_cmp(&b.estimate.unwrap_or(0.0))
     });
-    let all = || {
+    let pairs = || {
         panels
             .iter()
             .flat_map(|(p, cs)| cs.iter().map(move |c| (*p, *c)))
     };
-    let right = all().filter(|(_, c)| c.mean_difference.and_then(Sign::of) == c.expected);
+    let right = pairs().filter(|(_, c)| c.mean_difference.and_then(Sign::of) == c.expected);
     let steps = study.conditions.iter();
     let steps = steps.filter(|c| c.moved_points.is_some_and(|m| m.abs() > 0.0) || c.clamped);
     let (cut, asked) = steps.fold((0, 0), |(cut, asked), c| {
@@ -146,7 +152,7 @@ pub(super) fn expected(
     for (panel, _) in &panels {
         tests.push(over(study, texts, &name, panel)?);
     }
-    for (panel, pair) in all() {
+    for (panel, pair) in pairs() {
         if let Some(paired) = paired(panel, pair) {
             let values = context! {
                 title => panel.title.as_str(),

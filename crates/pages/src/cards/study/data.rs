@@ -7,7 +7,7 @@ use maveric_report::markup;
 /// What the cards of a study are made from.
 #[derive(Debug, Clone, Copy)]
 pub struct Study<'a> {
-    /// Its design.
+    /// Conditions, outcomes and scales, as `study.toml` declares them.
     pub design: &'a Design,
     /// Its results.
     pub analysis: &'a Analysis,

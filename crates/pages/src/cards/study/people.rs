@@ -135,11 +135,11 @@ pub(super) fn preferred(
         };
         shares.push(say("shares", &values)?);
     }
-    let all: Vec<(&Preference, &Above)> = rated
+    let comparisons: Vec<(&Preference, &Above)> = rated
         .iter()
         .flat_map(|p| p.others.iter().map(move |o| (*p, o)))
         .collect();
-    let of = |(p, o): (&Preference, &Above)| {
+    let values_of = |(p, o): (&Preference, &Above)| {
         context! {
             title => p.title.as_str(),
             label => study.label(o.condition),
@@ -151,29 +151,30 @@ pub(super) fn preferred(
         }
     };
     let known = || {
-        all.iter()
+        comparisons
+            .iter()
             .filter_map(|(p, o)| Some((*p, *o, o.share.as_ref()?)))
     };
     let larger = |a: &Proportion, b: &Proportion| a.estimate.total_cmp(&b.estimate);
     let most = known().max_by(|a, b| larger(a.2, b.2));
     let mut rows = Vec::new();
-    for (p, o) in all.iter().take(ROWS) {
+    for (p, o) in comparisons.iter().take(ROWS) {
         rows.push(IntervalRow::share(
-            say("row", &of((p, o)))?,
+            say("row", &values_of((p, o)))?,
             o.share.as_ref(),
         ));
     }
     let values = context! {
         ratings => rated.len(),
         shares,
-        most => most.map(|(p, o, _)| of((p, o))),
+        most => most.map(|(p, o, _)| values_of((p, o))),
     };
     let drawn = Drawn {
         rows,
         nothing: Some(50.0),
         bounds: None,
     };
-    let tests = known().map(|(p, o, _)| say("test", &of((p, o))));
+    let tests = known().map(|(p, o, _)| say("test", &values_of((p, o))));
     Ok(Card {
         tests: tests.collect::<Result<_, _>>()?,
         ..card(texts, finding, &values, Some(drawn))?
@@ -197,7 +198,7 @@ pub(super) fn personality(
     let Some(strongest) = tested.first() else {
         return Ok(None);
     };
-    let of = |r: &HomophilyRow| {
+    let values_of = |r: &HomophilyRow| {
         context! {
             title => r.title.as_str(),
             rating_title => r.rating_title.as_str(),
@@ -218,13 +219,13 @@ pub(super) fn personality(
         kept => finding.count(Verdict::Shown),
         low => alone.count(),
         chance => 0.05 * tested.len() as f64,
-        strongest => of(strongest),
+        strongest => values_of(strongest),
         people => study.analysis.participants,
         least => half.reduce(f64::max),
     };
     let (mut drawn, mut tests) = (Vec::new(), Vec::new());
     for row in tested.iter().take(STRONGEST) {
-        let values = of(row);
+        let values = values_of(row);
         drawn.push(IntervalRow::new(
             say("row", &values)?,
             row.correlation.r,

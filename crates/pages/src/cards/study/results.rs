@@ -58,18 +58,18 @@ fn primary(
     finding: &Finding,
     number: usize,
 ) -> Result<Option<Card>, ReportError> {
-    let all = &study.analysis.primary;
-    let Some(outcome) = number.checked_sub(1).and_then(|at| all.get(at)) else {
+    let outcomes = &study.analysis.primary;
+    let Some(outcome) = number.checked_sub(1).and_then(|at| outcomes.get(at)) else {
         return Ok(None);
     };
     let title = |id: &String| {
-        let known = all.iter().find(|o| o.outcome == *id);
+        let known = outcomes.iter().find(|o| o.outcome == *id);
         known.map_or_else(|| id.clone(), |o| o.title.clone())
     };
     let values = context! {
         first => study.label(outcome.first),
         second => study.label(outcome.second),
-        several => all.len() > 1,
+        several => outcomes.len() > 1,
         closed_by => outcome.closed_by.as_ref().map(title),
         test => declared_test(outcome.test),
         ..value(outcome)

@@ -18,10 +18,10 @@ pub(crate) fn input() -> Ablation {
         name: (*name).to_owned(),
         losses: (0..3)
             .map(|loss| {
-                let of = |i: usize| {
+                let value = |i: usize| {
                     0.4 + 0.05 * wobble(i, 7) + 0.01 * v as f64 * (1.0 + wobble(i + v, loss))
                 };
-                (0..38).map(|i| (i % 9 != loss).then(|| of(i))).collect()
+                (0..38).map(|i| (i % 9 != loss).then(|| value(i))).collect()
             })
             .collect(),
     });

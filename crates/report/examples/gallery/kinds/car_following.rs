@@ -6,14 +6,14 @@ pub(crate) fn input() -> CarFollowing {
     let rows = 4000;
     let series = |follower, lag: f64, noise: f64| {
         let wave = |t: f64| ((t - lag) / 40.0).sin() + 0.5 * ((t - lag) / 13.0).sin();
-        let at = |i: usize| i as f64 * 0.1;
+        let time_s = |i: usize| i as f64 * 0.1;
         FollowingSeries {
             follower,
             gap_m: (0..rows)
-                .map(|i| 34.0 + (14.0 + noise) * wave(at(i)) + noise * (at(i) / 7.0).sin())
+                .map(|i| 34.0 + (14.0 + noise) * wave(time_s(i)) + noise * (time_s(i) / 7.0).sin())
                 .collect(),
             speed_mps: (0..rows)
-                .map(|i| 20.0 + (6.0 + 0.1 * noise) * wave(at(i) + 2.0))
+                .map(|i| 20.0 + (6.0 + 0.1 * noise) * wave(time_s(i) + 2.0))
                 .collect(),
         }
     };

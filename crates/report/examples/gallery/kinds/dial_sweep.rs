@@ -10,8 +10,8 @@ pub(crate) fn input() -> DialSweep {
         axis: axis.into(),
         drivers: (0..PARTICIPANTS)
             .map(|i| {
-                let own = mean * (1.0 + 0.1 * wobble(i, 31));
-                let value = |k: usize| own + slope * points[k] + 0.01 * mean * wobble(i, k);
+                let undialled = mean * (1.0 + 0.1 * wobble(i, 31));
+                let value = |k: usize| undialled + slope * points[k] + 0.01 * mean * wobble(i, k);
                 (0..points.len())
                     .map(|k| ((i + k) % 37 != 0).then(|| value(k)))
                     .collect()

@@ -19,8 +19,12 @@ pub(crate) fn input() -> EmbeddingSpace {
         .collect();
     let gradient = [0.9, 0.5, 0.6];
     let unit = gradient.map(|g: f64| g / 1.42_f64.sqrt());
-    let own = [0.2, -0.4, 0.1];
-    let shifted = |t: f64| (0..3).map(|k| own[k] + t * unit[k]).collect::<Vec<f64>>();
+    let centre = [0.2, -0.4, 0.1];
+    let shifted = |t: f64| {
+        (0..3)
+            .map(|k| centre[k] + t * unit[k])
+            .collect::<Vec<f64>>()
+    };
     let a = [unit[1], -unit[0], 0.0].map(|x| x / unit[0].hypot(unit[1]));
     let b = [
         unit[1] * a[2] - unit[2] * a[1],
@@ -29,7 +33,7 @@ pub(crate) fn input() -> EmbeddingSpace {
     ];
     let round = |angle: f64| {
         (0..3)
-            .map(|k| own[k] + 0.9 * angle.cos() * a[k] + 0.9 * angle.sin() * b[k])
+            .map(|k| centre[k] + 0.9 * angle.cos() * a[k] + 0.9 * angle.sin() * b[k])
             .collect()
     };
     EmbeddingSpace {
@@ -41,7 +45,7 @@ pub(crate) fn input() -> EmbeddingSpace {
             participant: "P07".into(),
             conditions: conditions()
                 .into_iter()
-                .zip([own.to_vec(), shifted(1.5), shifted(-1.5), round(3.6)])
+                .zip([centre.to_vec(), shifted(1.5), shifted(-1.5), round(3.6)])
                 .collect(),
             ellipse: (0..48).map(|k| round(TAU * f64::from(k) / 48.0)).collect(),
         }),

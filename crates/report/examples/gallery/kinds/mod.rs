@@ -125,13 +125,17 @@ pub(crate) fn wobble(a: usize, b: usize) -> f64 {
 
 /// Pearson's r of points, as a panel shows it.
 pub(crate) fn pearson(points: &[(f64, f64)]) -> String {
-    let column =
-        |of: fn(&(f64, f64)) -> f64| points.iter().map(|p| Some(of(p))).collect::<Vec<_>>();
+    let column = |coordinate: fn(&(f64, f64)) -> f64| {
+        points
+            .iter()
+            .map(|p| Some(coordinate(p)))
+            .collect::<Vec<_>>()
+    };
     let fit = linear_fit(&column(|p| p.0), &column(|p| p.1));
-    let found = fit
+    let r_and_p = fit
         .ok()
         .and_then(|f| Some((f.slope.signum() * f.r2?.sqrt(), f.slope_p?)));
-    let (r, p) = found.unwrap_or((f64::NAN, f64::NAN));
+    let (r, p) = r_and_p.unwrap_or((f64::NAN, f64::NAN));
     apa::r(r, points.len().saturating_sub(2), p)
         .markup()
         .to_owned()

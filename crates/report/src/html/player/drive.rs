@@ -24,7 +24,7 @@ pub struct PlayerDrive {
     pub condition: ConditionId,
     /// Lanes of the road; lane 0 is the right one, its centre at y = 0.
     pub lanes: u8,
-    /// Width of a lane, in m.
+    /// From line to line, in m.
     pub lane_width_m: f64,
     /// Where the road lies, if it is not straight.
     pub centre_line: Option<CentreLine>,
@@ -68,9 +68,9 @@ pub struct Track {
 /// A lane change of ego.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ChangeSpan {
-    /// Start, in s.
+    /// When it begins, in s since the start of the drive.
     pub start_s: f64,
-    /// End, in s.
+    /// When it ends, in s since the start of the drive.
     pub end_s: f64,
     /// Which way.
     pub direction: Direction,
@@ -79,9 +79,9 @@ pub struct ChangeSpan {
 /// The safety layer stepping in.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct InterventionSpan {
-    /// Start, in s.
+    /// When it begins, in s since the start of the drive.
     pub start_s: f64,
-    /// End, in s.
+    /// When it ends, in s since the start of the drive.
     pub end_s: f64,
 }
 

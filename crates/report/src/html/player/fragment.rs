@@ -85,7 +85,7 @@ impl PlayerFragment {
 pub fn player(player: &WatchPlayer, context: &Context) -> Result<PlayerFragment, ReportError> {
     check(player)?;
     let sampled: Vec<Sampled> = player.drives.iter().map(sample).collect();
-    let axes = Axes::of(&sampled, context.speed);
+    let axes = Axes::new(&sampled, context.speed);
     let moment = moment(&sampled);
     let drives = || player.drives.iter().zip(&sampled);
     let data = json!({
@@ -306,15 +306,15 @@ const ASIDE_M: f64 = 1.8;
 
 /// Whether the reference vehicle is in another lane than ego.
 fn aside(sampled: &Sampled, sample: usize) -> bool {
-    let found = sampled.reference[sample].and_then(|id| {
-        let of = |run: &Run| (run.first..run.first + run.count).contains(&sample);
+    let offset_m = sampled.reference[sample].and_then(|id| {
+        let shows = |run: &Run| (run.first..run.first + run.count).contains(&sample);
         let car = sampled
             .seen
             .iter()
-            .find(|seen| seen.id == id && of(&seen.run))?;
+            .find(|seen| seen.id == id && shows(&seen.run))?;
         Some(car.y_m[sample - car.run.first] - sampled.y_m[sample])
     });
-    found.is_some_and(|dy| dy.abs() > ASIDE_M)
+    offset_m.is_some_and(|dy| dy.abs() > ASIDE_M)
 }
 
 /// What happens at a sample, in words; the script says it in the same words.

@@ -84,10 +84,10 @@ fn places(drive: &PlayerDrive) -> Vec<Place> {
 }
 
 fn between(column: &[f64], (row, share): (usize, f64)) -> f64 {
-    let here = column[row];
+    let value = column[row];
     match column.get(row + 1) {
-        Some(next) if share > 0.0 => here + share * (next - here),
-        _ => here,
+        Some(next) if share > 0.0 => value + share * (next - value),
+        _ => value,
     }
 }
 
@@ -110,22 +110,22 @@ fn runs(samples: usize, holds: impl Fn(usize) -> bool) -> Vec<Run> {
 pub(super) fn sample(drive: &PlayerDrive) -> Sampled {
     let places = places(drive);
     let column = |values: &[f64]| -> Vec<f64> {
-        let at = |place: &Place| place.map_or(0.0, |place| between(values, place));
-        places.iter().map(at).collect()
+        let value = |place: &Place| place.map_or(0.0, |place| between(values, place));
+        places.iter().map(value).collect()
     };
     let nearest = |place: &Place| place.map(|(row, share)| row + usize::from(share > 0.5));
     let x_m = column(&drive.ego.x_m);
     let mut seen = Vec::new();
     for track in &drive.others {
-        let at = |sample: usize| track_place(track, places[sample]);
+        let place_at = |sample: usize| track_place(track, places[sample]);
         let in_sight = |sample: usize| {
-            at(sample).is_some_and(|place| {
+            place_at(sample).is_some_and(|place| {
                 let ahead = between(&track.x_m, place) - x_m[sample];
                 (-SIGHT_M.0..=SIGHT_M.1).contains(&ahead)
             })
         };
         for run in runs(places.len(), in_sight) {
-            let within = || (run.first..run.first + run.count).filter_map(at);
+            let within = || (run.first..run.first + run.count).filter_map(place_at);
             seen.push(Seen {
                 id: track.id,
                 length_m: track.length_m,

@@ -23,9 +23,9 @@ pub(super) fn moment(drives: &[Sampled]) -> usize {
     let count = |sample: usize| drives.iter().filter(|d| near(d, sample)).count();
     let mut best = (0, 0);
     for sample in (0..longest).step_by(second) {
-        let found = count(sample);
-        if found > best.1 {
-            best = (sample, found);
+        let near_count = count(sample);
+        if near_count > best.1 {
+            best = (sample, near_count);
         }
     }
     best.0
@@ -45,7 +45,7 @@ pub(super) fn still(drive: &PlayerDrive, sampled: &Sampled, sample: usize) -> St
     }
     let (ego_x, ego_y) = (sampled.x_m[sample], sampled.y_m[sample]);
     let view = View::new(drive, ego_x);
-    let at = |x_m: f64, y_m: f64| {
+    let point = |x_m: f64, y_m: f64| {
         let (ahead, left, _) = view.see(x_m, y_m);
         ((ahead + STILL_M.0) * SCALE, (high - left) * across)
     };
@@ -59,7 +59,7 @@ pub(super) fn still(drive: &PlayerDrive, sampled: &Sampled, sample: usize) -> St
     let along = |y_m: f64| -> Vec<(f64, f64)> {
         let steps = ((to - from) / step).round() as usize;
         (0..=steps)
-            .map(|i| at(from + i as f64 * step, y_m))
+            .map(|i| point(from + i as f64 * step, y_m))
             .collect()
     };
     let mut tarmac = along(edge_m(0));
@@ -70,7 +70,10 @@ pub(super) fn still(drive: &PlayerDrive, sampled: &Sampled, sample: usize) -> St
     for line in 1..drive.lanes {
         let mut x_m = (from / DASH_M.1).floor() * DASH_M.1;
         while x_m < to {
-            let dash = [at(x_m, edge_m(line)), at(x_m + DASH_M.0, edge_m(line))];
+            let dash = [
+                point(x_m, edge_m(line)),
+                point(x_m + DASH_M.0, edge_m(line)),
+            ];
             path(&mut out, "pl-dash", &dash, false);
             x_m += DASH_M.1;
         }
@@ -79,7 +82,7 @@ pub(super) fn still(drive: &PlayerDrive, sampled: &Sampled, sample: usize) -> St
     let drawn = |from: usize, to: usize| -> Vec<(f64, f64)> {
         (from..to.min(sampled.samples))
             .filter(|&i| sampled.has(i))
-            .map(|i| at(sampled.x_m[i], sampled.y_m[i]))
+            .map(|i| point(sampled.x_m[i], sampled.y_m[i]))
             .collect()
     };
     let trail = drawn(sample.saturating_sub(steps), sample + 1);
@@ -92,7 +95,7 @@ pub(super) fn still(drive: &PlayerDrive, sampled: &Sampled, sample: usize) -> St
     );
     let car = |out: &mut String, class: &str, (x_m, y_m): (f64, f64), turn: f64, size| {
         let (_, _, road) = view.see(x_m, y_m);
-        let shape = body(at(x_m, y_m), road + turn, size, across / SCALE);
+        let shape = body(point(x_m, y_m), road + turn, size, across / SCALE);
         path(out, class, &shape, true);
     };
     let lead = sampled.reference[sample];
@@ -113,8 +116,8 @@ pub(super) fn still(drive: &PlayerDrive, sampled: &Sampled, sample: usize) -> St
         car(&mut out, class, (x_m, seen.y_m[i]), turn, size);
         if lead == Some(seen.id) && x_m - ego_x > 0.5 * (seen.length_m + drive.ego.length_m) {
             let gap = [
-                at(ego_x + 0.5 * drive.ego.length_m, ego_y),
-                at(x_m - 0.5 * seen.length_m, ego_y),
+                point(ego_x + 0.5 * drive.ego.length_m, ego_y),
+                point(x_m - 0.5 * seen.length_m, ego_y),
             ];
             path(&mut out, "pl-gap", &gap, false);
         }

@@ -29,7 +29,7 @@ pub(super) struct Axes {
 }
 
 impl Axes {
-    pub(super) fn of(drives: &[Sampled], unit: SpeedUnit) -> Self {
+    pub(super) fn new(drives: &[Sampled], unit: SpeedUnit) -> Self {
         let longest = drives.iter().map(|d| d.samples - 1).max().unwrap_or(0);
         let duration_s = (longest as f64 / SAMPLES_PER_S).max(1.0 / SAMPLES_PER_S);
         let steps = [
@@ -37,13 +37,13 @@ impl Axes {
         ];
         let fits = steps.into_iter().find(|step| duration_s / step <= 10.5);
         let speeds = || {
-            let of = |d: &Sampled| {
+            let speeds_of = |d: &Sampled| {
                 let there = (0..d.samples).filter(|&i| d.has(i));
                 there
                     .map(|i| d.speed_mps[i] * unit.per_mps())
                     .collect::<Vec<_>>()
             };
-            drives.iter().flat_map(of)
+            drives.iter().flat_map(speeds_of)
         };
         let low = (speeds().fold(f64::MAX, f64::min) / 10.0).floor() * 10.0;
         let high = (speeds().fold(f64::MIN, f64::max) / 10.0).ceil() * 10.0;
@@ -157,18 +157,18 @@ mod tests {
     #[test]
     fn all_rows_share_the_longest_time_and_speeds_in_tens() {
         let short = sampled(&[44.0, 52.0, 1.0, 99.0, 61.0], &[None; 5], 2);
-        let axes = Axes::of(std::slice::from_ref(&short), SpeedUnit::Mph);
+        let axes = Axes::new(std::slice::from_ref(&short), SpeedUnit::Mph);
         assert!((axes.duration_s - 0.8).abs() < 1e-12);
         // Within the hole speeds mean nothing.
         assert_eq!((axes.speed, axes.step_s), ((40.0, 70.0), 1.0));
         assert_eq!(axes.ticks(), [0.0]);
         let long = sampled(&vec![50.0; 5 * 60 + 1], &vec![None; 5 * 60 + 1], 9);
-        let axes = Axes::of(&[short, long.clone()], SpeedUnit::Mph);
+        let axes = Axes::new(&[short, long.clone()], SpeedUnit::Mph);
         assert_eq!((axes.duration_s, axes.step_s), (60.0, 10.0));
         assert_eq!(axes.ticks(), [0.0, 10.0, 20.0, 30.0, 40.0, 50.0, 60.0]);
         // Even speeds still have a height; nobody has a moment.
-        assert_eq!(Axes::of(&[long], SpeedUnit::Mph).speed, (50.0, 60.0));
-        assert!((Axes::of(&[], SpeedUnit::Mph).duration_s - 0.2).abs() < 1e-12);
+        assert_eq!(Axes::new(&[long], SpeedUnit::Mph).speed, (50.0, 60.0));
+        assert!((Axes::new(&[], SpeedUnit::Mph).duration_s - 0.2).abs() < 1e-12);
     }
 
     #[test]
@@ -177,7 +177,7 @@ mod tests {
         let mut gap = vec![Some(60.0); 21];
         (gap[16], gap[18], gap[20]) = (None, Some(121.0), Some(-1.0));
         let drive = sampled(&speed, &gap, 9);
-        let axes = Axes::of(std::slice::from_ref(&drive), SpeedUnit::Mph);
+        let axes = Axes::new(std::slice::from_ref(&drive), SpeedUnit::Mph);
         assert_eq!((axes.duration_s, axes.speed), (4.0, (40.0, 60.0)));
         let svg = timeline(&drive, &axes);
         let path = |class: &str| {

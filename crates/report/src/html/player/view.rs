@@ -19,9 +19,9 @@ impl CentreLine {
     /// Place on the map (m) and heading (rad) of the line at `x_m`; beyond its ends it goes on straight.
     pub(super) fn at(&self, x_m: f64) -> (f64, f64, f64) {
         let last = self.map_m.len() - 1;
-        let at = (x_m - self.start_m) / self.step_m;
-        let index = (at.max(0.0) as usize).min(last - 1);
-        let share = at - index as f64;
+        let position = (x_m - self.start_m) / self.step_m;
+        let index = (position.max(0.0) as usize).min(last - 1);
+        let share = position - index as f64;
         let (a, b) = (self.place(index), self.place(index + 1));
         let heading = |i: usize| {
             let (a, b) = (self.place(i.saturating_sub(1)), self.place(i + 1));
@@ -73,11 +73,15 @@ impl<'a> View<'a> {
                 heading,
             )
         };
-        let here = on_map(self.x_m, self.middle_m);
+        let viewpoint = on_map(self.x_m, self.middle_m);
         let there = on_map(x_m, y_m);
-        let (dx, dy) = (there.0 - here.0, there.1 - here.1);
-        let (sin, cos) = libm::sincos(here.2);
-        (dx * cos + dy * sin, dy * cos - dx * sin, there.2 - here.2)
+        let (dx, dy) = (there.0 - viewpoint.0, there.1 - viewpoint.1);
+        let (sin, cos) = libm::sincos(viewpoint.2);
+        (
+            dx * cos + dy * sin,
+            dy * cos - dx * sin,
+            there.2 - viewpoint.2,
+        )
     }
 }
 

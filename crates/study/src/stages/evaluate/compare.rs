@@ -4,10 +4,13 @@ use crate::{error::StudyError, mean::mean_interval};
 use maveric_following::{Compared, FollowingEvaluation, FollowingMethod, median};
 
 /// Every pair of methods of which both were tried, with intervals from drivers drawn with replacement.
-pub(super) fn pairs(found: &FollowingEvaluation, seed: u64) -> Result<Vec<Compared>, StudyError> {
+pub(super) fn pairs(
+    evaluation: &FollowingEvaluation,
+    seed: u64,
+) -> Result<Vec<Compared>, StudyError> {
     FollowingMethod::PAIRS
         .into_iter()
-        .map(|(method, beside)| (method, beside, found.differences_m(method, beside)))
+        .map(|(method, beside)| (method, beside, evaluation.differences_m(method, beside)))
         .filter(|(.., differences)| !differences.is_empty())
         .map(|(method, beside, differences)| compared(method, beside, &differences, seed))
         .collect()

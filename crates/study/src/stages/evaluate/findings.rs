@@ -20,38 +20,38 @@ const FOR_ALL: [FollowingMethod; 3] = [
 ];
 
 /// What was learned against each of its peers.
-pub(crate) fn beside_peers(found: &FollowingEvaluation) -> Vec<&Compared> {
+pub(crate) fn beside_peers(evaluation: &FollowingEvaluation) -> Vec<&Compared> {
     let ours = FollowingMethod::ClosedLoopShrunken;
-    let peers = found.compared.iter();
+    let peers = evaluation.compared.iter();
     peers
         .filter(|c| c.method == ours && !NETWORKS.contains(&c.beside))
         .collect()
 }
 
 /// Each way of knowing the driver against the same for everybody.
-pub(crate) fn beside_everybody(found: &FollowingEvaluation) -> Vec<&Compared> {
-    let pairs = found.compared.iter();
+pub(crate) fn beside_everybody(evaluation: &FollowingEvaluation) -> Vec<&Compared> {
+    let pairs = evaluation.compared.iter();
     pairs.filter(|c| FOR_ALL.contains(&c.beside)).collect()
 }
 
 /// The findings of an evaluation; errors have to be below those that they are held beside, and no drive may reach its leader.
-pub(crate) fn findings(found: &FollowingEvaluation) -> Vec<Finding> {
-    let n = found.drivers.len();
+pub(crate) fn findings(evaluation: &FollowingEvaluation) -> Vec<Finding> {
+    let n = evaluation.drivers.len();
     let part = |pair: &&Compared| {
-        let of = format!("{} - {}", pair.method.label(), pair.beside.label());
+        let label = format!("{} - {}", pair.method.label(), pair.beside.label());
         let estimate = (Some(pair.mean_m), pair.low_m.zip(pair.high_m));
-        Part::within(of, n, estimate, (f64::NEG_INFINITY, 0.0))
+        Part::within(label, n, estimate, (f64::NEG_INFINITY, 0.0))
     };
     let every = |question, pairs: Vec<&Compared>| {
         Finding::every(question, pairs.iter().map(part).collect())
     };
-    let driven = found.driven;
-    let (hits, drives) = found
+    let driven = evaluation.driven;
+    let (hits, drives) = evaluation
         .mean(driven)
         .map_or((0, 0), |mean| (mean.reached_zero, mean.drivers));
     vec![
-        every(Question::Better, beside_peers(found)),
-        every(Question::Personal, beside_everybody(found)),
+        every(Question::Better, beside_peers(evaluation)),
+        every(Question::Personal, beside_everybody(evaluation)),
         Finding::every(
             Question::Reached,
             vec![Part::never(driven.label(), hits, drives)],

@@ -20,15 +20,19 @@ struct Words<'a> {
 
 /// The texts of an evaluation; the study's title names the recordings, where there is one.
 pub(crate) fn texts(
-    found: &FollowingEvaluation,
+    evaluation: &FollowingEvaluation,
     titled: Option<&str>,
 ) -> Result<PageTexts, StudyError> {
     let mut words = Words {
         titled,
         data_set: "",
-        drivers: found.drivers.len(),
-        names: found.drivers.iter().map(|d| d.driver.as_str()).collect(),
-        driven: found.driven.label(),
+        drivers: evaluation.drivers.len(),
+        names: evaluation
+            .drivers
+            .iter()
+            .map(|d| d.driver.as_str())
+            .collect(),
+        driven: evaluation.driven.label(),
     };
     let recorded = PageTexts::new(FOLLOWING, &words)?.text("recorded")?;
     words.data_set = titled.unwrap_or(&recorded);
@@ -47,17 +51,17 @@ struct MeanRow<'a> {
 
 /// The errors of every method: means over drivers, and driver by driver.
 pub(crate) fn errors(
-    found: &FollowingEvaluation,
+    evaluation: &FollowingEvaluation,
     texts: &PageTexts,
 ) -> Result<[Table; 2], StudyError> {
-    let rows: Vec<MeanRow<'_>> = found
+    let rows: Vec<MeanRow<'_>> = evaluation
         .means
         .iter()
         .map(|mean| MeanRow {
             label: mean.method.label(),
-            best: found.is_best(mean.method),
-            people: found.drivers.len(),
-            of_drivers: found
+            best: evaluation.is_best(mean.method),
+            people: evaluation.drivers.len(),
+            of_drivers: evaluation
                 .drivers
                 .iter()
                 .map(|d| d.gap_rmse_m(mean.method))
@@ -81,10 +85,10 @@ struct ComparedRow<'a> {
 
 /// Two methods driver by driver.
 pub(crate) fn compared(
-    found: &FollowingEvaluation,
+    evaluation: &FollowingEvaluation,
     texts: &PageTexts,
 ) -> Result<Table, StudyError> {
-    let rows = found.compared.iter().map(|pair| ComparedRow {
+    let rows = evaluation.compared.iter().map(|pair| ComparedRow {
         label: pair.method.label(),
         beside_label: pair.beside.label(),
         pair,
@@ -94,7 +98,7 @@ pub(crate) fn compared(
 
 /// How much of what was fitted to a person was believed.
 pub(crate) fn shrinkage(
-    found: &FollowingEvaluation,
+    evaluation: &FollowingEvaluation,
     texts: &PageTexts,
 ) -> Result<Vec<String>, StudyError> {
     let one = |what: &str, s: &Shrinkage| {
@@ -105,8 +109,11 @@ pub(crate) fn shrinkage(
             .with(&BTreeMap::from([("what", what)]))
             .text("shrunken")?)
     };
-    let network = found.closed_loop.as_ref().and_then(|c| c.trained.first());
-    std::iter::once(one("time_gap", &found.time_gap_shrinkage))
+    let network = evaluation
+        .closed_loop
+        .as_ref()
+        .and_then(|c| c.trained.first());
+    std::iter::once(one("time_gap", &evaluation.time_gap_shrinkage))
         .chain(network.map(|n| one("embedding", &n.shrinkage)))
         .collect()
 }

@@ -22,23 +22,23 @@ const BY_DRIVER: [(FollowingMethod, &str); 10] = [
     (FollowingMethod::IdmFloor, "floor"),
 ];
 
-pub(super) fn lines(found: &FollowingEvaluation) -> Result<Vec<String>, StudyError> {
-    let texts = &texts(found, None)?;
-    let of = |table: &Table| table.to_text().trim_end().to_owned();
-    let [means, _] = errors(found, texts)?;
+pub(super) fn lines(evaluation: &FollowingEvaluation) -> Result<Vec<String>, StudyError> {
+    let texts = &texts(evaluation, None)?;
+    let block = |table: &Table| table.to_text().trim_end().to_owned();
+    let [means, _] = errors(evaluation, texts)?;
     let mut blocks = vec![
-        of(&means),
+        block(&means),
         texts.text("driven_line")?,
-        of(&drivers(found, texts)?),
+        block(&drivers(evaluation, texts)?),
     ];
-    if !found.compared.is_empty() {
-        blocks.push(of(&compared(found, texts)?));
+    if !evaluation.compared.is_empty() {
+        blocks.push(block(&compared(evaluation, texts)?));
     }
-    blocks.push(shrinkage(found, texts)?.join("\n"));
-    if let Some(study) = &found.closed_loop {
+    blocks.push(shrinkage(evaluation, texts)?.join("\n"));
+    if let Some(study) = &evaluation.closed_loop {
         blocks.push(seeds(study, texts)?.join("\n"));
     }
-    blocks.push(harmed(found, texts)?.join("\n"));
+    blocks.push(harmed(evaluation, texts)?.join("\n"));
     blocks.retain(|block| !block.is_empty());
     Ok(blocks.join("\n\n").lines().map(str::to_owned).collect())
 }
@@ -49,11 +49,13 @@ struct DriverRow<'a> {
     errors: Vec<Option<f64>>,
 }
 
-fn drivers(found: &FollowingEvaluation, texts: &PageTexts) -> Result<Table, StudyError> {
+fn drivers(evaluation: &FollowingEvaluation, texts: &PageTexts) -> Result<Table, StudyError> {
     let tried = BY_DRIVER.into_iter();
-    let tried: Vec<_> = tried.filter(|(m, _)| found.mean(*m).is_some()).collect();
+    let tried: Vec<_> = tried
+        .filter(|(m, _)| evaluation.mean(*m).is_some())
+        .collect();
     let heads: Vec<&str> = tried.iter().map(|(_, head)| *head).collect();
-    let rows = found.drivers.iter().map(|d| DriverRow {
+    let rows = evaluation.drivers.iter().map(|d| DriverRow {
         driver: &d.driver,
         errors: tried
             .iter()
@@ -79,18 +81,18 @@ struct Seeds {
 }
 
 fn seeds(study: &ClosedLoopStudy, texts: &PageTexts) -> Result<Vec<String>, StudyError> {
-    let all: Vec<[f64; 3]> = study.seeds.iter().map(ClosedLoopSeed::gap_rmse_m).collect();
+    let seed_errors: Vec<[f64; 3]> = study.seeds.iter().map(ClosedLoopSeed::gap_rmse_m).collect();
     let range = |at: usize| {
-        let values = || all.iter().map(|seed| seed[at]);
+        let values = || seed_errors.iter().map(|seed| seed[at]);
         let range = Range {
-            mean: values().sum::<f64>() / all.len() as f64,
+            mean: values().sum::<f64>() / seed_errors.len() as f64,
             low: values().fold(f64::INFINITY, f64::min),
             high: values().fold(f64::NEG_INFINITY, f64::max),
         };
         Ok(texts.with(&range).text("range")?)
     };
     let seeds = Seeds {
-        n: all.len(),
+        n: seed_errors.len(),
         ranges: [0, 1, 2]
             .map(range)
             .into_iter()
@@ -110,7 +112,7 @@ struct Harmed<'a> {
     names: Vec<&'a str>,
 }
 
-fn harmed(found: &FollowingEvaluation, texts: &PageTexts) -> Result<Vec<String>, StudyError> {
+fn harmed(evaluation: &FollowingEvaluation, texts: &PageTexts) -> Result<Vec<String>, StudyError> {
     use FollowingMethod as M;
     let mut lines = Vec::new();
     for (what, own, mean) in [
@@ -126,10 +128,10 @@ fn harmed(found: &FollowingEvaluation, texts: &PageTexts) -> Result<Vec<String>,
             M::ClosedLoopMean,
         ),
     ] {
-        if found.mean(own).is_some() {
+        if evaluation.mean(own).is_some() {
             let harmed = Harmed {
                 what: texts.text(what)?,
-                names: found.harmed(own, mean),
+                names: evaluation.harmed(own, mean),
             };
             lines.push(texts.with(&harmed).text("harmed")?);
         }

@@ -100,7 +100,7 @@ impl Declared {
     ///
     /// # Errors
     /// [`StudyError::BadFile`] where it is none without the names in it.
-    pub(super) fn of(study: &DesignFile, ids: &Ids) -> Result<Self, StudyError> {
+    pub(super) fn new(study: &DesignFile, ids: &Ids) -> Result<Self, StudyError> {
         let path = study.path.clone().unwrap_or_default();
         let bad = |problem: String| StudyError::file(&path, problem);
         let mut table: Table =
@@ -118,10 +118,10 @@ impl Declared {
                     .map_or(0, Table::len);
                 if n > 0 {
                     let left_out = count(n, one, several);
-                    let said = format!(
+                    let comment = format!(
                         "# {left_out} left out by name ([exclude] {key}): which is not given away.\n"
                     );
-                    head.push_str(&said);
+                    head.push_str(&comment);
                 }
             }
         }

@@ -51,7 +51,7 @@ fn renamed<'a>(
 ) -> Result<Vec<(DriveMeta, &'a Recording)>, StudyError> {
     let mut numbers: BTreeMap<DriveId, usize> = BTreeMap::new();
     let rename = |(meta, recording): &'a (DriveMeta, Recording)| {
-        let participant = names.of(&meta.participant);
+        let participant = names.pseudonym(&meta.participant);
         let mut drive = DriveId::in_condition(&participant, meta.ride())?;
         let number = numbers.entry(drive.clone()).or_default();
         *number += 1;

@@ -29,11 +29,11 @@ pub(super) struct LeftOut {
 /// What to know of rules that look at all that somebody did: they hold as the last analysis applied them.
 fn doubts(study: &DesignFile) -> Option<String> {
     let rules = study.design.exclude();
-    let asked = rules.judges_answers() || rules.fewer_conditions_than.is_some();
+    let needs_analysis = rules.judges_answers() || rules.fewer_conditions_than.is_some();
     let analysis = study.resolve(&Path::new(RESULTS).join("analysis.json"));
     let changed = |path: &Path| path.metadata().and_then(|m| m.modified()).ok();
     let problem = match (changed(&analysis), study.path.as_deref().and_then(changed)) {
-        (None, _) if asked => "is not there",
+        (None, _) if needs_analysis => "is not there",
         (Some(analysed), Some(declared)) if analysed < declared => "is older than the design",
         _ => return None,
     };
@@ -48,7 +48,7 @@ impl LeftOut {
     ///
     /// # Errors
     /// As [`Gate::where_listed`].
-    pub(super) fn of(
+    pub(super) fn take_from(
         study: &DesignFile,
         participants: Option<&Path>,
         material: &mut Material,
@@ -72,19 +72,19 @@ impl LeftOut {
         let named = exclude.people.keys().map(ToString::to_string);
         let named = named.chain(exclude.drives.keys().map(ToString::to_string));
         let forgotten = study.forgotten()?;
-        let mut found = Self {
+        let mut left_out = Self {
             doubts: doubts(study).into_iter().collect(),
             names: named
                 .chain(forgotten.ids().map(ToString::to_string))
                 .collect(),
             ..Self::default()
         };
-        material.people.retain(|p| found.person(&gate, &p.id));
+        material.people.retain(|p| left_out.person(&gate, &p.id));
         let mut keeps = |who: &ParticipantId, moment: Moment| match gate.answer(who, moment) {
             None => true,
             Some(why) => {
-                found.person(&gate, who);
-                found.answers.push(why);
+                left_out.person(&gate, who);
+                left_out.answers.push(why);
                 false
             }
         };
@@ -96,25 +96,26 @@ impl LeftOut {
             |(meta, recording)| match gate.drive(meta, duration_s(recording)) {
                 None => true,
                 Some(why) => {
-                    found.person(&gate, &meta.participant);
-                    found.names.insert(meta.drive.to_string());
-                    found.drives.push(why);
+                    left_out.person(&gate, &meta.participant);
+                    left_out.names.insert(meta.drive.to_string());
+                    left_out.drives.push(why);
                     false
                 }
             },
         );
         material.own.retain(|row| {
             let moment = Moment::after(row.condition);
-            found.person(&gate, &row.participant) && gate.answer(&row.participant, moment).is_none()
+            left_out.person(&gate, &row.participant)
+                && gate.answer(&row.participant, moment).is_none()
         });
         if let Some(data) = &mut material.outcomes {
-            data.participants.retain(|id| found.person(&gate, id));
+            data.participants.retain(|id| left_out.person(&gate, id));
         }
         let stays = |id: &ParticipantId| gate.person(id).is_none();
         for id in material.collected.without(stays) {
-            found.person(&gate, &id);
+            left_out.person(&gate, &id);
         }
-        Ok(found)
+        Ok(left_out)
     }
 
     /// Whether somebody is let in; who is not is noted.
@@ -187,7 +188,7 @@ mod tests {
                 drives: vec![drive("run7", "plus-15"), drive("run8", "15")],
                 ..Material::default()
             };
-            LeftOut::of(&DesignFile::read(&file).unwrap(), None, &mut material).unwrap();
+            LeftOut::take_from(&DesignFile::read(&file).unwrap(), None, &mut material).unwrap();
             let drives = material.drives.iter().map(|d| d.0.drive.to_string());
             let answered = material.answers.iter().map(|a| a.moment.to_string());
             drives.chain(answered).collect::<Vec<_>>()

@@ -52,10 +52,10 @@ impl Material {
             material.people = read_enrolled(path, design)?;
         }
         for path in &sources.surveys {
-            let found = read_answered(path)?;
-            refuse_unclear(path, &found.answers, design)?;
-            material.answers.extend(found.answers);
-            material.probes.extend(found.probes);
+            let answered = read_answered(path)?;
+            refuse_unclear(path, &answered.answers, design)?;
+            material.answers.extend(answered.answers);
+            material.probes.extend(answered.probes);
         }
         if let Some(folder) = &sources.seat {
             material.collected = Collected::read(folder, options.notes)?;

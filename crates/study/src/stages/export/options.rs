@@ -56,10 +56,10 @@ pub enum DriveTables {
 /// What was written.
 #[derive(Debug, Clone, Serialize)]
 pub struct Exported {
-    /// People.
+    /// People in it, each under a pseudonym.
     pub participants: usize,
-    /// Drives.
+    /// Drives, each a log.
     pub drives: usize,
-    /// Answers.
+    /// Answers to items, those asked for during drives among them.
     pub answers: usize,
 }

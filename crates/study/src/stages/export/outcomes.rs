@@ -27,11 +27,11 @@ pub(super) fn write(
     };
     let (observed, design) = (observed(data), &data.design);
     let mut rows: Vec<(ParticipantId, usize)> = (data.participants.iter().enumerate())
-        .map(|(at, id)| (names.of(id), at))
+        .map(|(index, id)| (names.pseudonym(id), index))
         .collect();
     rows.sort();
-    let of_person = |at: usize| {
-        let person = people.iter().find(|p| p.id == data.participants[at]);
+    let of_person = |index: usize| {
+        let person = people.iter().find(|p| p.id == data.participants[index]);
         let cell = |column: &str| {
             let cell = person.and_then(|p| people::cell(p, column));
             (column.to_owned(), cell)
@@ -39,10 +39,10 @@ pub(super) fn write(
         let columns = design.tested_columns();
         columns.map(cell).collect::<Vec<Cell<String>>>()
     };
-    let values = |at: usize, condition: ConditionId| {
+    let values = |index: usize, condition: ConditionId| {
         let value = |seen: &Observed| {
             let seen_there = seen.conditions.iter().find(|(c, _)| *c == condition);
-            seen_there.and_then(|(_, values)| values[at])
+            seen_there.and_then(|(_, values)| values[index])
         };
         let cell = |seen: &Observed| (seen.outcome.clone(), value(seen));
         observed.iter().map(cell).collect::<Vec<Cell<f64>>>()
@@ -55,14 +55,14 @@ pub(super) fn write(
     }
     conditions.sort_by_key(|c| design.conditions().iter().position(|known| known.id == *c));
     let mut long = Vec::new();
-    for (name, at) in &rows {
+    for (name, index) in &rows {
         for condition in &conditions {
-            let cells = values(*at, *condition);
+            let cells = values(*index, *condition);
             if cells.iter().all(|(_, value)| value.is_none()) {
                 continue;
             }
             let key = (("participant", name), ("condition", condition.to_string()));
-            long.push((key, levels(design, *condition), of_person(*at), cells));
+            long.push((key, levels(design, *condition), of_person(*index), cells));
         }
     }
     write_rows(
@@ -70,16 +70,16 @@ pub(super) fn write(
         &out.join("outcomes_long.csv"),
         long,
     )?;
-    let wide = rows.iter().map(|(name, at)| {
+    let wide = rows.iter().map(|(name, index)| {
         let cells = observed.iter().flat_map(|seen| {
             let one = |(c, values): &(ConditionId, Vec<Option<f64>>)| {
-                (format!("{}.{c}", seen.outcome), values[*at])
+                (format!("{}.{c}", seen.outcome), values[*index])
             };
             seen.conditions.iter().map(one)
         });
         (
             ("participant", name),
-            of_person(*at),
+            of_person(*index),
             cells.collect::<Vec<Cell<f64>>>(),
         )
     });

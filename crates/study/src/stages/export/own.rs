@@ -37,11 +37,11 @@ pub(super) fn read(path: &Path, study: &DesignFile) -> Result<Vec<OwnRow>, Study
             .map(|v| v.map_or(Value::Null, Value::from));
         columns.push((measure.id.clone(), values.collect()));
     }
-    let row = |(at, (participant, condition)): (usize, (ParticipantId, ConditionId))| OwnRow {
+    let row = |(index, (participant, condition)): (usize, (ParticipantId, ConditionId))| OwnRow {
         participant,
         condition,
         cells: (columns.iter())
-            .map(|(name, cells)| (name.clone(), cells[at].clone()))
+            .map(|(name, cells)| (name.clone(), cells[index].clone()))
             .collect(),
     };
     let whose = people.into_iter().zip(conditions);
@@ -57,7 +57,7 @@ fn numbered(cells: &[Option<String>]) -> Vec<Value> {
         return values.map(|n| n.map_or(Value::Null, Value::from)).collect();
     }
     let words: BTreeSet<&String> = cells.iter().flatten().collect();
-    let place = |cell: &String| words.iter().position(|w| *w == cell).map(|at| at + 1);
+    let place = |cell: &String| words.iter().position(|w| *w == cell).map(|index| index + 1);
     let places = cells.iter().map(|cell| cell.as_ref().and_then(place));
     places.map(|n| n.map_or(Value::Null, Value::from)).collect()
 }
@@ -70,7 +70,9 @@ pub(super) fn write(out: &Path, rows: &[OwnRow], names: &Pseudonyms) -> Result<(
     if rows.is_empty() {
         return Ok(());
     }
-    let given = rows.iter().map(|row| (names.of(&row.participant), row));
+    let given = rows
+        .iter()
+        .map(|row| (names.pseudonym(&row.participant), row));
     let mut given: Vec<(ParticipantId, &OwnRow)> = given.collect();
     given.sort_by(|a, b| (&a.0, a.1.condition).cmp(&(&b.0, b.1.condition)));
     let given = given.into_iter().map(|(name, row)| {

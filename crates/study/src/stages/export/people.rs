@@ -49,7 +49,7 @@ pub(super) fn write(
         return Ok(Vec::new());
     }
     let mut rows: Vec<(ParticipantId, &Enrolled)> =
-        people.iter().map(|p| (names.of(&p.id), p)).collect();
+        people.iter().map(|p| (names.pseudonym(&p.id), p)).collect();
     rows.sort_by(|a, b| (!a.1.learned_from, &a.0).cmp(&(!b.1.learned_from, &b.0)));
     let mut columns = design.people().columns();
     columns.extend(design.tested_columns());

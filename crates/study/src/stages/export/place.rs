@@ -121,14 +121,14 @@ fn refuse_used(out: &Path) -> Result<(), StudyError> {
     if !out.exists() {
         return Ok(());
     }
-    let found = files(out)?;
+    let present = files(out)?;
     let list = out.join(LIST);
     let mut ours = BTreeSet::from([LIST.to_owned()]);
     if list.is_file() {
         let listed: Vec<Option<String>> = Table::read(&list)?.text("file")?;
         ours.extend(listed.into_iter().flatten());
     }
-    let Some(foreign) = found.iter().find(|name| !ours.contains(*name)) else {
+    let Some(foreign) = present.iter().find(|name| !ours.contains(*name)) else {
         return Ok(());
     };
     Err(StudyError::BadFile {
@@ -142,7 +142,7 @@ fn refuse_used(out: &Path) -> Result<(), StudyError> {
 
 /// Everything in a folder that is no folder itself, by its path below it with `/` between, sorted.
 pub(super) fn files(folder: &Path) -> Result<Vec<String>, StudyError> {
-    let mut found = Vec::new();
+    let mut names = Vec::new();
     let mut folders = vec![(folder.to_owned(), String::new())];
     while let Some((folder, below)) = folders.pop() {
         for entry in fs::read_dir(&folder).map_err(StudyError::read(&folder))? {
@@ -152,12 +152,12 @@ pub(super) fn files(folder: &Path) -> Result<Vec<String>, StudyError> {
             if kind.is_dir() {
                 folders.push((entry.path(), name + "/"));
             } else {
-                found.push(name);
+                names.push(name);
             }
         }
     }
-    found.sort();
-    Ok(found)
+    names.sort();
+    Ok(names)
 }
 
 #[cfg(test)]

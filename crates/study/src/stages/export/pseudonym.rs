@@ -39,9 +39,9 @@ impl Pseudonyms {
         let bytes = std::fs::read(key).map_err(StudyError::read(key))?;
         let secret = bytes.trim_ascii();
         if secret.len() < SHORTEST_KEY {
-            let found = secret.len();
+            let length = secret.len();
             return Err(bad(format!(
-                "a key of {found} characters, expected at least {SHORTEST_KEY}"
+                "a key of {length} characters, expected at least {SHORTEST_KEY}"
             )));
         }
         Ok(Self {
@@ -82,7 +82,7 @@ impl Pseudonyms {
     }
 
     /// The pseudonym of somebody who was added.
-    pub(super) fn of(&self, id: &ParticipantId) -> ParticipantId {
+    pub(super) fn pseudonym(&self, id: &ParticipantId) -> ParticipantId {
         #[expect(
             clippy::expect_used,
             reason = "a name that slips through must stop the export, not leave under its own name"
@@ -166,7 +166,7 @@ mod tests {
             names.add(&id).unwrap();
             names.add(&id).unwrap();
             assert_eq!(names.len(), 1);
-            names.of(&id).to_string()
+            names.pseudonym(&id).to_string()
         };
         let one = name(with("a", "0123456789abcdef\n").unwrap());
         assert_eq!(one, name(with("b", "0123456789abcdef").unwrap()));

@@ -33,9 +33,9 @@ pub struct About {
 /// A pipeline and what was run of it.
 #[derive(Debug, Clone, Default)]
 pub struct PipelineRun {
-    /// Its name.
+    /// What the ledger of the run calls the pipeline.
     pub name: String,
-    /// Its text.
+    /// The pipeline file (TOML) as it was written.
     pub text: String,
     /// What was run.
     pub steps: Vec<Step>,
@@ -80,18 +80,18 @@ impl PipelineRun {
         let mut left_out = 0;
         for step in &mut self.steps {
             for paths in [&mut step.inputs, &mut step.outputs] {
-                let all = paths.len();
+                let before = paths.len();
                 paths.retain(|path, _| !names(path));
-                left_out += all - paths.len();
+                left_out += before - paths.len();
             }
             if names(&step.command) {
                 step.command.clear();
                 left_out += 1;
             }
         }
-        let all = self.steps.len();
+        let before = self.steps.len();
         self.steps.retain(|step| !names(&step.name));
-        left_out += all - self.steps.len();
+        left_out += before - self.steps.len();
         (self, left_out)
     }
 }
@@ -126,10 +126,10 @@ fn reference(id: &str) -> Value {
 
 /// One reference stands alone, as the standard has it; several are a list.
 fn references<'a>(ids: impl IntoIterator<Item = &'a str>) -> Value {
-    let mut all: Vec<Value> = ids.into_iter().map(reference).collect();
-    match all.len() {
-        1 => all.remove(0),
-        _ => all.into(),
+    let mut list: Vec<Value> = ids.into_iter().map(reference).collect();
+    match list.len() {
+        1 => list.remove(0),
+        _ => list.into(),
     }
 }
 
@@ -280,7 +280,7 @@ fn entity(given: &Given, about: &About, licence: &str) -> Value {
 
 /// The run as a whole, each stage of it, and what they read and made.
 fn actions(run: &PipelineRun, mentioned: &mut Vec<String>) -> Vec<Value> {
-    let mut found = vec![json!({
+    let mut entities = vec![json!({
         "@id": "#pipeline-language",
         "@type": "ComputerLanguage",
         "name": "maveric pipeline",
@@ -288,8 +288,8 @@ fn actions(run: &PipelineRun, mentioned: &mut Vec<String>) -> Vec<Value> {
         "identifier": "https://toml.io",
     })];
     let mut files: BTreeMap<&str, &str> = BTreeMap::new();
-    let mut made = Vec::new();
-    let here = |paths: std::collections::btree_map::Keys<'_, String, String>| {
+    let mut outputs = Vec::new();
+    let local_references = |paths: std::collections::btree_map::Keys<'_, String, String>| {
         let ids: Vec<String> = paths.map(|path| format!("#{path}")).collect();
         references(ids.iter().map(String::as_str))
     };
@@ -298,31 +298,31 @@ fn actions(run: &PipelineRun, mentioned: &mut Vec<String>) -> Vec<Value> {
         for (path, hash) in step.inputs.iter().chain(&step.outputs) {
             files.insert(path, hash);
         }
-        made.extend(step.outputs.keys().map(|path| format!("#{path}")));
-        found.push(json!({
+        outputs.extend(step.outputs.keys().map(|path| format!("#{path}")));
+        entities.push(json!({
             "@id": id,
             "@type": "CreateAction",
             "name": format!("Stage {}", step.name),
             "description": step.command,
             "instrument": reference("#maveric"),
             "actionStatus": "http://schema.org/CompletedActionStatus",
-            "object": here(step.inputs.keys()),
-            "result": here(step.outputs.keys()),
+            "object": local_references(step.inputs.keys()),
+            "result": local_references(step.outputs.keys()),
         }));
         mentioned.push(id);
     }
-    found.push(json!({
+    entities.push(json!({
         "@id": "#run",
         "@type": "CreateAction",
         "name": format!("Run of pipeline {}", run.name),
         "description": "All stages, in the order in which each needs the others.",
         "instrument": reference(PIPELINE),
         "actionStatus": "http://schema.org/CompletedActionStatus",
-        "result": references(made.iter().map(String::as_str)),
+        "result": references(outputs.iter().map(String::as_str)),
     }));
     mentioned.push("#run".to_owned());
     // They are not given away: who has the study can hold them against these hashes.
-    found.extend(files.iter().map(|(path, hash)| {
+    entities.extend(files.iter().map(|(path, hash)| {
         json!({
             "@id": format!("#{path}"),
             "@type": "CreativeWork",
@@ -331,7 +331,7 @@ fn actions(run: &PipelineRun, mentioned: &mut Vec<String>) -> Vec<Value> {
             "description": "In the study's own folder; not given away.",
         })
     }));
-    found
+    entities
 }
 
 #[cfg(test)]

@@ -105,21 +105,21 @@ impl Collected {
             return Ok(None);
         }
         let with_notes = self.notes.is_some();
-        let said = |text: &str| match text.split_once(": ") {
+        let cleared = |text: &str| match text.split_once(": ") {
             // Words of the experimenter's are notes.
             Some((act, _)) if !with_notes || named_in(text, left_out) => act.to_owned(),
             _ => names.rename(text),
         };
         for row in &mut self.events {
-            row.participant = names.of(&row.participant);
+            row.participant = names.pseudonym(&row.participant);
             // What a page says has no time of day, but for answers.
             if row.at.take().is_some() {
-                row.what = said(&row.what);
+                row.what = cleared(&row.what);
             }
         }
         for row in &mut self.stopped {
-            row.participant = names.of(&row.participant);
-            row.reason = said(&row.reason);
+            row.participant = names.pseudonym(&row.participant);
+            row.reason = cleared(&row.reason);
         }
         if !self.stopped.is_empty() {
             let ride = |row: &Stopped| (row.condition, row.session, row.trial);
@@ -128,7 +128,7 @@ impl Collected {
             write_rows(TableName::Stopped, &out.join(STOPPED), &self.stopped)?;
         }
         for row in &mut self.consents {
-            row.participant = names.of(&row.participant);
+            row.participant = names.pseudonym(&row.participant);
             row.at = None;
         }
         // Sorted by pseudonym, so that the order of the rows gives nobody away; each person's stay in their order.
@@ -144,7 +144,7 @@ impl Collected {
             )?;
         }
         for row in &mut self.lent {
-            row.participant = names.of(&row.participant);
+            row.participant = names.pseudonym(&row.participant);
             row.lent.donor = donor_given_away(&row.lent.donor, names)?;
         }
         if !self.lent.is_empty() {
@@ -157,12 +157,12 @@ impl Collected {
         let Some(mut notes) = self.notes else {
             return Ok(None);
         };
-        let all = notes.len();
+        let total = notes.len();
         notes.retain(|row| !named_in(&row.text, left_out));
-        let withheld = all - notes.len();
+        let withheld = total - notes.len();
         for row in &mut notes {
             row.text = names.rename(&row.text);
-            row.participant = row.participant.as_ref().map(|id| names.of(id));
+            row.participant = row.participant.as_ref().map(|id| names.pseudonym(id));
             row.at = None;
         }
         // Those of the day's course by their words: when each was written is not given away.

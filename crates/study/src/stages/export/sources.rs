@@ -39,7 +39,7 @@ impl Sources {
     ///
     /// # Errors
     /// As [`logs::of`].
-    pub(super) fn of(
+    pub(super) fn find(
         options: &ExportOptions,
         study: Option<&DesignFile>,
     ) -> Result<Self, StudyError> {

@@ -26,14 +26,14 @@ pub(super) fn write(
         return Ok(());
     }
     for answer in answers.iter_mut() {
-        answer.participant = names.of(&answer.participant);
+        answer.participant = names.pseudonym(&answer.participant);
     }
     for probe in probes.iter_mut() {
-        probe.participant = names.of(&probe.participant);
+        probe.participant = names.pseudonym(&probe.participant);
     }
     probes.sort_by(|a, b| {
-        let of = |p: &ProbeAnswer| (p.participant.clone(), p.ride, p.scale.clone());
-        of(a).cmp(&of(b)).then(a.at_s.total_cmp(&b.at_s))
+        let key = |p: &ProbeAnswer| (p.participant.clone(), p.ride, p.scale.clone());
+        key(a).cmp(&key(b)).then(a.at_s.total_cmp(&b.at_s))
     });
     // Sorted by pseudonym, so that the order of the rows gives nobody away.
     answers.sort_by(|a, b| {
@@ -42,7 +42,7 @@ pub(super) fn write(
     });
     write_answers(&out.join("surveys.csv"), answers, probes)?;
     let orders = people.iter();
-    let orders = orders.map(|p| (names.of(&p.id), p.order.as_slice()));
+    let orders = orders.map(|p| (names.pseudonym(&p.id), p.order.as_slice()));
     write_wide(&out.join("surveys_wide.csv"), answers, &orders.collect())
 }
 

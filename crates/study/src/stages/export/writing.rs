@@ -55,14 +55,14 @@ pub fn export(
     for model in about.run.iter().flat_map(PipelineRun::models) {
         refuse_learned_from_gone(&study, &study.resolve(Path::new(model)))?;
     }
-    let here = DesignFile::here(options.design.as_deref())?;
+    let local_study = DesignFile::here(options.design.as_deref())?;
     let place = Place::new(&options.out)?;
     let out = &place.fresh();
-    let sources = Sources::of(options, here.as_ref())?;
+    let sources = Sources::find(options, local_study.as_ref())?;
     let mut material = Material::read(options, &sources, &study, watch)?;
     let mut names = Pseudonyms::read(&options.key, &options.out)?;
-    let left_out = match &here {
-        Some(study) => LeftOut::of(study, sources.participants.as_deref(), &mut material)?,
+    let left_out = match &local_study {
+        Some(study) => LeftOut::take_from(study, sources.participants.as_deref(), &mut material)?,
         None => LeftOut::default(),
     };
     names.add_all(material.ids())?;
@@ -75,7 +75,7 @@ pub fn export(
     let ids = Ids::new(&names, &left_out.names);
     let mut warnings = left_out.doubts.clone();
     warnings.append(&mut material.doubts);
-    let declared = here.as_ref().map(|study| Declared::of(study, &ids));
+    let declared = local_study.as_ref().map(|study| Declared::new(study, &ids));
     let declared = declared.transpose()?;
     let design = declared.as_ref().map_or(&study.design, |d| &d.design);
     if let Some(data) = &mut material.outcomes {
@@ -85,12 +85,12 @@ pub fn export(
     let people = &material.people;
     let answers = material.answers.len() + material.probes.len();
     warnings.extend(people::write(out, people, &names, design)?);
-    let asked = (&mut material.answers[..], &mut material.probes[..]);
-    surveys::write(out, asked, people, &names)?;
+    let responses = (&mut material.answers[..], &mut material.probes[..]);
+    surveys::write(out, responses, people, &names)?;
     own::write(out, &material.own, &names)?;
     let observed = outcomes::write(out, material.outcomes.as_ref(), people, &names)?;
     warnings.extend(material.collected.write(out, &names, &left_out.names)?);
-    if let (Some(study), Some(declared)) = (&here, &declared) {
+    if let (Some(study), Some(declared)) = (&local_study, &declared) {
         declared::write(out, study, declared, &ids, people)?;
         warnings.extend(declared.doubt.clone());
     }

@@ -68,15 +68,17 @@ impl<'a> Columns<'a> {
         let mut patterns = Vec::new();
         for scale in scales {
             let mapped = map.scales.get(&scale.id);
-            let at = |problem: String| bad(format!("[scales.{}]: {problem}", scale.id));
+            let in_scale = |problem: String| bad(format!("[scales.{}]: {problem}", scale.id));
             if let Some(columns) = mapped {
-                columns.fits(scale).map_err(at)?;
+                columns.fits(scale).map_err(in_scale)?;
             }
-            let own = mapped
+            let pattern = mapped
                 .and_then(|c| c.column.as_ref())
                 .or(scale.column.as_ref());
             let convention = || format!("{}_{{item}}", scale.id);
-            patterns.push(Pattern::new(&own.cloned().unwrap_or_else(convention)).map_err(at)?);
+            patterns.push(
+                Pattern::new(&pattern.cloned().unwrap_or_else(convention)).map_err(in_scale)?,
+            );
         }
         let labels = design.labels().into_iter();
         let mut words: BTreeMap<String, Moment> = labels

@@ -40,7 +40,7 @@ impl Export {
         }
         let grid = Grid::read(path, how)?;
         let known = Format::of_grid(&grid);
-        let format = from.and_then(Format::of).unwrap_or(known);
+        let format = from.and_then(Format::for_software).unwrap_or(known);
         if known.software != Software::Wide && known.software != format.software {
             return Err(StudyError::BadFile {
                 path: path.to_owned(),

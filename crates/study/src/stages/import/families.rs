@@ -39,7 +39,7 @@ pub(super) fn families(grid: &Grid, format: &Format) -> Vec<Family> {
             }
         }
     }
-    let all = families
+    let families = families
         .into_iter()
         .map(|((before, behind), columns)| Family {
             before,
@@ -53,7 +53,8 @@ pub(super) fn families(grid: &Grid, format: &Format) -> Vec<Family> {
             .copied()
             .eq(1..=family.columns.len() as u32)
     };
-    all.filter(|family| family.columns.len() > 1 && is_counted(family))
+    families
+        .filter(|family| family.columns.len() > 1 && is_counted(family))
         .collect()
 }
 
@@ -143,10 +144,12 @@ pub(super) fn with_condition(family: &Family, columns: &Columns<'_>) -> String {
         .collect();
     words.sort_by_key(|word| std::cmp::Reverse(word.len()));
     let replaced = |text: &str| {
-        let at = words
+        let place = words
             .iter()
             .find_map(|word| Some((place_of(text, word)?, word.len())));
-        at.map(|(at, length)| format!("{}{{condition}}{}", &text[..at], &text[at + length..]))
+        place.map(|(start, length)| {
+            format!("{}{{condition}}{}", &text[..start], &text[start + length..])
+        })
     };
     let before = replaced(&family.before);
     let behind = if before.is_none() {

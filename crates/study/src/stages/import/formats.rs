@@ -116,7 +116,7 @@ pub(super) const FORMATS: [Format; 5] = [
 
 impl Format {
     /// The format of a software that writes tables.
-    pub(super) fn of(software: Software) -> Option<&'static Self> {
+    pub(super) fn for_software(software: Software) -> Option<&'static Self> {
         FORMATS.iter().find(|format| format.software == software)
     }
 

@@ -81,9 +81,9 @@ impl Pattern {
 
     /// What stands before the item's number, and what behind it.
     pub(super) fn around_item(&self) -> (String, String) {
-        let at = self.0.iter().position(|p| *p == Part::Item).unwrap_or(0);
+        let item = self.0.iter().position(|p| *p == Part::Item).unwrap_or(0);
         let text = |parts: &[Part]| parts.iter().map(Part::text).collect();
-        (text(&self.0[..at]), text(&self.0[at + 1..]))
+        (text(&self.0[..item]), text(&self.0[item + 1..]))
     }
 }
 

@@ -121,7 +121,7 @@ impl Reading<'_> {
         when: When,
         id: &ParticipantId,
     ) -> Result<Moment, StudyError> {
-        let at = |problem: String| {
+        let wrong = |problem: String| {
             StudyError::file(
                 self.path,
                 format!("{} (participant {id}){problem}", page.place),
@@ -133,7 +133,7 @@ impl Reading<'_> {
                 let order = self.orders.get(id).map(Vec::as_slice).unwrap_or_default();
                 let condition = trial.checked_sub(1).and_then(|at| order.get(at));
                 condition.map(|id| Moment::after(*id)).ok_or_else(|| {
-                    at(format!(
+                    wrong(format!(
                         ": answers about ride {trial}, and the table of people has an `order` of {} conditions for them; write it there, or put the condition's name in place of the number",
                         order.len()
                     ))
@@ -143,7 +143,7 @@ impl Reading<'_> {
             (When::Unsaid, Some((field, word))) => self
                 .columns
                 .moment_of(word)
-                .map_err(|e| at(format!(", `{field}`: {e}"))),
+                .map_err(|e| wrong(format!(", `{field}`: {e}"))),
         }
     }
 }

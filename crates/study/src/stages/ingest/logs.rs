@@ -93,7 +93,7 @@ fn gathered(
             Ok(Vec::new())
         }
     };
-    let mut found: Vec<Log> = Vec::new();
+    let mut gathered: Vec<Log> = Vec::new();
     let mapping_of = |path: &Path| match (&options.mapping, study) {
         (Some(given), _) => Some(given.clone()),
         (None, Some(study)) => declared(study, path),
@@ -105,14 +105,14 @@ fn gathered(
             let mut logs = log_files(path, settings.mapping.as_ref())?;
             // What an earlier call made of them are no logs, and parts of a recording are one log however many are named.
             let part = |log: &PathBuf| path.is_file() && log != path;
-            let known = |log: &PathBuf| found.iter().any(|other| other.path == *log);
+            let known = |log: &PathBuf| gathered.iter().any(|other| other.path == *log);
             logs.retain(|log| !(made_in(&options.out, path, log) || part(log) && known(log)));
             if logs.is_empty() && path.is_file() {
                 continue;
             }
-            found.extend(read_by(some(path, logs)?, mapping.as_ref(), &settings));
+            gathered.extend(read_by(some(path, logs)?, mapping.as_ref(), &settings));
         }
-        return Ok(found);
+        return Ok(gathered);
     }
     let Some(study) = study else {
         return Err(StudyError::NotPossible {
@@ -121,7 +121,7 @@ fn gathered(
         });
     };
     let files = study.design.files();
-    let all = study.resolve(&files.logs);
+    let all_logs = study.resolve(&files.logs);
     let mut rigs: Vec<PathBuf> = Vec::new();
     if let Mappings::Rigs(mappings) = &files.mapping {
         // A folder in another rig's, or the one of all logs, may be a rig's too: each log is read once.
@@ -131,18 +131,18 @@ fn gathered(
             let file = file.or_else(|| rig.file.as_ref().map(|f| study.resolve(f)));
             let (mapping, settings) = settings(options, file)?;
             let logs = standing(folder, settings.mapping.as_ref(), &rigs)?;
-            found.extend(read_by(some(folder, logs)?, mapping.as_ref(), &settings));
+            gathered.extend(read_by(some(folder, logs)?, mapping.as_ref(), &settings));
         }
     }
-    let (mapping, settings) = settings(options, mapping_of(&all))?;
-    if !rigs.contains(&all) && (all.is_dir() || rigs.is_empty()) {
-        let logs = standing(&all, settings.mapping.as_ref(), &rigs)?;
+    let (mapping, settings) = settings(options, mapping_of(&all_logs))?;
+    if !rigs.contains(&all_logs) && (all_logs.is_dir() || rigs.is_empty()) {
+        let logs = standing(&all_logs, settings.mapping.as_ref(), &rigs)?;
         if rigs.is_empty() {
-            some(&all, logs.clone())?;
+            some(&all_logs, logs.clone())?;
         }
-        found.extend(read_by(logs, mapping.as_ref(), &settings));
+        gathered.extend(read_by(logs, mapping.as_ref(), &settings));
     }
-    Ok(found)
+    Ok(gathered)
 }
 
 /// The mapping that a design has for a log or a folder of logs: that of the rig in whose folder it lies, where rigs have their own.

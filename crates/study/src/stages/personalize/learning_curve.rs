@@ -20,7 +20,7 @@ use std::path::Path;
 pub struct MeanWithInterval {
     /// Drives that have a value.
     pub n: usize,
-    /// Their mean.
+    /// Mean over these drives; none where no drive has a value.
     pub mean: Option<f64>,
     /// Lower end; none for fewer than two drives.
     pub low: Option<f64>,
@@ -71,7 +71,7 @@ pub(super) fn of_drives(
         });
     };
     let settings = CurveSettings::default();
-    let found =
+    let curves =
         for_each_on(
             options.jobs,
             drives,
@@ -82,7 +82,7 @@ pub(super) fn of_drives(
                 other => Ok(Some(other?)),
             },
         )?;
-    let curves: Vec<LearningCurve> = found.into_iter().flatten().collect();
+    let curves: Vec<LearningCurve> = curves.into_iter().flatten().collect();
     let mut warnings = Vec::new();
     let short = drives.len() - curves.len();
     if short > 0 {
@@ -138,8 +138,8 @@ fn is_at(point: &CurvePoint, minutes: Option<f64>) -> bool {
 }
 
 fn row(minutes: Option<f64>, points: &[&CurvePoint], seed: u64) -> Result<CurveRow, StudyError> {
-    let mean = |name: &str, of: &dyn Fn(&CurvePoint) -> Option<f64>| {
-        let values: Vec<Option<f64>> = points.iter().map(|p| of(p)).collect();
+    let mean = |name: &str, value: &dyn Fn(&CurvePoint) -> Option<f64>| {
+        let values: Vec<Option<f64>> = points.iter().map(|p| value(p)).collect();
         interval(&values, stream_seed(seed, &["learning curve", name]))
     };
     Ok(CurveRow {

@@ -24,37 +24,37 @@ pub(super) struct Words<'a> {
 }
 
 pub(super) fn page(
-    found: &Rehearsal,
+    rehearsal: &Rehearsal,
     options: &Rehearse,
     texts: &PageTexts,
 ) -> Result<Report, StudyError> {
     let context = Context::synthetic(options.seed);
-    let sections = if found.is_null() {
-        let cells = found.cells.iter().take(1);
+    let sections = if rehearsal.is_null() {
+        let cells = rehearsal.cells.iter().take(1);
         let sections = cells.map(|cell| null_section(cell, texts, &context));
         sections.collect::<Result<Vec<_>, _>>()?
     } else {
-        let figures = power_figure(found, options, texts, &context)?;
-        vec![texts.section("power", figures, tables::power_tables(found, texts)?)?]
+        let figures = power_figure(rehearsal, options, texts, &context)?;
+        vec![texts.section("power", figures, tables::power_tables(rehearsal, texts)?)?]
     };
     Ok(Report {
-        cards: cards(found)?,
+        cards: cards(rehearsal)?,
         sections,
         ..texts.page(&context, (options.seed, options.command.as_deref()))?
     })
 }
 
 /// What the page opens with: of studies without effects the first size, else the largest.
-fn cards(found: &Rehearsal) -> Result<Vec<Card>, StudyError> {
-    let cell = if found.is_null() {
-        found.cells.first()
+fn cards(rehearsal: &Rehearsal) -> Result<Vec<Card>, StudyError> {
+    let cell = if rehearsal.is_null() {
+        rehearsal.cells.first()
     } else {
-        found.largest()
+        rehearsal.largest()
     };
     let mut cards = Vec::new();
     for (cell, finding) in cell
         .into_iter()
-        .flat_map(|c| found.findings.iter().map(move |f| (c, f)))
+        .flat_map(|c| rehearsal.findings.iter().map(move |f| (c, f)))
     {
         cards.extend(of_studies(cell, finding)?);
     }
@@ -84,7 +84,7 @@ fn null_section(cell: &Cell, texts: &PageTexts, context: &Context) -> Result<Sec
 }
 
 fn power_figure(
-    found: &Rehearsal,
+    rehearsal: &Rehearsal,
     options: &Rehearse,
     texts: &PageTexts,
     context: &Context,
@@ -93,7 +93,7 @@ fn power_figure(
     let points = |scale: f64,
                   rate: &dyn Fn(&Cell) -> Option<maveric_stats::Proportion>|
      -> Vec<CurvePoint> {
-        let rates = tables::curve(&found.cells, scale, rate).into_iter();
+        let rates = tables::curve(&rehearsal.cells, scale, rate).into_iter();
         rates
             .map(|(n, r)| CurvePoint {
                 x: n as f64,
@@ -111,7 +111,7 @@ fn power_figure(
             curves: shown.iter().map(|scale| points(*scale, rate)).collect(),
         };
     let mut panels: Vec<CurvePanel> = Vec::new();
-    if let Some(cell) = found.largest() {
+    if let Some(cell) = rehearsal.largest() {
         panels.extend(
             cell.hypotheses
                 .iter()
@@ -128,7 +128,9 @@ fn power_figure(
     if panels.is_empty() {
         return Ok(Vec::new());
     }
-    let declared = found.largest().is_some_and(|c| !c.hypotheses.is_empty());
+    let declared = rehearsal
+        .largest()
+        .is_some_and(|c| !c.hypotheses.is_empty());
     let texts = texts.with(&BTreeMap::from([("declared", declared)]));
     let effects = shown.iter().map(|scale| {
         let values = BTreeMap::from([("scale", *scale)]);

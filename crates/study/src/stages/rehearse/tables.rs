@@ -22,7 +22,7 @@ struct PartRow {
 }
 
 impl PartRow {
-    fn of((part, tests): (Part, Vec<&TestRate>)) -> Self {
+    fn from_tests((part, tests): (Part, Vec<&TestRate>)) -> Self {
         let rates = tests.iter().filter_map(|t| Some(t.rate?.estimate));
         let rates: Vec<f64> = rates.collect();
         Self {
@@ -62,7 +62,10 @@ pub(super) fn null_tables(cell: &Cell, texts: &PageTexts) -> Result<Vec<Table>, 
         test,
     });
     Ok(vec![
-        texts.table("null-parts", cell.by_part().into_iter().map(PartRow::of))?,
+        texts.table(
+            "null-parts",
+            cell.by_part().into_iter().map(PartRow::from_tests),
+        )?,
         texts.table("null-families", &cell.families)?,
         texts.table("null-tests", tests)?,
     ])
@@ -102,22 +105,25 @@ enum Needed {
 }
 
 /// The tables of studies with effects.
-pub(super) fn power_tables(found: &Rehearsal, texts: &PageTexts) -> Result<Vec<Table>, StudyError> {
+pub(super) fn power_tables(
+    rehearsal: &Rehearsal,
+    texts: &PageTexts,
+) -> Result<Vec<Table>, StudyError> {
     let mut tables = Vec::new();
-    if !found.signs.is_empty() {
-        tables.push(texts.table("power-signs", &found.signs)?);
+    if !rehearsal.signs.is_empty() {
+        tables.push(texts.table("power-signs", &rehearsal.signs)?);
     }
     let mut scales: Vec<f64> = Vec::new();
-    for cell in &found.cells {
+    for cell in &rehearsal.cells {
         if !scales.contains(&cell.effect_scale) {
             scales.push(cell.effect_scale);
         }
     }
-    let Some(first) = found.cells.first() else {
+    let Some(first) = rehearsal.cells.first() else {
         return Ok(tables);
     };
     let needed = |scale: f64, rate: &dyn Fn(&Cell) -> Option<Proportion>| {
-        let curve = curve(&found.cells, scale, rate).into_iter();
+        let curve = curve(&rehearsal.cells, scale, rate).into_iter();
         let points: Vec<(usize, f64)> = curve.map(|(n, r)| (n, r.estimate)).collect();
         let lowest = points.first().map(|(n, _)| *n as f64);
         n_for(&points, POWER).map(|n| match lowest {
@@ -171,13 +177,13 @@ struct HypothesisRow<'a> {
 }
 
 /// The result in a few lines.
-pub(super) fn summary(found: &Rehearsal, texts: &PageTexts) -> Result<Vec<String>, StudyError> {
+pub(super) fn summary(rehearsal: &Rehearsal, texts: &PageTexts) -> Result<Vec<String>, StudyError> {
     let mut lines = Vec::new();
     let mut say = |key: &str, texts: PageTexts| -> Result<(), StudyError> {
         lines.push(texts.text(key)?);
         Ok(())
     };
-    for cell in found.cells.iter().filter(|c| c.effect_scale == 0.0) {
+    for cell in rehearsal.cells.iter().filter(|c| c.effect_scale == 0.0) {
         let kept = cell.tests.iter().filter(|t| keeps_level(t)).count();
         let values = [
             ("participants", cell.participants),
@@ -185,7 +191,7 @@ pub(super) fn summary(found: &Rehearsal, texts: &PageTexts) -> Result<Vec<String
             ("tests", cell.tests.len()),
         ];
         say("null_cell", texts.with(&BTreeMap::from(values)))?;
-        for row in cell.by_part().into_iter().map(PartRow::of) {
+        for row in cell.by_part().into_iter().map(PartRow::from_tests) {
             say("null_part", texts.with(&row))?;
         }
         let known = |f: &&FamilyRate| f.any_holm.is_some() && f.any_uncorrected.is_some();
@@ -193,7 +199,7 @@ pub(super) fn summary(found: &Rehearsal, texts: &PageTexts) -> Result<Vec<String
             say("null_family", texts.with(family))?;
         }
     }
-    for cell in found.cells.iter().filter(|c| c.effect_scale != 0.0) {
+    for cell in rehearsal.cells.iter().filter(|c| c.effect_scale != 0.0) {
         for hypothesis in &cell.hypotheses {
             let row = HypothesisRow {
                 effect_scale: cell.effect_scale,
@@ -203,7 +209,7 @@ pub(super) fn summary(found: &Rehearsal, texts: &PageTexts) -> Result<Vec<String
             say("hypothesis", texts.with(&row))?;
         }
     }
-    for row in &found.signs {
+    for row in &rehearsal.signs {
         say("sign", texts.with(row))?;
     }
     Ok(lines)

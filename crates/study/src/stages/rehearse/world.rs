@@ -24,14 +24,14 @@ pub(crate) fn read_world(
     [population, effects, scales]: [Option<&Path>; 3],
 ) -> Result<World, StudyError> {
     let files = study.design.files();
-    let own = files.effects.as_ref().map(|path| study.resolve(path));
-    let own = own.filter(|path| path.is_file());
-    let effects = match effects.or(own.as_deref()) {
+    let own_effects = files.effects.as_ref().map(|path| study.resolve(path));
+    let own_effects = own_effects.filter(|path| path.is_file());
+    let effects = match effects.or(own_effects.as_deref()) {
         Some(path) => read_effects(path)?,
         None => effects_of(Path::new("effects.toml"), EFFECTS)?,
     };
-    let own = study.resolve(&files.scales);
-    let scales = read_scales(scales.unwrap_or(&own))?;
+    let own_scales = study.resolve(&files.scales);
+    let scales = read_scales(scales.unwrap_or(&own_scales))?;
     let (path, text) = match population {
         Some(path) => (path, read_text(path)?),
         None => (Path::new("population.toml"), POPULATION.to_owned()),

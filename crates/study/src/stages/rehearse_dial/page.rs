@@ -17,18 +17,21 @@ use maveric_report::{
 use serde::Serialize;
 use std::collections::BTreeMap;
 
-pub(super) fn page(found: &DialRehearsal, options: &RehearseDial) -> Result<Report, StudyError> {
+pub(super) fn page(
+    rehearsal: &DialRehearsal,
+    options: &RehearseDial,
+) -> Result<Report, StudyError> {
     let context = Context::synthetic(options.seed);
     let texts = PageTexts::new(DIAL, &BTreeMap::from([("studies", options.studies)]))?;
-    let mut figures = vec![sizes_figure(found, &texts, &context)?];
-    if let Some(first) = found.learned_from.first() {
+    let mut figures = vec![sizes_figure(rehearsal, &texts, &context)?];
+    if let Some(first) = rehearsal.learned_from.first() {
         figures.push(scatter(first, &texts, &context)?);
     }
-    let scores = texts.table("recommendation", scores(found))?;
-    let searched = texts.table("active-learning", &found.search)?;
-    let search = vec![search_figure(found, &texts, &context)?];
+    let scores = texts.table("recommendation", scores(rehearsal))?;
+    let searched = texts.table("active-learning", &rehearsal.search)?;
+    let search = vec![search_figure(rehearsal, &texts, &context)?];
     Ok(Report {
-        cards: cards(found, &texts)?,
+        cards: cards(rehearsal, &texts)?,
         sections: vec![
             texts.section("after", figures, vec![scores])?,
             texts.section("next", search, vec![searched])?,
@@ -38,12 +41,16 @@ pub(super) fn page(found: &DialRehearsal, options: &RehearseDial) -> Result<Repo
 }
 
 /// What the page opens with.
-fn cards(found: &DialRehearsal, texts: &PageTexts) -> Result<Vec<Card>, StudyError> {
+fn cards(rehearsal: &DialRehearsal, texts: &PageTexts) -> Result<Vec<Card>, StudyError> {
     let mut cards = Vec::new();
-    for finding in &found.findings {
-        cards.extend(match (finding.question, found.learned_from.last()) {
+    for finding in &rehearsal.findings {
+        cards.extend(match (finding.question, rehearsal.learned_from.last()) {
             (Question::Recommends, Some(learned)) => Some(recommends(learned, finding)?),
-            (Question::Active, _) => saves(&found.search, &saved(&found.search, texts)?, finding)?,
+            (Question::Active, _) => saves(
+                &rehearsal.search,
+                &saved(&rehearsal.search, texts)?,
+                finding,
+            )?,
             _ => None,
         });
     }
@@ -51,12 +58,12 @@ fn cards(found: &DialRehearsal, texts: &PageTexts) -> Result<Vec<Card>, StudyErr
 }
 
 fn sizes_figure(
-    found: &DialRehearsal,
+    rehearsal: &DialRehearsal,
     texts: &PageTexts,
     context: &Context,
 ) -> Result<Figure, StudyError> {
     let near = |m: usize| -> Vec<CurvePoint> {
-        let points = found.learned_from.iter().filter_map(|l| {
+        let points = rehearsal.learned_from.iter().filter_map(|l| {
             let share = l.scores[m].within_5?;
             Some(CurvePoint {
                 x: l.participants as f64,
@@ -68,7 +75,7 @@ fn sizes_figure(
         points.collect()
     };
     let error = |m: usize| -> Vec<CurvePoint> {
-        let points = found.learned_from.iter().map(|l| {
+        let points = rehearsal.learned_from.iter().map(|l| {
             let s = &l.scores[m];
             CurvePoint {
                 x: l.participants as f64,
@@ -84,7 +91,7 @@ fn sizes_figure(
         name: "recommendation-sizes".to_owned(),
         title: texts.text("sizes")?,
         caption: texts.text("sizes_caption")?,
-        alt: lines(found, texts)?.join(" "),
+        alt: lines(rehearsal, texts)?.join(" "),
         x: texts.text("learned_from")?,
         curves: Method::ALL.iter().map(|m| m.title().to_owned()).collect(),
         rule: None,
@@ -119,13 +126,13 @@ fn scatter(
 }
 
 fn search_figure(
-    found: &DialRehearsal,
+    rehearsal: &DialRehearsal,
     texts: &PageTexts,
     context: &Context,
 ) -> Result<Figure, StudyError> {
-    let line = |of: fn(&TrialError) -> (f64, f64)| -> Vec<CurvePoint> {
-        let points = found.search.iter().map(|t| {
-            let (y, half) = of(t);
+    let line = |errors: fn(&TrialError) -> (f64, f64)| -> Vec<CurvePoint> {
+        let points = rehearsal.search.iter().map(|t| {
+            let (y, half) = errors(t);
             CurvePoint {
                 x: t.trials as f64,
                 y,
@@ -135,9 +142,9 @@ fn search_figure(
         });
         points.collect()
     };
-    let share = |of: fn(&TrialError) -> f64| -> Vec<CurvePoint> {
-        let points = found.search.iter().map(|t| {
-            let y = of(t);
+    let share = |share_at: fn(&TrialError) -> f64| -> Vec<CurvePoint> {
+        let points = rehearsal.search.iter().map(|t| {
+            let y = share_at(t);
             CurvePoint {
                 x: t.trials as f64,
                 y,
@@ -151,7 +158,7 @@ fn search_figure(
         name: "active-learning".to_owned(),
         title: texts.text("search")?,
         caption: texts.text("search_caption")?,
-        alt: saved(&found.search, texts)?,
+        alt: saved(&rehearsal.search, texts)?,
         x: texts.text("trials")?,
         curves: vec![texts.text("active")?, texts.text("grid")?],
         rule: None,
@@ -173,8 +180,15 @@ fn search_figure(
 }
 
 /// The first trial after which a mean error is not above `wanted`.
-fn reached(search: &[TrialError], of: fn(&TrialError) -> (f64, f64), wanted: f64) -> Option<usize> {
-    search.iter().find(|t| of(t).0 <= wanted).map(|t| t.trials)
+fn reached(
+    search: &[TrialError],
+    error: fn(&TrialError) -> (f64, f64),
+    wanted: f64,
+) -> Option<usize> {
+    search
+        .iter()
+        .find(|t| error(t).0 <= wanted)
+        .map(|t| t.trials)
 }
 
 /// How many trials active learning saves on the way to half of what the grid gains.
@@ -209,9 +223,8 @@ struct ScoreRow<'a> {
     score: &'a Score,
 }
 
-fn scores(found: &DialRehearsal) -> impl Iterator<Item = ScoreRow<'_>> {
-    let all = found.learned_from.iter();
-    all.flat_map(|learned| {
+fn scores(rehearsal: &DialRehearsal) -> impl Iterator<Item = ScoreRow<'_>> {
+    rehearsal.learned_from.iter().flat_map(|learned| {
         learned.scores.iter().map(|score| ScoreRow {
             title: score.method.title(),
             participants: learned.participants,
@@ -220,14 +233,14 @@ fn scores(found: &DialRehearsal) -> impl Iterator<Item = ScoreRow<'_>> {
     })
 }
 
-fn lines(found: &DialRehearsal, texts: &PageTexts) -> Result<Vec<String>, StudyError> {
-    let scores = scores(found).map(|row| Ok(texts.with(&row).text("score")?));
-    scores.chain([saved(&found.search, texts)]).collect()
+fn lines(rehearsal: &DialRehearsal, texts: &PageTexts) -> Result<Vec<String>, StudyError> {
+    let scores = scores(rehearsal).map(|row| Ok(texts.with(&row).text("score")?));
+    scores.chain([saved(&rehearsal.search, texts)]).collect()
 }
 
 /// The result in a few lines.
-pub(super) fn summary(found: &DialRehearsal) -> Result<Vec<String>, StudyError> {
-    lines(found, &PageTexts::new(DIAL, &())?)
+pub(super) fn summary(rehearsal: &DialRehearsal) -> Result<Vec<String>, StudyError> {
+    lines(rehearsal, &PageTexts::new(DIAL, &())?)
 }
 
 #[cfg(test)]

@@ -59,7 +59,7 @@ const SHOWN: [(FollowingMethod, Follower); 4] = [
 
 pub(super) fn page(options: &DrawReport) -> Result<(Report, Vec<String>), StudyError> {
     let folder = options.results.as_path();
-    let found: FollowingEvaluation = read_json(&folder.join("following.json"))?;
+    let evaluation: FollowingEvaluation = read_json(&folder.join("following.json"))?;
     let training: TrainingSummary = read_json(&training_path(&folder.join(MODEL_FILE)))?;
     let context = Context::real();
     let titled = options
@@ -67,21 +67,25 @@ pub(super) fn page(options: &DrawReport) -> Result<(Report, Vec<String>), StudyE
         .as_deref()
         .map(|path| DesignFile::find(Some(path)));
     let titled = titled.transpose()?.map(|d| d.design.title().to_owned());
-    let texts = &texts(&found, titled.as_deref())?;
+    let texts = &texts(&evaluation, titled.as_deref())?;
     let data_set = match titled {
         Some(title) => title,
         None => texts.text("recorded")?,
     };
     let errors_of = |method| -> Vec<f64> {
-        let of = |d: &DriverEvaluation| d.gap_rmse_m(method);
-        found.drivers.iter().filter_map(of).collect()
+        let gap_rmse_m = |d: &DriverEvaluation| d.gap_rmse_m(method);
+        evaluation.drivers.iter().filter_map(gap_rmse_m).collect()
     };
     let errors = FollowingErrors {
         data_set: data_set.clone(),
-        drivers: found.drivers.iter().map(|d| d.driver.clone()).collect(),
+        drivers: evaluation
+            .drivers
+            .iter()
+            .map(|d| d.driver.clone())
+            .collect(),
         models: COMPARED
             .into_iter()
-            .filter(|(method, _)| found.mean(*method).is_some())
+            .filter(|(method, _)| evaluation.mean(*method).is_some())
             .map(|(method, model)| ModelErrors {
                 model,
                 gap_rmse_m: errors_of(method),
@@ -89,7 +93,7 @@ pub(super) fn page(options: &DrawReport) -> Result<(Report, Vec<String>), StudyE
             .collect(),
     };
     let mut figures = vec![following_errors(&errors, &context)?];
-    for driver in &found.drivers {
+    for driver in &evaluation.drivers {
         let series = &driver.series;
         let recorded = FollowingSeries {
             follower: Follower::Recorded,
@@ -112,22 +116,22 @@ pub(super) fn page(options: &DrawReport) -> Result<(Report, Vec<String>), StudyE
         };
         figures.push(car_following(&input, &context)?);
     }
-    let mut summary = shrinkage(&found, texts)?;
+    let mut summary = shrinkage(&evaluation, texts)?;
     summary.push(texts.text("driven")?);
     for reason in training.networks.iter().flat_map(|n| &n.left_out) {
         let texts = texts.with(&BTreeMap::from([("reason", reason)]));
         summary.push(texts.text("left_out")?);
     }
-    let judged = findings::findings(&found);
+    let judged = findings::findings(&evaluation);
     let following = Following {
-        found: &found,
-        peers: findings::beside_peers(&found),
-        personal: findings::beside_everybody(&found),
+        found: &evaluation,
+        peers: findings::beside_peers(&evaluation),
+        personal: findings::beside_everybody(&evaluation),
         networks: &NETWORKS,
-        driven: found.driven,
+        driven: evaluation.driven,
     };
     let cards = following.cards(&judged)?;
-    let said = cards.iter().map(|card| {
+    let lines = cards.iter().map(|card| {
         let parts = [
             ("question", &card.question),
             ("verdict", &card.verdict),
@@ -135,11 +139,11 @@ pub(super) fn page(options: &DrawReport) -> Result<(Report, Vec<String>), StudyE
         ];
         texts.with(&BTreeMap::from(parts)).text("card")
     });
-    let mut findings: Vec<String> = said.collect::<Result<_, _>>()?;
+    let mut findings: Vec<String> = lines.collect::<Result<_, _>>()?;
     findings.extend(summary.clone());
     let drives = figures.split_off(1);
-    let [means, by_driver] = errors_of_methods(&found, texts)?;
-    let tables = vec![means, by_driver, compared(&found, texts)?];
+    let [means, by_driver] = errors_of_methods(&evaluation, texts)?;
+    let tables = vec![means, by_driver, compared(&evaluation, texts)?];
     let new = texts.page(&context, (training.seed, options.command.as_deref()))?;
     let inputs = ["following.json", "model.maveric", "model_training.json"];
     let report = Report {

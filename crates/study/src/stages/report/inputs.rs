@@ -34,15 +34,15 @@ const MOST_BYTES: u64 = 100_000;
 /// # Errors
 /// [`StudyError::Io`] if one cannot be read.
 pub(crate) fn hashed(paths: impl IntoIterator<Item = PathBuf>) -> Result<Vec<Input>, StudyError> {
-    let mut found = Vec::new();
+    let mut inputs = Vec::new();
     for path in paths.into_iter().filter(|p| p.is_file()) {
         let bytes = std::fs::read(&path).map_err(StudyError::read(&path))?;
-        found.push(Input {
+        inputs.push(Input {
             path: path.to_slash_lossy().into_owned(),
             hash: blake3::hash(&bytes).to_hex().to_string(),
         });
     }
-    Ok(found)
+    Ok(inputs)
 }
 
 /// The files among the parameters' values.
@@ -89,8 +89,8 @@ pub(super) fn drawn_from(options: &DrawReport, root: &Path) -> Result<Files, Stu
     let values = options.parameters.iter().map(|(_, value)| value.into());
     let study = DesignFile::below_or_paper(root, options.design.as_deref())?;
     let files = study.design.files();
-    let own = study.design.measures().first();
-    let own = own.map(|_| study.resolve(&files.measures));
+    let measures = study.design.measures().first();
+    let measures = measures.map(|_| study.resolve(&files.measures));
     let claims = files.claims.as_ref().filter(|_| options.claims.is_none());
     Ok(Files::default()
         .reads_design(options.design.as_deref())
@@ -100,7 +100,7 @@ pub(super) fn drawn_from(options: &DrawReport, root: &Path) -> Result<Files, Stu
         .reads_if_there(in_folder(folder, &READ))
         .reads_if_there(in_folder(folder, &others))
         .reads_if_there([folder.join(MODEL_FILE), study.resolve(&files.scales)])
-        .reads_if_there(own)
+        .reads_if_there(measures)
         .reads_if_there(
             study
                 .path

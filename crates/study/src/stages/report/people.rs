@@ -78,7 +78,7 @@ impl People {
         })
     }
 
-    fn of(&self, part: Part, population: Option<&str>) -> Vec<&Enrolled> {
+    fn members(&self, part: Part, population: Option<&str>) -> Vec<&Enrolled> {
         let fits = |p: &&Enrolled| {
             takes(p, part) && population.is_none_or(|g| p.population.as_deref() == Some(g))
         };
@@ -100,7 +100,7 @@ impl People {
     }
 
     fn group(&self, name: &str, part: Part, population: Option<&str>) -> ParticipantGroup {
-        let people = self.of(part, population);
+        let people = self.members(part, population);
         let ages: Vec<f64> = people.iter().filter_map(|p| p.age_years).collect();
         let genders: Vec<&str> = people.iter().filter_map(|p| p.gender.as_deref()).collect();
         let (female, other_genders) = counted(&genders);
@@ -128,7 +128,7 @@ impl People {
     pub(super) fn groups(&self) -> Vec<ParticipantGroup> {
         let mut groups = Vec::new();
         for (name, part) in [("Learned from", Part::Learn), ("Tested", Part::Test)] {
-            let people = self.of(part, None);
+            let people = self.members(part, None);
             if people.is_empty() {
                 continue;
             }
@@ -150,7 +150,7 @@ impl People {
 
     /// What the claims ledger asks about the participants.
     pub(super) fn results(&self) -> Vec<(String, Option<f64>)> {
-        let mut found = Vec::new();
+        let mut results = Vec::new();
         for (key, part, population) in [
             ("study1", Part::Learn, None),
             ("study2", Part::Test, None),
@@ -158,31 +158,31 @@ impl People {
             ("study2.external", Part::Test, Some("external")),
         ] {
             let group = self.group(key, part, population);
-            found.push((format!("participants.{key}.n"), Some(group.n as f64)));
-            found.push((format!("participants.{key}.mean_age"), group.mean_age));
-            found.push((
+            results.push((format!("participants.{key}.n"), Some(group.n as f64)));
+            results.push((format!("participants.{key}.mean_age"), group.mean_age));
+            results.push((
                 format!("participants.{key}.female_percent"),
                 group.female.map(|f| 100.0 * f),
             ));
         }
-        found.push((
+        results.push((
             "participants.n".to_owned(),
             Some(self.participants.len() as f64),
         ));
         let professionals = self
-            .of(Part::Learn, None)
+            .members(Part::Learn, None)
             .iter()
             .filter(|p| p.professional)
             .count();
-        found.push((
+        results.push((
             "participants.study1.professionals".to_owned(),
             Some(professionals as f64),
         ));
-        found.push((
+        results.push((
             "participants.study1.drives".to_owned(),
             Some(self.group("study1", Part::Learn, None).drives as f64),
         ));
-        found
+        results
     }
 }
 

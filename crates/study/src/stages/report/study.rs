@@ -14,7 +14,7 @@ mod watch;
 use super::{
     DrawReport,
     inputs::{READ, hashed, in_folder, parameter_files, shown_whole},
-    keys::{made, results},
+    keys::{origin, results},
     people::People,
     scene,
 };
@@ -98,17 +98,17 @@ pub(super) fn page(
     let logs = watch::logs(folder, &study, &run);
     let watched = watch::drives(&logs)?;
     let supplement = supplement(options, &run, scenario.as_ref(), &page)?;
-    let said = declared(&study)?;
-    let asked = Asked {
+    let declaration = declared(&study)?;
+    let sample = Sample {
         people: &people,
         reliabilities: &reliabilities,
-        is_declared: !said.is_empty(),
+        is_declared: !declaration.is_empty(),
     };
-    let mut sections = sections(folder, &run, &page, (&asked, &watched))?;
+    let mut sections = sections(folder, &run, &page, (&sample, &watched))?;
     let missing = missing(&study, folder, options.participants.as_deref())?;
     sections.extend(not_there::section_missing(&run, &missing)?);
     not_there::list(&options.out, &missing)?;
-    let nameless = Nameless::of(&study, folder, participants)?;
+    let nameless = Nameless::read(&study, folder, participants)?;
     let exclusions = nameless.counted(left_out(&run).chain(listed_exclusions(folder)?));
     let exclusions = each_reason_once(exclusions);
     let warnings = warnings(&run, &page)?;
@@ -133,7 +133,7 @@ pub(super) fn page(
     let mut report = Report {
         glossary: glossary(),
         cards: cards(&run, &reliabilities, ledger.as_deref())?,
-        summary: said,
+        summary: declaration,
         live: moving,
         sections,
         supplement,
@@ -162,7 +162,7 @@ fn ledger(path: &Path, ours: &BTreeMap<String, f64>) -> Result<Vec<LedgerRow>, S
     let claimed = claims::load(&read_text(path)?)?;
     let mut ledger = claims::join(&claimed, ours)?;
     for row in ledger.iter_mut().filter(|row| row.ours.is_some()) {
-        row.made = Some(made(&row.claim.key));
+        row.made = Some(origin(&row.claim.key));
     }
     Ok(ledger)
 }
@@ -184,7 +184,7 @@ fn supplement(
 }
 
 /// Who was asked what, and whether what is tested was declared before.
-struct Asked<'a> {
+struct Sample<'a> {
     people: &'a People,
     reliabilities: &'a [Reliability],
     is_declared: bool,
@@ -195,23 +195,23 @@ fn sections(
     folder: &Path,
     run: &Run,
     page: &StudyPage<'_>,
-    (asked, watched): (&Asked<'_>, &[WatchedDrive]),
+    (sample, watched): (&Sample<'_>, &[WatchedDrive]),
 ) -> Result<Vec<Section>, StudyError> {
     // What nobody declared is called what it is, once something was declared.
     let undeclared = |section: Option<Section>| -> Result<Option<Section>, StudyError> {
         let Some(section) = section else {
             return Ok(None);
         };
-        if !asked.is_declared {
+        if !sample.is_declared {
             return Ok(Some(section));
         }
         let titled = BTreeMap::from([("title", &section.title)]);
         let title = page.texts.with(&titled).text("exploratory")?;
         Ok(Some(Section { title, ..section }))
     };
-    let own = run.own_style();
+    let own_style = run.own_style();
     let mut conditions = run.design.conditions().iter();
-    let shown = own.or(conditions.clone().next().map(|c| c.id));
+    let shown = own_style.or(conditions.clone().next().map(|c| c.id));
     let drive = watched.iter().find(|d| Some(d.meta.condition) == shown);
     let drive = drive.and_then(watch::diagram);
     let items = items_of_reduced(folder, run)?;
@@ -221,13 +221,13 @@ fn sections(
     sections.extend(page.homophily()?);
     sections.extend(page.presses()?);
     sections.extend(page.repeats()?);
-    let view = own.or(conditions.find(|c| c.simulated()).map(|c| c.id));
+    let view = own_style.or(conditions.find(|c| c.simulated()).map(|c| c.id));
     let view = scene::view(&folder.join("av/logs"), view)?;
     sections.push(page.setting(
         run.model.is_some(),
         view.as_ref(),
-        &asked.people.groups(),
-        asked.reliabilities,
+        &sample.people.groups(),
+        sample.reliabilities,
     )?);
     Ok(sections)
 }

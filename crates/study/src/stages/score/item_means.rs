@@ -36,12 +36,12 @@ pub(super) fn item_means<'a>(
         if let (Moment::After(ride), Some(value)) = (answer.moment, answer.answer) {
             let item = (answer.scale.as_str(), answer.item, ride.condition);
             let people = items.entry(item).or_default();
-            let own = people.entry(&answer.participant).or_default();
-            own.push(f64::from(value));
+            let values = people.entry(&answer.participant).or_default();
+            values.push(f64::from(value));
         }
     }
     let row = |((scale, item, condition), people): ((&str, u32, ConditionId), People<'_>)| {
-        let values: Vec<f64> = people.values().filter_map(|own| mean(own)).collect();
+        let values: Vec<f64> = people.values().filter_map(|values| mean(values)).collect();
         Some(ItemMean {
             scale: scale.to_owned(),
             item,

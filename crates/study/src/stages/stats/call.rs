@@ -55,14 +55,14 @@ impl<T: Test> Call<T> {
         }
         let table = input.read(whole, test.long(), T::NAME)?;
         let by_value = by_value(test, &table).into_iter();
-        let found = by_value.map(|(outcome, test)| {
+        let runs = by_value.map(|(outcome, test)| {
             let ran = test.run(&table).map_err(|e| with_shape(e, &table, input))?;
             Ok((outcome, ran))
         });
         shown(
             input,
             T::NAME,
-            found.collect::<Result<_, StudyError>>()?,
+            runs.collect::<Result<_, StudyError>>()?,
             table.rows(),
         )
     }
@@ -89,15 +89,15 @@ fn by_value<T: Test>(test: &T, table: &Table) -> Vec<(String, T)> {
 fn shown(
     input: &Input,
     test: &str,
-    found: Vec<(String, Ran)>,
+    runs: Vec<(String, Ran)>,
     rows: usize,
 ) -> Result<Outcome<Value>, StudyError> {
     let show = input.show();
-    let several = found.len() > 1;
+    let several = runs.len() > 1;
     let (mut values, mut summary, mut warnings) = (Map::new(), Vec::new(), Vec::new());
     let mut pictures = Vec::new();
-    for (outcome, mut found) in found {
-        if show == Show::Apa && found.said.is_empty() {
+    for (outcome, mut ran) in runs {
+        if show == Show::Apa && ran.statements.is_empty() {
             return Err(StudyError::NotPossible {
                 problem: format!("`{test}` has no sentence for these data"),
                 help: Some(
@@ -106,8 +106,8 @@ fn shown(
                 ),
             });
         }
-        let own = take_warnings(&found.value, rows);
-        if let Value::Object(object) = &mut found.value {
+        let new_warnings = take_warnings(&ran.value, rows);
+        if let Value::Object(object) = &mut ran.value {
             // The outcome carries them; one place is enough.
             object.remove("warnings");
         }
@@ -120,16 +120,16 @@ fn shown(
                 Show::Markdown => format!("## {outcome}"),
                 _ => outcome.clone(),
             });
-            let named = own
+            let named = new_warnings
                 .into_iter()
                 .map(|warning| format!("{outcome}: {warning}"));
             warnings.extend(named);
         } else {
-            warnings.extend(own);
+            warnings.extend(new_warnings);
         }
-        summary.extend(found.lines(show));
-        pictures.extend(found.picture.take());
-        values.insert(outcome, found.value);
+        summary.extend(ran.lines(show));
+        pictures.extend(ran.picture.take());
+        values.insert(outcome, ran.value);
     }
     if let Some(path) = &input.figure {
         pictures::write(path, pictures)?;

@@ -155,14 +155,14 @@ pub(super) type Group = (String, Vec<Option<f64>>);
 
 /// Values by group, in the order in which the groups first appear.
 pub(super) fn grouped(table: &Table, group: &str, value: &str) -> Result<Vec<Group>, StudyError> {
-    let mut found: Vec<Group> = Vec::new();
+    let mut groups: Vec<Group> = Vec::new();
     for (name, value) in labels(table, group)?.into_iter().zip(table.numbers(value)?) {
-        match found.iter_mut().find(|(known, _)| *known == name) {
+        match groups.iter_mut().find(|(known, _)| *known == name) {
             Some((_, values)) => values.push(value),
-            None => found.push((name, vec![value])),
+            None => groups.push((name, vec![value])),
         }
     }
-    Ok(found)
+    Ok(groups)
 }
 
 /// A number that counts something: whole and not negative.

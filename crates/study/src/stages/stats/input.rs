@@ -68,7 +68,7 @@ pub struct Long<'a> {
     pub(super) subject: Option<&'a str>,
     /// In which condition, or group.
     pub(super) within: &'a str,
-    /// The value.
+    /// The column of values.
     pub(super) value: &'a str,
 }
 

@@ -78,16 +78,16 @@ fn draw(pictures: Vec<Picture>) -> Result<Figure, StudyError> {
     let context = Context::real();
     let (mut panels, mut crossed) = (Vec::new(), Vec::new());
     let (mut forests, mut scatters) = (Vec::new(), Vec::new());
-    let mut said = ("", "");
+    let mut notes = ("", "");
     for picture in pictures {
         match picture {
             Picture::Panel(panel, intervals, contrasts) => {
-                said = (intervals, contrasts);
+                notes = (intervals, contrasts);
                 panels.push(panel);
             }
             Picture::Interaction(panel) => crossed.push(panel),
-            Picture::Forest(found) => forests.push(found),
-            Picture::Scatter(found) => scatters.push(found),
+            Picture::Forest(input) => forests.push(input),
+            Picture::Scatter(input) => scatters.push(input),
         }
     }
     if let Some(mut first) = forests.pop() {
@@ -98,8 +98,8 @@ fn draw(pictures: Vec<Picture>) -> Result<Figure, StudyError> {
         }
         return Ok(forest(&first, &context)?);
     }
-    if let Some(found) = scatters.pop() {
-        return Ok(scatter(&found, &context)?);
+    if let Some(input) = scatters.pop() {
+        return Ok(scatter(&input, &context)?);
     }
     if !crossed.is_empty() {
         let input = Interaction {
@@ -110,17 +110,17 @@ fn draw(pictures: Vec<Picture>) -> Result<Figure, StudyError> {
     }
     let input = Comparison {
         panels,
-        intervals: said.0.to_owned(),
-        contrasts: said.1.to_owned(),
+        intervals: notes.0.to_owned(),
+        contrasts: notes.1.to_owned(),
     };
     Ok(comparison(&input, &context)?)
 }
 
 /// The first sentence of a result, for above a panel.
-pub(super) fn first(found: &impl apa::Statements) -> String {
-    let first = found.statements().into_iter().next();
+pub(super) fn first(result: &impl apa::Statements) -> String {
+    let first = result.statements().into_iter().next();
     first.map_or_else(
         || markup::literal("no test has a value"),
-        |(_, said)| said.markup().to_owned(),
+        |(_, sentence)| sentence.markup().to_owned(),
     )
 }

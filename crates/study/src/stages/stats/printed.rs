@@ -38,7 +38,7 @@ pub(super) struct Printed {
 
 impl Printed {
     /// Whose data these are: the first line of each report of a within-subject design.
-    fn of(what: &str, n: usize, k: usize, dropped: &[String]) -> Self {
+    fn within(what: &str, n: usize, k: usize, dropped: &[String]) -> Self {
         Self::headed(format!("{what}: {n} subjects, {k} conditions"), n, dropped)
     }
 
@@ -46,9 +46,9 @@ impl Printed {
     fn headed(who: String, n: usize, dropped: &[String]) -> Self {
         let mut heading = vec![who];
         if !dropped.is_empty() {
-            let (count, all, names) = (dropped.len(), n + dropped.len(), dropped.join(", "));
+            let (count, total, names) = (dropped.len(), n + dropped.len(), dropped.join(", "));
             heading.push(format!(
-                "left out for a missing cell: {count} of {all} subjects ({names})"
+                "left out for a missing cell: {count} of {total} subjects ({names})"
             ));
         }
         Self {
@@ -96,7 +96,7 @@ impl Printed {
                 None => by_reason.push((reason, vec![name])),
             }
         }
-        let said = by_reason.into_iter().map(|(reason, names)| {
+        let lines = by_reason.into_iter().map(|(reason, names)| {
             let shown = names[..names.len().min(4)].join(", ");
             let more = names.len().saturating_sub(4);
             let more = if more > 0 {
@@ -106,7 +106,7 @@ impl Printed {
             };
             markup::literal(&format!("{reason}: {shown}{more}"))
         });
-        self.lines("No value (–)", said.collect())
+        self.lines("No value (–)", lines.collect())
     }
 
     /// Lines for a terminal.
@@ -157,17 +157,20 @@ fn only_elsewhere(name: &str) -> bool {
 }
 
 /// The sentences said about `names`, with marks.
-fn sentences(found: &impl Statements, names: &[&str]) -> Vec<String> {
-    let all = found.statements();
-    let wanted = all
+fn sentences(result: &impl Statements, names: &[&str]) -> Vec<String> {
+    let statements = result.statements();
+    let wanted = statements
         .iter()
         .filter(|(name, _)| names.contains(&name.as_str()));
-    wanted.map(|(_, said)| said.markup().to_owned()).collect()
+    wanted
+        .map(|(_, sentence)| sentence.markup().to_owned())
+        .collect()
 }
 
 /// All sentences, each after its name, with marks.
-fn named_sentences(found: &impl Statements) -> Vec<String> {
-    let all = found.statements().into_iter();
-    all.map(|(name, said)| format!("{}: {}", markup::literal(&name), said.markup()))
+fn named_sentences(result: &impl Statements) -> Vec<String> {
+    let statements = result.statements().into_iter();
+    statements
+        .map(|(name, sentence)| format!("{}: {}", markup::literal(&name), sentence.markup()))
         .collect()
 }

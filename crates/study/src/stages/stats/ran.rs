@@ -15,50 +15,50 @@ pub(super) const ALPHA: f64 = 0.05;
 /// What one test gives.
 pub struct Ran {
     pub(super) value: Value,
-    pub(super) said: Vec<(String, Statement)>,
+    pub(super) statements: Vec<(String, Statement)>,
     pub(super) printed: Printed,
     pub(super) picture: Option<Picture>,
 }
 
 impl Ran {
     /// A result that says itself; its sentences stand in the JSON as `apa`.
-    pub(super) fn of<T: serde::Serialize + Statements>(found: &T, printed: Printed) -> Self {
-        let said = found.statements();
-        let mut value = plain(found);
+    pub(super) fn new<T: serde::Serialize + Statements>(result: &T, printed: Printed) -> Self {
+        let statements = result.statements();
+        let mut value = plain(result);
         if let Value::Object(object) = &mut value {
-            let texts = said
+            let texts = statements
                 .iter()
                 .map(|(name, s)| (name.clone(), s.to_string().into()));
             object.insert("apa".to_owned(), Value::Object(texts.collect()));
         }
         Self {
             value,
-            said,
+            statements,
             printed,
             picture: None,
         }
     }
 
     /// A result whose report is its numbers.
-    pub(super) fn plainly<T: serde::Serialize + Statements>(found: &T) -> Self {
-        let said = found.statements();
-        let several = said.len() > 1;
-        let sentence = |(name, said): (String, Statement)| {
+    pub(super) fn plainly<T: serde::Serialize + Statements>(result: &T) -> Self {
+        let statements = result.statements();
+        let several = statements.len() > 1;
+        let sentence = |(name, statement): (String, Statement)| {
             if several {
-                format!("{}: {}", markup::literal(&name), said.markup())
+                format!("{}: {}", markup::literal(&name), statement.markup())
             } else {
-                said.markup().to_owned()
+                statement.markup().to_owned()
             }
         };
-        let sentences = said.into_iter().map(sentence).collect();
-        Self::of(found, printed::plain(&plain(found), sentences))
+        let sentences = statements.into_iter().map(sentence).collect();
+        Self::new(result, printed::plain(&plain(result), sentences))
     }
 
     /// Numbers that are not said in a sentence.
     pub(super) fn numbers(value: Value) -> Self {
         Self {
             printed: printed::plain(&value, Vec::new()),
-            said: Vec::new(),
+            statements: Vec::new(),
             picture: None,
             value,
         }
@@ -74,9 +74,9 @@ impl Ran {
             Show::Report => self.printed.text(),
             Show::Latex => self.printed.latex(),
             Show::Markdown => self.printed.markdown(),
-            Show::Apa if self.said.len() == 1 => vec![self.said[0].1.to_string()],
+            Show::Apa if self.statements.len() == 1 => vec![self.statements[0].1.to_string()],
             Show::Apa => self
-                .said
+                .statements
                 .iter()
                 .map(|(name, s)| format!("{name}: {s}"))
                 .collect(),
@@ -85,6 +85,6 @@ impl Ran {
 }
 
 /// A result as JSON.
-pub(super) fn plain(found: &impl serde::Serialize) -> Value {
-    serde_json::to_value(found).unwrap_or_default()
+pub(super) fn plain(result: &impl serde::Serialize) -> Value {
+    serde_json::to_value(result).unwrap_or_default()
 }

@@ -30,7 +30,7 @@ pub(super) struct FactorColumns {
     /// Columns of the factors between subjects, one or two
     #[arg(long, value_delimiter = ',', conflicts_with = "wide")]
     pub(super) between: Vec<String>,
-    /// Covariates.
+    /// Columns of numbers whose influence is taken out.
     #[arg(skip)]
     pub(super) covariates: Vec<String>,
     /// Products that are tested: a covariate, and the effect within subjects that it is multiplied by.
@@ -138,9 +138,13 @@ impl DesignRows {
     }
 
     pub(super) fn design(&self) -> Result<FactorialDesign, StudyError> {
-        let all = self.columns();
-        let design =
-            FactorialDesign::from_columns(all.subjects, &all.within, &all.between, all.values)?;
+        let columns = self.columns();
+        let design = FactorialDesign::from_columns(
+            columns.subjects,
+            &columns.within,
+            &columns.between,
+            columns.values,
+        )?;
         Ok(design)
     }
 
@@ -153,14 +157,14 @@ impl DesignRows {
 
     /// Levels of each factor in order of appearance, those between subjects first.
     pub(super) fn levels(&self) -> Vec<Vec<&str>> {
-        let mut found: Vec<Vec<&str>> = Vec::new();
+        let mut levels: Vec<Vec<&str>> = Vec::new();
         for (_, cells) in &self.between {
-            found.push(distinct(cells.iter().flatten()));
+            levels.push(distinct(cells.iter().flatten()));
         }
         for (_, cells) in &self.within {
-            found.push(distinct(cells.iter()));
+            levels.push(distinct(cells.iter()));
         }
-        found
+        levels
     }
 
     /// The cell of a row, the last factor counting fastest.
@@ -170,12 +174,12 @@ impl DesignRows {
             .within
             .iter()
             .map(|(_, cells)| Some(cells[row].as_str()));
-        let mut at = 0;
+        let mut cell = 0;
         for (level, levels) in between.chain(within).zip(levels) {
             let level = level?;
-            at = at * levels.len() + levels.iter().position(|known| *known == level)?;
+            cell = cell * levels.len() + levels.iter().position(|known| *known == level)?;
         }
-        Some(at)
+        Some(cell)
     }
 
     /// A row a person, a column a cell; whoever has several values in a cell has several rows.
@@ -183,18 +187,18 @@ impl DesignRows {
         let count: usize = levels.iter().map(Vec::len).product();
         let mut people: Vec<(&str, Vec<Option<f64>>)> = Vec::new();
         for (row, (who, value)) in self.subjects.iter().zip(&self.values).enumerate() {
-            let (Some(at), Some(value)) = (self.cell(row, levels), value) else {
+            let (Some(cell), Some(value)) = (self.cell(row, levels), value) else {
                 continue;
             };
-            let own = people
+            let unfilled = people
                 .iter_mut()
-                .find(|(known, own)| known == who && own[at].is_none());
-            if let Some((_, own)) = own {
-                own[at] = Some(*value);
+                .find(|(known, cells)| known == who && cells[cell].is_none());
+            if let Some((_, cells)) = unfilled {
+                cells[cell] = Some(*value);
             } else {
-                let mut own = vec![None; count];
-                own[at] = Some(*value);
-                people.push((who, own));
+                let mut cells = vec![None; count];
+                cells[cell] = Some(*value);
+                people.push((who, cells));
             }
         }
         people.into_iter().map(|(_, row)| row).collect()

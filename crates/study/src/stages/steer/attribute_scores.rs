@@ -91,17 +91,17 @@ impl Heads {
                 heads.all.push(axis.clone());
                 continue;
             }
-            let found = scores_of(scores, name, &training, baseline)?;
-            let head = AttributeHead::fit(model, name, &found.scores)?;
-            heads.note(&head, &found);
+            let by_drive = scores_of(scores, name, &training, baseline)?;
+            let head = AttributeHead::fit(model, name, &by_drive.scores)?;
+            heads.note(&head, &by_drive);
             heads.all.push(head.head);
         }
         Ok(heads)
     }
 
-    fn note(&mut self, head: &AttributeHead, found: &Scores) {
+    fn note(&mut self, head: &AttributeHead, by_drive: &Scores) {
         let name = head.head.name();
-        let unknown = found.unknown + head.unknown.len();
+        let unknown = by_drive.unknown + head.unknown.len();
         let without = head.without_score.len();
         if without > 0 {
             self.warnings.push(format!(
@@ -150,15 +150,15 @@ fn scores_of(
     {
         return questionnaire(path, name, training, baseline);
     }
-    let mut found = Scores::default();
+    let mut by_drive = Scores::default();
     let values = table.numbers(name)?;
     if table.has("drive") {
         let drives: Vec<DriveId> = table.ids("drive")?;
         for (drive, value) in drives.into_iter().zip(values) {
             if !training.iter().any(|t| t.drive == drive) {
-                found.unknown += usize::from(value.is_some());
+                by_drive.unknown += usize::from(value.is_some());
             } else if let Some(value) = value
-                && found.scores.insert(drive.clone(), value).is_some()
+                && by_drive.scores.insert(drive.clone(), value).is_some()
             {
                 return Err(StudyError::file(
                     path,
@@ -166,25 +166,25 @@ fn scores_of(
                 ));
             }
         }
-        return Ok(found);
+        return Ok(by_drive);
     }
     let participants: Vec<ParticipantId> = table.ids("participant")?;
     for (participant, value) in participants.iter().zip(values) {
         let Some(value) = value else { continue };
-        let own = training
+        let row = training
             .iter()
             .find(|t| t.participant == *participant && Some(t.condition) == baseline);
-        match own {
-            None => found.unknown += 1,
-            Some(own) => {
-                if found.scores.insert(own.drive.clone(), value).is_some() {
+        match row {
+            None => by_drive.unknown += 1,
+            Some(row) => {
+                if by_drive.scores.insert(row.drive.clone(), value).is_some() {
                     let problem = format!("participant {participant} has two rows");
                     return Err(StudyError::file(path, problem));
                 }
             }
         }
     }
-    Ok(found)
+    Ok(by_drive)
 }
 
 fn questionnaire(
@@ -205,7 +205,7 @@ fn questionnaire(
             nearest,
         });
     }
-    let mut found = Scores::default();
+    let mut by_drive = Scores::default();
     let mut unknown = BTreeSet::new();
     for score in scores
         .iter()
@@ -220,16 +220,16 @@ fn questionnaire(
             t.participant == score.participant
                 && score.moment
                     == match t.condition {
-                        own if Some(own) == baseline => Moment::Pre,
+                        condition if Some(condition) == baseline => Moment::Pre,
                         role => Moment::after(role),
                     }
         });
         for drive in drives {
-            found.scores.insert(drive.drive.clone(), value);
+            by_drive.scores.insert(drive.drive.clone(), value);
         }
     }
-    found.unknown = unknown.len();
-    Ok(found)
+    by_drive.unknown = unknown.len();
+    Ok(by_drive)
 }
 
 #[cfg(test)]
@@ -279,10 +279,14 @@ C,pre,ipip,openness,2.5,4,4
 
     #[test]
     fn a_questionnaire_is_read_by_role_and_strangers_are_counted() {
-        let found = read(LONG, "ipip.openness").unwrap();
-        let values: Vec<(&str, f64)> = found.scores.iter().map(|(d, v)| (d.as_str(), *v)).collect();
+        let by_drive = read(LONG, "ipip.openness").unwrap();
+        let values: Vec<(&str, f64)> = by_drive
+            .scores
+            .iter()
+            .map(|(d, v)| (d.as_str(), *v))
+            .collect();
         assert_eq!(values, [("A-aggressive", 4.5), ("A-own", 3.5)]);
-        assert_eq!(found.unknown, 1);
+        assert_eq!(by_drive.unknown, 1);
     }
 
     #[test]
@@ -293,10 +297,10 @@ C,pre,ipip,openness,2.5,4,4
 
     #[test]
     fn any_table_with_a_row_a_driver_will_do() {
-        let found = read("drive,gap\nA-own,1\nZ-own,2\nB-own,\n", "gap").unwrap();
-        assert_eq!((found.scores.len(), found.unknown), (1, 1));
-        let found = read("participant,gap\nA,1\nB,2\n", "gap").unwrap();
-        assert_eq!(found.scores.len(), 2);
+        let by_drive = read("drive,gap\nA-own,1\nZ-own,2\nB-own,\n", "gap").unwrap();
+        assert_eq!((by_drive.scores.len(), by_drive.unknown), (1, 1));
+        let by_drive = read("participant,gap\nA,1\nB,2\n", "gap").unwrap();
+        assert_eq!(by_drive.scores.len(), 2);
         assert!(read("participant,gap\nA,1\nA,2\n", "gap").is_err());
         assert!(read("participant,gap\nA,NaN\n", "gap").is_err());
         assert!(read("who,gap\nA,1\n", "gap").is_err());

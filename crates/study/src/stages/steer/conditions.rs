@@ -48,7 +48,7 @@ pub(super) fn conditions(
     study: &DesignFile,
     model: &Model,
     axis: Option<&LinearHead>,
-    own: &[&EmbeddingRow],
+    people: &[&EmbeddingRow],
     watch: Watch<'_>,
 ) -> Result<Outcome<Steered>, StudyError> {
     let design = &study.design;
@@ -75,19 +75,19 @@ pub(super) fn conditions(
         across: false,
         lending: BTreeMap::new(),
         ridden: study.lent()?,
-        stretch: stretch.map_or(scale.stretch(), |(asked, step)| {
-            scale.stretch() * (asked / step)
+        stretch: stretch.map_or(scale.stretch(), |(points, step)| {
+            scale.stretch() * (points / step)
         }),
         scale,
         seed: options.seed,
     };
     let mut warnings = steering.look_across(&driven)?;
-    steering.ask_donors(&driven, own)?;
+    steering.ask_donors(&driven, people)?;
     let mut rows = Vec::new();
-    let mut strangers = Strangers::of(options, design);
+    let mut strangers = Strangers::new(options, design);
     let turns = |condition: &Condition| condition.side().is_some();
     let turned = driven.iter().any(|condition| turns(condition));
-    for person in own {
+    for person in people {
         watch.check()?;
         let own_hat = steering.hat(&person.embedding)?;
         let (_, why) = BeyondWhy::of_reading(own_hat, person.beyond_why.clone());
@@ -106,7 +106,7 @@ pub(super) fn conditions(
     }
     warnings.extend(strangers.warnings());
     warnings.extend(steering.of_donors(&rows));
-    let nobody = told_once("participant", steering.nobodys(&driven, own));
+    let nobody = told_once("participant", steering.nobodys(&driven, people));
     warnings.extend(nobody);
     let shifted = |row: &&ConditionRow| design.condition(row.condition).is_some_and(turns);
     let shifts = rows.iter().filter(shifted).count();
@@ -119,13 +119,13 @@ pub(super) fn conditions(
     let nowhere = |c: &&&Condition| c.car == Some(Car::Across) && !steering.across;
     let summary = vec![format!(
         "{} participants × {} conditions: {}",
-        own.len(),
+        people.len(),
         driven.len() - driven.iter().filter(nowhere).count(),
         options.out.to_slash_lossy()
     )];
     Ok(Outcome {
         value: Steered {
-            participants: own.len(),
+            participants: people.len(),
             clamped,
             beyond: strangers.people,
             beyond_left_out: strangers.left_out,
@@ -163,14 +163,14 @@ impl Steering<'_> {
     fn ask_donors(
         &mut self,
         driven: &[&Condition],
-        own: &[&EmbeddingRow],
+        people: &[&EmbeddingRow],
     ) -> Result<(), StudyError> {
         for condition in driven {
             let (Some(Car::Matched(matched)), false) = (&condition.car, condition.recorded) else {
                 continue;
             };
             let mut tested = Vec::new();
-            for person in own {
+            for person in people {
                 let hat = self.hat(&person.embedding)?;
                 let (_, beyond) = BeyondWhy::of_reading(hat, person.beyond_why.clone());
                 if beyond.is_none() {
@@ -251,8 +251,8 @@ impl Steering<'_> {
             Some(Car::Matched(_)) => {
                 let lending = self.lending.get_mut(&condition.id);
                 let rider = (Some(&person.drive), &person.embedding);
-                let found = lending.map(|lending| lending.lend(rider, drawn));
-                let Some((style, from)) = found.transpose()?.flatten() else {
+                let loan = lending.map(|lending| lending.lend(rider, drawn));
+                let Some((style, from)) = loan.transpose()?.flatten() else {
                     return Ok(None);
                 };
                 lent = Some(Lent {
@@ -276,11 +276,11 @@ impl Steering<'_> {
 
     /// What a reader has to know of how donors were drawn.
     fn of_donors(&self, rows: &[ConditionRow]) -> Vec<String> {
-        let mut told = Vec::new();
+        let mut warnings = Vec::new();
         for (id, lending) in &self.lending {
             let lenders = lending.lenders();
             if lenders < FEWEST_DONORS {
-                told.push(format!(
+                warnings.push(format!(
                     "condition {id}: {lenders} drives whose style may be lent, fewer than {FEWEST_DONORS}: it is the same one again and again"
                 ));
             }
@@ -288,22 +288,22 @@ impl Steering<'_> {
             let lent: Vec<&Lent> = theirs.filter_map(|row| row.lent.as_ref()).collect();
             let beyond = lent.iter().filter(|lent| !lent.donor_within_reach).count();
             if beyond > 0 {
-                told.push(format!(
+                warnings.push(format!(
                     "condition {id}: nobody within reach of {beyond} of {} people, who were lent the nearest style (`donor_within_reach`)",
                     lent.len()
                 ));
             }
         }
-        told
+        warnings
     }
 
     /// Who was lent nobody's style in a condition that was ridden, and what is said of it.
-    fn nobodys(&self, driven: &[&Condition], own: &[&EmbeddingRow]) -> Vec<(String, String)> {
+    fn nobodys(&self, driven: &[&Condition], people: &[&EmbeddingRow]) -> Vec<(String, String)> {
         let ridden = driven.iter().filter(|c| c.recorded);
         let ridden = ridden.filter(|c| matches!(c.car, Some(Car::Matched(_))));
         let missing =
             ridden.flat_map(|condition| {
-                own.iter().filter_map(|person| {
+                people.iter().filter_map(|person| {
                 let mut lent = self.ridden.iter().filter(|row| row.condition == condition.id);
                 let known = lent.any(|row| row.participant == person.participant);
                 let what = format!(

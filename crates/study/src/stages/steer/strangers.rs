@@ -11,7 +11,7 @@ pub(super) struct Strangers {
 }
 
 impl Strangers {
-    pub(super) fn of(options: &Steer, design: &Design) -> Self {
+    pub(super) fn new(options: &Steer, design: &Design) -> Self {
         Self {
             people: Vec::new(),
             left_out: !options.beyond && design.beyond() == BeyondRule::LeaveOut,

@@ -35,7 +35,7 @@ pub(super) fn sweep(
     options: &Steer,
     study: &DesignFile,
     (model, axis): (&Model, &LinearHead),
-    own: &[&EmbeddingRow],
+    people: &[&EmbeddingRow],
     watch: Watch<'_>,
 ) -> Result<Outcome<Steered>, StudyError> {
     let design = &study.design;
@@ -62,10 +62,10 @@ pub(super) fn sweep(
             .map_or("aggression", String::as_str),
     };
     let mut conditions = Vec::new();
-    let mut strangers = Strangers::of(options, design);
+    let mut strangers = Strangers::new(options, design);
     let turns = |points: &f64| points.abs() >= UNMOVED;
     let turned = points.iter().any(turns);
-    for row in own {
+    for row in people {
         watch.check()?;
         let own_hat = axis.read(&row.embedding)?;
         let (_, why) = BeyondWhy::of_reading(Some(own_hat), row.beyond_why.clone());
@@ -94,14 +94,14 @@ pub(super) fn sweep(
     }
     let mut summary = vec![format!(
         "{} participants × {} points along {name}: {}",
-        own.len(),
+        people.len(),
         points.len(),
         options.out.to_slash_lossy()
     )];
     summary.extend(attributes.iter().map(ToString::to_string));
     Ok(Outcome {
         value: Steered {
-            participants: own.len(),
+            participants: people.len(),
             clamped,
             beyond: strangers.people,
             beyond_left_out: strangers.left_out,
@@ -150,8 +150,8 @@ impl Sweeping<'_> {
     /// A style moved by so many points: where it lies, how far it came, and whether an end of the range cut it short.
     fn moved(&self, from: &Embedding, by: f64) -> Result<(Embedding, f64, bool), StudyError> {
         if let Some(heads) = self.heads {
-            let all: Vec<&LinearHead> = heads.all.iter().collect();
-            let moved = self.metric.move_along(&all, from, by)?;
+            let axes: Vec<&LinearHead> = heads.all.iter().collect();
+            let moved = self.metric.move_along(&axes, from, by)?;
             return Ok((moved.embedding, moved.effective_points, moved.clamped));
         }
         let stretch = self.scale.stretch();
@@ -206,16 +206,16 @@ fn condition(
     requested_points: f64,
     moved_points: f64,
 ) -> Result<ConditionId, DomainError> {
-    let all = || design.conditions().iter();
-    let on = |way| all().find(move |c| c.side() == Some(way));
+    let conditions = || design.conditions().iter();
+    let on = |way| conditions().find(move |c| c.side() == Some(way));
     let there = if requested_points.abs() < UNMOVED {
-        all().find(|c| c.dial() == Some(0.0))
+        conditions().find(|c| c.dial() == Some(0.0))
     } else if moved_points > UNMOVED {
         on(Sign::Plus)
     } else if moved_points < -UNMOVED {
         on(Sign::Minus)
     } else {
-        all().find(|c| c.car == Some(Car::Across))
+        conditions().find(|c| c.car == Some(Car::Across))
     };
     there.map_or_else(
         || ConditionId::new(&point_name(requested_points)),

@@ -69,7 +69,7 @@ pub struct Examined {
 pub struct Wandering {
     /// Whether it wandered as its owner does.
     pub wanders: bool,
-    /// Drives.
+    /// Drives of the car, one a person.
     pub drives: usize,
     /// Accuracy of each of the seven measures, as in the fidelity.
     pub accuracy: Vec<Option<f64>>,
@@ -82,10 +82,10 @@ pub struct Wandering {
 }
 
 impl Wandering {
-    fn of(wanders: bool, rides: &[&Ridden], own: &[Values]) -> Self {
+    fn new(wanders: bool, rides: &[&Ridden], own: &[Values]) -> Self {
         let values: Vec<Values> = rides.iter().map(|r| r.values).collect();
-        let mean_of = |of: &dyn Fn(&RolloutReport) -> f64| {
-            let each: Vec<f64> = rides.iter().map(|r| of(&r.report)).collect();
+        let mean_of = |value: &dyn Fn(&RolloutReport) -> f64| {
+            let each: Vec<f64> = rides.iter().map(|r| value(&r.report)).collect();
             mean(&each)
         };
         Self {
@@ -112,17 +112,17 @@ pub(super) struct Examination<'a> {
 
 /// What became of each question, over all models.
 pub(super) fn findings(models: &[Examined]) -> Vec<Finding> {
-    fn of<T>(models: &[Examined], rows: fn(&Examined) -> &Vec<T>) -> Vec<&[T]> {
+    fn by_model<T>(models: &[Examined], rows: fn(&Examined) -> &Vec<T>) -> Vec<&[T]> {
         models.iter().map(|m| rows(m).as_slice()).collect()
     }
     let collisions: u32 = models.iter().map(|m| m.collisions).sum();
     let drives = models.iter().map(|m| m.drives).sum();
-    let mut found = vec![findings::own_style(&of(models, |m| &m.fidelity))];
-    found.extend(findings::recognised(&of(models, |m| &m.identity)));
-    found.push(findings::dial(&of(models, |m| &m.dial)));
-    found.extend(findings::style(&of(models, |m| &m.line)));
-    found.push(findings::safe(collisions as usize, drives));
-    found
+    let mut verdicts = vec![findings::own_style(&by_model(models, |m| &m.fidelity))];
+    verdicts.extend(findings::recognised(&by_model(models, |m| &m.identity)));
+    verdicts.push(findings::dial(&by_model(models, |m| &m.dial)));
+    verdicts.extend(findings::style(&by_model(models, |m| &m.line)));
+    verdicts.push(findings::safe(collisions as usize, drives));
+    verdicts
 }
 
 /// Which of the two drives.
@@ -271,8 +271,8 @@ impl Examination<'_> {
             likeness_by_column: likeness_by_column(&like, self.seed)?,
             rule_violations: driven.iter().map(|d| d.report.rule_violations).sum(),
             wandering: vec![
-                Wandering::of(false, &own_style().collect::<Vec<_>>(), &own_values),
-                Wandering::of(true, &varying.iter().collect::<Vec<_>>(), &own_values),
+                Wandering::new(false, &own_style().collect::<Vec<_>>(), &own_values),
+                Wandering::new(true, &varying.iter().collect::<Vec<_>>(), &own_values),
             ],
             steps: STEPS.to_vec(),
             dial: dial(&STEPS, self.points, &sweep)?,
@@ -407,8 +407,9 @@ impl Examination<'_> {
         let (first, again) = (styles(&fits.known_first), styles(&fits.known_again));
         let prior = matches!(model.heads(), Heads::Linear(_));
         let errors = held(&first, &again, prior, self.seed)?;
-        let all = |styles: Vec<Option<Known>>| styles.into_iter().collect::<Option<Vec<Known>>>();
-        if let (Some(first), Some(again)) = (all(first), all(again)) {
+        let complete =
+            |styles: Vec<Option<Known>>| styles.into_iter().collect::<Option<Vec<Known>>>();
+        if let (Some(first), Some(again)) = (complete(first), complete(again)) {
             let what = "embedding of the second drive";
             identity.extend(identify_posteriors(what, &first, &again)?);
         }
@@ -474,8 +475,9 @@ impl Examination<'_> {
             }
             values
         };
-        let at: Vec<Values> = settings.chunks_exact(self.worlds).map(mean).collect();
-        at.chunks_exact(STEPS.len())
+        let means: Vec<Values> = settings.chunks_exact(self.worlds).map(mean).collect();
+        means
+            .chunks_exact(STEPS.len())
             .map(<[Values]>::to_vec)
             .collect()
     }
@@ -515,11 +517,11 @@ impl Examination<'_> {
 
 /// Styles with their covariances, each as far as it has one.
 fn styles(known: &[Personalized]) -> Vec<Option<Known>> {
-    let of = |k: &Personalized| {
+    let style = |k: &Personalized| {
         let d = k.embedding.size();
         let covariance = k.covariance.as_ref()?;
         let rows = covariance.chunks_exact(d).map(<[f64]>::to_vec);
         Some((k.embedding.coordinates().to_vec(), rows.collect()))
     };
-    known.iter().map(of).collect()
+    known.iter().map(style).collect()
 }

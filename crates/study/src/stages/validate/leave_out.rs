@@ -53,7 +53,7 @@ pub struct InTurn {
     pub part: Part,
     /// People with a drive in a role.
     pub people: usize,
-    /// Their drives.
+    /// Drives that were read, in any role.
     pub drives: usize,
     /// The tables, in the order of the rules.
     pub tables: Vec<Answered>,
@@ -77,7 +77,7 @@ impl InTurn {
 /// A table with its answer.
 #[derive(Debug, Clone, Serialize)]
 pub struct Answered {
-    /// Its id.
+    /// The id that the rules give the table.
     pub id: String,
     /// What was found; none where it was not opened.
     pub answer: Option<Answer>,
@@ -97,16 +97,19 @@ pub(super) fn work(options: &Validate, watch: Watch<'_>) -> Result<Outcome<InTur
         &*options.run.join("drives"),
         scores.is_file().then_some(&*scores),
     );
-    let all = recordings::read(&study, files, scale, &mut warnings)?;
+    let recordings = recordings::read(&study, files, scale, &mut warnings)?;
     let (rules, rules_hash) = if let Some(path) = &options.rules {
         let (rules, hash) = Rules::read(path)?;
         (rules, Some(hash))
     } else {
         let title = study.design.title();
-        (Rules::of_roles(title, &all.drove(), &all.labels())?, None)
+        (
+            Rules::of_roles(title, &recordings.drove(), &recordings.labels())?,
+            None,
+        )
     };
     let looks = match options.rules.as_ref().zip(rules_hash.as_ref()) {
-        Some((path, hash)) => looks::look(path, hash, &rules, options, &all, &mut warnings)?,
+        Some((path, hash)) => looks::look(path, hash, &rules, options, &recordings, &mut warnings)?,
         None => Vec::new(),
     };
     let settings = TrainSettings {
@@ -120,12 +123,13 @@ pub(super) fn work(options: &Validate, watch: Watch<'_>) -> Result<Outcome<InTur
             options,
             rules: &rules,
             table,
-            all: &all,
+            recordings: &recordings,
             settings: &settings,
             scale,
         };
         let mut answered = bench.answered(watch)?;
-        answered.changed_since = looks::changed_since(&looks, rules_hash.as_deref(), table, &all);
+        answered.changed_since =
+            looks::changed_since(&looks, rules_hash.as_deref(), table, &recordings);
         warnings.extend(
             answered
                 .unanswered
@@ -141,15 +145,15 @@ pub(super) fn work(options: &Validate, watch: Watch<'_>) -> Result<Outcome<InTur
     let judged: Vec<&Answer> = judged.filter_map(|(t, _)| t.answer.as_ref()).collect();
     let value = InTurn {
         findings: findings_of(&judged),
-        synthetic: all
+        synthetic: recordings
             .rows
             .iter()
             .any(|r| r.drive.meta().driven_by == DrivenBy::Synthetic),
         heads: options.heads,
         rules_hash,
         part: options.part,
-        people: people(&all.drove()).len(),
-        drives: all.rows.len(),
+        people: people(&recordings.drove()).len(),
+        drives: recordings.rows.len(),
         tables,
         looks,
         rules,
@@ -189,7 +193,7 @@ struct Bench<'a> {
     options: &'a Validate,
     rules: &'a Rules,
     table: &'a Table,
-    all: &'a Recordings,
+    recordings: &'a Recordings,
     settings: &'a TrainSettings,
     scale: StyleScale,
 }
@@ -215,7 +219,7 @@ impl Bench<'_> {
         if table.part == Part::Test && self.options.part != Part::Test {
             return Ok(Err("the test part is not opened".to_owned()));
         }
-        let rows = table.reads(self.all);
+        let rows = table.reads(self.recordings);
         let mut drove: Vec<Drove> = rows.iter().map(|r| r.drove.clone()).collect();
         for (row, drove) in rows.iter().zip(&mut drove) {
             let label = row.drive.meta().condition;
@@ -242,8 +246,8 @@ impl Bench<'_> {
             }
         }
         if table.asks == Asks::Shipped {
-            let said = elsewhere::said_of(self, &rows, &drove, watch)?;
-            return Ok(said
+            let shipped = elsewhere::said_of(self, &rows, &drove, watch)?;
+            return Ok(shipped
                 .map(Answer::Shipped)
                 .ok_or_else(|| "no --model was given".to_owned()));
         }
@@ -264,8 +268,8 @@ impl Bench<'_> {
             Asks::Identity => {
                 let (among, sought) = (table.among, table.sought);
                 let (among, sought) = (role_of(among)?, role_of(sought)?);
-                let found = whose(&learning.drove, &styles(&folds), among, sought)?;
-                Ok(Answer::Identity(found))
+                let identified = whose(&learning.drove, &styles(&folds), among, sought)?;
+                Ok(Answer::Identity(identified))
             }
             Asks::Retest => {
                 let lines = learning.lines(&folds, &points)?;
@@ -280,8 +284,8 @@ impl Bench<'_> {
             Asks::Errors => {
                 let prior = self.settings.heads == HeadsKind::Linear;
                 let roles = [role_of(table.role)?];
-                let found = errors_that_hold(&learning.drove, &styles(&folds), &roles, prior);
-                Ok(Answer::Errors(found))
+                let share = errors_that_hold(&learning.drove, &styles(&folds), &roles, prior);
+                Ok(Answer::Errors(share))
             }
             Asks::Direction => {
                 let (found, uncounted) =
@@ -299,7 +303,7 @@ impl Bench<'_> {
         folds: &[Fold],
         watch: Watch<'_>,
     ) -> Result<Order, StudyError> {
-        let asked = Asked {
+        let roles = Asked {
             higher: role_of(self.table.higher)?,
             lower: self.table.lower.clone(),
         };
@@ -317,7 +321,7 @@ impl Bench<'_> {
         };
         order(
             &learning.drove,
-            &asked,
+            &roles,
             permutations,
             self.options.seed,
             &mut read,
@@ -337,13 +341,13 @@ fn role_of(
 
 /// What two drives are compared in: every measure, and the time gap over the whole drive.
 fn measured(rows: &[&Recorded]) -> Vec<Repeated<'static>> {
-    let of = |m: &'static objective::Measure| Repeated {
+    let repeated = |m: &'static objective::Measure| Repeated {
         name: m.name,
         title: m.title,
         unit: m.unit,
         values: rows.iter().map(|r| m.of(&r.drive)).collect(),
     };
-    let mut measured: Vec<Repeated<'static>> = objective::all().iter().map(of).collect();
+    let mut measured: Vec<Repeated<'static>> = objective::all().iter().map(repeated).collect();
     measured.push(Repeated {
         name: "median_time_gap_s",
         title: "Median time gap",

@@ -18,38 +18,38 @@ use std::collections::BTreeMap;
 const FIRST_TABLES: usize = 5;
 
 /// What the page opens with.
-fn cards(found: &Validated, points: f64) -> Result<Vec<Card>, StudyError> {
-    let Some(first) = found.models.first() else {
+fn cards(validated: &Validated, points: f64) -> Result<Vec<Card>, StudyError> {
+    let Some(first) = validated.models.first() else {
         return Ok(Vec::new());
     };
-    let models = || found.models.iter();
+    let models = || validated.models.iter();
     let validation = Validation {
         fidelity: models().map(|m| m.fidelity.as_slice()).collect(),
         identity: &first.identity,
         dial: &first.dial,
         line: &first.line,
-        drivers: found.drivers,
+        drivers: validated.drivers,
         collisions: models().map(|m| m.collisions).sum(),
         near: models().map(|m| m.rule_violations).sum(),
         points,
     };
-    Ok(validation.cards(&found.findings)?)
+    Ok(validation.cards(&validated.findings)?)
 }
 
 pub(super) fn page(
-    found: &Validated,
+    validated: &Validated,
     options: &Validate,
     (texts, mut tables): (&PageTexts, Vec<Table>),
     warnings: &[String],
 ) -> Result<Report, StudyError> {
-    let context = Context::of(found.synthetic, options.seed);
+    let context = Context::of(validated.synthetic, options.seed);
     let dial_tables = tables.split_off(FIRST_TABLES.min(tables.len()));
     let new = texts.page(&context, (options.seed, options.command.as_deref()))?;
     Ok(Report {
-        cards: cards(found, options.points)?,
+        cards: cards(validated, options.points)?,
         sections: vec![
-            texts.section("identity", fidelity_of(found, &context)?, tables)?,
-            texts.section("dial", dial_of(found, texts, &context)?, dial_tables)?,
+            texts.section("identity", fidelity_of(validated, &context)?, tables)?,
+            texts.section("dial", dial_of(validated, texts, &context)?, dial_tables)?,
         ],
         warnings: warnings.to_vec(),
         provenance: Provenance {
@@ -57,43 +57,43 @@ pub(super) fn page(
                 ("points".to_owned(), options.points.to_string()),
                 ("worlds".to_owned(), options.worlds.to_string()),
             ],
-            inputs: hashed(found.models.iter().map(|m| m.model.clone().into()))?,
+            inputs: hashed(validated.models.iter().map(|m| m.model.clone().into()))?,
             ..new.provenance
         },
         ..new
     })
 }
 
-fn fidelity_of(found: &Validated, context: &Context) -> Result<Vec<Figure>, StudyError> {
-    let models = &found.models;
+fn fidelity_of(validated: &Validated, context: &Context) -> Result<Vec<Figure>, StudyError> {
+    let models = &validated.models;
     let Some(one) = models.first() else {
         return Ok(Vec::new());
     };
-    let of =
+    let accuracy =
         |k: usize, value: fn(&Fidelity) -> Option<f64>| over(models, |m| value(&m.fidelity[k]));
     let rows = one.fidelity.iter().enumerate().filter_map(|(k, row)| {
         Some(FidelityRow {
             measure: row.title.to_owned(),
-            car: of(k, |f| f.mimic)?,
-            test_retest: of(k, |f| f.test_retest),
-            population: of(k, |f| f.population_mean),
+            car: accuracy(k, |f| f.mimic)?,
+            test_retest: accuracy(k, |f| f.test_retest),
+            population: accuracy(k, |f| f.population_mean),
             paper: row.paper,
         })
     });
     let input = FidelityFigure {
         measures: rows.collect(),
-        drivers: found.drivers,
+        drivers: validated.drivers,
         seeds: models.len(),
     };
     Ok(vec![fidelity(&input, context)?])
 }
 
 fn dial_of(
-    found: &Validated,
+    validated: &Validated,
     texts: &PageTexts,
     context: &Context,
 ) -> Result<Vec<Figure>, StudyError> {
-    let Some(one) = found.models.first() else {
+    let Some(one) = validated.models.first() else {
         return Ok(Vec::new());
     };
     let share = |right: &super::Right| texts.with(right).text("share");

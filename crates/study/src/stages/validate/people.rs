@@ -49,7 +49,7 @@ pub(super) fn read(folder: &Path) -> Result<People, StudyError> {
     } else {
         BTreeMap::new()
     };
-    let own = |name: &str| -> Result<Vec<Drive>, StudyError> {
+    let own_drives = |name: &str| -> Result<Vec<Drive>, StudyError> {
         let path = folder.join("drives").join(name);
         if !path.exists() {
             return Err(StudyError::BadFile {
@@ -66,15 +66,15 @@ pub(super) fn read(folder: &Path) -> Result<People, StudyError> {
         Ok(drives)
     };
     let twice = |name: &str| -> Result<Vec<Person>, StudyError> {
-        let mut second: BTreeMap<ParticipantId, Drive> = own(&format!("{name}-again"))?
+        let mut second: BTreeMap<ParticipantId, Drive> = own_drives(&format!("{name}-again"))?
             .into_iter()
             .map(|d| (d.meta().participant.clone(), d))
             .collect();
-        let mut found = Vec::new();
-        for first in own(name)? {
+        let mut drivers = Vec::new();
+        for first in own_drives(name)? {
             let participant = first.meta().participant.clone();
             if let Some(again) = second.remove(&participant) {
-                found.push(Person {
+                drivers.push(Person {
                     adb: adb_of(&first, &scores, baseline)?,
                     latent: latents.get(&participant).copied(),
                     participant,
@@ -83,8 +83,8 @@ pub(super) fn read(folder: &Path) -> Result<People, StudyError> {
                 });
             }
         }
-        found.sort_by(|a, b| a.participant.cmp(&b.participant));
-        Ok(found)
+        drivers.sort_by(|a, b| a.participant.cmp(&b.participant));
+        Ok(drivers)
     };
     let (test, training) = (twice("study2")?, twice("study1")?);
     if test.len() < 3 {

@@ -62,8 +62,8 @@ pub(super) fn texts(
 }
 
 /// Mean, lowest and highest over the models that have a value.
-pub(super) fn over<T>(models: &[T], of: impl Fn(&T) -> Option<f64>) -> Option<Accuracy> {
-    let (mean, (low, high)) = over_models(models.iter().map(of))?;
+pub(super) fn over<T>(models: &[T], value: impl Fn(&T) -> Option<f64>) -> Option<Accuracy> {
+    let (mean, (low, high)) = over_models(models.iter().map(value))?;
     Some(Accuracy { mean, low, high })
 }
 
@@ -83,8 +83,8 @@ fn rows<'a, T, More>(
     more: impl Fn(&[&'a T]) -> More,
 ) -> Vec<Row<'a, T, More>> {
     let first = models.first().map_or(&[][..], &answers).iter().enumerate();
-    let row = |(at, first)| {
-        let over: Vec<&T> = models.iter().map(|m| &answers(m)[at]).collect();
+    let row = |(index, first)| {
+        let over: Vec<&T> = models.iter().map(|m| &answers(m)[index]).collect();
         let more = more(&over);
         Row { first, over, more }
     };
@@ -108,12 +108,15 @@ pub(super) fn tables(
     let Some(one) = models.first() else {
         return Ok(Vec::new());
     };
-    let found = |over: &[&super::Identification]| Interval {
+    let hit_interval = |over: &[&super::Identification]| Interval {
         interval: interval_of(over),
     };
     Ok(vec![
         texts.table("validation-retest", retested)?,
-        texts.table("validation-identity", rows(models, |m| &m.identity, found))?,
+        texts.table(
+            "validation-identity",
+            rows(models, |m| &m.identity, hit_interval),
+        )?,
         texts.table("validation-errors", errors(models, one))?,
         texts.table(
             "validation-fidelity",
@@ -170,14 +173,14 @@ struct ErrorRow {
 }
 
 fn errors(models: &[Examined], one: &Examined) -> [ErrorRow; 2] {
-    type Of = fn(&Held) -> Option<ShareOfPeople>;
-    let row = |at, right, of: Of| ErrorRow {
+    type Share = fn(&Held) -> Option<ShareOfPeople>;
+    let row = |at, right, share: Share| ErrorRow {
         at,
         shares: models
             .iter()
-            .map(|m| of(&m.errors).map(|s| s.estimate))
+            .map(|m| share(&m.errors).map(|s| s.estimate))
             .collect(),
-        interval: of(&one.errors).and_then(|s| s.interval),
+        interval: share(&one.errors).and_then(|s| s.interval),
         right,
     };
     [row(1, 68.3, |h| h.within_1), row(2, 95.4, |h| h.within_2)]

@@ -109,7 +109,7 @@ pub(super) fn read_rows(
     let table = log.open(&wanted)?;
     let stamp_ns = stamps(&table, &c.time, clock)?;
     let (group_codes, groups) = groups(&table, &c.groups)?;
-    let mut found = LongTable {
+    let mut long_table = LongTable {
         rows: Vec::with_capacity(table.rows() * ids.len()),
         ids: Vec::new(),
         groups,
@@ -117,28 +117,28 @@ pub(super) fn read_rows(
         left_out: 0,
     };
     if let Some(vehicles) = wide {
-        found.vehicles = vehicles.len();
-        found.ids.clone_from(&vehicles);
+        long_table.vehicles = vehicles.len();
+        long_table.ids.clone_from(&vehicles);
         for (id, name) in (0..).zip(&vehicles) {
             let places = stamp_ns.iter().zip(&group_codes);
             let places: Vec<Place> = places
                 .map(|(ns, group)| Some(((*group)?, id, (*ns)?)))
                 .collect();
             // Where its columns are empty the vehicle is not there.
-            found.take(&table, mapping, long, name, &places)?;
+            long_table.take(&table, mapping, long, name, &places)?;
         }
-        found.left_out = stamp_ns.iter().filter(|ns| ns.is_none()).count();
+        long_table.left_out = stamp_ns.iter().filter(|ns| ns.is_none()).count();
     } else if let Some(id) = &c.id {
         let (codes, ids) = table.codes(id)?;
-        (found.vehicles, found.ids) = (ids.len(), ids);
+        (long_table.vehicles, long_table.ids) = (ids.len(), ids);
         let places = codes.iter().zip(&stamp_ns).zip(&group_codes);
         let places: Vec<Place> = places
             .map(|((id, ns), group)| Some(((*group)?, (*id)?, (*ns)?)))
             .collect();
-        found.take(&table, mapping, long, "", &places)?;
-        found.left_out = table.rows() - found.rows.len();
+        long_table.take(&table, mapping, long, "", &places)?;
+        long_table.left_out = table.rows() - long_table.rows.len();
     }
-    Ok(found)
+    Ok(long_table)
 }
 
 /// Group, vehicle and time of a row.
@@ -191,46 +191,46 @@ impl LongTable {
         // A row without the y or the lane that its table has stands nowhere.
         let by_lane = y.is_none() && lane.is_some();
 
-        let at =
+        let cell =
             |column: &Option<Vec<f64>>, row: usize| column.as_ref().map_or(f64::NAN, |c| c[row]);
         for (row, place) in places.iter().enumerate() {
             let &Some((group, id, stamp_ns)) = place else {
                 continue;
             };
-            let (vx, vy) = (at(&speed_x, row), at(&speed_y, row));
+            let (vx, vy) = (cell(&speed_x, row), cell(&speed_y, row));
             let across = if vy.is_nan() { 0.0 } else { vy };
-            let v = at(&speeds, row);
-            let found = LongRow {
+            let v = cell(&speeds, row);
+            let long_row = LongRow {
                 group,
                 id,
                 stamp_ns,
                 x_m: along * x[row],
                 // Without a y everybody is on one line, until lanes say otherwise.
                 y_m: y.as_ref().map_or(0.0, |y| along * y[row]),
-                lane: at(&lane, row),
-                offset: at(&offset, row),
+                lane: cell(&lane, row),
+                offset: cell(&offset, row),
                 speed_mps: if v.is_nan() {
                     libm::hypot(vx, across)
                 } else {
                     v
                 },
                 speed_x_mps: along * vx,
-                yaw_rad: at(&yaw, row) + turned,
-                length_m: at(&lengths, row),
-                width_m: at(&widths, row),
-                centre_ahead_m: at(&ahead, row),
+                yaw_rad: cell(&yaw, row) + turned,
+                length_m: cell(&lengths, row),
+                width_m: cell(&widths, row),
+                centre_ahead_m: cell(&ahead, row),
                 lead_id: lead_ids.as_ref().and_then(|l| l[row]),
-                gap_m: at(&gap, row),
-                lead_x_m: along * at(&lead_x, row),
-                lead_speed_mps: at(&lead_speed, row),
-                lead_length_m: at(&lead_length, row),
+                gap_m: cell(&gap, row),
+                lead_x_m: along * cell(&lead_x, row),
+                lead_speed_mps: cell(&lead_speed, row),
+                lead_length_m: cell(&lead_length, row),
             };
-            if found.x_m.is_finite()
-                && found.y_m.is_finite()
-                && (!by_lane || found.lane.is_finite())
-                && (offset.is_none() || found.offset.is_finite())
+            if long_row.x_m.is_finite()
+                && long_row.y_m.is_finite()
+                && (!by_lane || long_row.lane.is_finite())
+                && (offset.is_none() || long_row.offset.is_finite())
             {
-                self.rows.push(found);
+                self.rows.push(long_row);
             }
         }
         Ok(())

@@ -107,7 +107,7 @@ impl Surroundings {
         let leads = vehicle.leads.iter().zip(&vehicle.lead_ids);
         for (sample, (lead, &lead_id)) in vehicle.samples.iter().zip(leads) {
             objects.extend(lead.map(|lead| lead_sample(&lead, &sample, numbers, &mut unnamed)));
-            let here = Here {
+            let observer = Observer {
                 ego,
                 sample,
                 lead_id,
@@ -115,7 +115,7 @@ impl Surroundings {
                 view,
             };
             let mut near: Vec<(f64, ObjectSample)> = Vec::new();
-            for (other, at, o) in self.seen_from(vehicles, &here) {
+            for (other, at, o) in self.seen_from(vehicles, &observer) {
                 if let Some(last_ns) = last_ns
                     && sample.stamp_ns - last_ns > self.max_gap_ns
                     && view == View::All
@@ -123,7 +123,7 @@ impl Surroundings {
                 {
                     unseen.push((last_ns, sample.stamp_ns));
                 }
-                near.extend(here.object(other, &o, numbers));
+                near.extend(observer.object(other, &o, numbers));
             }
             near.sort_by(|a, b| a.0.total_cmp(&b.0));
             if lead.is_some() || !near.is_empty() {
@@ -148,20 +148,20 @@ impl Surroundings {
     fn seen_from<'a>(
         &'a self,
         vehicles: &'a [Vehicle],
-        here: &Here,
+        observer: &Observer,
     ) -> impl Iterator<Item = (&'a Vehicle, usize, EgoSample)> {
-        let (vehicle, here) = (&vehicles[here.ego], *here);
+        let (vehicle, observer) = (&vehicles[observer.ego], *observer);
         let mut seen = BTreeSet::new();
-        let (stamp_ns, x_m) = (here.sample.stamp_ns, here.sample.x_m);
+        let (stamp_ns, x_m) = (observer.sample.stamp_ns, observer.sample.x_m);
         self.near(vehicle.group, stamp_ns, x_m)
             .filter_map(move |s| {
                 let (index, at) = (s.vehicle as usize, s.sample as usize);
                 let other = &vehicles[index];
-                let passed_over = match here.view {
+                let passed_over = match observer.view {
                     View::All => other.sign * vehicle.sign < 0.0,
-                    View::Leader | View::LeaderInBends => here.lead_id != Some(other.id),
+                    View::Leader | View::LeaderInBends => observer.lead_id != Some(other.id),
                 };
-                let there = here.by_row == Some(other.id) || index == here.ego;
+                let there = observer.by_row == Some(other.id) || index == observer.ego;
                 if passed_over || there || !seen.insert(s.vehicle) {
                     return None;
                 }
@@ -217,7 +217,7 @@ impl Surroundings {
 
 /// A vehicle at one of its times.
 #[derive(Debug, Clone, Copy)]
-struct Here {
+struct Observer {
     /// Its place among the vehicles.
     ego: usize,
     sample: EgoSample,
@@ -228,7 +228,7 @@ struct Here {
     view: View,
 }
 
-impl Here {
+impl Observer {
     /// Another vehicle as this one sees it, and how far away; none beyond 250 m or without a speed.
     fn object(
         &self,
@@ -292,13 +292,13 @@ fn lead_sample(
 
 /// Those of samples along x that lie next to one place.
 fn beside(seen: &[Seen], x_m: f64) -> &[Seen] {
-    let here = seen.partition_point(|s| s.x_m < x_m);
+    let index = seen.partition_point(|s| s.x_m < x_m);
     let fits = |s: &&Seen| (s.x_m - x_m).abs() <= NEAR_M;
-    let (behind, ahead) = seen.split_at(here);
+    let (behind, ahead) = seen.split_at(index);
     let behind = behind.iter().rev().take(MOST_LOOKED_AT);
     let ahead = ahead.iter().take(MOST_LOOKED_AT);
     let (behind, ahead) = (behind.take_while(fits), ahead.take_while(fits));
-    &seen[here - behind.count()..here + ahead.count()]
+    &seen[index - behind.count()..index + ahead.count()]
 }
 
 /// The shortest of vehicles' mean steps, in ns.

@@ -30,7 +30,6 @@ pub(super) struct Lead {
     pub(super) length_known: bool,
 }
 
-/// One vehicle.
 #[derive(Debug, Clone)]
 pub(super) struct Vehicle {
     pub(super) group: u32,
@@ -60,7 +59,7 @@ pub(super) struct Fleet {
 
 /// Sorts rows into vehicles.
 pub(super) fn vehicles(mut rows: Vec<LongRow>, frame: &Frame<'_>, max_gap_s: f64) -> Fleet {
-    let lane_y = LaneCentres::of(&rows, frame);
+    let lane_y = LaneCentres::from_rows(&rows, frame);
     // Stable: of two rows at one time the first stays first.
     rows.sort_by_key(|r| (r.group, r.id, r.stamp_ns));
     let mut vehicles = Vec::new();
@@ -238,7 +237,7 @@ enum LaneCentres {
 
 impl LaneCentres {
     /// None where y alone says it.
-    fn of(rows: &[LongRow], frame: &Frame<'_>) -> Option<Self> {
+    fn from_rows(rows: &[LongRow], frame: &Frame<'_>) -> Option<Self> {
         let mut ys: BTreeMap<(u32, i64), Vec<f64>> = BTreeMap::new();
         for row in rows.iter().filter(|r| r.lane.is_finite()) {
             let y = frame.y_left * row.y_m;

@@ -65,11 +65,11 @@ pub(super) fn read(
     };
     let missing = WarningKind::MissingValue;
     rows.report(warnings);
-    let mut found = Leads::default();
+    let mut leads = Leads::default();
     let mut seen: Vec<Seen> = Vec::new();
     let (mut before_ego, mut without_speed) = (0, 0);
     for (nth, &stamp_ns) in rows.stamp_ns.iter().enumerate() {
-        found.sightings.push(Sighting {
+        leads.sightings.push(Sighting {
             stamp_ns,
             log_ns: stamp_ns,
             nth: 0,
@@ -85,7 +85,7 @@ pub(super) fn read(
         }
         let (ego_m, lead_m) = (mapping.ego_length_m, mapping.lead_length_m);
         let gap_m = bumper_gap_m(gap_m, mapping.gap_kind, ego_m, lead_m);
-        found.gaps.note(stamp_ns, gap_m);
+        leads.gaps.note(stamp_ns, gap_m);
         let another = |last: &Seen| {
             let unseen_s = (stamp_ns - last.stamp_ns) as f64 / 1e9;
             let jump_m = JUMP_M.max(JUMP_SHARE * gap_m);
@@ -116,19 +116,19 @@ pub(super) fn read(
         let what = "nobody was seen ahead in the whole drive";
         warnings.push(Warning::new(&rows.path, WarningKind::NoOverlap, 1, what));
     }
-    let alone = found.place(&seen, mapping, driven, place);
+    let alone = leads.place(&seen, mapping, driven, place);
     let what = "vehicles ahead that were seen in one row alone have no speed and are left out";
     report(warnings, &rows.path, missing, alone, what);
-    if signal.speed.is_none() && !found.objects.is_empty() {
+    if signal.speed.is_none() && !leads.objects.is_empty() {
         let what = "speeds of the vehicle ahead were not recorded: the change of the gap over two seconds tells them";
         warnings.push(Warning::new(
             &rows.path,
             WarningKind::Default,
-            found.objects.len(),
+            leads.objects.len(),
             what,
         ));
     }
-    Ok(found)
+    Ok(leads)
 }
 
 impl Leads {

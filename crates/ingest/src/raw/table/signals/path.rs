@@ -87,8 +87,8 @@ impl DrivenPath {
             knots.push(knot);
         }
         let way_at = |stamp_ns: i64| {
-            let at = knots.partition_point(|k| k.stamp_ns < stamp_ns);
-            knots.get(at).map_or(0.0, |k| k.way_m)
+            let index = knots.partition_point(|k| k.stamp_ns < stamp_ns);
+            knots.get(index).map_or(0.0, |k| k.way_m)
         };
         let raw = speeds.iter().map(|&(t, v)| (t, way_at(t), v)).collect();
         let mut spine: Vec<Knot> = Vec::new();

@@ -141,10 +141,10 @@ impl Across {
                 (true, _) => 1,
                 (_, true) => -1,
                 _ => {
-                    let all = [signal.left.as_slice(), &signal.right]
+                    let known = [signal.left.as_slice(), &signal.right]
                         .concat()
                         .join("`, `");
-                    let expected = format!("one of `{all}`, as the mapping says");
+                    let expected = format!("one of `{known}`, as the mapping says");
                     return Err(rows.bad_cell(nth, &signal.direction, word, &expected));
                 }
             };
@@ -222,7 +222,7 @@ impl Across {
         (first, last): (i64, i64),
     ) -> Vec<Offset> {
         let ns = |s: f64| (s * 1e9) as i64;
-        let mut found = Vec::new();
+        let mut offsets = Vec::new();
         let ends = seen
             .iter()
             .map(|s| s.0)
@@ -232,16 +232,16 @@ impl Across {
         let ends: Vec<i64> = ends.chain([last + ns(JOINED_S + STEP_S)]).collect();
         for hole in ends.windows(2).filter(|w| w[1] - w[0] > ns(JOINED_S)) {
             let margin = ns(HALF_CHANGE_S).min((hole[1] - hole[0]) / 2);
-            let mut at = hole[0] + margin;
-            while at <= hole[1] - margin {
-                let near = |c: &Change| (c.stamp_ns - at).abs() < ns(HALF_CHANGE_S);
-                if (first..=last).contains(&at) && !self.changes.iter().any(near) {
-                    found.push((at, place.centre_m(at)));
+            let mut time_ns = hole[0] + margin;
+            while time_ns <= hole[1] - margin {
+                let near = |c: &Change| (c.stamp_ns - time_ns).abs() < ns(HALF_CHANGE_S);
+                if (first..=last).contains(&time_ns) && !self.changes.iter().any(near) {
+                    offsets.push((time_ns, place.centre_m(time_ns)));
                 }
-                at += ns(STEP_S);
+                time_ns += ns(STEP_S);
             }
         }
-        found
+        offsets
     }
 
     /// Times, in order, at which ego's place is worth a sample.
@@ -286,10 +286,12 @@ impl Place {
                 before.map(|c| c.to_left).sum::<i64>()
             };
             let votes = |first: i64| {
-                let of = thought
+                let within = thought
                     .iter()
                     .filter(|(t, _)| (from_ns..until_ns).contains(t));
-                of.filter(|(t, lane)| first + relative(*t) == *lane).count()
+                within
+                    .filter(|(t, lane)| first + relative(*t) == *lane)
+                    .count()
             };
             // Of as many votes the last is taken: the rightmost.
             let fitting = (-right..=(most - left).max(-right)).rev();

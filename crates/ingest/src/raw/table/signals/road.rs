@@ -46,9 +46,9 @@ pub(super) fn read(
         let values = checked(&rows, name, &signal.missing, unit, expected, |v| v > 0.0)?;
         let shares = shares(&rows, &values);
         road.posted_speed_mps = shares.first().map(|s| s.0);
-        let told = |v: f64| format!("{v:.2} m/s");
-        let stands_in = told(otherwise.posted_speed_mps);
-        warnings.extend(choice(&rows, "posted speed", &shares, told, &stands_in));
+        let label = |v: f64| format!("{v:.2} m/s");
+        let stands_in = label(otherwise.posted_speed_mps);
+        warnings.extend(choice(&rows, "posted speed", &shares, label, &stands_in));
     }
     let whole = |v: f64| (1.0..=255.0).contains(&v) && v.fract().abs() < 1e-9;
     if let Some(name) = &signal.lanes {
@@ -56,9 +56,9 @@ pub(super) fn read(
         let values = checked(&rows, name, &signal.missing, 1.0, expected, whole)?;
         let shares = shares(&rows, &values);
         road.lanes = shares.first().map(|s| s.0 as u8);
-        let told = |v: f64| format!("{v:.0}");
-        let stands_in = told(f64::from(otherwise.lanes));
-        warnings.extend(choice(&rows, "number of lanes", &shares, told, &stands_in));
+        let label = |v: f64| format!("{v:.0}");
+        let stands_in = label(f64::from(otherwise.lanes));
+        warnings.extend(choice(&rows, "number of lanes", &shares, label, &stands_in));
     }
     if let Some(name) = &signal.lane {
         let lanes = road.lanes.unwrap_or(otherwise.lanes);
@@ -92,31 +92,31 @@ fn checked(
     match values.iter().position(bad) {
         None => Ok(values),
         Some(nth) => {
-            let found = values[nth].map_or(String::new(), |v| (v / unit).to_string());
-            Err(rows.bad_cell(nth, name, found, expected))
+            let cell = values[nth].map_or(String::new(), |v| (v / unit).to_string());
+            Err(rows.bad_cell(nth, name, cell, expected))
         }
     }
 }
 
 /// Each value with the share of the known time for which it held, the largest share first.
 fn shares(rows: &SignalRows, values: &[Option<f64>]) -> Vec<(f64, f64)> {
-    let mut found: Vec<(f64, f64)> = Vec::new();
+    let mut shares: Vec<(f64, f64)> = Vec::new();
     for (nth, value) in values.iter().enumerate() {
         let Some(value) = value else { continue };
         let next = rows.stamp_ns.get(nth + 1);
         // The last row, or the only one, stands for a moment.
         let held = next.map_or(1, |next| (next - rows.stamp_ns[nth]).max(1)) as f64;
-        match found.iter_mut().find(|(v, _)| (v - value).abs() < 1e-9) {
+        match shares.iter_mut().find(|(v, _)| (v - value).abs() < 1e-9) {
             Some((_, time)) => *time += held,
-            None => found.push((*value, held)),
+            None => shares.push((*value, held)),
         }
     }
-    let sum: f64 = found.iter().map(|f| f.1).sum();
-    for share in &mut found {
+    let sum: f64 = shares.iter().map(|f| f.1).sum();
+    for share in &mut shares {
         share.1 /= sum;
     }
-    found.sort_by(|a, b| b.1.total_cmp(&a.1).then(a.0.total_cmp(&b.0)));
-    found
+    shares.sort_by(|a, b| b.1.total_cmp(&a.1).then(a.0.total_cmp(&b.0)));
+    shares
 }
 
 /// What is told of a value that changes along the drive, or that nobody knows.
@@ -124,10 +124,10 @@ fn choice(
     rows: &SignalRows,
     of: &str,
     shares: &[(f64, f64)],
-    told: impl Fn(f64) -> String,
+    label: impl Fn(f64) -> String,
     stands_in: &str,
 ) -> Option<Warning> {
-    let percent = |s: &(f64, f64)| format!("{} over {:.0} %", told(s.0), 100.0 * s.1);
+    let percent = |s: &(f64, f64)| format!("{} over {:.0} %", label(s.0), 100.0 * s.1);
     match shares {
         [] => {
             let what = format!("no row says the {of}: {stands_in} stands in");

@@ -93,7 +93,7 @@ impl<'a> Files<'a> {
         };
         let (mut stamp_ns, mut rows) = (Vec::new(), Vec::new());
         let (mut without_time, mut repeated) = (0, 0);
-        let mut all: Vec<(i64, usize)> = Vec::new();
+        let mut earlier: Vec<(i64, usize)> = Vec::new();
         let mut cells: Option<Cells> = None;
         for (row, stamp) in stamps(&table, time, self.clock)?.into_iter().enumerate() {
             let Some(stamp) = stamp else {
@@ -103,21 +103,21 @@ impl<'a> Files<'a> {
             if stamp < last {
                 let cells = match &mut cells {
                     Some(cells) => cells,
-                    None => cells.insert(Cells::of(&table, &wanted)?),
+                    None => cells.insert(Cells::from_table(&table, &wanted)?),
                 };
-                let from = all.partition_point(|s| s.0 < stamp);
-                let mut alike = all[from..].iter().take_while(|s| s.0 == stamp);
+                let from = earlier.partition_point(|s| s.0 < stamp);
+                let mut alike = earlier[from..].iter().take_while(|s| s.0 == stamp);
                 if alike.any(|s| cells.same(s.1, row)) {
                     repeated += 1;
                     continue;
                 }
-                let found = (stamp as f64 / 1e9).to_string();
+                let cell = (stamp as f64 / 1e9).to_string();
                 let expected =
                     "a time not before those of the rows above: signals are joined by time";
-                return Err(table.bad_cell_of(row, time, found, expected));
+                return Err(table.bad_cell_of(row, time, cell, expected));
             }
             last = stamp;
-            all.push((stamp, row));
+            earlier.push((stamp, row));
             if counts[row] {
                 stamp_ns.push(stamp);
                 rows.push(row);
@@ -138,7 +138,7 @@ impl<'a> Files<'a> {
 struct Cells(Vec<Vec<Option<String>>>);
 
 impl Cells {
-    fn of(table: &Table, columns: &[(&str, Kind)]) -> Result<Self, IngestError> {
+    fn from_table(table: &Table, columns: &[(&str, Kind)]) -> Result<Self, IngestError> {
         let words = columns.iter().map(|(name, _)| table.words(name));
         Ok(Self(words.collect::<Result<_, _>>()?))
     }
@@ -194,13 +194,13 @@ impl SignalRows {
         missing: &[f64],
         unit: f64,
     ) -> Result<Vec<Option<f64>>, IngestError> {
-        let all = self.table.numbers(name)?;
+        let values = self.table.numbers(name)?;
         let stands_for_none = |v: f64| missing.iter().any(|m| (m - v).abs() < SAME);
-        let of = |&row: &usize| {
-            let value = all[row];
+        let value_at = |&row: &usize| {
+            let value = values[row];
             (value.is_finite() && !stands_for_none(value)).then_some(value * unit)
         };
-        Ok(self.rows.iter().map(of).collect())
+        Ok(self.rows.iter().map(value_at).collect())
     }
 
     /// A fault in a cell of the n-th of these rows.

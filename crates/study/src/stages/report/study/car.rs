@@ -64,10 +64,13 @@ pub(super) fn section_car(
     let tracked = lane_change_tracking(scenario, &speeds)?;
     let answers = maveric_simulator::step_responses(scenario)?;
     let sources = sources.map(read_sources).transpose()?;
-    let made = population_table(&scenario.settings().drivers, PEOPLE, seed);
+    let synthetic = population_table(&scenario.settings().drivers, PEOPLE, seed);
     let figures = vec![steps(&answers, page.context)?, quality(&tracked, page)?];
     let texts = page.texts.with(&BTreeMap::from([("people", PEOPLE)]));
-    let table = texts.table("population", population(&made, sources.as_ref(), page)?)?;
+    let table = texts.table(
+        "population",
+        population(&synthetic, sources.as_ref(), page)?,
+    )?;
     Ok(texts.section("car", figures, vec![table])?)
 }
 
@@ -113,10 +116,10 @@ fn panel(answer: &StepResponse) -> StepPanel {
 }
 
 fn quality(tracked: &[LaneChangeTracking], page: &StudyPage<'_>) -> Result<Figure, StudyError> {
-    let panel = |title: &str, axis: &str, of: fn(&LaneChangeTracking) -> f64| QualityPanel {
+    let panel = |title: &str, axis: &str, value: fn(&LaneChangeTracking) -> f64| QualityPanel {
         title: title.to_owned(),
         axis: axis.to_owned(),
-        values: tracked.iter().map(of).collect(),
+        values: tracked.iter().map(value).collect(),
         limit: None,
     };
     let input = LaneChangeQuality {
@@ -152,13 +155,13 @@ struct PopulationRow {
 
 /// A row a source of each quantity; the generated one first.
 fn population(
-    made: &[Distribution],
+    synthetic: &[Distribution],
     sources: Option<&Sources>,
     page: &StudyPage<'_>,
 ) -> Result<Vec<PopulationRow>, StudyError> {
     let tenths = |deciles: &[f64; 9]| Some([deciles[0], deciles[4], deciles[8]]);
     let mut rows = Vec::new();
-    for d in made {
+    for d in synthetic {
         rows.push(PopulationRow {
             quantity: d.quantity.to_owned(),
             unit: d.unit.to_owned(),

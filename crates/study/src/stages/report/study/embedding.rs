@@ -149,7 +149,8 @@ pub(super) fn live(folder: &Path, run: &Run) -> Result<Option<Live>, StudyError>
             conditions: placed.collect(),
         })
     };
-    let own = |row: &&EmbeddingRow| row.adb_used && Some(row.condition) == run.design.baseline_id();
+    let is_own_drive =
+        |row: &&EmbeddingRow| row.adb_used && Some(row.condition) == run.design.baseline_id();
     let round = run.across().map(|_| PerpendicularEllipse::of(model));
     let ellipse = round.transpose()?.map(|round| {
         [0, 1].map(|i| {
@@ -162,7 +163,11 @@ pub(super) fn live(folder: &Path, run: &Run) -> Result<Option<Live>, StudyError>
             .iter()
             .filter_map(|row| drive(row, row.drive.to_string()))
             .collect(),
-        people: tested.iter().filter(own).filter_map(person).collect(),
+        people: tested
+            .iter()
+            .filter(is_own_drive)
+            .filter_map(person)
+            .collect(),
         gradient,
         ellipse,
         score: (low, high, run.style_label().to_owned()),
@@ -196,10 +201,10 @@ pub(super) fn shown_participant<'a>(folder: &Path, run: &'a Run) -> Option<&'a C
         row.adb_hat
             .map_or(f64::INFINITY, |hat| (hat - middle).abs())
     };
-    let own = run.own_style();
+    let own_style = run.own_style();
     let rows = run.conditions.iter();
     let rows: Vec<&ConditionRow> = rows
-        .filter(|c| own.is_none_or(|own| c.condition == own))
+        .filter(|c| own_style.is_none_or(|id| c.condition == id))
         .collect();
     let logged = |c: &&&ConditionRow| av_log(folder, &c.participant, c.condition).is_file();
     let any = rows.iter().any(|c| logged(&c));
@@ -217,24 +222,24 @@ fn example(
     run: &Run,
     model: &Model,
 ) -> Result<Option<ExampleConditions>, StudyError> {
-    let Some(own) = shown_participant(folder, run) else {
+    let Some(shown) = shown_participant(folder, run) else {
         return Ok(None);
     };
     let mine = run
         .conditions
         .iter()
-        .filter(|c| c.participant == own.participant);
+        .filter(|c| c.participant == shown.participant);
     let mut ellipse = Vec::new();
     if run.across().is_some() {
         let round = PerpendicularEllipse::of(model)?;
         for i in 0..ELLIPSE_POINTS {
             let angle = std::f64::consts::TAU * i as f64 / ELLIPSE_POINTS as f64;
-            let found = round.at_angle(&own.embedding, angle)?;
-            ellipse.push(found.embedding.coordinates().to_vec());
+            let point = round.at_angle(&shown.embedding, angle)?;
+            ellipse.push(point.embedding.coordinates().to_vec());
         }
     }
     Ok(Some(ExampleConditions {
-        participant: own.participant.to_string(),
+        participant: shown.participant.to_string(),
         conditions: mine
             .map(|c| (c.condition, c.embedding.coordinates().to_vec()))
             .collect(),

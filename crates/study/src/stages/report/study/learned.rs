@@ -68,8 +68,8 @@ fn training_of(
     networks: &NetworkReport,
     run: &Run,
 ) -> Result<Vec<Figure>, StudyError> {
-    type Of = fn(&maveric_model::LossTerms) -> Option<f64>;
-    let terms: [(&str, Of); 5] = [
+    type Loss = fn(&maveric_model::LossTerms) -> Option<f64>;
+    let terms: [(&str, Loss); 5] = [
         ("*L*_{1} following distance", |l| l.following_distance),
         ("*L*_{2} lane change", |l| l.lane_change),
         ("*L*_{3} velocity", |l| l.velocity),
@@ -81,9 +81,12 @@ fn training_of(
         .selection
         .as_ref()
         .map_or(&networks.epochs, |s| &s.epochs);
-    let term = |(title, of): (&str, Of)| {
-        let train: Option<Vec<f64>> = epochs.iter().map(|e| of(&e.losses)).collect();
-        let kept: Option<Vec<f64>> = epochs.iter().map(|e| of(e.validation.as_ref()?)).collect();
+    let term = |(title, loss): (&str, Loss)| {
+        let train: Option<Vec<f64>> = epochs.iter().map(|e| loss(&e.losses)).collect();
+        let kept: Option<Vec<f64>> = epochs
+            .iter()
+            .map(|e| loss(e.validation.as_ref()?))
+            .collect();
         Some(LossTerm {
             title: title.to_owned(),
             train: train?,
@@ -99,8 +102,8 @@ fn training_of(
         Some(kept) => (&kept.quality, kept.drives, true),
         None => (&networks.quality, training.drives, false),
     };
-    if let Some(found) = &quality.lane_change {
-        let bins = found.bins.iter().filter(|b| b.seconds >= 1.0);
+    if let Some(lane_change) = &quality.lane_change {
+        let bins = lane_change.bins.iter().filter(|b| b.seconds >= 1.0);
         let input = Calibration {
             bins: bins
                 .map(|b| CalibrationBin {
@@ -109,7 +112,7 @@ fn training_of(
                     seconds: b.seconds,
                 })
                 .collect(),
-            expected_error: found.expected_calibration_error,
+            expected_error: lane_change.expected_calibration_error,
             drives,
             held_out,
         };
@@ -123,16 +126,16 @@ fn training_of(
     ];
     let panels: Vec<ResidualPanel> = panels
         .into_iter()
-        .filter_map(|(title, unit, found)| {
-            let found = found.as_ref()?;
+        .filter_map(|(title, unit, errors)| {
+            let errors = errors.as_ref()?;
             Some(ResidualPanel {
                 title: title.to_owned(),
                 axis: format!("Predicted − recorded ({unit})"),
                 unit: unit.to_owned(),
-                quantiles: found.quantiles.clone(),
-                mean: found.mean,
-                rms: found.rmse,
-                rows: found.rows,
+                quantiles: errors.quantiles.clone(),
+                mean: errors.mean,
+                rms: errors.rmse,
+                rows: errors.rows,
             })
         })
         .collect();

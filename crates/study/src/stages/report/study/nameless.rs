@@ -31,11 +31,11 @@ pub(super) struct Nameless {
 }
 
 impl Nameless {
-    /// Of a run's results.
+    /// Reads them from the results of a run.
     ///
     /// # Errors
     /// [`StudyError`] if a table cannot be read.
-    pub(super) fn of(
+    pub(super) fn read(
         study: &DesignFile,
         folder: &Path,
         participants: &Path,

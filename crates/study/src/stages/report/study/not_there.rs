@@ -29,10 +29,10 @@ pub(super) fn section_missing(run: &Run, missing: &Missing) -> Result<Option<Sec
         return Ok(None);
     };
     let rows = missing.counts.iter();
-    let awaited = |at: &usize| missing.counts.iter().any(|time| time.kinds[*at].1 > 0);
-    let panel = |at: usize| CompletenessPanel {
-        title: TITLES[at].to_owned(),
-        counts: missing.counts.iter().map(|time| time.kinds[at]).collect(),
+    let awaited = |kind: &usize| missing.counts.iter().any(|time| time.kinds[*kind].1 > 0);
+    let panel = |kind: usize| CompletenessPanel {
+        title: TITLES[kind].to_owned(),
+        counts: missing.counts.iter().map(|time| time.kinds[kind]).collect(),
     };
     let figure = completeness(
         &Completeness {
@@ -42,14 +42,14 @@ pub(super) fn section_missing(run: &Run, missing: &Missing) -> Result<Option<Sec
         &run.context,
     )?;
     let shown = &missing.rows[..missing.rows.len().min(MOST_ROWS)];
-    let all = missing.rows.len();
-    let which = if all > MOST_ROWS {
-        format!("The first {MOST_ROWS} of {all} rows")
+    let total = missing.rows.len();
+    let which = if total > MOST_ROWS {
+        format!("The first {MOST_ROWS} of {total} rows")
     } else {
-        format!("All {all} rows")
+        format!("All {total} rows")
     };
     let reason =
-        |at: usize| move |row: &&MissingRow| row.reasons()[at].unwrap_or_default().to_owned();
+        |kind: usize| move |row: &&MissingRow| row.reasons()[kind].unwrap_or_default().to_owned();
     let table = Table::of("missing", "What is missing", shown)
         .text("Person", |row| row.participant.to_string())
         .text("When", |row| when(run, row.moment))

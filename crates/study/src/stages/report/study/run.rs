@@ -127,8 +127,9 @@ fn beyond_but_driven(
     let rows = if_there(&folder.join("embeddings.csv"), read_embeddings)?;
     let beyond = rows.iter().filter(|row| row.beyond() == Some(true));
     let turned = |who: &ParticipantId| {
-        let own = conditions.iter().filter(|row| row.participant == *who);
-        own.filter_map(|row| design.condition(row.condition))
+        let theirs = conditions.iter().filter(|row| row.participant == *who);
+        theirs
+            .filter_map(|row| design.condition(row.condition))
             .any(|condition| condition.side().is_some())
     };
     let people: BTreeSet<&ParticipantId> = beyond.map(|row| &row.participant).collect();

@@ -32,8 +32,8 @@ pub(super) fn reliabilities(
         } else {
             ""
         };
-        let all: Vec<score::Reliability> = if_there(&folder.join(file), read_rows)?;
-        rows.extend(all.into_iter().map(|row| Reliability {
+        let per_score: Vec<score::Reliability> = if_there(&folder.join(file), read_rows)?;
+        rows.extend(per_score.into_iter().map(|row| Reliability {
             id: format!("{}.{}{when}", row.scale, row.subscale),
             title: format!("{}{when}", titled(scales, &row.scale, &row.subscale)),
             items: row.items,
@@ -60,7 +60,7 @@ pub(super) fn titled(scales: &[Scale], scale: &str, subscale: &str) -> String {
 }
 
 pub(super) fn listed_exclusions(folder: &Path) -> Result<Vec<Exclusion>, StudyError> {
-    let mut found = Vec::new();
+    let mut left_out = Vec::new();
     for list in lists(folder) {
         let drives = list.parent().unwrap_or(folder);
         let stage = if drives.starts_with(folder.join("av")) {
@@ -68,7 +68,7 @@ pub(super) fn listed_exclusions(folder: &Path) -> Result<Vec<Exclusion>, StudyEr
         } else {
             "ingest"
         };
-        found.extend(exclusions(drives)?.into_iter().map(|row| Exclusion {
+        left_out.extend(exclusions(drives)?.into_iter().map(|row| Exclusion {
             // A log that could not be ingested is no drive, and has its own name alone.
             who: Some(row.drive).filter(|d| !d.is_empty()).unwrap_or(row.log),
             what: stage.to_owned(),
@@ -85,7 +85,7 @@ pub(super) fn listed_exclusions(folder: &Path) -> Result<Vec<Exclusion>, StudyEr
         .iter()
         .filter_map(|row| Some((row.drive.to_string(), why(row)?)));
     let personalised: BTreeSet<(String, String)> = personalised.collect();
-    found.extend(personalised.into_iter().map(|(who, why)| Exclusion {
+    left_out.extend(personalised.into_iter().map(|(who, why)| Exclusion {
         who,
         what: "personalize".to_owned(),
         why,
@@ -96,7 +96,7 @@ pub(super) fn listed_exclusions(folder: &Path) -> Result<Vec<Exclusion>, StudyEr
         "rating_scores_exclusions.csv",
     ] {
         let listed: Vec<Exclusion> = if_there(&folder.join(file), read_rows)?;
-        found.extend(listed);
+        left_out.extend(listed);
     }
-    Ok(found)
+    Ok(left_out)
 }

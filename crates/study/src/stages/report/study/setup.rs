@@ -19,15 +19,15 @@ pub(super) fn setup(
         .iter()
         .filter_map(|c| Some(c.moved_points?.abs()));
     let conditions: BTreeSet<ConditionId> = run.conditions.iter().map(|c| c.condition).collect();
-    let mut found: Vec<(String, f64)> = [
+    let mut values: Vec<(String, f64)> = [
         ("steer.adb_shift_points", moved.fold(0.0, f64::max)),
         ("steer.conditions", conditions.len() as f64),
     ]
     .map(|(key, value)| (key.to_owned(), value))
     .into();
-    found.extend(losses(run).map(|n| ("model.losses".to_owned(), n as f64)));
+    values.extend(losses(run).map(|n| ("model.losses".to_owned(), n as f64)));
     let mut set = |key: &str, value: Option<f64>| {
-        found.extend(value.map(|value| (key.to_owned(), value)));
+        values.extend(value.map(|value| (key.to_owned(), value)));
     };
     set("scenario.drive_minutes", minutes.map(f64::round));
     let posted = road.map(|r| MetresPerSecond(r.posted_speed_mps).mph());
@@ -38,20 +38,20 @@ pub(super) fn setup(
     let size = run.model.as_ref().map(|m| m.embedding_size() as f64);
     set("model.embedding_size", size);
     if let Some(distance) = across_sd(run)? {
-        found.push(("steer.across_sd".to_owned(), distance));
+        values.push(("steer.across_sd".to_owned(), distance));
     }
     if let Some(leads) = scenario.map(|s| &s.settings().leads) {
         let factors = leads
             .factors_of_target
             .iter()
             .chain(&leads.factors_of_posted);
-        found.extend(
+        values.extend(
             factors
                 .enumerate()
                 .map(|(i, f)| (format!("scenario.lead_speed.{}", i + 1), *f)),
         );
     }
-    Ok(found)
+    Ok(values)
 }
 
 /// How many of the five losses took part in the training; none for heads that have none.
@@ -79,8 +79,8 @@ fn across_sd(run: &Run) -> Result<Option<f64>, StudyError> {
     }
     let round = PerpendicularEllipse::of(model)?;
     let own_of = |row: &ConditionRow| {
-        let own = |c: &&ConditionRow| c.participant == row.participant && c.condition == at_0;
-        run.conditions.iter().find(own)
+        let is_own = |c: &&ConditionRow| c.participant == row.participant && c.condition == at_0;
+        run.conditions.iter().find(is_own)
     };
     let distance = |row: &ConditionRow| {
         let (to, from) = (

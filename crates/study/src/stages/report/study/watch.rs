@@ -23,22 +23,22 @@ pub(super) fn logs(folder: &Path, study: &DesignFile, run: &Run) -> Vec<PathBuf>
         return Vec::new();
     };
     let who = &shown.participant;
-    let own = run.design.baseline_id().into_iter();
-    let mut own = own.flat_map(|b| {
+    let baseline = run.design.baseline_id().into_iter();
+    let mut places = baseline.flat_map(|b| {
         // Of a run by stages, and of a study's own folder.
         let roots = [
             folder.join("logs"),
             study.resolve(&study.design.files().logs),
         ];
         roots.into_iter().flat_map(move |root| {
-            let of = |part: &str| root.join(format!("{part}{who}-{b}.mcap"));
-            [of("study2/"), of("test/"), of("")]
+            let log_in = |part: &str| root.join(format!("{part}{who}-{b}.mcap"));
+            [log_in("study2/"), log_in("test/"), log_in("")]
         })
     });
-    let own = own.find(|log| log.is_file()).into_iter();
+    let own_log = places.find(|log| log.is_file()).into_iter();
     let conditions = run.design.conditions().iter();
     let driven = conditions.map(|c| av_log(folder, who, c.id));
-    let mut logs: Vec<PathBuf> = own.chain(driven).collect();
+    let mut logs: Vec<PathBuf> = own_log.chain(driven).collect();
     logs.retain(|log| log.is_file());
     logs
 }

@@ -45,8 +45,9 @@ impl Test for Bayes {
     const NAME: &'static str = "bayes";
 
     fn lacks(&self) -> Option<&'static str> {
-        let asked = self.x.is_some() || self.mu.is_some() || self.long().is_some();
-        (!asked).then_some("--value with --subject and --within, --between or --mu; or --x and --y")
+        let complete = self.x.is_some() || self.mu.is_some() || self.long().is_some();
+        (!complete)
+            .then_some("--value with --subject and --within, --between or --mu; or --x and --y")
     }
 
     fn long(&self) -> Option<Long<'_>> {
@@ -69,24 +70,24 @@ impl Test for Bayes {
     fn run(&self, table: &Table) -> Result<Ran, StudyError> {
         if let (Some(x), Some(y)) = (&self.x, &self.y) {
             let (of_x, of_y) = (table.numbers(x)?, table.numbers(y)?);
-            let found = bayes_correlation(&of_x, &of_y)?;
-            let sentence = pictures::first(&found);
+            let result = bayes_correlation(&of_x, &of_y)?;
+            let sentence = pictures::first(&result);
             let picture = pictures::correlation((x, &of_x), (y, &of_y), sentence);
-            let printed = printed::bayes_correlation(&found, x, y);
-            return Ok(Ran::of(&found, printed).drawn(picture));
+            let printed = printed::bayes_correlation(&result, x, y);
+            return Ok(Ran::new(&result, printed).drawn(picture));
         }
         let Some(columns) = self.long() else {
             let values = self.conditions.sample(table)?;
-            let found = bayes_one(&values, self.mu.unwrap_or_default())?;
-            return Ok(Ran::of(&found, printed::bayes(&found)));
+            let result = bayes_one(&values, self.mu.unwrap_or_default())?;
+            return Ok(Ran::new(&result, printed::bayes(&result)));
         };
         let (subject, factor, value) = (columns.subject, columns.within, columns.value);
-        let found = match subject {
+        let result = match subject {
             Some(_) => bayes_paired(&columns.read(table)?),
             None => bayes_groups(&labels(table, factor)?, &table.numbers(value)?)?,
         };
         let rows = DesignRows::one_factor(table, subject, factor, value)?;
-        let picture = pictures::plain_cells(&rows, value, pictures::first(&found));
-        Ok(Ran::of(&found, printed::bayes(&found)).drawn(picture))
+        let picture = pictures::plain_cells(&rows, value, pictures::first(&result));
+        Ok(Ran::new(&result, printed::bayes(&result)).drawn(picture))
     }
 }

@@ -86,18 +86,18 @@ impl Test for Bootstrap {
         };
         if let Some(columns) = self.long() {
             let data = columns.read(table)?;
-            let found = bootstrap(self.statistic, BootstrapData::Within(&data), &settings)?;
-            return Ok(Ran::plainly(&found));
+            let result = bootstrap(self.statistic, BootstrapData::Within(&data), &settings)?;
+            return Ok(Ran::plainly(&result));
         }
         if let (Statistic::Pearson | Statistic::Spearman, Some(x), Some(y)) =
             (self.statistic, &self.x, &self.y)
         {
             let (x, y) = (table.numbers(x)?, table.numbers(y)?);
-            let found = bootstrap(self.statistic, BootstrapData::Pairs(&x, &y), &settings)?;
-            return Ok(Ran::plainly(&found));
+            let result = bootstrap(self.statistic, BootstrapData::Pairs(&x, &y), &settings)?;
+            return Ok(Ran::plainly(&result));
         }
         let values = self.conditions.sample(table)?;
-        let found = bootstrap(self.statistic, BootstrapData::Values(&values), &settings)?;
-        Ok(Ran::plainly(&found))
+        let result = bootstrap(self.statistic, BootstrapData::Values(&values), &settings)?;
+        Ok(Ran::plainly(&result))
     }
 }

@@ -71,21 +71,31 @@ impl Test for Compare {
             alpha: ALPHA,
             ..DesignChoice::default()
         };
-        let found = compare_by_design(&rows.columns(), &choice)?;
-        let picture = match (&found, &columns.subject) {
-            (ByDesign::OneFactor(found), Some(subject)) => {
+        let result = compare_by_design(&rows.columns(), &choice)?;
+        let picture = match (&result, &columns.subject) {
+            (ByDesign::OneFactor(one_factor), Some(subject)) => {
                 let c = WithinColumns {
                     subject: subject.clone(),
                     within: columns.within.concat(),
                     value: columns.value.clone(),
                 };
                 let data = c.read(table)?;
-                let p = found.posthoc.pairs.values().map(|pair| pair.p_adjusted);
-                pictures::conditions(&data, &c.value, pictures::first(&**found), &found.desc, p)
+                let p = one_factor
+                    .posthoc
+                    .pairs
+                    .values()
+                    .map(|pair| pair.p_adjusted);
+                pictures::conditions(
+                    &data,
+                    &c.value,
+                    pictures::first(&**one_factor),
+                    &one_factor.desc,
+                    p,
+                )
             }
-            _ => pictures::by_design(&rows, &columns.value, &found),
+            _ => pictures::by_design(&rows, &columns.value, &result),
         };
-        Ok(Ran::of(&found, printed::by_design(&found)).drawn(picture))
+        Ok(Ran::new(&result, printed::by_design(&result)).drawn(picture))
     }
 }
 

@@ -44,8 +44,8 @@ impl Test for Correlate {
             .map(|s| labels(table, s))
             .transpose()?;
         let (of_x, of_y) = (table.numbers(x)?, table.numbers(y)?);
-        let found = correlate(&of_x, &of_y, self.method, subjects.as_deref())?;
-        let picture = pictures::correlation((x, &of_x), (y, &of_y), pictures::first(&found));
-        Ok(Ran::of(&found, printed::correlation(&found, x, y)).drawn(picture))
+        let result = correlate(&of_x, &of_y, self.method, subjects.as_deref())?;
+        let picture = pictures::correlation((x, &of_x), (y, &of_y), pictures::first(&result));
+        Ok(Ran::new(&result, printed::correlation(&result, x, y)).drawn(picture))
     }
 }

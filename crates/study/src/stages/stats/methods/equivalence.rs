@@ -39,8 +39,8 @@ impl Test for Equivalence {
 
     fn lacks(&self) -> Option<&'static str> {
         let value = self.conditions.value.is_some();
-        let asked = value && (self.long().is_some() || self.mu.is_some());
-        (!asked).then_some("--value with --subject and --within, or with --mu")
+        let complete = value && (self.long().is_some() || self.mu.is_some());
+        (!complete).then_some("--value with --subject and --within, or with --mu")
     }
 
     fn long(&self) -> Option<Long<'_>> {
@@ -58,15 +58,15 @@ impl Test for Equivalence {
         } else {
             Bounds::Raw { low, high }
         };
-        let found = if let Some(columns) = self.long() {
+        let result = if let Some(columns) = self.long() {
             equivalence(&columns.read(table)?, bounds)?
         } else {
             let mu = self.mu.unwrap_or_default();
             equivalence_one(&self.conditions.sample(table)?, mu, bounds)?
         };
         let value = self.conditions.value.as_deref().unwrap_or_default();
-        let picture = pictures::equivalence(value, &found);
-        Ok(Ran::of(&found, printed::equivalence(&found)).drawn(picture))
+        let picture = pictures::equivalence(value, &result);
+        Ok(Ran::new(&result, printed::equivalence(&result)).drawn(picture))
     }
 }
 

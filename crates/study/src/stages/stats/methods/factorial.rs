@@ -46,14 +46,14 @@ impl Test for Factorial {
         let value = &self.factors.value;
         Ok(match self.method {
             FactorialMethod::Anova => {
-                let found = factorial(&design);
-                let picture = pictures::factorial(&rows, value, &found);
-                Ran::of(&found, printed::factorial(&found)).drawn(picture)
+                let result = factorial(&design);
+                let picture = pictures::factorial(&rows, value, &result);
+                Ran::new(&result, printed::factorial(&result)).drawn(picture)
             }
             FactorialMethod::Art => {
-                let found = aligned_ranks(&design);
-                let picture = pictures::aligned(&rows, value, &found);
-                let mut ran = Ran::of(&found, printed::aligned(&found)).drawn(picture);
+                let result = aligned_ranks(&design);
+                let picture = pictures::aligned(&rows, value, &result);
+                let mut ran = Ran::new(&result, printed::aligned(&result)).drawn(picture);
                 // Kept in the JSON, and told on stderr.
                 ran.value["reasons"] = json!([ALIGNED]);
                 ran.value["warnings"] = json!([ALIGNED]);

@@ -37,9 +37,9 @@ impl Test for Groups {
 
     fn run(&self, table: &Table) -> Result<Ran, StudyError> {
         let GroupColumns { group, value } = &self.columns;
-        let found = groups(&labels(table, group)?, &table.numbers(value)?)?;
+        let result = groups(&labels(table, group)?, &table.numbers(value)?)?;
         let rows = DesignRows::one_factor(table, None, group, value)?;
-        let picture = pictures::groups(&rows, value, &found, None);
-        Ok(Ran::of(&found, printed::groups(&found)).drawn(picture))
+        let picture = pictures::groups(&rows, value, &result, None);
+        Ok(Ran::new(&result, printed::groups(&result)).drawn(picture))
     }
 }

@@ -65,9 +65,9 @@ impl Test for Mixed {
             })
             .collect();
         let people = labels(table, &self.subject)?;
-        let found = random_intercept(&people, &formula, &predictors, &table.numbers(&self.value)?)?;
-        let picture = pictures::mixed(self.shown(table, &found)?.as_ref(), &self.value, &found);
-        Ok(Ran::of(&found, printed::mixed(&found)).drawn(picture))
+        let model = random_intercept(&people, &formula, &predictors, &table.numbers(&self.value)?)?;
+        let picture = pictures::mixed(self.shown(table, &model)?.as_ref(), &self.value, &model);
+        Ok(Ran::new(&model, printed::mixed(&model)).drawn(picture))
     }
 }
 
@@ -103,9 +103,9 @@ impl Mixed {
     fn shown(
         &self,
         table: &Table,
-        found: &RandomIntercept,
+        model: &RandomIntercept,
     ) -> Result<Option<DesignRows>, StudyError> {
-        let Some((term, _)) = found.emm.iter().last() else {
+        let Some((term, _)) = model.emm.iter().last() else {
             return Ok(None);
         };
         let columns = FactorColumns {

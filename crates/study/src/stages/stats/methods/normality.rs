@@ -47,15 +47,15 @@ impl Test for Normality {
         let Some(group) = &self.group else {
             return Ok(Ran::plainly(&normality(&table.numbers(&self.value)?)?));
         };
-        let (mut groups, mut said) = (Map::new(), Vec::new());
+        let (mut groups, mut statements) = (Map::new(), Vec::new());
         for (name, values) in grouped(table, group, &self.value)? {
-            let found = normality(&values)?;
-            let sentences = found.statements().into_iter();
-            said.extend(sentences.map(|(_, s)| (name.clone(), s)));
-            groups.insert(name, plain(&found));
+            let result = normality(&values)?;
+            let sentences = result.statements().into_iter();
+            statements.extend(sentences.map(|(_, s)| (name.clone(), s)));
+            groups.insert(name, plain(&result));
         }
         Ok(Ran {
-            said,
+            statements,
             ..Ran::numbers(json!({ "group": groups }))
         })
     }

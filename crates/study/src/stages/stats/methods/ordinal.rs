@@ -38,9 +38,9 @@ impl Test for Ordinal {
     fn run(&self, table: &Table) -> Result<Ran, StudyError> {
         let c = &self.columns;
         let (people, conditions) = (labels(table, &c.subject)?, labels(table, &c.within)?);
-        let found = ordinal(&people, &conditions, &table.numbers(&c.value)?)?;
+        let result = ordinal(&people, &conditions, &table.numbers(&c.value)?)?;
         let rows = DesignRows::one_factor(table, Some(&c.subject), &c.within, &c.value)?;
-        let picture = pictures::ordinal(&rows, &c.value, &found, None);
-        Ok(Ran::of(&found, printed::ordinal(&found)).drawn(picture))
+        let picture = pictures::ordinal(&rows, &c.value, &result, None);
+        Ok(Ran::new(&result, printed::ordinal(&result)).drawn(picture))
     }
 }

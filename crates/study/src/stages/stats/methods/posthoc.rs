@@ -43,9 +43,9 @@ impl Test for Posthoc {
 
     fn run(&self, table: &Table) -> Result<Ran, StudyError> {
         let data = self.columns.read(table)?;
-        let found = posthoc(&data, self.test, self.adjust, ALPHA)?;
+        let result = posthoc(&data, self.test, self.adjust, ALPHA)?;
         let desc = rm_anova(&data).desc;
-        let picture = pictures::pairs(&data, &self.columns.value, &desc, &found);
-        Ok(Ran::of(&found, printed::posthoc(&found)).drawn(picture))
+        let picture = pictures::pairs(&data, &self.columns.value, &desc, &result);
+        Ok(Ran::new(&result, printed::posthoc(&result)).drawn(picture))
     }
 }

@@ -32,9 +32,10 @@ impl Test for RmAnova {
 
     fn run(&self, table: &Table) -> Result<Ran, StudyError> {
         let data = self.columns.read(table)?;
-        let found = rm_anova(&data);
-        let (said, no_pairs) = (pictures::first(&found), std::iter::empty());
-        let picture = pictures::conditions(&data, &self.columns.value, said, &found.desc, no_pairs);
-        Ok(Ran::of(&found, printed::rm_anova(&found)).drawn(picture))
+        let result = rm_anova(&data);
+        let (sentence, no_pairs) = (pictures::first(&result), std::iter::empty());
+        let picture =
+            pictures::conditions(&data, &self.columns.value, sentence, &result.desc, no_pairs);
+        Ok(Ran::new(&result, printed::rm_anova(&result)).drawn(picture))
     }
 }

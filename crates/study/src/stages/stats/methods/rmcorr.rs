@@ -31,9 +31,9 @@ impl Test for Rmcorr {
         let (x, y) = (&self.x, &self.y);
         let subjects = labels(table, &self.subject)?;
         let (of_x, of_y) = (table.numbers(x)?, table.numbers(y)?);
-        let found = rm_correlation(&subjects, &of_x, &of_y)?;
-        let (slope, said) = (found.rm_corr.slope, pictures::first(&found));
-        let picture = pictures::within_people(&subjects, (x, &of_x), (y, &of_y), slope, said);
-        Ok(Ran::of(&found, printed::rm_correlation(&found, x, y)).drawn(picture))
+        let result = rm_correlation(&subjects, &of_x, &of_y)?;
+        let (slope, sentence) = (result.rm_corr.slope, pictures::first(&result));
+        let picture = pictures::within_people(&subjects, (x, &of_x), (y, &of_y), slope, sentence);
+        Ok(Ran::new(&result, printed::rm_correlation(&result, x, y)).drawn(picture))
     }
 }

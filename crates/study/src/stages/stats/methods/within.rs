@@ -32,10 +32,10 @@ impl Test for Within {
 
     fn run(&self, table: &Table) -> Result<Ran, StudyError> {
         let data = self.columns.read(table)?;
-        let found = within(&data);
-        let p = found.paired.values().map(|pair| pair.p_holm);
-        let said = pictures::first(&found);
-        let picture = pictures::conditions(&data, &self.columns.value, said, &found.desc, p);
-        Ok(Ran::of(&found, printed::whole(&found)).drawn(picture))
+        let result = within(&data);
+        let p = result.paired.values().map(|pair| pair.p_holm);
+        let sentence = pictures::first(&result);
+        let picture = pictures::conditions(&data, &self.columns.value, sentence, &result.desc, p);
+        Ok(Ran::new(&result, printed::whole(&result)).drawn(picture))
     }
 }

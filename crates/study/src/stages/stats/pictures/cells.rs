@@ -42,23 +42,23 @@ pub(in crate::stages::stats) fn pairs(
     data: &WithinSubjects,
     outcome: &str,
     desc: &Named<ConditionSummary>,
-    found: &Posthoc,
+    result: &Posthoc,
 ) -> Picture {
-    if found.pairs.len() <= MOST_BRACKETS {
-        let p = found.pairs.values().map(|pair| pair.p_adjusted);
+    if result.pairs.len() <= MOST_BRACKETS {
+        let p = result.pairs.values().map(|pair| pair.p_adjusted);
         return conditions(data, outcome, String::new(), desc, p);
     }
-    let symbol = apa::p_symbol(found.adjust);
-    let rows = found.pairs.iter().map(|(name, pair)| {
+    let symbol = apa::p_symbol(result.adjust);
+    let rows = result.pairs.iter().map(|(name, pair)| {
         let effect = &pair.effect;
-        let said = |p: f64| format!("{symbol} {}", relation(p));
+        let p_text = |p: f64| format!("{symbol} {}", relation(p));
         ForestRow {
             name: name.to_owned(),
             estimate: (|| Some([effect.value?, effect.ci_low?, effect.ci_high?]))(),
-            said: pair.p_adjusted.map_or_else(|| "–".to_owned(), said),
+            said: pair.p_adjusted.map_or_else(|| "–".to_owned(), p_text),
         }
     });
-    let axis = match found.pairs.values().next().map(|pair| pair.effect.name) {
+    let axis = match result.pairs.values().next().map(|pair| pair.effect.name) {
         Some(maveric_stats::EffectName::RankBiserial) => "*r*_{rb} (A minus B, 95% CI)",
         _ => "*d*_{z} (A minus B, 95% CI)",
     };
@@ -67,7 +67,7 @@ pub(in crate::stages::stats) fn pairs(
         axis: axis.to_owned(),
         rows: rows.collect(),
         bounds: None,
-        n: found.n,
+        n: result.n,
     })
 }
 

@@ -26,17 +26,17 @@ const TOO_MANY: &str = "pairs stand in the tables: they are too many to draw";
 const NOT_ADJUSTED: &str = "*p* values, not adjusted";
 
 /// A number by the name of its cell (its levels joined with `:`), or of its pair of cells (`A|B`).
-type Of<T> = Vec<(String, Option<T>)>;
+type ByName<T> = Vec<(String, Option<T>)>;
 
 /// What is said over the cells.
 #[derive(Default)]
 struct Over {
     test: String,
     /// Each cell's mean and the ends of its interval; none where the test has no means.
-    means: Of<[f64; 3]>,
+    means: ByName<[f64; 3]>,
     intervals: &'static str,
     /// p of each pair that is drawn.
-    pairs: Of<f64>,
+    pairs: ByName<f64>,
     contrasts: &'static str,
 }
 
@@ -52,7 +52,9 @@ fn rainclouds(rows: &DesignRows, outcome: &str, over: Over) -> Picture {
         cells = next;
     }
     let names: Vec<String> = cells.iter().map(|cell| cell.join(":")).collect();
-    let known = |of: &Of<f64>, name: &str| of.iter().find(|(n, _)| n == name).and_then(|(_, p)| *p);
+    let known = |values: &ByName<f64>, name: &str| {
+        values.iter().find(|(n, _)| n == name).and_then(|(_, p)| *p)
+    };
     let mut contrasts = Vec::new();
     for (first, a) in names.iter().enumerate() {
         for (second, b) in names.iter().enumerate() {
@@ -61,10 +63,10 @@ fn rainclouds(rows: &DesignRows, outcome: &str, over: Over) -> Picture {
             }
         }
     }
-    let mut said = over.contrasts;
+    let mut note = over.contrasts;
     if contrasts.len() > MOST_BRACKETS {
         contrasts.clear();
-        said = TOO_MANY;
+        note = TOO_MANY;
     }
     let cells = cells.iter().zip(&names).map(|(cell, name)| ComparedCell {
         name: cell.join(", "),
@@ -81,7 +83,7 @@ fn rainclouds(rows: &DesignRows, outcome: &str, over: Over) -> Picture {
         rows: rows.people(&levels),
         contrasts,
     };
-    Picture::Panel(panel, over.intervals, said)
+    Picture::Panel(panel, over.intervals, note)
 }
 
 fn with_ends(m: &MarginalMean) -> Option<[f64; 3]> {
@@ -89,7 +91,7 @@ fn with_ends(m: &MarginalMean) -> Option<[f64; 3]> {
 }
 
 /// The means of the cells of all factors: those of the effect that has the most of them.
-fn of_all(emm: &Named<Named<MarginalMean>>) -> Of<[f64; 3]> {
+fn of_all(emm: &Named<Named<MarginalMean>>) -> ByName<[f64; 3]> {
     let cells = emm.values().last().into_iter().flat_map(Named::iter);
     cells
         .map(|(cell, mean)| (cell.to_owned(), with_ends(mean)))
@@ -129,16 +131,17 @@ fn two_factors(
     }))
 }
 
-fn named<T, U>(all: &Named<T>, of: impl Fn(&T) -> Option<U>) -> Of<U> {
-    all.iter()
-        .map(|(name, one)| (name.to_owned(), of(one)))
+fn named<T, U>(entries: &Named<T>, number: impl Fn(&T) -> Option<U>) -> ByName<U> {
+    entries
+        .iter()
+        .map(|(name, entry)| (name.to_owned(), number(entry)))
         .collect()
 }
 
 /// The effects' sentences, shortened to the highest.
-fn highest(found: &impl Statements) -> String {
-    let last = found.statements().into_iter().last();
-    last.map_or_else(|| first(found), of_effect)
+fn highest(result: &impl Statements) -> String {
+    let last = result.statements().into_iter().last();
+    last.map_or_else(|| first(result), of_effect)
 }
 
 fn of_effect((name, sentence): (String, Statement)) -> String {
@@ -152,21 +155,21 @@ fn of_effect((name, sentence): (String, Statement)) -> String {
 pub(in crate::stages::stats) fn factorial(
     rows: &DesignRows,
     outcome: &str,
-    found: &Factorial,
+    result: &Factorial,
 ) -> Picture {
-    factorial_under(rows, outcome, found, highest(found))
+    factorial_under(rows, outcome, result, highest(result))
 }
 
 /// The same under the sentence of another test.
-fn factorial_under(rows: &DesignRows, outcome: &str, found: &Factorial, test: String) -> Picture {
-    if let Some(picture) = two_factors(rows, outcome, (&found.emm, found.n), &test) {
+fn factorial_under(rows: &DesignRows, outcome: &str, result: &Factorial, test: String) -> Picture {
+    if let Some(picture) = two_factors(rows, outcome, (&result.emm, result.n), &test) {
         return picture;
     }
     let over = Over {
         test,
-        means: of_all(&found.emm),
+        means: of_all(&result.emm),
         intervals: MARGINAL,
-        pairs: brackets(found),
+        pairs: brackets(result),
         contrasts: HOLM,
     };
     rainclouds(rows, outcome, over)
@@ -175,9 +178,9 @@ fn factorial_under(rows: &DesignRows, outcome: &str, found: &Factorial, test: St
 pub(in crate::stages::stats) fn aligned(
     rows: &DesignRows,
     outcome: &str,
-    found: &AlignedRanks,
+    result: &AlignedRanks,
 ) -> Picture {
-    let test = highest(found);
+    let test = highest(result);
     rainclouds(
         rows,
         outcome,
@@ -189,11 +192,11 @@ pub(in crate::stages::stats) fn aligned(
 }
 
 /// Pairs of one factor, or of the second of two at each level of the first; none where there are more.
-fn brackets(found: &Factorial) -> Of<f64> {
-    let factors: Vec<(&str, &Vec<String>)> = found.levels.iter().collect();
+fn brackets(result: &Factorial) -> ByName<f64> {
+    let factors: Vec<(&str, &Vec<String>)> = result.levels.iter().collect();
     match factors[..] {
         [_] => {
-            let pairs = found.contrast.values().flat_map(Named::iter);
+            let pairs = result.contrast.values().flat_map(Named::iter);
             pairs
                 .map(|(name, pair)| (name.to_owned(), pair.p_holm))
                 .collect()
@@ -201,8 +204,9 @@ fn brackets(found: &Factorial) -> Of<f64> {
         [(_, slow), (fast, levels)] => {
             let mut pairs = Vec::new();
             for level in slow {
-                let simple = found.simple.values().next();
-                let Some(test) = simple.and_then(|all| all.get(&format!("{fast}@{level}"))) else {
+                let simple = result.simple.values().next();
+                let Some(test) = simple.and_then(|tests| tests.get(&format!("{fast}@{level}")))
+                else {
                     continue;
                 };
                 for a in levels {
@@ -225,31 +229,31 @@ fn brackets(found: &Factorial) -> Of<f64> {
 pub(in crate::stages::stats) fn groups(
     rows: &DesignRows,
     outcome: &str,
-    found: &GroupsAnalysis,
+    result: &GroupsAnalysis,
     chosen: Option<(ChosenTest, String)>,
 ) -> Picture {
     let ranked = matches!(
         chosen,
         Some((ChosenTest::MannWhitney | ChosenTest::KruskalWallis, _))
     );
-    let (pairs, contrasts) = match (&found.several, ranked) {
-        (None, false) => (named(&found.welch_t, |t| t.p), "*p* values after Welch"),
+    let (pairs, contrasts) = match (&result.several, ranked) {
+        (None, false) => (named(&result.welch_t, |t| t.p), "*p* values after Welch"),
         (None, true) => (
-            named(&found.mann_whitney, |u| u.p),
+            named(&result.mann_whitney, |u| u.p),
             "*p* values after Mann and Whitney",
         ),
-        (Some(all), false) => (
-            named(&all.games_howell, |t| t.p),
+        (Some(several), false) => (
+            named(&several.games_howell, |t| t.p),
             "*p* values after Games and Howell",
         ),
-        (Some(all), true) => (
-            named(&all.dunn, |z| z.p_holm),
+        (Some(several), true) => (
+            named(&several.dunn, |z| z.p_holm),
             "*p* values after Dunn and Holm",
         ),
     };
     let over = Over {
-        test: chosen.map_or_else(|| first(found), |(_, said)| said),
-        means: named(&found.desc, |g| Some([g.mean, g.ci_low?, g.ci_high?])),
+        test: chosen.map_or_else(|| first(result), |(_, sentence)| sentence),
+        means: named(&result.desc, |g| Some([g.mean, g.ci_low?, g.ci_high?])),
         intervals: "95% intervals of each group’s mean",
         pairs,
         contrasts,
@@ -276,11 +280,11 @@ pub(in crate::stages::stats) fn plain_cells(
 pub(in crate::stages::stats) fn mixed(
     rows: Option<&DesignRows>,
     outcome: &str,
-    found: &RandomIntercept,
+    result: &RandomIntercept,
 ) -> Picture {
-    let term = found.contrast.iter().last();
+    let term = result.contrast.iter().last();
     let (Some(rows), Some((name, pairs))) = (rows, term) else {
-        let coefficients = found.coef.iter().skip(1);
+        let coefficients = result.coef.iter().skip(1);
         let coefficients = coefficients.map(|(name, c)| ForestRow {
             name: name.to_owned(),
             estimate: (|| Some([c.estimate, c.ci_low?, c.ci_high?]))(),
@@ -293,20 +297,20 @@ pub(in crate::stages::stats) fn mixed(
             axis: "Estimate (95% CI)".to_owned(),
             rows: coefficients.collect(),
             bounds: None,
-            n: found.n_subjects,
+            n: result.n_subjects,
         });
     };
-    let said = found
+    let statement = result
         .statements()
         .into_iter()
         .find(|(known, _)| known == name);
-    let test = said.map_or_else(String::new, |(_, said)| said.markup().to_owned());
-    if let Some(picture) = two_factors(rows, outcome, (&found.emm, found.n_subjects), &test) {
+    let test = statement.map_or_else(String::new, |(_, statement)| statement.markup().to_owned());
+    if let Some(picture) = two_factors(rows, outcome, (&result.emm, result.n_subjects), &test) {
         return picture;
     }
     let over = Over {
         test,
-        means: of_all(&found.emm),
+        means: of_all(&result.emm),
         intervals: MARGINAL,
         pairs: named(pairs, |pair| pair.p_holm),
         contrasts: HOLM,
@@ -318,22 +322,22 @@ pub(in crate::stages::stats) fn mixed(
 pub(in crate::stages::stats) fn ordinal(
     rows: &DesignRows,
     outcome: &str,
-    found: &Ordinal,
+    result: &Ordinal,
     beside: Option<&RankCheck>,
 ) -> Picture {
-    let reference = found.conditions.first().map_or("", String::as_str);
+    let reference = result.conditions.first().map_or("", String::as_str);
     let (pairs, contrasts) = if let Some(ranks) = beside {
         (
             named(&ranks.wilcoxon, |w| w.p_holm),
             "*p* values of Wilcoxon’s test after Holm",
         )
     } else {
-        let coefficients = found.quadrature.coef.iter();
+        let coefficients = result.quadrature.coef.iter();
         let against_first = coefficients.map(|(name, c)| (format!("{reference}|{name}"), c.p));
         (against_first.collect(), NOT_ADJUSTED)
     };
     let over = Over {
-        test: first(found),
+        test: first(result),
         means: Vec::new(),
         intervals: "",
         pairs,
@@ -343,20 +347,20 @@ pub(in crate::stages::stats) fn ordinal(
 }
 
 /// Differences with their 90 % intervals and the bounds; in standard deviations where the bounds are.
-pub(in crate::stages::stats) fn equivalence(outcome: &str, found: &Equivalence) -> Picture {
-    let (low, high, standardized) = match found.bounds {
+pub(in crate::stages::stats) fn equivalence(outcome: &str, result: &Equivalence) -> Picture {
+    let (low, high, standardized) = match result.bounds {
         Bounds::Raw { low, high } => (low, high, false),
         Bounds::Standardized { low, high } => (low, high, true),
     };
-    let rows = found.tost.iter().map(|(name, t)| {
+    let rows = result.tost.iter().map(|(name, t)| {
         let estimate = || {
             let unit = if standardized {
                 t.dz? / t.estimate
             } else {
                 1.0
             };
-            let all = [t.estimate, t.ci90_low?, t.ci90_high?].map(|v| v * unit);
-            Some(all).filter(|all| all.iter().all(|v| v.is_finite()))
+            let numbers = [t.estimate, t.ci90_low?, t.ci90_high?].map(|v| v * unit);
+            Some(numbers).filter(|numbers| numbers.iter().all(|v| v.is_finite()))
         };
         ForestRow {
             name: name.to_owned(),
@@ -376,7 +380,7 @@ pub(in crate::stages::stats) fn equivalence(outcome: &str, found: &Equivalence) 
         axis: axis.to_owned(),
         rows: rows.collect(),
         bounds: Some((low, high)),
-        n: found.n,
+        n: result.n,
     })
 }
 
@@ -384,28 +388,28 @@ pub(in crate::stages::stats) fn equivalence(outcome: &str, found: &Equivalence) 
 pub(in crate::stages::stats) fn by_design(
     rows: &DesignRows,
     outcome: &str,
-    found: &ByDesign,
+    result: &ByDesign,
 ) -> Picture {
-    match found {
-        ByDesign::Factorial(found) => {
+    match result {
+        ByDesign::Factorial(result) => {
             // The highest effect of factors; covariates come behind it.
-            let highest = found.found.anova.anova.iter().last();
-            let mut sentences = found.found.statements().into_iter();
+            let highest = result.found.anova.anova.iter().last();
+            let mut sentences = result.found.statements().into_iter();
             let test = highest.and_then(|(name, _)| sentences.find(|(n, _)| n == name));
-            let test = test.map_or_else(|| first(&found.found), of_effect);
-            factorial_under(rows, outcome, &found.found.anova, test)
+            let test = test.map_or_else(|| first(&result.found), of_effect);
+            factorial_under(rows, outcome, &result.found.anova, test)
         }
         ByDesign::Groups(inner) => {
-            let chosen = Some((inner.chosen, first(found)));
+            let chosen = Some((inner.chosen, first(result)));
             groups(rows, outcome, &inner.found, chosen)
         }
-        ByDesign::Mixed(found) => mixed(Some(rows), outcome, &found.found.model),
-        ByDesign::Ordinal(found) => ordinal(
+        ByDesign::Mixed(result) => mixed(Some(rows), outcome, &result.found.model),
+        ByDesign::Ordinal(result) => ordinal(
             rows,
             outcome,
-            &found.found.model,
-            found.found.beside.as_ref(),
+            &result.found.model,
+            result.found.beside.as_ref(),
         ),
-        _ => plain_cells(rows, outcome, first(found)),
+        _ => plain_cells(rows, outcome, first(result)),
     }
 }

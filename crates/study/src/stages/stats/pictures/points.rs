@@ -48,10 +48,10 @@ pub(in crate::stages::stats) fn within_people(
             .iter()
             .fold((0.0, 0.0), |(a, b), (x, y)| (a + x / n, b + y / n));
         let ends = |f: fn(f64, f64) -> f64, start: f64| points.iter().map(|p| p.0).fold(start, f);
-        let at = |x: f64| Some((x, my + slope? * (x - mx)));
+        let point_at = |x: f64| Some((x, my + slope? * (x - mx)));
         Some([
-            at(ends(f64::min, f64::INFINITY))?,
-            at(ends(f64::max, f64::NEG_INFINITY))?,
+            point_at(ends(f64::min, f64::INFINITY))?,
+            point_at(ends(f64::max, f64::NEG_INFINITY))?,
         ])
     };
     Picture::Scatter(Scatter {

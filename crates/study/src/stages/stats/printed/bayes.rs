@@ -8,12 +8,12 @@ use super::{
 use maveric_report::tables::{Cell, Table};
 use maveric_stats::{BayesCorrelationAnalysis, BayesTAnalysis, Prior};
 
-pub(in crate::stages::stats) fn bayes(found: &BayesTAnalysis) -> Printed {
+pub(in crate::stages::stats) fn bayes(result: &BayesTAnalysis) -> Printed {
     let values = |values: &[usize]| {
         let each: Vec<String> = values.iter().map(ToString::to_string).collect();
         Cell::text(each.join(" + "))
     };
-    let mut factors = table("Bayes factors (A minus B)", found.bayes_t.iter())
+    let mut factors = table("Bayes factors (A minus B)", result.bayes_t.iter())
         .text("", |(name, _)| *name)
         .right("*n*", |(_, t)| values(&t.values))
         .right("*t*", |(_, t)| optional(t.t))
@@ -21,21 +21,21 @@ pub(in crate::stages::stats) fn bayes(found: &BayesTAnalysis) -> Printed {
         .right("*BF*_{01}", |(_, t)| optional(t.bf01))
         .right("ln *BF*_{10}", |(_, t)| optional(t.log_bf10))
         .done();
-    factors.notes = named_sentences(found);
-    let who = format!("Bayes factors of t tests: n = {}", found.n);
-    Printed::headed(who, found.n, &found.dropped)
-        .left_out(found.missing, "values")
+    factors.notes = named_sentences(result);
+    let who = format!("Bayes factors of t tests: n = {}", result.n);
+    Printed::headed(who, result.n, &result.dropped)
+        .left_out(result.missing, "values")
         .table(factors)
-        .table(priors([("bf10", &found.prior)]))
-        .undefined(&found.undefined)
+        .table(priors([("bf10", &result.prior)]))
+        .undefined(&result.undefined)
 }
 
 pub(in crate::stages::stats) fn bayes_correlation(
-    found: &BayesCorrelationAnalysis,
+    result: &BayesCorrelationAnalysis,
     x: &str,
     y: &str,
 ) -> Printed {
-    let factor = &found.bayes_r;
+    let factor = &result.bayes_r;
     let rows = [
         ("bf10", factor.bf10, factor.log_bf10),
         ("bf10_kappa1", factor.bf10_kappa1, factor.log_bf10_kappa1),
@@ -46,16 +46,16 @@ pub(in crate::stages::stats) fn bayes_correlation(
         .right("*BF*_{10}", |(_, bf10, _)| optional(*bf10))
         .right("ln *BF*_{10}", |(.., log)| optional(*log))
         .done();
-    factors.notes = named_sentences(found);
+    factors.notes = named_sentences(result);
     let who = format!("Correlation of {x} and {y}: {} pairs", factor.n);
     Printed::headed(who, factor.n, &[])
-        .left_out(found.missing, "pairs")
+        .left_out(result.missing, "pairs")
         .table(factors)
         .table(priors([
-            ("bf10", &found.prior),
-            ("bf10_kappa1", &found.prior_kappa1),
+            ("bf10", &result.prior),
+            ("bf10_kappa1", &result.prior_kappa1),
         ]))
-        .undefined(&found.undefined)
+        .undefined(&result.undefined)
 }
 
 fn priors<'a>(priors: impl IntoIterator<Item = (&'a str, &'a Prior)>) -> Table {

@@ -11,20 +11,20 @@ use super::{
 use maveric_report::tables::Table;
 use maveric_stats::{ByDesign, RankCheck};
 
-pub(in crate::stages::stats) fn by_design(found: &ByDesign) -> Printed {
-    let mut inner = match found {
-        ByDesign::OneFactor(found) => return comparison(found),
-        ByDesign::Factorial(found) => {
-            let mut printed = factorial(&found.found.anova);
+pub(in crate::stages::stats) fn by_design(result: &ByDesign) -> Printed {
+    let mut inner = match result {
+        ByDesign::OneFactor(result) => return comparison(result),
+        ByDesign::Factorial(result) => {
+            let mut printed = factorial(&result.found.anova);
             // The tests that count in the place of those of the analysis of variance.
-            printed.tables[0] = deciding(&found.found);
+            printed.tables[0] = deciding(&result.found);
             printed
         }
-        ByDesign::Groups(found) => groups(&found.found),
-        ByDesign::Mixed(found) => {
-            let mut printed = mixed(&found.found.model);
-            if !found.found.corrected.is_empty() {
-                let sentences = named_sentences(&found.found);
+        ByDesign::Groups(result) => groups(&result.found),
+        ByDesign::Mixed(result) => {
+            let mut printed = mixed(&result.found.model);
+            if !result.found.corrected.is_empty() {
+                let sentences = named_sentences(&result.found);
                 let title = "Terms, degrees of freedom within subjects times epsilon";
                 printed = Printed {
                     heading: std::mem::take(&mut printed.heading),
@@ -35,11 +35,11 @@ pub(in crate::stages::stats) fn by_design(found: &ByDesign) -> Printed {
             }
             printed
         }
-        ByDesign::Ordinal(found) => {
-            let mut printed = ordinal(&found.found.model);
+        ByDesign::Ordinal(result) => {
+            let mut printed = ordinal(&result.found.model);
             // The conditions by the test that decides: the likelihood ratio held against F.
-            printed.tables[0].notes = named_sentences(&found.found);
-            match &found.found.beside {
+            printed.tables[0].notes = named_sentences(&result.found);
+            match &result.found.beside {
                 Some(beside) => printed.table(ranks(beside)),
                 None => printed,
             }
@@ -47,8 +47,8 @@ pub(in crate::stages::stats) fn by_design(found: &ByDesign) -> Printed {
         _ => return Printed::default(),
     };
     let mut printed = Printed::default()
-        .table(checks(found.checks()))
-        .lines("Why this test", why(found.reasons()));
+        .table(checks(result.checks()))
+        .lines("Why this test", why(result.reasons()));
     printed.heading = std::mem::take(&mut inner.heading);
     printed.and(inner)
 }

@@ -28,21 +28,23 @@ fn who(what: &str, n: usize, missing: usize, more: &str) -> Printed {
     }
 }
 
-fn sentences(found: &impl Statements) -> Vec<String> {
-    let all = found.statements().into_iter();
-    all.map(|(_, said)| said.markup().to_owned()).collect()
+fn sentences(result: &impl Statements) -> Vec<String> {
+    let statements = result.statements().into_iter();
+    statements
+        .map(|(_, sentence)| sentence.markup().to_owned())
+        .collect()
 }
 
-pub(in crate::stages::stats) fn correlation(found: &Correlation, x: &str, y: &str) -> Printed {
-    let pearson = found.pearson.as_ref().map(|r| {
+pub(in crate::stages::stats) fn correlation(result: &Correlation, x: &str, y: &str) -> Printed {
+    let pearson = result.pearson.as_ref().map(|r| {
         let by = how(r.p.map(|_| PMethod::T));
         ("Pearson r", r.r, (r.ci_low, r.ci_high), r.p, by)
     });
-    let spearman = found.spearman.as_ref().map(|rho| {
+    let spearman = result.spearman.as_ref().map(|rho| {
         let ends = (rho.ci_bw_low, rho.ci_bw_high);
         ("Spearman rho", rho.rho, ends, rho.p, how(rho.p_method))
     });
-    let kendall = found.kendall.as_ref().map(|tau| {
+    let kendall = result.kendall.as_ref().map(|tau| {
         let ends = (tau.ci_low, tau.ci_high);
         ("Kendall tau-b", tau.tau_b, ends, tau.p, how(tau.p_method))
     });
@@ -54,28 +56,28 @@ pub(in crate::stages::stats) fn correlation(found: &Correlation, x: &str, y: &st
         .right("*p*", |row| p(row.3))
         .right("By", |row| row.4.clone())
         .done();
-    table.notes = sentences(found);
-    let reasons = found.reasons.iter().map(|reason| markup::literal(reason));
+    table.notes = sentences(result);
+    let reasons = result.reasons.iter().map(|reason| markup::literal(reason));
     who(
         &format!("Correlation of {x} and {y}"),
-        found.n,
-        found.missing,
+        result.n,
+        result.missing,
         "",
     )
     .table(table)
     .lines("Why this coefficient", reasons.collect())
-    .undefined(&found.undefined)
+    .undefined(&result.undefined)
 }
 
 pub(in crate::stages::stats) fn rm_correlation(
-    found: &RmCorrelationAnalysis,
+    result: &RmCorrelationAnalysis,
     x: &str,
     y: &str,
 ) -> Printed {
-    let more = format!(" of {} subjects", found.subjects);
+    let more = format!(" of {} subjects", result.subjects);
     let what = format!("Correlation of {x} and {y} within subjects");
-    let r = &found.rm_corr;
-    let mut lines = sentences(found);
+    let r = &result.rm_corr;
+    let mut lines = sentences(result);
     let ci = interval(r.ci_low, r.ci_high, share);
     lines.push(format!("95% CI {}", shown(&ci)));
     if let Some(slope) = r.slope {
@@ -86,7 +88,7 @@ pub(in crate::stages::stats) fn rm_correlation(
         );
         lines.push(format!("common slope of {y} on {x}: {slope}"));
     }
-    who(&what, found.n, found.missing, &more)
+    who(&what, result.n, result.missing, &more)
         .lines("Within subjects", lines)
-        .undefined(&found.undefined)
+        .undefined(&result.undefined)
 }

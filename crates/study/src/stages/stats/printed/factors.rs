@@ -10,27 +10,28 @@ use maveric_stats::{
     AlignedRanks, CellContrast, Factorial, FactorialFinding, MarginalMean, Named, Sphericity,
 };
 
-pub(in crate::stages::stats) fn factorial(found: &Factorial) -> Printed {
-    let factors = found
+pub(in crate::stages::stats) fn factorial(result: &Factorial) -> Printed {
+    let factors = result
         .levels
         .iter()
         .map(|(name, levels)| format!("{name} ({})", levels.join(", ")));
     let who = format!(
         "Factorial analysis: {} subjects; {}",
-        found.n,
+        result.n,
         factors.collect::<Vec<_>>().join("; ")
     );
-    let mut effects = effects(found);
-    effects.notes = named_sentences(found);
-    let mut printed = Printed::headed(who, found.n, &found.dropped).table(effects);
-    for (name, means) in found.emm.iter() {
+    let mut effects = effects(result);
+    effects.notes = named_sentences(result);
+    let mut printed = Printed::headed(who, result.n, &result.dropped).table(effects);
+    for (name, means) in result.emm.iter() {
         printed = printed.table(marginal(name, means));
     }
-    for (name, pairs) in found.contrast.iter() {
+    for (name, pairs) in result.contrast.iter() {
         printed = printed.table(contrasts(name, pairs));
     }
-    let inner = found.simple.iter().flat_map(|(interaction, all)| {
-        all.iter()
+    let inner = result.simple.iter().flat_map(|(interaction, tests)| {
+        tests
+            .iter()
             .map(move |(name, test)| (format!("{interaction}: {name}"), test))
     });
     let inner: Vec<_> = inner.collect();
@@ -45,17 +46,17 @@ pub(in crate::stages::stats) fn factorial(found: &Factorial) -> Printed {
     for (whole, test) in inner.iter().filter(|(_, test)| test.pairs.len() > 1) {
         printed = printed.table(contrasts(whole, &test.pairs));
     }
-    printed.undefined(&found.undefined)
+    printed.undefined(&result.undefined)
 }
 
-fn effects(found: &Factorial) -> Table {
-    let epsilon = |name: &str, of: fn(&Sphericity) -> Cell| {
-        found
+fn effects(result: &Factorial) -> Table {
+    let epsilon = |name: &str, column: fn(&Sphericity) -> Cell| {
+        result
             .sphericity
             .get(name)
-            .map_or_else(|| Cell::text(""), of)
+            .map_or_else(|| Cell::text(""), column)
     };
-    table("Effects", found.anova.iter())
+    table("Effects", result.anova.iter())
         .text("Effect", |(name, _)| *name)
         .right("*F*", |(_, e)| optional(e.f))
         .right("*df*_{1}", |(_, e)| degrees(Some(e.df1 as f64)))
@@ -72,8 +73,8 @@ fn effects(found: &Factorial) -> Table {
 }
 
 /// Each effect by the test that decides about it.
-pub(super) fn deciding(found: &FactorialFinding) -> Table {
-    let mut table = table("Effects", found.tests.iter())
+pub(super) fn deciding(result: &FactorialFinding) -> Table {
+    let mut table = table("Effects", result.tests.iter())
         .text("Effect", |(name, _)| *name)
         .text("Test", |(_, test)| test.method.title())
         .right("Statistic", |(_, test)| optional(test.statistic))
@@ -82,7 +83,7 @@ pub(super) fn deciding(found: &FactorialFinding) -> Table {
         .right("*ε*", |(_, test)| share(test.epsilon))
         .right("*p*", |(_, test)| p(test.p))
         .done();
-    table.notes = named_sentences(found);
+    table.notes = named_sentences(result);
     table
 }
 
@@ -95,8 +96,8 @@ pub(super) fn marginal(name: &str, means: &Named<MarginalMean>) -> Table {
         .done()
 }
 
-fn contrasts(of: &str, pairs: &Named<CellContrast>) -> Table {
-    table(&format!("Pairs of {of} (A minus B, Holm)"), pairs.iter())
+fn contrasts(term: &str, pairs: &Named<CellContrast>) -> Table {
+    table(&format!("Pairs of {term} (A minus B, Holm)"), pairs.iter())
         .text("", |(name, _)| *name)
         .right("Difference", |(_, c)| number(c.estimate))
         .right("95% CI", |(_, c)| interval(c.ci_low, c.ci_high, optional))
@@ -106,17 +107,17 @@ fn contrasts(of: &str, pairs: &Named<CellContrast>) -> Table {
         .done()
 }
 
-pub(in crate::stages::stats) fn aligned(found: &AlignedRanks) -> Printed {
-    let mut table = table("Effects on aligned ranks", found.art.iter())
+pub(in crate::stages::stats) fn aligned(result: &AlignedRanks) -> Printed {
+    let mut table = table("Effects on aligned ranks", result.art.iter())
         .text("Effect", |(name, _)| *name)
         .right("*F*", |(_, e)| optional(e.f))
         .right("*df*_{1}", |(_, e)| degrees(Some(e.df1 as f64)))
         .right("*df*_{2}", |(_, e)| degrees(Some(e.df2 as f64)))
         .right("*p*", |(_, e)| p(e.p))
         .done();
-    table.notes = named_sentences(found);
-    let who = format!("Aligned ranks: {} subjects", found.n);
-    Printed::headed(who, found.n, &found.dropped)
+    table.notes = named_sentences(result);
+    let who = format!("Aligned ranks: {} subjects", result.n);
+    Printed::headed(who, result.n, &result.dropped)
         .table(table)
-        .undefined(&found.undefined)
+        .undefined(&result.undefined)
 }

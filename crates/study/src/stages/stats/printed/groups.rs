@@ -8,19 +8,22 @@ use super::{
 use maveric_report::tables::Cell;
 use maveric_stats::{Equivalence, GroupsAnalysis};
 
-pub(in crate::stages::stats) fn groups(found: &GroupsAnalysis) -> Printed {
-    let who = format!("Independent groups: {} values, {} groups", found.n, found.k);
-    let mut desc = table("Groups", found.desc.iter())
+pub(in crate::stages::stats) fn groups(result: &GroupsAnalysis) -> Printed {
+    let who = format!(
+        "Independent groups: {} values, {} groups",
+        result.n, result.k
+    );
+    let mut desc = table("Groups", result.desc.iter())
         .text("", |(name, _)| *name)
         .right("*n*", |(_, g)| Cell::count(g.n))
         .right("*M*", |(_, g)| number(g.mean))
         .right("95% CI", |(_, g)| interval(g.ci_low, g.ci_high, optional))
         .right("*SD*", |(_, g)| optional(g.sd))
         .done();
-    desc.notes = named_sentences(found);
-    let others = found.hedges.values().zip(found.mann_whitney.values());
+    desc.notes = named_sentences(result);
+    let others = result.hedges.values().zip(result.mann_whitney.values());
     let title = "Pairs by Welch's t and Mann-Whitney (A minus B; not adjusted)";
-    let pairs = table(title, found.welch_t.iter().zip(others))
+    let pairs = table(title, result.welch_t.iter().zip(others))
         .text("", |((name, _), _)| *name)
         .right("Difference", |((_, t), _)| number(t.mean_diff))
         .right("95% CI", |((_, t), _)| {
@@ -38,12 +41,12 @@ pub(in crate::stages::stats) fn groups(found: &GroupsAnalysis) -> Printed {
         .right("*r*_{rb}", |(_, (_, u))| share(Some(u.rank_biserial)))
         .done();
     let mut printed = Printed::headed(who, 0, &[])
-        .left_out(found.missing, "rows")
+        .left_out(result.missing, "rows")
         .table(desc)
         .table(pairs);
-    if let Some(several) = &found.several {
+    if let Some(several) = &result.several {
         let pairs = several.games_howell.iter().zip(several.dunn.values());
-        let all = table("Pairs of all groups (A minus B)", pairs)
+        let by_pair = table("Pairs of all groups (A minus B)", pairs)
             .text("", |((name, _), _)| *name)
             .right("*t* (Games-Howell)", |((_, t), _)| optional(t.t))
             .right("*df*", |((_, t), _)| degrees(t.df))
@@ -54,13 +57,13 @@ pub(in crate::stages::stats) fn groups(found: &GroupsAnalysis) -> Printed {
             .right("*z* (Dunn)", |(_, z)| optional(z.z))
             .right("*p*_{Holm}", |(_, z)| p(z.p_holm))
             .done();
-        printed = printed.table(all);
+        printed = printed.table(by_pair);
     }
-    printed.undefined(&found.undefined)
+    printed.undefined(&result.undefined)
 }
 
-pub(in crate::stages::stats) fn equivalence(found: &Equivalence) -> Printed {
-    let mut table = table("Equivalence", found.tost.iter())
+pub(in crate::stages::stats) fn equivalence(result: &Equivalence) -> Printed {
+    let mut table = table("Equivalence", result.tost.iter())
         .text("", |(name, _)| *name)
         .right("Difference", |(_, t)| number(t.estimate))
         .right("90% CI", |(_, t)| {
@@ -74,10 +77,10 @@ pub(in crate::stages::stats) fn equivalence(found: &Equivalence) -> Printed {
         })
         .right("*p* (difference)", |(_, t)| p(t.p_difference))
         .done();
-    table.notes = named_sentences(found);
-    let who = format!("Equivalence by two one-sided tests: {} subjects", found.n);
-    Printed::headed(who, found.n, &found.dropped)
-        .left_out(found.missing, "values")
+    table.notes = named_sentences(result);
+    let who = format!("Equivalence by two one-sided tests: {} subjects", result.n);
+    Printed::headed(who, result.n, &result.dropped)
+        .left_out(result.missing, "values")
         .table(table)
-        .undefined(&found.undefined)
+        .undefined(&result.undefined)
 }

@@ -9,21 +9,21 @@ use super::{
 use maveric_report::tables::Table;
 use maveric_stats::{MarginalContrast, Named, Ordinal, OrdinalParameter, RandomIntercept, apa};
 
-pub(in crate::stages::stats) fn mixed(found: &RandomIntercept) -> Printed {
+pub(in crate::stages::stats) fn mixed(result: &RandomIntercept) -> Printed {
     let who = format!(
         "Mixed model, random intercept of the subject, fixed {}: {} rows of {} subjects",
-        found.formula, found.n_obs, found.n_subjects,
+        result.formula, result.n_obs, result.n_subjects,
     );
-    let mut terms = table("Terms (type III, Satterthwaite)", found.anova.iter())
+    let mut terms = table("Terms (type III, Satterthwaite)", result.anova.iter())
         .text("Term", |(name, _)| *name)
         .right("*F*", |(_, t)| number(t.f))
         .right("*df*_{1}", |(_, t)| degrees(Some(t.df1 as f64)))
         .right("*df*_{2}", |(_, t)| degrees(t.df2))
         .right("*p*", |(_, t)| p(t.p))
         .done();
-    terms.notes = named_sentences(found);
+    terms.notes = named_sentences(result);
     let title = "Coefficients (the first level of a factor is the reference)";
-    let coefficients = table(title, found.coef.iter())
+    let coefficients = table(title, result.coef.iter())
         .text("", |(name, _)| *name)
         .right("Estimate", |(_, c)| number(c.estimate))
         .right("*SE*", |(_, c)| optional(c.se))
@@ -33,20 +33,20 @@ pub(in crate::stages::stats) fn mixed(found: &RandomIntercept) -> Printed {
         .right("*p*", |(_, c)| p(c.p))
         .noted(format!(
             "variance of the subjects {}, residual {}; ICC = {}",
-            apa::number(found.variance.subject, 3),
-            apa::number(found.variance.residual, 3),
-            apa::bounded(found.icc, 2)
+            apa::number(result.variance.subject, 3),
+            apa::number(result.variance.residual, 3),
+            apa::bounded(result.icc, 2)
         ));
     let mut printed = Printed::headed(who, 0, &[])
-        .left_out(found.missing, "rows")
+        .left_out(result.missing, "rows")
         .table(terms)
         .table(coefficients);
-    for ((name, means), pairs) in found.emm.iter().zip(found.contrast.values()) {
+    for ((name, means), pairs) in result.emm.iter().zip(result.contrast.values()) {
         printed = printed
             .table(marginal(name, means))
             .table(contrasts(name, pairs));
     }
-    printed.undefined(&found.undefined)
+    printed.undefined(&result.undefined)
 }
 
 fn contrasts(term: &str, pairs: &Named<MarginalContrast>) -> Table {
@@ -62,15 +62,15 @@ fn contrasts(term: &str, pairs: &Named<MarginalContrast>) -> Table {
         .done()
 }
 
-pub(in crate::stages::stats) fn ordinal(found: &Ordinal) -> Printed {
+pub(in crate::stages::stats) fn ordinal(result: &Ordinal) -> Printed {
     let who = format!(
         "Ordered answers, cumulative logit with a random intercept: {} answers of {} subjects, {} categories",
-        found.n_obs,
-        found.n_subjects,
-        found.answers.len()
+        result.n_obs,
+        result.n_subjects,
+        result.answers.len()
     );
-    let rows = |title: &str, all: &Named<OrdinalParameter>| {
-        table(title, all.iter())
+    let rows = |title: &str, parameters: &Named<OrdinalParameter>| {
+        table(title, parameters.iter())
             .text("", |(name, _)| *name)
             .right("Estimate", |(_, o)| optional(o.estimate))
             .right("*SE*", |(_, o)| optional(o.se))
@@ -79,22 +79,22 @@ pub(in crate::stages::stats) fn ordinal(found: &Ordinal) -> Printed {
             .right("*p*", |(_, o)| p(o.p))
             .done()
     };
-    let reference = found.conditions.first().map_or("", String::as_str);
+    let reference = result.conditions.first().map_or("", String::as_str);
     let mut coefficients = rows(
         &format!("Conditions against {reference} (log odds of a higher answer)"),
-        &found.quadrature.coef,
+        &result.quadrature.coef,
     );
-    coefficients.notes = named_sentences(found);
-    let mut thresholds = rows("Thresholds between answers", &found.quadrature.threshold);
-    if let Some(variance) = found.quadrature.variance.subject {
+    coefficients.notes = named_sentences(result);
+    let mut thresholds = rows("Thresholds between answers", &result.quadrature.threshold);
+    if let Some(variance) = result.quadrature.variance.subject {
         let variance = apa::number(variance, 3);
         thresholds
             .notes
             .push(format!("variance of the subjects {variance}"));
     }
     Printed::headed(who, 0, &[])
-        .left_out(found.missing, "rows")
+        .left_out(result.missing, "rows")
         .table(coefficients)
         .table(thresholds)
-        .undefined(&found.undefined)
+        .undefined(&result.undefined)
 }

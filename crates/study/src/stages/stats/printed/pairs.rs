@@ -12,9 +12,9 @@ use maveric_stats::{
     PosthocTest, apa,
 };
 
-pub(super) fn comparison(found: &Comparison) -> Printed {
-    let omnibus = &found.omnibus;
-    let mut finding = sentences(found, &["omnibus"]);
+pub(super) fn comparison(result: &Comparison) -> Printed {
+    let omnibus = &result.omnibus;
+    let mut finding = sentences(result, &["omnibus"]);
     if omnibus.test == OmnibusTest::Friedman {
         let ci = shown(&interval(
             omnibus.effect.ci_low,
@@ -42,48 +42,53 @@ pub(super) fn comparison(found: &Comparison) -> Printed {
         OmnibusTest::Wilcoxon => "Wilcoxon's signed ranks",
         _ => "Repeated-measures analysis of variance",
     };
-    Printed::of("Comparison of conditions", found.n, found.k, &found.dropped)
-        .table(within::conditions(&found.desc, None))
-        .table(checks(&found.checks))
-        .lines("Why this test", why(&found.reasons))
-        .lines(heading, finding)
-        .table(pairs(&found.posthoc))
-        .undefined(&found.undefined)
+    Printed::within(
+        "Comparison of conditions",
+        result.n,
+        result.k,
+        &result.dropped,
+    )
+    .table(within::conditions(&result.desc, None))
+    .table(checks(&result.checks))
+    .lines("Why this test", why(&result.reasons))
+    .lines(heading, finding)
+    .table(pairs(&result.posthoc))
+    .undefined(&result.undefined)
 }
 
-pub(in crate::stages::stats) fn posthoc(found: &Posthoc) -> Printed {
-    Printed::of("Comparison of pairs", found.n, found.k, &found.dropped)
-        .table(pairs(found))
-        .undefined(&found.undefined)
+pub(in crate::stages::stats) fn posthoc(result: &Posthoc) -> Printed {
+    Printed::within("Comparison of pairs", result.n, result.k, &result.dropped)
+        .table(pairs(result))
+        .undefined(&result.undefined)
 }
 
-fn heading_of(found: &Posthoc) -> String {
-    let test = match found.test {
+fn heading_of(result: &Posthoc) -> String {
+    let test = match result.test {
         PosthocTest::T => "paired t",
         PosthocTest::PooledT => "t over the pooled error term",
         PosthocTest::Wilcoxon => "Wilcoxon's signed ranks",
         PosthocTest::Conover => "Conover's test of rank sums",
         _ => "Nemenyi's test of mean ranks",
     };
-    let adjust = match found.adjust {
+    let adjust = match result.adjust {
         Adjustment::Holm => "p corrected by Holm",
         Adjustment::Bonferroni => "p corrected by Bonferroni",
         Adjustment::Hochberg => "p corrected by Hochberg",
         Adjustment::Bh => "false discovery rate by Benjamini and Hochberg",
-        _ if found.test == PosthocTest::Nemenyi => "p holds for all pairs",
+        _ if result.test == PosthocTest::Nemenyi => "p holds for all pairs",
         _ => "p not corrected",
     };
-    let alpha = apa::bounded(found.alpha, 2);
+    let alpha = apa::bounded(result.alpha, 2);
     format!("Pairs by {test} (A minus B; {adjust}; † below {alpha})")
 }
 
-fn pairs(found: &Posthoc) -> Table {
-    let statistic = match found.test {
+fn pairs(result: &Posthoc) -> Table {
+    let statistic = match result.test {
         PosthocTest::Wilcoxon => "*W*_{+}",
         PosthocTest::Nemenyi => "*q*",
         _ => "*t*",
     };
-    let biserial = found
+    let biserial = result
         .pairs
         .values()
         .next()
@@ -97,7 +102,7 @@ fn pairs(found: &Posthoc) -> Table {
         Some(PMethod::Exact) => " exact",
         _ => "",
     };
-    table(&heading_of(found), found.pairs.iter())
+    table(&heading_of(result), result.pairs.iter())
         .text("", |(name, _)| *name)
         .right("Difference", |(_, pair)| number(pair.mean_diff))
         .right("*n*", |(_, pair)| Cell::count(pair.n_used))

@@ -56,26 +56,26 @@ fn rows<'a>(title: &str, rows: impl Iterator<Item = (String, &'a Map<String, Val
         .collect();
     // An item's own name says more than its place.
     let table = cells::table(title, &rows).text("", |(name, row)| {
-        let own = row.get("name").and_then(Value::as_str);
-        own.unwrap_or(name).to_owned()
+        let label = row.get("name").and_then(Value::as_str);
+        label.unwrap_or(name).to_owned()
     });
     let columns = columns.into_iter();
-    let all = columns.fold(table, |table, key| {
+    let filled = columns.fold(table, |table, key| {
         table.right(markup::literal(key), |(_, row)| {
             row.get(key).map_or(Cell::Missing, cell)
         })
     });
-    all.done()
+    filled.done()
 }
 
 /// Lists of the same length side by side.
 fn lists(lists: &[(&String, &Vec<Value>)]) -> Table {
     let most = lists.iter().map(|(_, list)| list.len()).max().unwrap_or(0);
     let table = cells::table("Rows", 0..most).text("Row", |i| (i + 1).to_string());
-    let all = lists.iter().fold(table, |table, (key, list)| {
+    let filled = lists.iter().fold(table, |table, (key, list)| {
         table.right(key.as_str(), |&i| list.get(i).map_or(Cell::Missing, cell))
     });
-    all.done()
+    filled.done()
 }
 
 /// A table a group of numbers; `sentences` first.
@@ -133,10 +133,10 @@ fn inside(mut printed: Printed, title: &str, value: &Value) -> Printed {
         };
     }
     if let Some(Value::Object(reasons)) = object.get("undefined") {
-        let said = reasons.iter().map(|(name, reason)| {
+        let lines = reasons.iter().map(|(name, reason)| {
             markup::literal(&format!("{name}: {}", reason.as_str().unwrap_or_default()))
         });
-        printed = printed.lines("No value (–)", said.collect());
+        printed = printed.lines("No value (–)", lines.collect());
     }
     printed
 }

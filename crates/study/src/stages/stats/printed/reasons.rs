@@ -13,8 +13,8 @@ pub(super) fn why(reasons: &[String]) -> Vec<String> {
 }
 
 /// The assumptions that were looked at.
-pub(super) fn checks(all: &[AssumptionCheck]) -> Table {
-    table("Checks", all)
+pub(super) fn checks(assumptions: &[AssumptionCheck]) -> Table {
+    table("Checks", assumptions)
         .text("Assumption", |check| &check.name)
         .right("*W*", |check| share(check.statistic))
         .right("*p*", |check| p(check.p))

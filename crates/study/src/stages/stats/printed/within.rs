@@ -11,48 +11,53 @@ use maveric_stats::{
     ShapiroWilk, Sphericity, WithinAnalysis,
 };
 
-pub(in crate::stages::stats) fn whole(found: &WithinAnalysis) -> Printed {
-    let mut anova = variance(&found.rm_anova);
-    anova.notes = sentences(found, &["rm_anova"]);
-    let mut ranked = ranks(&found.friedman);
-    ranked.notes.splice(0..0, sentences(found, &["friedman"]));
-    Printed::of("Within-subject analysis", found.n, found.k, &found.dropped)
-        .table(conditions(&found.desc, Some(&found.shapiro)))
-        .table(anova)
-        .table(corrections(
-            &found.rm_anova,
-            &found.mauchly,
-            &found.sphericity,
-        ))
-        .table(sizes(&found.rm_anova))
-        .table(ranked)
-        .table(t_pairs(found))
-        .table(rank_pairs(found))
-        .undefined(&found.undefined)
+pub(in crate::stages::stats) fn whole(result: &WithinAnalysis) -> Printed {
+    let mut anova = variance(&result.rm_anova);
+    anova.notes = sentences(result, &["rm_anova"]);
+    let mut ranked = ranks(&result.friedman);
+    ranked.notes.splice(0..0, sentences(result, &["friedman"]));
+    Printed::within(
+        "Within-subject analysis",
+        result.n,
+        result.k,
+        &result.dropped,
+    )
+    .table(conditions(&result.desc, Some(&result.shapiro)))
+    .table(anova)
+    .table(corrections(
+        &result.rm_anova,
+        &result.mauchly,
+        &result.sphericity,
+    ))
+    .table(sizes(&result.rm_anova))
+    .table(ranked)
+    .table(t_pairs(result))
+    .table(rank_pairs(result))
+    .undefined(&result.undefined)
 }
 
-pub(in crate::stages::stats) fn rm_anova(found: &RmAnovaAnalysis) -> Printed {
-    let mut anova = variance(&found.rm_anova);
-    anova.notes = sentences(found, &["rm_anova"]);
-    Printed::of("Analysis of variance", found.n, found.k, &found.dropped)
-        .table(conditions(&found.desc, None))
+pub(in crate::stages::stats) fn rm_anova(result: &RmAnovaAnalysis) -> Printed {
+    let mut anova = variance(&result.rm_anova);
+    anova.notes = sentences(result, &["rm_anova"]);
+    Printed::within("Analysis of variance", result.n, result.k, &result.dropped)
+        .table(conditions(&result.desc, None))
         .table(anova)
         .table(corrections(
-            &found.rm_anova,
-            &found.mauchly,
-            &found.sphericity,
+            &result.rm_anova,
+            &result.mauchly,
+            &result.sphericity,
         ))
-        .table(sizes(&found.rm_anova))
-        .undefined(&found.undefined)
+        .table(sizes(&result.rm_anova))
+        .undefined(&result.undefined)
 }
 
-pub(in crate::stages::stats) fn friedman(found: &FriedmanAnalysis) -> Printed {
-    let mut ranked = ranks(&found.friedman);
-    ranked.notes.splice(0..0, sentences(found, &["friedman"]));
-    Printed::of("Friedman's test", found.n, found.k, &found.dropped)
-        .table(conditions(&found.desc, None))
+pub(in crate::stages::stats) fn friedman(result: &FriedmanAnalysis) -> Printed {
+    let mut ranked = ranks(&result.friedman);
+    ranked.notes.splice(0..0, sentences(result, &["friedman"]));
+    Printed::within("Friedman's test", result.n, result.k, &result.dropped)
+        .table(conditions(&result.desc, None))
         .table(ranked)
-        .undefined(&found.undefined)
+        .undefined(&result.undefined)
 }
 
 /// Means with their within-subject intervals, and the tests of normality if there are any.
@@ -62,8 +67,8 @@ pub(super) fn conditions(
 ) -> Table {
     let normal = |name: &str| shapiro.and_then(|tests| tests.get(name));
     let rows = desc.iter().map(|(name, c)| (name, Some(c)));
-    let mean = |of: fn(&ConditionSummary) -> Cell| {
-        move |(_, c): &(&str, Option<&ConditionSummary>)| c.map_or_else(|| Cell::text(""), of)
+    let mean = |column: fn(&ConditionSummary) -> Cell| {
+        move |(_, c): &(&str, Option<&ConditionSummary>)| c.map_or_else(|| Cell::text(""), column)
     };
     let residuals = shapiro.is_some().then_some(("residuals", None));
     table("Conditions", rows.chain(residuals))
@@ -86,28 +91,31 @@ pub(super) fn conditions(
         .done()
 }
 
-fn variance(found: &RmAnova) -> Table {
-    let (d1, d2) = (found.df1 as f64, found.df2 as f64);
+fn variance(result: &RmAnova) -> Table {
+    let (d1, d2) = (result.df1 as f64, result.df2 as f64);
     let blank = || Cell::text("");
     let rows = [
-        ("conditions", found.ss_condition, d1, true),
-        ("subjects", found.ss_subject, d2 / d1, false),
-        ("error", found.ss_error, d2, false),
+        ("conditions", result.ss_condition, d1, true),
+        ("subjects", result.ss_subject, d2 / d1, false),
+        ("error", result.ss_error, d2, false),
     ];
     table("Analysis of variance", rows)
         .text("Source", |row| row.0)
         .right("*SS*", |row| number(row.1))
         .right("*df*", |row| degrees(Some(row.2)))
         .right("*MS*", |row| number(row.1 / row.2))
-        .right("*F*", |row| if row.3 { optional(found.f) } else { blank() })
-        .right("*p*", |row| if row.3 { p(found.p) } else { blank() })
+        .right(
+            "*F*",
+            |row| if row.3 { optional(result.f) } else { blank() },
+        )
+        .right("*p*", |row| if row.3 { p(result.p) } else { blank() })
         .done()
 }
 
-fn corrections(found: &RmAnova, mauchly: &Mauchly, sphericity: &Sphericity) -> Table {
-    let (d1, d2) = (found.df1 as f64, found.df2 as f64);
+fn corrections(result: &RmAnova, mauchly: &Mauchly, sphericity: &Sphericity) -> Table {
+    let (d1, d2) = (result.df1 as f64, result.df2 as f64);
     let rows = [
-        ("1 (sphericity)", Some(1.0), found.p),
+        ("1 (sphericity)", Some(1.0), result.p),
         ("Greenhouse-Geisser", sphericity.gg, sphericity.p_gg),
         ("Huynh-Feldt", sphericity.hf, sphericity.p_hf),
         ("lower bound", Some(sphericity.lower_bound), sphericity.p_lb),
@@ -132,25 +140,25 @@ fn corrections(found: &RmAnova, mauchly: &Mauchly, sphericity: &Sphericity) -> T
     table
 }
 
-fn sizes(found: &RmAnova) -> Table {
+fn sizes(result: &RmAnova) -> Table {
     let rows = [
         (
             "partial eta squared",
-            found.eta2_partial,
-            found.eta2_partial_ci90_low,
-            found.eta2_partial_ci90_high,
+            result.eta2_partial,
+            result.eta2_partial_ci90_low,
+            result.eta2_partial_ci90_high,
         ),
         (
             "generalised eta squared",
-            found.eta2_generalized,
-            found.eta2_generalized_ci90_low,
-            found.eta2_generalized_ci90_high,
+            result.eta2_generalized,
+            result.eta2_generalized_ci90_low,
+            result.eta2_generalized_ci90_high,
         ),
         (
             "omega squared",
-            found.omega2_partial,
-            found.omega2_partial_ci90_low,
-            found.omega2_partial_ci90_high,
+            result.omega2_partial,
+            result.omega2_partial_ci90_low,
+            result.omega2_partial_ci90_high,
         ),
     ];
     table("Effect sizes", rows)
@@ -160,24 +168,24 @@ fn sizes(found: &RmAnova) -> Table {
         .done()
 }
 
-fn ranks(found: &Friedman) -> Table {
-    let two = match (found.f_df1, found.f_df2) {
+fn ranks(result: &Friedman) -> Table {
+    let two = match (result.f_df1, result.f_df2) {
         (Some(a), Some(b)) => Cell::text(format!("{a}, {b}")),
         _ => Cell::Missing,
     };
-    let (blank, df) = (|| Cell::text(""), degrees(found.df.map(|df| df as f64)));
+    let (blank, df) = (|| Cell::text(""), degrees(result.df.map(|df| df as f64)));
     let rows = [
         (
             "all orders of the ranks (exact)",
             blank(),
             blank(),
-            found.p_exact,
+            result.p_exact,
         ),
-        ("F (Iman-Davenport)", optional(found.f), two, found.f_p),
-        ("chi-squared", optional(found.chi2), df, found.p),
+        ("F (Iman-Davenport)", optional(result.f), two, result.f_p),
+        ("chi-squared", optional(result.chi2), df, result.p),
     ];
-    let ci = interval(found.kendall_w_ci90_low, found.kendall_w_ci90_high, share);
-    let (w, ci) = (shown(&share(found.kendall_w)), shown(&ci));
+    let ci = interval(result.kendall_w_ci90_low, result.kendall_w_ci90_high, share);
+    let (w, ci) = (shown(&share(result.kendall_w)), shown(&ci));
     table("Friedman", rows)
         .text("By", |row| row.0)
         .right("Statistic", |row| row.1.clone())
@@ -186,8 +194,8 @@ fn ranks(found: &Friedman) -> Table {
         .noted(format!("Kendall's *W* = {w}, 90% CI {ci}"))
 }
 
-fn t_pairs(found: &WithinAnalysis) -> Table {
-    let pairs = found.paired.iter().zip(found.pooled.values());
+fn t_pairs(result: &WithinAnalysis) -> Table {
+    let pairs = result.paired.iter().zip(result.pooled.values());
     table("Pairs by paired t (A minus B, Holm)", pairs)
         .text("", |((name, _), _)| *name)
         .right("Difference", |((_, t), _)| number(t.mean_diff))
@@ -206,12 +214,12 @@ fn t_pairs(found: &WithinAnalysis) -> Table {
         .done()
 }
 
-fn rank_pairs(found: &WithinAnalysis) -> Table {
+fn rank_pairs(result: &WithinAnalysis) -> Table {
     let sum = |value: Option<f64>| value.map_or(Cell::Missing, |v| Cell::text(v.to_string()));
-    let others = found.conover.values().zip(found.nemenyi.values());
+    let others = result.conover.values().zip(result.nemenyi.values());
     table(
         "Pairs by ranks (A minus B, Holm)",
-        found.wilcoxon.iter().zip(others),
+        result.wilcoxon.iter().zip(others),
     )
     .text("", |((name, _), _)| *name)
     .right("*n*", |((_, w), _)| Cell::count(w.n_used))

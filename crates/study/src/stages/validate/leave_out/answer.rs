@@ -15,7 +15,7 @@ use serde::Serialize;
 #[derive(Debug, Clone, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Answer {
-    /// An order.
+    /// Whether the drive in one role lies above the others of its driver.
     Order(Order),
     /// Whose drive it is.
     Identity(Vec<Whose>),
@@ -92,11 +92,14 @@ pub(super) fn findings_of(answers: &[&Answer]) -> Vec<Finding> {
             _ => None,
         })
         .collect();
-    let all = [
+    let by_question = [
         findings::ordered(&orders),
         findings::beyond_speed(&orders),
         findings::recognised_unmet(whose.flatten()),
         findings::pointed(&directions),
     ];
-    all.into_iter().filter(|f| !f.parts.is_empty()).collect()
+    by_question
+        .into_iter()
+        .filter(|f| !f.parts.is_empty())
+        .collect()
 }

@@ -24,7 +24,7 @@ pub(super) enum Stands {
 
 impl Stands {
     /// Asks git about a file; `git` is the program's name.
-    pub(super) fn of(file: &Path, git: &str) -> Self {
+    pub(super) fn ask_git(file: &Path, git: &str) -> Self {
         let folder = file.parent().filter(|f| !f.as_os_str().is_empty());
         let name = file.file_name().unwrap_or_default();
         let ask = |words: &[&str]| -> std::io::Result<Output> {
@@ -32,7 +32,7 @@ impl Stands {
             command.arg("-C").arg(folder.unwrap_or(Path::new(".")));
             command.args(words).arg("--").arg(name).output()
         };
-        let said = |output: std::io::Result<Output>| match output {
+        let stdout = |output: std::io::Result<Output>| match output {
             Err(error) if error.kind() == ErrorKind::NotFound => Err(Self::NoGit),
             Err(error) => Err(Self::Nowhere(format!("git cannot be asked: {error}"))),
             Ok(output) if output.status.success() => {
@@ -44,8 +44,8 @@ impl Stands {
                 Err(Self::Nowhere(format!("git knows no commit of it: {why}")))
             }
         };
-        let log = said(ask(&["log", "-1", "--abbrev=12", "--format=%h"]));
-        let changed = || said(ask(&["status", "--porcelain"]));
+        let log = stdout(ask(&["log", "-1", "--abbrev=12", "--format=%h"]));
+        let changed = || stdout(ask(&["status", "--porcelain"]));
         match log.and_then(|commit| Ok((commit, changed()?))) {
             Err(other) => other,
             Ok((commit, _)) if commit.is_empty() => {
@@ -115,7 +115,7 @@ pub(super) mod tests {
         let folder = tempfile::tempdir().unwrap();
         let file = folder.path().join("rules.toml");
         std::fs::write(&file, "title = \"x\"\n").unwrap();
-        let stands = || Stands::of(&file, "git");
+        let stands = || Stands::ask_git(&file, "git");
         if stands() == Stands::NoGit {
             return;
         }
@@ -135,7 +135,7 @@ pub(super) mod tests {
         refused(&format!("it was changed since commit {first}"));
         let other = folder.path().join("other.toml");
         std::fs::write(&other, "").unwrap();
-        let other = Stands::of(&other, "git");
+        let other = Stands::ask_git(&other, "git");
         assert_eq!(other, Stands::Nowhere("it was never committed".to_owned()));
     }
 
@@ -143,7 +143,7 @@ pub(super) mod tests {
     fn without_git_the_commit_is_unknown_and_nothing_is_refused() {
         let folder = tempfile::tempdir().unwrap();
         let file = folder.path().join("rules.toml");
-        let stands = Stands::of(&file, "a-git-that-is-not-there");
+        let stands = Stands::ask_git(&file, "a-git-that-is-not-there");
         assert_eq!(stands, Stands::NoGit);
         assert_eq!(stands.checked(&file).unwrap().text(), UNKNOWN);
     }

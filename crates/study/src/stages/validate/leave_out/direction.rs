@@ -23,15 +23,15 @@ use maveric_rehearsal::leave_out::{
 
 /// What a drive is like: mean speed, time gap, gap when moving out, lane changes a minute.
 fn axes(drive: &Drive) -> Change {
-    let of = |name: &str| objective::find(name).and_then(|m| m.of(drive));
+    let measure = |name: &str| objective::find(name).and_then(|m| m.of(drive));
     let minutes = drive.len() as f64 / drive.rate_hz() / 60.0;
     let changes = drive
         .has_lateral()
         .then(|| drive.lane_changes().len() as f64 / minutes);
     [
-        of("mean_velocity_mps"),
+        measure("mean_velocity_mps"),
         median_time_gap_s(drive),
-        of("mean_headway_time_s"),
+        measure("mean_headway_time_s"),
         changes,
     ]
 }
@@ -85,7 +85,7 @@ pub(super) fn pointing(
             continue;
         }
         let (above, below, own_style) = match placed(learning, fold, higher, lower) {
-            Ok(found) => found,
+            Ok(place) => place,
             Err(why) => {
                 uncounted.push(Uncounted {
                     participant: fold.person.clone(),
@@ -166,13 +166,13 @@ pub(super) fn pointing(
         });
     }
     let directions = table.directions.unwrap_or_default();
-    let found = direction(&pointed, directions, options.seed)?;
-    let apart = found.people.iter().filter(|p| p.cosine.is_none());
+    let result = direction(&pointed, directions, options.seed)?;
+    let apart = result.people.iter().filter(|p| p.cosine.is_none());
     uncounted.extend(apart.map(|p| Uncounted {
         participant: p.participant.clone(),
         why: Missing::Change,
     }));
-    Ok((found, uncounted))
+    Ok((result, uncounted))
 }
 
 /// Where a person's two drives stand, and the style of the ordinary one.
@@ -182,27 +182,30 @@ fn placed<'f>(
     higher: ConditionId,
     lower: ConditionId,
 ) -> Result<(usize, usize, &'f Embedding), Missing> {
-    let of = |who: &ParticipantId, role: ConditionId| {
+    let drive_in = |who: &ParticipantId, role: ConditionId| {
         first_in(&learning.drove, who, role).ok_or(Missing::Drive { role })
     };
-    let (above, below) = (of(&fold.person, higher)?, of(&fold.person, lower)?);
-    let own = fold.fitted[below]
+    let (above, below) = (
+        drive_in(&fold.person, higher)?,
+        drive_in(&fold.person, lower)?,
+    );
+    let ordinary = fold.fitted[below]
         .as_ref()
         .ok_or_else(|| Missing::Reading {
             drive: learning.drove[below].drive.clone(),
             by: maveric_rehearsal::leave_out::By::Line,
         })?;
-    Ok((above, below, &own.embedding))
+    Ok((above, below, &ordinary.embedding))
 }
 
 /// Mean over the roads.
 fn averaged(roads: &[Change]) -> Change {
-    let mut all = [None; AXES];
-    for (axis, part) in all.iter_mut().enumerate() {
+    let mut means = [None; AXES];
+    for (axis, part) in means.iter_mut().enumerate() {
         let known: Vec<f64> = roads.iter().filter_map(|r| r[axis]).collect();
         *part = crate::mean::mean(&known);
     }
-    all
+    means
 }
 
 #[cfg(test)]

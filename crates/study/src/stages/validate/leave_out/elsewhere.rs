@@ -40,7 +40,7 @@ pub(super) fn said_of(
         role_of(bench.table.lower.first().copied())?,
         role_of(bench.table.higher)?,
     );
-    let (mut found, mut uncounted) = (Vec::new(), Vec::new());
+    let (mut readings, mut uncounted) = (Vec::new(), Vec::new());
     for who in people(drove) {
         for role in [ordinary, higher] {
             let why = match first_in(drove, &who, role) {
@@ -66,7 +66,7 @@ pub(super) fn said_of(
         let (of_ordinary, of_higher) = (position(ordinary)?, position(higher)?);
         let se = |role| known(role).and_then(|k| k.sd_along(axis.gradient()));
         let ses = se(ordinary).zip(se(higher));
-        found.push(ShippedPerson {
+        readings.push(ShippedPerson {
             line: of_higher.zip(of_ordinary).map(|(h, o)| h - o),
             line_se: ses.map(|(o, h)| libm::hypot(o, h)),
             ordinary_beyond: known(ordinary).and_then(beyond),
@@ -74,7 +74,7 @@ pub(super) fn said_of(
             participant: who,
         });
     }
-    Ok(Some(shipped(found, model.people(), uncounted)?))
+    Ok(Some(shipped(readings, model.people(), uncounted)?))
 }
 
 /// Whether a drive is beyond what the model has met, before any style is fitted or because it reads as a score that the scale does not

@@ -128,8 +128,8 @@ impl Learning<'_> {
             return Ok(None);
         }
         let along = |w: &[f64]| gradient.iter().zip(w).map(|(g, w)| g * w).sum::<f64>();
-        let each = |of: &dyn Fn(&Personalized) -> Option<f64>| -> Vec<Option<f64>> {
-            fold.fitted.iter().map(|k| of(k.as_ref()?)).collect()
+        let each = |value: &dyn Fn(&Personalized) -> Option<f64>| -> Vec<Option<f64>> {
+            fold.fitted.iter().map(|k| value(k.as_ref()?)).collect()
         };
         Ok(Some(Line {
             position: each(&|k| Some(along(k.embedding.coordinates()) / length)),
@@ -145,12 +145,12 @@ impl Learning<'_> {
         let direction = axis.direction();
         let mut line = Line::default();
         for known in &fold.fitted {
-            let of = |value: fn(&LinearHead, &Personalized) -> Result<f64, ModelError>| {
+            let reading = |value: fn(&LinearHead, &Personalized) -> Result<f64, ModelError>| {
                 known.as_ref().map(|k| value(&axis, k)).transpose()
             };
             line.position
-                .push(of(|axis, k| axis.position(&k.embedding))?);
-            let score = of(|axis, k| axis.read(&k.embedding))?;
+                .push(reading(|axis, k| axis.position(&k.embedding))?);
+            let score = reading(|axis, k| axis.read(&k.embedding))?;
             line.score.push(score.map(|s| self.scale.outward(s)));
             line.se
                 .push(known.as_ref().and_then(|k| k.sd_along(&direction)));
@@ -172,6 +172,6 @@ pub(super) fn styles(folds: &[Fold]) -> Vec<Styles> {
         let rows = rows.map(<[f64]>::to_vec).collect();
         Some((k.embedding.coordinates().to_vec(), rows))
     };
-    let of = |fold: &Fold| fold.fitted.iter().map(|k| known(k.as_ref()?)).collect();
-    folds.iter().map(of).collect()
+    let fold_styles = |fold: &Fold| fold.fitted.iter().map(|k| known(k.as_ref()?)).collect();
+    folds.iter().map(fold_styles).collect()
 }

@@ -41,10 +41,10 @@ struct LookOfBefore {
 
 impl Look {
     /// Whether it opened one of the recordings that a table reads.
-    fn opened(&self, table: &Table, all: &Recordings) -> bool {
+    fn opened(&self, table: &Table, recordings: &Recordings) -> bool {
         let names = |list: &str, name: &str| list.split(' ').any(|word| word == name);
         let part = self.part == Part::Test || table.part == Part::Development;
-        part && table.reads(all).iter().any(|row| {
+        part && table.reads(recordings).iter().any(|row| {
             let meta = row.drive.meta();
             names(&self.people, meta.participant.as_str())
                 && names(&self.roles, meta.condition.as_str())
@@ -58,9 +58,9 @@ pub(super) fn changed_since(
     looks: &[Look],
     hash: Option<&str>,
     table: &Table,
-    all: &Recordings,
+    recordings: &Recordings,
 ) -> Option<Look> {
-    let first = looks.iter().find(|look| look.opened(table, all))?;
+    let first = looks.iter().find(|look| look.opened(table, recordings))?;
     (Some(first.rules.as_str()) != hash).then(|| first.clone())
 }
 
@@ -101,10 +101,10 @@ pub(super) fn look(
     hash: &str,
     rules: &Rules,
     options: &Validate,
-    all: &Recordings,
+    recordings: &Recordings,
     warnings: &mut Vec<String>,
 ) -> Result<Vec<Look>, StudyError> {
-    let mut stands = Stands::of(rules_file, "git");
+    let mut stands = Stands::ask_git(rules_file, "git");
     if options.part == Part::Test {
         stands = stands.checked(rules_file)?;
         if stands == Stands::NoGit {
@@ -119,7 +119,7 @@ pub(super) fn look(
     let opened = |part: Part| part == Part::Development || options.part == Part::Test;
     let (mut people, mut roles) = (BTreeSet::new(), BTreeSet::new());
     for table in rules.tables.iter().filter(|t| opened(t.part)) {
-        for row in table.reads(all) {
+        for row in table.reads(recordings) {
             let meta = row.drive.meta();
             people.insert(meta.participant.to_string());
             roles.insert(meta.condition.to_string());

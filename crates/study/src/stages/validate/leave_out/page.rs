@@ -18,22 +18,22 @@ use maveric_report::{
 use minijinja::context;
 
 pub(super) fn page(
-    found: &InTurn,
+    validation: &InTurn,
     options: &Validate,
     design: &Design,
     tables: Vec<(String, Vec<Table>)>,
     warnings: &[String],
 ) -> Result<Report, StudyError> {
-    let context = Context::of(found.synthetic, options.seed).with_speed(design.speed_unit());
+    let context = Context::of(validation.synthetic, options.seed).with_speed(design.speed_unit());
     let values = context! {
-        title => found.rules.title.clone(),
+        title => validation.rules.title.clone(),
         given => options.rules.is_some(),
         preface => context.preface(),
-        people => found.people,
-        drives => found.drives,
-        heads => found.heads.to_string(),
-        source => found.rules.source.clone(),
-        order_of_drives => found.rules.order_of_drives.clone(),
+        people => validation.people,
+        drives => validation.drives,
+        heads => validation.heads.to_string(),
+        source => validation.rules.source.clone(),
+        order_of_drives => validation.rules.order_of_drives.clone(),
     };
     let title = text("page", "title", &values)?;
     let new = page_of(
@@ -42,7 +42,7 @@ pub(super) fn page(
         text("page", "method", &values)?,
         (options.seed, options.command.as_deref().unwrap_or_default()),
     );
-    let judged = found.tables.iter().zip(&found.rules.tables);
+    let judged = validation.tables.iter().zip(&validation.rules.tables);
     let judged = || judged.clone().filter(|(_, rule)| !rule.seen);
     let orders = judged().filter_map(|(t, _)| match &t.answer {
         Some(Answer::Order(order)) => Some((t.id.as_str(), order)),
@@ -65,7 +65,7 @@ pub(super) fn page(
     let mut sections = Vec::new();
     for ((id, tables), (answered, rule)) in tables
         .into_iter()
-        .zip(found.tables.iter().zip(&found.rules.tables))
+        .zip(validation.tables.iter().zip(&validation.rules.tables))
     {
         sections.push(Section {
             title: maveric_pages::words::capital(&id.replace(['-', '_'], " ")),
@@ -74,16 +74,16 @@ pub(super) fn page(
             tables,
         });
     }
-    if !found.looks.is_empty() {
+    if !validation.looks.is_empty() {
         sections.push(Section {
             title: text("page", "looks", &values)?,
             intro: vec![text("page", "looks_intro", &values)?],
             figures: Vec::new(),
-            tables: vec![looked(&found.looks, text("page", "looks", &values)?)],
+            tables: vec![looked(&validation.looks, text("page", "looks", &values)?)],
         });
     }
     Ok(Report {
-        cards: cards.cards(&found.findings)?,
+        cards: cards.cards(&validation.findings)?,
         sections,
         warnings: warnings.to_vec(),
         provenance: Provenance {

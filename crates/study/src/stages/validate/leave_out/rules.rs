@@ -66,11 +66,11 @@ fn permutations() -> usize {
     PERMUTATIONS
 }
 
-/// One table.
+/// A question to people who are left out in turn, and the drives that answer it.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Table {
-    /// Its id.
+    /// What the page, its files and its warnings call it.
     pub id: String,
     /// What it asks.
     pub asks: Asks,
@@ -127,13 +127,13 @@ impl Table {
     }
 
     /// The recordings that it reads.
-    pub(super) fn reads<'a>(&self, all: &'a Recordings) -> Vec<&'a Recorded> {
+    pub(super) fn reads<'a>(&self, recordings: &'a Recordings) -> Vec<&'a Recorded> {
         let is_of = |r: &&Recorded| {
             let meta = r.drive.meta();
             let of_people = self.people.is_empty() || self.people.contains(&meta.participant);
             of_people && self.roles().any(|role| role == meta.condition)
         };
-        all.rows.iter().filter(is_of).collect()
+        recordings.rows.iter().filter(is_of).collect()
     }
 }
 

@@ -13,13 +13,13 @@ use minijinja::{Value, context};
 
 /// The tables of each table of rules, with that one's id.
 pub(super) fn tables(
-    found: &InTurn,
+    validation: &InTurn,
     design: &Design,
 ) -> Result<Vec<(String, Vec<Table>)>, StudyError> {
-    let of = |(answered, rule): (&Answered, &rules::Table)| {
+    let section = |(answered, rule): (&Answered, &rules::Table)| {
         let words = Words {
             id: &answered.id,
-            people: found.people_of(rule),
+            people: validation.people_of(rule),
             seen: rule.seen,
             design,
         };
@@ -40,11 +40,11 @@ pub(super) fn tables(
         }
         Ok((answered.id.clone(), tables))
     };
-    found
+    validation
         .tables
         .iter()
-        .zip(&found.rules.tables)
-        .map(of)
+        .zip(&validation.rules.tables)
+        .map(section)
         .collect()
 }
 
@@ -194,8 +194,9 @@ impl Words<'_> {
             n => measures.iter().map(|m| m.n).max(),
             seen => self.seen,
         };
-        let icc =
-            |m: &Retest, of: fn(&maveric_stats::Icc) -> Option<f64>| m.icc.as_ref().and_then(of);
+        let icc = |m: &Retest, value: fn(&maveric_stats::Icc) -> Option<f64>| {
+            m.icc.as_ref().and_then(value)
+        };
         let table = Table::of(self.name(""), text("retest", "title", &values)?, measures)
             .text("Measure", |m| m.title.as_str())
             .text("Unit", |m| m.unit.as_str())
@@ -221,12 +222,12 @@ impl Words<'_> {
             seen => self.seen,
         };
         let rows = [(1, share.within_1, 68.3), (2, share.within_2, 95.4)];
-        let of =
+        let fraction =
             |count: usize| (share.coordinates > 0).then(|| count as f64 / share.coordinates as f64);
         let table = Table::of(self.name(""), text("errors", "title", &values)?, rows)
             .right("Within standard errors", |(k, _, _)| Cell::count(*k))
             .right("Coordinates", |(_, count, _)| Cell::count(*count))
-            .right("%", |(_, count, _)| percent(of(*count)))
+            .right("%", |(_, count, _)| percent(fraction(*count)))
             .right("Expected (%)", |(_, _, expected)| {
                 Cell::number(Some(*expected), 1)
             })
@@ -246,20 +247,24 @@ impl Words<'_> {
         }
     }
 
-    fn direction(&self, found: &Direction, rule: &rules::Table) -> Result<Vec<Table>, StudyError> {
+    fn direction(
+        &self,
+        direction: &Direction,
+        rule: &rules::Table,
+    ) -> Result<Vec<Table>, StudyError> {
         let values = context! {
-            n => found.n,
+            n => direction.n,
             points => rule.points,
-            directions => found.directions,
+            directions => direction.directions,
             ..self.of_pair(rule)
         };
         let mut rows = Vec::new();
         for (key, cosine, p) in [
-            ("driven", found.driven, None),
-            ("dial", found.dial, found.p),
-            ("drawn", found.drawn, None),
-            ("speed", found.speed, None),
-            ("speed_and_gap", found.speed_and_gap, None),
+            ("driven", direction.driven, None),
+            ("dial", direction.dial, direction.p),
+            ("drawn", direction.drawn, None),
+            ("speed", direction.speed, None),
+            ("speed_and_gap", direction.speed_and_gap, None),
         ] {
             rows.push((text("direction", key, &values)?, cosine, p));
         }
@@ -271,7 +276,7 @@ impl Words<'_> {
         let mut people = Table::of(
             self.name("people"),
             text("direction", "people", &values)?,
-            &found.people,
+            &direction.people,
         )
         .text("Person", |p| p.participant.as_str())
         .right("Cosine", |p| Cell::bounded(p.cosine, 2));

@@ -199,7 +199,7 @@ fn rules_open_the_test_part_only_when_asked_and_each_look_is_noted_once() {
     options.part = Part::Test;
     let looks_file = folder.path().join("lab_looks.csv");
     let looks = || std::fs::read_to_string(&looks_file).unwrap();
-    let git = commit::Stands::of(&rules, "git") != commit::Stands::NoGit;
+    let git = commit::Stands::ask_git(&rules, "git") != commit::Stands::NoGit;
     if git {
         // Rules that stand in no commit open nothing, and no look is noted.
         let error = run(&options).unwrap_err();
