@@ -8,6 +8,8 @@
 
 mod support;
 
+use path_slash::PathExt as _;
+use support::TempStudy;
 use support::own_logs::{
     PEOPLE, TABLE, TO_THE_NUMBERS, answers, change, measured, read, recorded, recorded_of, scale,
     speed, table,
@@ -433,6 +435,41 @@ fn status_says_who_is_out_and_what_nobody_drove_and_a_design_names_only_what_the
 }
 
 #[test]
+fn status_says_what_the_seat_lacks_unless_people_drive_elsewhere() {
+    let study = TempStudy::new();
+    let init = [
+        "init",
+        "mine",
+        "--conditions",
+        "calm,sporty",
+        "--style",
+        "none",
+    ];
+    study.maveric(&init).ok();
+    let lacks = "the seat cannot open this study: ";
+    let told = |study: &TempStudy| study.maveric_in("mine", &["status"]).ok().stderr;
+    assert!(!told(&study).contains(lacks));
+    change(
+        &study,
+        "mine/study.toml",
+        "# after = [\"jian_trust\"]",
+        "after = [\"mod\"]",
+    );
+    let line = format!("{lacks}[protocol] asks scale `mod`, and there are ");
+    assert!(told(&study).contains(&line), "{}", told(&study));
+    let json = study
+        .maveric_in("mine", &["status", "--format", "json"])
+        .ok();
+    let json: serde_json::Value = serde_json::from_str(&json.stdout).unwrap();
+    assert_eq!(json["seat"].as_array().unwrap().len(), 1, "{json}");
+    // Logs of another rig: nobody needs the seat.
+    study.write("mine/logs/P01-calm.csv", "time,speed\n");
+    assert!(!told(&study).contains(lacks));
+    std::fs::create_dir(study.path("mine/seat")).unwrap();
+    assert!(told(&study).contains(&line));
+}
+
+#[test]
 fn a_person_whose_part_is_misspelt_is_named_and_one_of_another_part_is_told() {
     let study = recorded(&["calm", "sporty"]);
     let text = read(&study, "mine/study.toml");
@@ -531,6 +568,32 @@ fn a_design_says_the_power_that_a_rehearsal_of_it_found_and_recorded_cars_cannot
     let words =
         "Power, “Calm is faster than sporty” is shown: 0.00 with 6 people, 0.00 with 8 people.";
     assert!(said.contains(words), "no `{words}` in {said}");
+}
+
+#[test]
+fn a_study_that_lends_styles_is_rehearsed_with_six_people_and_refused_with_five() {
+    let study = TempStudy::new();
+    let shipped = support::root().join("study_data");
+    let paper = std::fs::read_to_string(shipped.join("designs/paper.toml")).unwrap();
+    let paper = paper.replace("\"../", &format!("\"{}/", shipped.to_slash_lossy()));
+    let lent = paper.replace("{ across = true }", "{ other = \"matched\" }");
+    study.write("d/study.toml", lent);
+    let rehearse = |people: &str| {
+        let call = ["rehearse", "--participants", people, "--studies", "2"];
+        let call = [&call[..], &["--effects-times", "1", "--out", "rehearsal"]].concat();
+        study.maveric_in("d", &call)
+    };
+    rehearse("5,8").failed(
+        1,
+        &[
+            "`condition.perpendicular.car` lends somebody else's style",
+            "a study of 5 has 4 who could lend theirs, expected 5 or more",
+            "--participants 6",
+        ],
+    );
+    rehearse("6").ok();
+    let found = read(&study, "d/rehearsal/rehearsal.json");
+    assert!(found.contains("perpendicular"), "{found}");
 }
 
 #[test]

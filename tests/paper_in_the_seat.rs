@@ -10,7 +10,7 @@
 mod seat;
 mod support;
 
-use maveric_model::{model_file, style_space::LinearHead};
+use maveric_model::{Model, model_file, style_space::LinearHead};
 use maveric_seat::{Seat, SeatSettings, replay};
 use maveric_seat_page::Record;
 use maveric_simulator::Scenario;
@@ -114,11 +114,17 @@ fn learned(conditions: &str) -> TempStudy {
 
 /// The study's seat in the phase in which people ride.
 fn opened(folder: &Path) -> Server {
+    let model = std::fs::read(folder.join("results/model.maveric"));
+    opened_with(folder, Some(model.unwrap()))
+}
+
+/// The study's seat; without a model people drive by hand alone.
+fn opened_with(folder: &Path, model: Option<Vec<u8>>) -> Server {
     let settings = seat::settings(folder);
     let settings = SeatSettings {
         scales: read_scales(&folder.join("scales")).unwrap(),
         scenario: Scenario::paper(),
-        model: Some(std::fs::read(folder.join("results/model.maveric")).unwrap()),
+        model,
         stretch: 1.0,
         ..settings
     };
@@ -256,6 +262,47 @@ ride_s = 10
 seed = 5
 "#;
 
+/// Lets somebody in who answers the box below the consent, and goes through to the end.
+fn goes_through(server: &Server, person: &Script, style_lent: bool) {
+    let token = server.seat.let_in().unwrap();
+    let opened = server.post(&format!("/api/{token}/open/{TAB}"), "null");
+    assert_eq!(opened.0, 200);
+    let state = server.state(&token);
+    let asked = state["steps"][0]["lend"].as_str().unwrap();
+    assert!(asked.contains("drive in my style"), "{asked}");
+    let agreed = format!(r#"{{"agreed":true,"style_lent":{style_lent},"seconds":4.5}}"#);
+    let agreed = server.post(&format!("/api/{token}/answer/0"), &agreed);
+    assert_eq!(agreed.0, 200);
+    while person.go_on(server, &token) {}
+    let state = server.state(&token);
+    assert_eq!(state["ended"], "done");
+    // Whoever rides is not told whose style it is.
+    assert!(!state.to_string().contains("donor"), "{state}");
+}
+
+fn driver(model: &Rc<Model>, speed: f64) -> Script {
+    Script {
+        model: Rc::clone(model),
+        own: None,
+        stops: None,
+        speed: Some(speed),
+        answers: |item, low, high| Some(i64::midpoint(low, high) + i64::from(item == 1)),
+    }
+}
+
+/// Two people drive by hand and are learned from; the second lets nobody be driven in their style.
+fn two_are_learned_from(study: &TempStudy, folder: &Path) {
+    let model = std::fs::read(folder.join("results/model.maveric")).unwrap();
+    let model = Rc::new(model_file::from_bytes(&model).unwrap());
+    let server = opened_with(folder, None);
+    goes_through(&server, &driver(&model, 28.0), true);
+    goes_through(&server, &driver(&model, 30.0), false);
+    drop(server);
+    study
+        .maveric_in("mine", &["run", "train", "--set", "epochs=2"])
+        .ok();
+}
+
 #[test]
 fn somebody_elses_style_is_ridden_at_ones_own_score_and_whose_it_was_is_kept_for_the_study_alone() {
     let study = learned(MINE_OR_ANOTHERS);
@@ -268,26 +315,19 @@ fn somebody_elses_style_is_ridden_at_ones_own_score_and_whose_it_was_is_kept_for
     study.write("mine/scales/which.toml", which);
     let model = folder.join("results/model.maveric");
     std::fs::copy(&model, folder.join("lab.maveric")).unwrap();
+    two_are_learned_from(&study, &folder);
+    std::fs::copy(&model, folder.join("lab.maveric")).unwrap();
     let model = model_file::from_bytes(&std::fs::read(model).unwrap()).unwrap();
+    let training = model.training().iter().map(|drive| drive.drive.as_str());
+    let learned: Vec<&str> = training.filter(|drive| drive.starts_with('P')).collect();
+    assert_eq!(learned, ["P001-own", "P002-own"]);
     let dial = LinearHead::aggression(&model).unwrap();
     let model = Rc::new(model);
     let server = opened(&folder);
-    for person in 0..12 {
-        let person = Script {
-            model: Rc::clone(&model),
-            own: None,
-            stops: None,
-            speed: Some(31.0 + 0.2 * f64::from(person)),
-            answers: |item, low, high| Some(i64::midpoint(low, high) + i64::from(item == 1)),
-        };
-        let token = server.seat.let_in().unwrap();
-        let opened = server.post(&format!("/api/{token}/open/{TAB}"), "null");
-        assert_eq!(opened.0, 200);
-        while person.go_on(&server, &token) {}
-        let state = server.state(&token);
-        assert_eq!(state["ended"], "done");
-        // Whoever rides is not told whose style it is.
-        assert!(!state.to_string().contains("donor"), "{state}");
+    for number in 0..12 {
+        // The second, too, lets nobody be driven in their style.
+        let person = driver(&model, 31.0 + 0.2 * f64::from(number));
+        goes_through(&server, &person, number != 1);
     }
     server.seat.write_files().unwrap();
     let lent = read_lent(&folder.join("seat/lent.csv")).unwrap();
@@ -302,16 +342,21 @@ fn somebody_elses_style_is_ridden_at_ones_own_score_and_whose_it_was_is_kept_for
         assert_eq!(other, row.embedding);
         let apart = dial.read(&own).unwrap() - dial.read(&other).unwrap();
         assert!(apart.abs() < 1e-4 && own != other, "{row:?}: {apart}");
-        // The first ten ride in styles that the model learned from; then there are ten others.
-        let tested = row.lent.donor.as_str().starts_with('P');
+        // The first eleven ride in styles that the model learned from; then there are ten others who lend theirs.
+        let donor = row.lent.donor.as_str();
+        let tested = donor.starts_with('P') && donor != "P001-own";
         assert!(
             !row.lent
                 .donor
                 .as_str()
                 .starts_with(row.participant.as_str())
         );
-        assert_eq!(tested, place >= 10, "{row:?}");
+        assert_eq!(tested, place >= 11, "{row:?}");
+        assert!(!["P002-own", "P004-own"].contains(&donor), "{row:?}");
     }
+    let consents = read(&study, "mine/seat/consents.csv");
+    let lending = |answer: &str| consents.lines().filter(|l| l.ends_with(answer)).count();
+    assert_eq!((lending(",true"), lending(",false")), (12, 2), "{consents}");
     let notes = read(&study, "mine/seat/notes.csv");
     assert!(!notes.contains("another style"), "{notes}");
     // The run knows what was ridden.
@@ -331,6 +376,8 @@ fn somebody_elses_style_is_ridden_at_ones_own_score_and_whose_it_was_is_kept_for
     Page::read(&study.path("mine/report/index.html")).says(&[
         "beside somebody else’s style of the same score",
         "12 people were lent the style of",
+        "Versions of the consent",
+        "Lend their style",
         "Do people tell which ride was in their own style?",
         "Differences by another choice",
         "Mean answer to each item, of scores that are also tested without some",

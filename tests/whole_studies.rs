@@ -336,8 +336,8 @@ fn a_dial_of_another_score_rehearsed_with_made_up_people() {
     page(&study, "mine")
         .says(&[
             "Synthetic participants: 4 drives to learn from, 3 participants in two conditions: Calm and Sporty",
-            "Position on the line of mdsi.risky",
-            "Calm lies 0.85 points of mdsi.risky down from the embedding fitted to the person, held within 1 to 6",
+            "Position on the line of the risky score",
+            "Calm lies 0.85 points of the risky score down from the embedding fitted to the person, held within 1 to 6",
             "Learned from 4 4 ",
             "Mean velocity over the conditions",
             "Trust condition: F",
@@ -415,7 +415,7 @@ fn five_conditions_on_a_dial_of_11_to_66_points_with_roles_and_then_a_model_from
         .says(&[
             "8 drives to learn from, 3 participants in five conditions: Calmer, Calm, Own style, Brisk and Brisker",
             "The model learned from 8 drives by hand",
-            "Calmer lies 30 points of adb.total down from Own style, held within 11 to 66",
+            "Calmer lies 30 points of the aggressive driving score down from Own style, held within 11 to 66",
             "Accuracy of Own style",
             "Drives of S2P0",
             "Own style automated",
@@ -439,7 +439,7 @@ fn five_conditions_on_a_dial_of_11_to_66_points_with_roles_and_then_a_model_from
             "The model was learned elsewhere.",
             "The model was learned elsewhere, and the drives that it learned from are not here",
             "Personalising.",
-            "Position on the line of adb.total",
+            "Position on the line of the aggressive driving score",
             "mine/results/model.maveric",
         ])
         .is_silent_of(&[

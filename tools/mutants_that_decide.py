@@ -12,10 +12,12 @@ ROOT = pathlib.Path(__file__).resolve().parent.parent
 # What decides: crate → files below its `src`.
 DECIDES = {
     "analysis": ["verdict.rs", "finding.rs", "findings/*.rs", "exclusions.rs", "flow.rs", "compare.rs", "contrast.rs", "hypotheses.rs", "reproduction.rs",
-                 "line.rs", "homophily.rs", "data.rs", "design_test.rs", "correlations.rs"],
-    "rehearsal": ["findings.rs", "rates.rs", "power.rs"],
-    "stats": ["adjust.rs", "equivalence.rs", "proportion.rs", "by_design/*.rs", "compare/*.rs", "paired/*.rs", "friedman/*.rs", "groups/*.rs", "rm_anova.rs"],
-    "study": ["gate.rs", "stages/evaluate/findings.rs"],
+                 "line.rs", "homophily.rs", "congruence.rs", "data.rs", "data/*.rs", "design_test.rs", "correlations.rs", "primary.rs", "planned.rs",
+                 "presses.rs", "retest.rs", "sensitivity.rs", "which.rs", "by_factor.rs", "family.rs", "recommendation/*.rs"],
+    "rehearsal": ["findings.rs", "rates.rs", "power.rs", "leave_out/*.rs"],
+    "stats": ["adjust.rs", "equivalence.rs", "proportion.rs", "by_design/*.rs", "compare/*.rs", "paired/*.rs", "friedman/*.rs", "groups/*.rs", "rm_anova.rs",
+              "case_crossover.rs", "event_rates.rs", "forced_choice.rs", "mcnemar.rs", "cochran_q.rs", "mixed/congruence.rs", "mixed/ratio.rs"],
+    "study": ["gate.rs", "missing.rs", "missing/*.rs", "stages/evaluate/findings.rs"],
 }
 CHANGES = [
     (r" < ", " > "), (r" > ", " < "), (r" <= ", " > "), (r" >= ", " < "), (r" == ", " != "), (r" != ", " == "), (r" && ", " || "), (r" \|\| ", " && "),
@@ -29,7 +31,10 @@ def candidates():
     found = []
     for crate, patterns in DECIDES.items():
         for pattern in patterns:
-            for file in sorted((ROOT / "crates" / crate / "src").glob(pattern)):
+            files = sorted((ROOT / "crates" / crate / "src").glob(pattern))
+            if not files:
+                sys.exit(f"{crate} has no file {pattern}: DECIDES in this script is out of date")
+            for file in files:
                 if file.stem in ("tests", "testing"):
                     continue
                 # Texts decide nothing, however many lines they have.

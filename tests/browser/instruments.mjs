@@ -14,6 +14,9 @@ await seat.start();
 const browser = await launch();
 await seat.openLab(browser, { width: 1280, height: 800 });
 
+/// The highest answer to the question of a ride.
+const HIGHEST = 9;
+
 /// Somebody with a browser of their own; `answers` gives what they answer to an item of a sheet, by the sheet's place and the item's.
 class Somebody {
   constructor(link, { size = { width: 480, height: 360 }, looked = false, age = 34, attention = 2, probe = 1 } = {}) { Object.assign(this, { link, size, looked, age, attention, probe, at: 0 }); }
@@ -62,7 +65,7 @@ class Somebody {
     await this.page.waitForFunction((gone) => !gone.isConnected, first);
   }
 
-  /// On the road until it is over; a question that comes is answered by its digit.
+  /// On the road until it is over; a question that comes is answered by its digit, the highest answer by its button.
   async road(title) {
     await this.page.waitForFunction(() => !document.querySelector("#drive").hidden, null, { timeout: 60000 });
     const byHand = !title.startsWith("Mitfahrt");
@@ -70,8 +73,10 @@ class Somebody {
     let looked = false;
     while (await this.page.locator("#drive").isVisible()) {
       if (await this.page.locator("#question").isVisible()) {
-        if (!looked && !byHand) { looked = true; await this.look("probe"); }
-        await this.page.keyboard.press(`Digit${byHand ? 1 : this.probe}`);
+        const buttons = this.page.locator("#probe button");
+        if (!looked && !byHand) { looked = true; this.probed = await buttons.allTextContents(); await this.look("probe"); }
+        if (!byHand && this.probe === HIGHEST) await buttons.last().press("Enter");
+        else await this.page.keyboard.press(`Digit${byHand ? 1 : this.probe}`);
       }
       await pause(250);
     }
@@ -123,8 +128,10 @@ const plain = await somebody({});
 await plain.goThrough();
 const [first, careless] = [await somebody({ size: { width: 1000, height: 760 }, looked: true }), await somebody({ attention: 5 })];
 await Promise.all([first.goThrough(), careless.goThrough()]);
-const [sick, regretful] = [await somebody({ probe: 7 }), await somebody({})];
+const [sick, regretful] = [await somebody({ probe: HIGHEST }), await somebody({})];
 await Promise.all([sick.goThrough(), regretful.goThrough()]);
+const levels = ["0 gar nicht", "1", "2", "3", "4 ein wenig", "5", "6", "7 deutlich", "8", "9 sehr · Mir ist nicht gut: anhalten"];
+check(first.probed.join() === levels.join(), `during a ride each level has its words, and the highest says that it stops: ${first.probed}`);
 check(first.read.includes("Worum es in dieser Studie ging"), "at the end everybody reads what the study was about");
 check(sick.read.includes("Sie haben angehalten") && sick.read.includes("Worum es in dieser Studie ging"), "who feels sick is looked after, and told what the study was about");
 check(!sick.read.includes("Mitfahrt 2"), "who feels sick rides no more that day");
@@ -152,7 +159,8 @@ const moments = [...new Set(answers.map((row) => row.moment))].sort();
 check(["after", "post", "pre", "probe"].every((moment) => moments.includes(moment)), `each moment has its answers: ${moments}`);
 check(!readFileSync(join(folder, "surveys/answers.csv"), "utf8").includes("screen"), "no answer by which it was judged who takes part is kept");
 const stopped = rows("seat/stopped.csv");
-check(stopped.length === 1 && stopped[0].participant === "P006", `one ride was stopped: ${JSON.stringify(stopped)}`);
+check(stopped.length === 1 && stopped[0].participant === "P006" && stopped[0].reason === "feeling >= 6", `one ride was stopped by what was answered: ${JSON.stringify(stopped)}`);
+check(answers.some((row) => row.participant === "P006" && row.moment === "probe" && row.answer === String(HIGHEST)), "the button that stopped it answered the question too");
 for (const name of readdirSync(join(folder, "seat")).filter((file) => file.endsWith(".jsonl"))) {
   const told = execFileSync(maveric, ["seat", "replay", join(folder, "seat", name)], { encoding: "utf8" }).trim();
   check(told.includes("the same states, to the byte"), `replay of ${name}: ${told}`);

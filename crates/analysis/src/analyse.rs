@@ -44,7 +44,7 @@ pub fn analyse(data: &StudyData, purpose: Purpose) -> Result<Analysis, AnalysisE
         descriptives: describe::describe(data),
         nearer,
         kept: line::kept(data)?,
-        congruence: congruence::by_rating(data)?,
+        congruence: congruence::by_rating(data, purpose)?,
         homophily: homophily::homophily(data)?,
         mixed: mixed::mixed(data)?,
         similarity: homophily::similarity(data)?,

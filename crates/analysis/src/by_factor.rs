@@ -4,6 +4,7 @@ use crate::{
     AnalysisError,
     crossed::factors_within,
     data::StudyData,
+    family::holm,
     result::{ByFactor, FactorContrast, LevelMean, TestedFactor},
 };
 use maveric_domain::{
@@ -11,7 +12,7 @@ use maveric_domain::{
     design::{LevelContrast, Levels},
 };
 use maveric_stats::{
-    Chosen, DesignColumns, FactorialFinding, LevelChoice, adjust, level_contrast, simple_effects,
+    Chosen, DesignColumns, FactorialFinding, LevelChoice, level_contrast, simple_effects,
     within_subject_intervals,
 };
 use std::collections::BTreeSet;
@@ -54,14 +55,7 @@ pub(crate) fn by_factor(
             )),
         }
     }
-    let tested = contrasts.iter_mut().filter(|c| c.test.p.is_some());
-    let tested: Vec<&mut FactorContrast> = tested.collect();
-    let p: Vec<f64> = tested.iter().filter_map(|c| c.test.p).collect();
-    if !p.is_empty() {
-        for (contrast, holm) in tested.into_iter().zip(adjust(&p)?.holm) {
-            contrast.p_holm = Some(holm);
-        }
-    }
+    holm(contrasts.iter_mut().map(|c| (c.test.p, &mut c.p_holm)))?;
     Ok((
         ByFactor {
             means: means(&factors, columns, chosen),

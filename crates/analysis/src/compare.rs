@@ -6,7 +6,8 @@ use crate::{
     contrast::from_zero,
     data::StudyData,
     design_test::{Compared, Period, Purpose, Tested, by_design},
-    outcomes::{Asked, outcome, outcomes},
+    family::holm,
+    outcomes::{Asked, outcome, outcomes_and},
     pairs::{mean_difference, model_pairs, test_of_pairs, values},
     result::{Contrast, ContrastTest, Group, Panel},
     verdict::ALPHA,
@@ -16,17 +17,13 @@ use maveric_domain::{
     design::{DeclaredTest, Factor},
 };
 use maveric_measures::{difference_from_own, objective};
-use maveric_stats::{Adjustment, ByDesign, PosthocTest, WithinSubjects, adjust, posthoc};
+use maveric_stats::{Adjustment, ByDesign, PosthocTest, WithinSubjects, posthoc};
 use std::{cmp::Ordering, collections::BTreeMap};
 
 /// A panel an outcome over everybody, and one a group of people where the design divides them; those that only a hypothesis asks for last.
 pub(crate) fn panels(data: &StudyData, purpose: Purpose) -> Result<Vec<Panel>, AnalysisError> {
-    let mut tested = outcomes(data);
-    for hypothesis in data.design.hypotheses() {
-        if !tested.iter().any(|a| a.id == hypothesis.outcome) {
-            tested.push(outcome(data, &hypothesis.outcome));
-        }
-    }
+    let hypotheses = data.design.hypotheses().iter();
+    let tested = outcomes_and(data, hypotheses.map(|h| outcome(data, &h.outcome)));
     let mut panels = Vec::new();
     for asked in &tested {
         panels.push(whole(data, purpose, asked)?);
@@ -368,17 +365,6 @@ fn contrasts(data: &StudyData, id: &str) -> Vec<[ConditionId; 2]> {
 
 /// Holm's correction over all contrasts of an outcome.
 fn correct(family: &mut [Panel]) -> Result<(), AnalysisError> {
-    let mut tested: Vec<&mut Contrast> = family
-        .iter_mut()
-        .flat_map(|panel| &mut panel.contrasts)
-        .filter(|c| c.p.is_some())
-        .collect();
-    let p: Vec<f64> = tested.iter().filter_map(|c| c.p).collect();
-    if p.is_empty() {
-        return Ok(());
-    }
-    for (contrast, holm) in tested.iter_mut().zip(adjust(&p)?.holm) {
-        contrast.p_holm = Some(holm);
-    }
-    Ok(())
+    let contrasts = family.iter_mut().flat_map(|panel| &mut panel.contrasts);
+    holm(contrasts.map(|c| (c.p, &mut c.p_holm)))
 }

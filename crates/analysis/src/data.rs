@@ -397,11 +397,19 @@ impl StudyData {
 
     /// A questionnaire score from before the drives, or from the end where it was asked then alone.
     pub fn pre(&self, participant: &ParticipantId, name: &ScoreName) -> Option<f64> {
-        let score_at = |moment| {
-            self.pre
-                .get(participant, moment, &name.scale, &name.subscale)
-        };
-        score_at(Moment::Pre).or_else(|| score_at(Moment::Post))
+        let once = |moment| self.answered_at(moment, participant, name);
+        once(Moment::Pre).or_else(|| once(Moment::Post))
+    }
+
+    /// A questionnaire score from before the drives or from their end.
+    pub(crate) fn answered_at(
+        &self,
+        moment: Moment,
+        participant: &ParticipantId,
+        name: &ScoreName,
+    ) -> Option<f64> {
+        self.pre
+            .get(participant, moment, &name.scale, &name.subscale)
     }
 
     /// A questionnaire score about a condition: from after the ride, or the mean of what was asked during it; of several rides of the first

@@ -2,7 +2,7 @@
 
 use crate::{
     data::StudyData,
-    outcomes::{Asked, outcomes},
+    outcomes::{Asked, outcomes_and},
     result::Described,
 };
 use maveric_domain::ConditionId;
@@ -27,17 +27,11 @@ pub struct Observed {
 
 /// The outcomes in their order, then every other rating that somebody gave, then what the drives met on their road.
 pub fn observed(data: &StudyData) -> Vec<Observed> {
-    let mut quantities = outcomes(data);
-    for name in data.rated_names() {
-        if !quantities.iter().any(|a| a.id == name.to_string()) {
-            quantities.push(Asked::score(data, name));
-        }
-    }
-    for met in objective::met().iter().filter(|m| data.is_measured(m.name)) {
-        if !quantities.iter().any(|a| a.id == met.name) {
-            quantities.push(Asked::measure(&data.design, met.name));
-        }
-    }
+    let rated = data.rated_names().iter();
+    let met = objective::met().iter().filter(|m| data.is_measured(m.name));
+    let met = met.map(|m| Asked::measure(&data.design, m.name));
+    let more = rated.map(|name| Asked::score(data, name)).chain(met);
+    let quantities = outcomes_and(data, more);
     let baseline = data.design.baseline_id();
     let mut conditions: Vec<ConditionId> = data.design.conditions().iter().map(|c| c.id).collect();
     if let Some(baseline) = baseline.filter(|b| !conditions.contains(b)) {

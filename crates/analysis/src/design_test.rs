@@ -24,7 +24,7 @@ pub enum Purpose {
     /// A study's page: everything, and Friedman's p exact where it is feasible.
     Report,
     /// One of many made-up studies, of which the tests alone are counted: Friedman's p by Iman and Davenport's F, a thousand times faster,
-    /// no simple effects, no carry-over.
+    /// no simple effects, no carry-over, nothing by what people perceived.
     Simulation,
 }
 

@@ -416,7 +416,8 @@ mod tests {
             &design,
             &[],
             &[who("P1"), who("P2"), who("P3")].into(),
-            (&left_out, &[]),
+            &left_out,
+            (&[], Vec::new()),
         );
         let rows: Vec<(&str, usize)> = flow
             .drives

@@ -1,6 +1,7 @@
 //! How many people there were at each step, and who was left out.
 
 use crate::{
+    consents::ConsentVersion,
     exclusions::{LeftOut, Rule, Why},
     person::Person,
 };
@@ -13,6 +14,9 @@ use std::collections::{BTreeMap, BTreeSet};
 pub struct Flow {
     /// People who wanted to take part and were not admitted, a row a rule; they are in no table.
     pub not_admitted: Vec<NotAdmitted>,
+    /// The versions of the consent, a row each; none where nobody was asked to agree.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub consents: Vec<ConsentVersion>,
     /// People in the table who were to sit through the conditions.
     pub recruited: usize,
     /// Those of them who drove or rated at least one condition, were measured in one, or drove the baseline.
@@ -50,7 +54,8 @@ pub(crate) fn flow(
     design: &Design,
     people: &[Person],
     there: &BTreeSet<ParticipantId>,
-    (left_out, not_admitted): (&LeftOut, &[NotAdmitted]),
+    left_out: &LeftOut,
+    (not_admitted, consents): (&[NotAdmitted], Vec<ConsentVersion>),
 ) -> Flow {
     let recruited: BTreeSet<&ParticipantId> = if people.is_empty() {
         there.iter().collect()
@@ -67,6 +72,7 @@ pub(crate) fn flow(
     let drives = drives.map(|(drive, why)| (drive.to_string(), why));
     Flow {
         not_admitted: not_admitted.to_vec(),
+        consents,
         recruited: recruited.len(),
         drove: recruited.iter().filter(|who| there.contains(**who)).count(),
         analysed: recruited.len() - out.len(),

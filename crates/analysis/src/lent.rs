@@ -3,7 +3,7 @@
 use crate::{
     AnalysisError,
     data::StudyData,
-    outcomes::{Asked, outcomes},
+    outcomes::{Asked, outcomes_and},
     verdict::FEWEST,
 };
 use maveric_domain::{ConditionId, DriveId, Lent, ParticipantId, design::Car};
@@ -77,12 +77,8 @@ fn beside(
     let lent: Vec<&Lent> = lent.collect();
     let donors: BTreeSet<&DriveId> = lent.iter().map(|l| &l.donor).collect();
     let sum: f64 = lent.iter().map(|l| l.donor_distance_sd).sum();
-    let mut compared = outcomes(data);
-    for measure in BESIDE {
-        if !compared.iter().any(|a| a.id == measure) {
-            compared.push(Asked::measure(&data.design, measure));
-        }
-    }
+    let more = BESIDE.map(|measure| Asked::measure(&data.design, measure));
+    let compared = outcomes_and(data, more);
     let rows = compared
         .iter()
         .map(|asked| contrast(data, asked, [own, condition]));

@@ -5,6 +5,7 @@ mod balance;
 mod by_factor;
 mod compare;
 mod congruence;
+mod consents;
 mod contrast;
 mod correlations;
 mod crossed;
@@ -15,6 +16,7 @@ mod describe;
 mod design_test;
 mod error;
 pub mod exclusions;
+mod family;
 pub mod finding;
 pub mod findings;
 mod flow;
@@ -45,6 +47,7 @@ mod which;
 
 pub use analyse::analyse;
 pub use balance::{Balance, OrderBalance, PlacesOf};
+pub use consents::{ConsentRow, ConsentVersion, FEWEST_AGREED, NotAgreed};
 pub use data::{StudyData, Tables};
 pub use describe::{Observed, observed};
 pub use design_test::Purpose;
@@ -62,10 +65,10 @@ pub use recommendation::{
     SETTINGS, Standard,
 };
 pub use result::{
-    Above, AggressionLine, Analysis, Bias, ByFactor, CongruenceRow, Contrast, ContrastTest,
-    Correlation, Described, Exclusion, FactorContrast, Group, HomophilyRow, Judged, Kept,
-    LevelMean, LineRow, MixedRow, Nearer, Panel, Preference, PrimaryOutcome, Reproduction,
-    SimilarityRow, TestedFactor,
+    Above, AggressionLine, Analysis, Bias, ByFactor, CongruenceCurve, CongruenceRow, Contrast,
+    ContrastTest, Correlation, Described, Exclusion, FactorContrast, Group, HomophilyRow, Judged,
+    Kept, LevelMean, LineRow, MixedRow, Nearer, Panel, PerceivedStyle, Preference, PrimaryOutcome,
+    Reproduction, SimilarityRow, TestedFactor,
 };
 pub use retest::{FEWEST_FOR_ICC, Repeats, Retest, RidesCounted};
 pub use turned::{Settled, Turns};

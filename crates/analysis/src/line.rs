@@ -4,12 +4,13 @@ use crate::{
     AnalysisError,
     correlations::{circular, correlate},
     data::StudyData,
+    family::holm,
     outcomes::{Asked, outcomes},
     result::{AggressionLine, Kept, LineRow},
 };
 use maveric_domain::{ConditionId, design::Car};
 use maveric_measures::objective;
-use maveric_stats::{CorrelationMethod, adjust};
+use maveric_stats::CorrelationMethod;
 
 fn position(data: &StudyData, adb_used: bool) -> Vec<Option<f64>> {
     data.participants
@@ -131,12 +132,7 @@ pub(crate) fn kept(data: &StudyData) -> Result<Vec<Kept>, AnalysisError> {
     };
     let habits = objective::all().iter().filter(|m| m.aggression.is_none());
     let mut rows: Vec<Kept> = habits.map(|m| one(m.name)).collect::<Result<_, _>>()?;
-    let p: Vec<f64> = rows.iter().filter_map(|k| k.circular_p).collect();
-    if !p.is_empty() {
-        let tested = rows.iter_mut().filter(|k| k.circular_p.is_some());
-        for (kept, holm) in tested.zip(adjust(&p)?.holm) {
-            kept.circular_p_holm = Some(holm);
-        }
-    }
+    let tested = rows.iter_mut();
+    holm(tested.map(|k| (k.circular_p, &mut k.circular_p_holm)))?;
     Ok(rows)
 }

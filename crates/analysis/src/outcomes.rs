@@ -182,6 +182,17 @@ pub(crate) fn outcomes(data: &StudyData) -> Vec<Asked> {
         .collect()
 }
 
+/// The outcomes, then those of `more` that are not among them.
+pub(crate) fn outcomes_and(data: &StudyData, more: impl IntoIterator<Item = Asked>) -> Vec<Asked> {
+    let mut asked = outcomes(data);
+    for one in more {
+        if !asked.iter().any(|a| a.id == one.id) {
+            asked.push(one);
+        }
+    }
+    asked
+}
+
 /// The outcome of this id: declared, a measure, or a score.
 pub(crate) fn outcome(data: &StudyData, id: &str) -> Asked {
     let declared = data.design.outcomes().iter().find(|o| o.id() == id);

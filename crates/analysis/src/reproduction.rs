@@ -3,13 +3,14 @@
 use crate::{
     AnalysisError,
     data::StudyData,
+    family::holm,
     outcomes::{Asked, outcomes},
     result::{Bias, Nearer, Panel, Reproduction},
     verdict::equivalent,
 };
 use maveric_domain::ParticipantId;
 use maveric_measures::mean_accuracy;
-use maveric_stats::{Adjustment, PosthocTest, WithinSubjects, adjust, normality, posthoc};
+use maveric_stats::{Adjustment, PosthocTest, WithinSubjects, normality, posthoc};
 use std::cmp::Ordering;
 
 /// The measures among the outcomes.
@@ -66,14 +67,8 @@ pub(crate) fn reproduction(
         .into_iter()
         .map(one)
         .collect::<Result<_, AnalysisError>>()?;
-    let mut tested: Vec<&mut Bias> = rows.iter_mut().filter_map(|r| r.bias.as_mut()).collect();
-    tested.retain(|b| b.p.is_some());
-    let p: Vec<f64> = tested.iter().filter_map(|b| b.p).collect();
-    if !p.is_empty() {
-        for (bias, holm) in tested.into_iter().zip(adjust(&p)?.holm) {
-            bias.p_holm = Some(holm);
-        }
-    }
+    let biases = rows.iter_mut().filter_map(|r| r.bias.as_mut());
+    holm(biases.map(|b| (b.p, &mut b.p_holm)))?;
     Ok(rows)
 }
 
@@ -186,13 +181,6 @@ pub(crate) fn nearer(data: &StudyData, panels: &[Panel]) -> Result<Vec<Nearer>, 
             });
         }
     }
-    let tested: Vec<usize> = (0..rows.len()).filter(|&i| rows[i].p.is_some()).collect();
-    let p: Vec<f64> = tested.iter().filter_map(|&i| rows[i].p).collect();
-    if !p.is_empty() {
-        let holm = adjust(&p)?.holm;
-        for (k, &i) in tested.iter().enumerate() {
-            rows[i].p_holm = holm.get(k).copied();
-        }
-    }
+    holm(rows.iter_mut().map(|r| (r.p, &mut r.p_holm)))?;
     Ok(rows)
 }

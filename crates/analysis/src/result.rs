@@ -502,6 +502,17 @@ pub struct SimilarityRow {
     pub within: Correlation,
 }
 
+/// The score by which people rated the style of a car after each ride.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct PerceivedStyle {
+    /// The style's own, or one that compares the car with oneself.
+    pub score: ScoreName,
+    /// Name for people.
+    pub title: String,
+    /// The answer that means "as I do", which a comparing score is counted from, up along the dial; none for the style's own.
+    pub same: Option<f64>,
+}
+
 /// How a rating depends on the distance of the car from the person's own style.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct CongruenceRow {
@@ -509,20 +520,52 @@ pub struct CongruenceRow {
     pub rating: ScoreName,
     /// Name for people.
     pub title: String,
-    /// People with the rating and both places.
+    /// Whether less of it is better: the model has it turned.
+    #[serde(default)]
+    pub less_is_better: bool,
+    /// By what score people perceived how far the car lies, which decides nothing; none where that is as driven.
+    #[serde(default)]
+    pub perceived: Option<PerceivedStyle>,
+    /// People in the model; without one, those with the rating and both places.
     pub n: usize,
-    /// Places on the dial: the curvature rests on them.
+    /// Places that the curvature rests on: on the dial, or different distances that people perceived.
     pub places: usize,
-    /// Distance that counts as near, in points of the style's score.
+    /// Distance that counts as near, in points of the style's score, or of that by which it was perceived.
     pub near_points: f64,
     /// Middle of the scale, which people's own style is counted from; 0 where the range is not known.
     pub middle: f64,
     /// Whether the model takes the period; not where no order is known, or the orders do not tell it from the places.
     pub period: bool,
-    /// The fit: higher is better, whichever way the rating is keyed.
+    /// The fit: higher is better, whichever way the rating is keyed; as driven with its surface.
     pub model: Option<Congruence>,
-    /// Why there is none.
+    /// The rating as predicted over the distance, for people of the mean own style and one standard deviation to either side; as driven
+    /// alone.
+    #[serde(default)]
+    pub curves: Vec<CongruenceCurve>,
+    /// Why there is no fit.
     pub why_not: Option<String>,
+}
+
+impl CongruenceRow {
+    /// Whether it is judged: somebody rated what was driven.
+    pub fn is_judged(&self) -> bool {
+        self.n > 0 && self.perceived.is_none()
+    }
+}
+
+/// What people of one own style are predicted to answer.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct CongruenceCurve {
+    /// Standard deviations of their own style from the mean: -1, 0 or 1.
+    pub sds: i8,
+    /// Their own style, in points.
+    pub own: f64,
+    /// People whose own style lies nearest to this one of the three.
+    pub n: usize,
+    /// Least and greatest distance from their own style that these people met, with its sign.
+    pub met: (f64, f64),
+    /// The rating as it is keyed, at a distance of 0, by the distance and by its square; averaged over the periods.
+    pub rating: [f64; 3],
 }
 
 /// A rating on the shift of the dial: the linear mixed model with random intercept and slope a participant.

@@ -4,7 +4,6 @@ use crate::{Analysis, Panel, Purpose, StudyData, Tables, analyse};
 use maveric_domain::{
     ConditionId, ConditionRow, Design, DriveId, DriveMeta, DrivenBy, Embedding, EmbeddingRow,
     MeasuredDrive, Moment, ParticipantId, Score,
-    occasion::first,
     press::{PressMoment, PressedRide},
     stream_seed,
 };
@@ -91,23 +90,12 @@ pub(crate) fn score(i: usize, moment: Moment, scale: &str, subscale: &str, value
 }
 
 pub(crate) fn position(i: usize, position: f64) -> EmbeddingRow {
+    let drive = DriveId::new(format!("P{}-own", i + 1)).unwrap();
+    let style = Embedding::new(vec![position]).unwrap();
     EmbeddingRow {
-        drive: DriveId::new(format!("P{}-own", i + 1)).unwrap(),
-        participant: person(i),
-        condition: id("own"),
-        session: first(),
-        trial: first(),
         adb_used: true,
-        adb: None,
-        adb_hat: None,
         line_position: Some(position),
-        readings: None,
-        covariance: None,
-        line_position_se: None,
-        support_p: None,
-        beyond_why: None,
-        posted_unseen: None,
-        embedding: Embedding::new(vec![position]).unwrap(),
+        ..EmbeddingRow::new(drive, person(i), id("own"), style)
     }
 }
 

@@ -6,6 +6,10 @@
 #![expect(clippy::print_stdout, reason = "an example shows its result")]
 #![expect(clippy::unwrap_used, reason = "what cannot be made cannot be fuzzed")]
 
+#[path = "support/chance.rs"]
+mod chance;
+
+use chance::Chance;
 use maveric_bag::{Walk, Writer, columns_from};
 use peak_alloc::PeakAlloc;
 use prost_reflect::prost::Message as _;
@@ -45,22 +49,7 @@ const WORDS: [&str; 18] = [
     "\u{feff}",
 ];
 
-/// Numbers from a seed (SplitMix64), so that a run can be repeated.
-struct Chance(u64);
-
 impl Chance {
-    fn next(&mut self) -> u64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        z ^ (z >> 31)
-    }
-
-    fn below(&mut self, n: usize) -> usize {
-        (self.next() % n.max(1) as u64) as usize
-    }
-
     /// Changes some bytes: a flip, a great number, a piece cut out, copied or repeated, a word.
     fn damage(&mut self, bytes: &mut Vec<u8>) {
         for _ in 0..=self.below(4) {

@@ -124,11 +124,7 @@ impl Failure {
             StudyError::Interrupted => Self::Interrupted,
             cause => {
                 let help = cause.suggestion();
-                Self::Failed(Failed {
-                    doing: doing.to_owned(),
-                    cause: Box::new(cause),
-                    help,
-                })
+                Self::new(doing, cause, help)
             }
         }
     }
@@ -139,11 +135,7 @@ impl Failure {
             PipelineError::Interrupted => Self::Interrupted,
             cause => {
                 let help = cause.suggestion();
-                Self::Failed(Failed {
-                    doing: doing.to_owned(),
-                    cause: Box::new(cause),
-                    help,
-                })
+                Self::new(doing, cause, help)
             }
         }
     }
@@ -176,16 +168,23 @@ impl Failure {
 
     /// Turns what the system said into a failure of `doing`.
     pub(crate) fn io(doing: &str, cause: std::io::Error) -> Self {
-        Self::Failed(Failed {
-            doing: doing.to_owned(),
-            cause: Box::new(cause),
-            help: None,
-        })
+        Self::new(doing, cause, None)
     }
 
     /// Turns the failure to print into a failure.
     pub(crate) fn output(cause: std::io::Error) -> Self {
         Self::io("could not write the result", cause)
+    }
+
+    /// Why it failed and what to try, in a line.
+    pub(crate) fn in_a_line(&self) -> String {
+        let Self::Failed(failed) = self else {
+            return self.text();
+        };
+        let first: &dyn Error = &*failed.cause;
+        let causes = std::iter::successors(Some(first), |&cause| cause.source());
+        let words = causes.map(ToString::to_string).chain(failed.help.clone());
+        words.collect::<Vec<String>>().join(": ")
     }
 
     /// The failure in words, as [`Failure::report`] prints it without colours.

@@ -2,7 +2,7 @@
 
 use crate::{diagnostics::Failure, invocation, stage_files::COMMANDS};
 use maveric_pipeline::{Ledger, Pipeline, Place, Program, Settings, command_line, parse_override};
-use maveric_study::{design::DESIGN_FILE, missing::Missing};
+use maveric_study::{DesignFile, design::DESIGN_FILE, missing::Missing};
 use std::path::{Path, PathBuf};
 
 /// The pipeline of the folder one stands in: that of its study, else the paper's.
@@ -45,7 +45,7 @@ fn named(file: &Path) -> Result<PathBuf, Failure> {
         return Ok(pipeline);
     }
     let doing = "could not make the study's pipeline";
-    let study = maveric_study::DesignFile::find(None).map_err(Failure::study(doing))?;
+    let study = DesignFile::find(None).map_err(Failure::study(doing))?;
     maveric_study::check_design(&study).map_err(Failure::study(doing))?;
     let text = maveric_study::design_pipeline(&study);
     if std::fs::read_to_string(&pipeline).is_ok_and(|there| there == text) {
@@ -114,15 +114,18 @@ impl PipelineArgs {
 
 /// What one should know of the study in the current directory, and what is missing of it; nothing where there is none, or another
 /// pipeline was named.
-pub(crate) fn study_here(file: &Path) -> Result<Option<(Vec<String>, Missing)>, Failure> {
+pub(crate) fn study_here(
+    file: &Path,
+) -> Result<Option<(DesignFile, Vec<String>, Missing)>, Failure> {
     if file != Path::new(DEFAULT_PIPELINE) || !Path::new(DESIGN_FILE).is_file() {
         return Ok(None);
     }
     let results = Path::new("results");
     let known = || -> Result<_, maveric_study::StudyError> {
-        let study = maveric_study::DesignFile::find(None)?;
+        let study = DesignFile::find(None)?;
         let notes = maveric_study::study_notes(&study, results)?;
-        Ok((notes, maveric_study::missing(&study, results, None)?))
+        let missing = maveric_study::missing(&study, results, None)?;
+        Ok((study, notes, missing))
     };
     let doing = "could not tell what is in the study";
     known().map(Some).map_err(Failure::study(doing))

@@ -73,18 +73,7 @@ impl FromStr for ConditionId {
     }
 }
 
-impl TryFrom<String> for ConditionId {
-    type Error = DomainError;
-    fn try_from(text: String) -> Result<Self, DomainError> {
-        Self::new(&text)
-    }
-}
-
-impl From<ConditionId> for String {
-    fn from(id: ConditionId) -> Self {
-        id.as_str().to_owned()
-    }
-}
+crate::as_text::as_text!(ConditionId);
 
 #[cfg(test)]
 mod tests {

@@ -11,6 +11,7 @@ mod error;
 mod exclude;
 mod factors;
 mod files;
+mod lending;
 mod needs;
 mod orders;
 mod outcome;
@@ -30,6 +31,7 @@ pub use contrast::{Claim, Compare, Hypothesis, LevelContrast, Levels};
 pub use error::DesignError;
 pub use exclude::Exclude;
 pub use files::{BeyondRule, Files, Mappings, ModelFile, RigMapping, Software};
+pub use lending::{FEWEST_DONORS, FURTHEST_SHIFT_POINTS, Offer};
 pub use needs::{InputDevice, Needs};
 pub use orders::OrderPlan;
 pub use outcome::{DeclaredTest, Homophily, Outcome, Quantity, ScoreName, Style};
@@ -38,7 +40,7 @@ pub use people::{CONDITION, Covariate, Factor, People};
 pub use protocol::{
     Crash, Practice, Probe, Protocol, ProtocolStep, Redirect, SeatView, Sessions, World,
 };
-pub use protocol_check::DRIVES_S;
+pub use protocol_check::{DRIVES_S, is_day};
 pub use which::WHICH;
 pub use williams::{Square, williams, williams_rows};
 
@@ -298,6 +300,19 @@ impl Design {
     /// What a person meets in the seat.
     pub fn protocol(&self) -> &Protocol {
         &self.protocol
+    }
+
+    /// Whether it says what people meet in the seat; how many sessions and rides they have is said of logs from elsewhere too.
+    pub fn has_seat(&self) -> bool {
+        let default = Protocol::default();
+        let of_the_seat = Protocol {
+            rides_per_condition: default.rides_per_condition,
+            sessions: default.sessions,
+            seed: default.seed,
+            speed: default.speed,
+            ..self.protocol.clone()
+        };
+        of_the_seat != Protocol::default()
     }
 
     /// Whether a person has several sessions, or several rides in a condition.

@@ -69,18 +69,7 @@ impl FromStr for BeyondWhy {
     }
 }
 
-impl From<BeyondWhy> for String {
-    fn from(why: BeyondWhy) -> Self {
-        why.to_string()
-    }
-}
-
-impl TryFrom<String> for BeyondWhy {
-    type Error = String;
-    fn try_from(text: String) -> Result<Self, String> {
-        text.parse()
-    }
-}
+crate::as_text::as_text!(BeyondWhy);
 
 /// One fitted embedding.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -123,6 +112,33 @@ pub struct EmbeddingRow {
 }
 
 impl EmbeddingRow {
+    /// A style of a person's first drive in a condition, of which nothing else is known.
+    pub fn new(
+        drive: DriveId,
+        participant: ParticipantId,
+        condition: ConditionId,
+        embedding: Embedding,
+    ) -> Self {
+        Self {
+            drive,
+            participant,
+            condition,
+            session: first(),
+            trial: first(),
+            adb_used: false,
+            adb: None,
+            adb_hat: None,
+            line_position: None,
+            readings: None,
+            covariance: None,
+            line_position_se: None,
+            support_p: None,
+            beyond_why: None,
+            posted_unseen: None,
+            embedding,
+        }
+    }
+
     /// Whether the drive is beyond what the model has learned from; `None` where the model cannot say.
     pub fn beyond(&self) -> Option<bool> {
         (self.beyond_why.is_some() || self.support_p.is_some()).then(|| self.beyond_why.is_some())

@@ -1,5 +1,6 @@
 #![doc = include_str!("../README.md")]
 
+mod as_text;
 pub mod condition;
 pub mod design;
 pub mod drive;

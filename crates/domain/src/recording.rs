@@ -37,6 +37,20 @@ pub struct ObjectTrack {
     pub speed_mps: Vec<f64>,
 }
 
+impl ObjectTrack {
+    /// A track that begins at `first_row`, still without a row.
+    pub fn new(id: VehicleId, length_m: f64, first_row: usize) -> Self {
+        Self {
+            id,
+            length_m,
+            first_row,
+            x_m: Vec::new(),
+            y_m: Vec::new(),
+            speed_mps: Vec::new(),
+        }
+    }
+}
+
 /// Who was where, at an even rate, from a log or from a simulation.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Recording {

@@ -16,3 +16,14 @@ pub struct LatentTraits {
     /// c: pace and fondness of the left lane.
     pub pace: f64,
 }
+
+impl LatentTraits {
+    /// A person of the population, by draws from N(0, 1).
+    pub fn draw(mut normal: impl FnMut() -> f64) -> Self {
+        Self {
+            aggressiveness: normal(),
+            spacing: normal(),
+            pace: normal(),
+        }
+    }
+}

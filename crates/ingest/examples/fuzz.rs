@@ -6,11 +6,14 @@
 #![expect(clippy::print_stdout, reason = "an example shows its result")]
 #![expect(clippy::unwrap_used, reason = "what cannot be made cannot be fuzzed")]
 
+#[path = "../../bag/examples/support/chance.rs"]
+mod chance;
 #[path = "../tests/generated/mod.rs"]
 mod generated;
 #[path = "../tests/generated/tables.rs"]
 mod tables;
 
+use chance::Chance;
 use maveric_ingest::{IngestSettings, Mapping, inspect_with, read_log, suggest_mapping};
 use mcap::{Compression, MessageStream, Schema, WriteOptions};
 use peak_alloc::PeakAlloc;
@@ -65,22 +68,7 @@ const ENCODINGS: [(&str, &str); 6] = [
     ("", ""),
 ];
 
-/// Numbers from a seed (SplitMix64), so that a run can be repeated.
-struct Chance(u64);
-
 impl Chance {
-    fn next(&mut self) -> u64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        z ^ (z >> 31)
-    }
-
-    fn below(&mut self, n: usize) -> usize {
-        (self.next() % n.max(1) as u64) as usize
-    }
-
     /// Changes some bytes: a flip, a run, a great number, a piece cut out, copied or put elsewhere, a word.
     fn damage(&mut self, bytes: &mut Vec<u8>, words: &[&str]) {
         for _ in 0..=self.below(4) {

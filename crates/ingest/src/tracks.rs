@@ -1,6 +1,7 @@
 //! The others on ego's rows.
 
 use crate::{
+    mapping::TableMapping,
     quality::{Warning, WarningKind},
     raw::ObjectSamples,
     resample::{Grid, grid, seconds, speeds},
@@ -13,8 +14,8 @@ use std::{
     path::Path,
 };
 
-/// Length of a vehicle whose log does not say it: a middle-sized car, in m.
-pub(crate) const CAR_LENGTH_M: f64 = 4.7;
+/// Length of a vehicle whose log does not say it, in m.
+pub(crate) const CAR_LENGTH_M: f64 = TableMapping::CAR_LENGTH_M;
 /// Mean speed against the road above which a vehicle comes towards ego, in m/s: some car reverses more slowly.
 const BACKWARDS_MPS: f64 = 2.0;
 

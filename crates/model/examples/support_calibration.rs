@@ -20,12 +20,7 @@ type Failure = Box<dyn std::error::Error + Send + Sync>;
 fn drive(scenario: &Scenario, people: &People, seed: u64, person: usize) -> Result<Drive, Failure> {
     let name = person.to_string();
     let mut rng = Pcg64Mcg::seed_from_u64(stream_seed(seed, &["traits", &name]));
-    let mut normal = || -> f64 { StandardNormal.sample(&mut rng) };
-    let traits = LatentTraits {
-        aggressiveness: normal(),
-        spacing: normal(),
-        pace: normal(),
-    };
+    let traits = LatentTraits::draw(|| StandardNormal.sample(&mut rng));
     let seed_of = |what: &str| stream_seed(seed, &[what, &name]);
     let who = people.draw(&traits, seed_of("person"), seed_of("day"));
     let driven = rollout(scenario, Driver::from(&who), seed_of("world"))?;

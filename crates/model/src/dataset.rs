@@ -1,7 +1,7 @@
 //! The rows of all training drives, standardised and weighted.
 
 use crate::{
-    epochs::TrainingDrive,
+    epochs::{TrainingDrive, check_drivers},
     error::{ModelError, ModelWarning},
     fused::tile::{Known, Tile},
     losses::{Loss, LossWeights},
@@ -104,18 +104,7 @@ impl Data {
                 Err(error) => warnings.push(left_out(&error).ok_or(error)?),
             }
         }
-        let participants = || used.iter().map(|d| &d.drive.meta().participant);
-        let Some(participant) = participants().next() else {
-            return Err(ModelError::NoDrives {
-                given: given.len(),
-                excluded: warnings.len(),
-            });
-        };
-        if participants().all(|p| p == participant) {
-            warnings.push(ModelWarning::OneDriver {
-                participant: participant.clone(),
-            });
-        }
+        check_drivers(&used, given.len(), &mut warnings)?;
         let mut data = Self::standardized(&used, rows_used, warnings);
         data.note_losses_without_data(&settings.loss_weights);
         Ok(data)

@@ -1,6 +1,9 @@
 //! What is learned from, and how a pass over it went.
 
-use crate::{error::ModelError, losses::LossTerms};
+use crate::{
+    error::{ModelError, ModelWarning},
+    losses::LossTerms,
+};
 use maveric_domain::{AdbScore, Drive};
 use serde::{Deserialize, Serialize};
 use std::ops::ControlFlow;
@@ -21,6 +24,27 @@ impl<'a> From<&'a (Drive, AdbScore)> for TrainingDrive<'a> {
             adb: Some(*adb),
         }
     }
+}
+
+/// Refuses drives of which none can be used, and warns where one person drove all that can.
+pub(crate) fn check_drivers(
+    used: &[&TrainingDrive<'_>],
+    given: usize,
+    warnings: &mut Vec<ModelWarning>,
+) -> Result<(), ModelError> {
+    let mut participants = used.iter().map(|d| &d.drive.meta().participant);
+    let Some(participant) = participants.next() else {
+        return Err(ModelError::NoDrives {
+            given,
+            excluded: warnings.len(),
+        });
+    };
+    if participants.all(|p| p == participant) {
+        warnings.push(ModelWarning::OneDriver {
+            participant: participant.clone(),
+        });
+    }
+    Ok(())
 }
 
 /// One pass over the rows.

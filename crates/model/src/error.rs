@@ -225,6 +225,15 @@ impl ModelError {
         }
     }
 
+    /// Refuses an embedding of `found` coordinates where `expected` are read.
+    pub(crate) fn check_size(found: usize, expected: usize) -> Result<(), Self> {
+        if found == expected {
+            Ok(())
+        } else {
+            Err(Self::EmbeddingSize { found, expected })
+        }
+    }
+
     /// The next step, where one is known.
     pub fn suggestion(&self) -> Option<&'static str> {
         match self {

@@ -269,12 +269,7 @@ impl Model {
 
     /// Takes coordinates of the model's size.
     pub(crate) fn check(&self, embedding: &Embedding) -> Result<(), ModelError> {
-        let (found, expected) = (embedding.size(), self.embedding_size());
-        if found == expected {
-            Ok(())
-        } else {
-            Err(ModelError::EmbeddingSize { found, expected })
-        }
+        ModelError::check_size(embedding.size(), self.embedding_size())
     }
 }
 

@@ -81,14 +81,11 @@ pub fn from_bytes(bytes: &[u8]) -> Result<Model, ModelError> {
 mod tests {
     use super::*;
     use crate::{
-        epochs::TrainingDrive, heads_kind::HeadsKind, params::TrainSettings, test_drives::drivers,
-        train::train,
+        heads_kind::HeadsKind, params::TrainSettings, test_drives::drivers, train::tests::trained,
     };
-    use std::ops::ControlFlow;
 
     fn model() -> Model {
         let drives = drivers(2, 40.0);
-        let given: Vec<_> = drives.iter().map(TrainingDrive::from).collect();
         let settings = TrainSettings {
             epochs: 1,
             heads: HeadsKind::Paper,
@@ -96,8 +93,7 @@ mod tests {
             encoder_units: 5,
             ..TrainSettings::default()
         };
-        let go_on = &mut |_: &_| ControlFlow::Continue(());
-        train(&given, &settings, 1, go_on).unwrap().model
+        trained(&drives, &settings)
     }
 
     #[test]

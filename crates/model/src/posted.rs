@@ -104,31 +104,26 @@ impl Posted {
 mod tests {
     use super::*;
     use crate::{
-        epochs::TrainingDrive,
         heads_kind::HeadsKind,
         model::Habits,
         model_file,
         params::TrainSettings,
         personalize::personalize,
         test_drives::{Habits as Drives, drive_apart_on, drivers_apart},
-        train::train,
+        train::tests::trained,
     };
     use maveric_domain::Road;
-    use std::ops::ControlFlow;
 
     #[test]
     fn a_free_speed_is_read_absolutely_or_beside_what_is_posted() {
         let drives = drivers_apart(10, 300.0);
-        let given: Vec<TrainingDrive<'_>> = drives.iter().map(TrainingDrive::from).collect();
         let learn = |free_speed| {
             let settings = TrainSettings {
                 heads: HeadsKind::Linear,
                 free_speed,
                 ..TrainSettings::default()
             };
-            train(&given, &settings, 1, &mut |_: &_| ControlFlow::Continue(()))
-                .unwrap()
-                .model
+            trained(&drives, &settings)
         };
         let [absolute, relative] = [FreeSpeed::Absolute, FreeSpeed::Posted].map(learn);
         let limit = Road::PAPER.posted_speed_mps;

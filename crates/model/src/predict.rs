@@ -155,23 +155,17 @@ impl Predictor {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{
-        epochs::TrainingDrive, params::TrainSettings, test_drives::drivers, train::train,
-        windows::WindowSettings,
-    };
+    use crate::{params::TrainSettings, test_drives::drivers, windows::WindowSettings};
     use maveric_domain::{AdbScore, Drive};
-    use std::ops::ControlFlow;
 
     fn trained(drives: &[(Drive, AdbScore)], epochs: usize) -> Model {
-        let given: Vec<_> = drives.iter().map(TrainingDrive::from).collect();
         let settings = TrainSettings {
             heads: crate::HeadsKind::Paper,
             epochs,
             batch_size: 128,
             ..TrainSettings::default()
         };
-        let go_on = &mut |_: &_| ControlFlow::Continue(());
-        train(&given, &settings, 1, go_on).unwrap().model
+        crate::train::tests::trained(drives, &settings)
     }
 
     #[test]

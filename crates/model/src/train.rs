@@ -116,4 +116,4 @@ fn quality(model: &Model, data: &Data) -> Result<Quality, ModelError> {
 }
 
 #[cfg(test)]
-mod tests;
+pub(crate) mod tests;

@@ -26,6 +26,20 @@ pub(crate) struct Drawn {
     pub(crate) bounds: Option<(f64, f64)>,
 }
 
+impl Drawn {
+    /// Rows beside the value of no effect, where there is one.
+    pub(crate) fn beside(
+        nothing: impl Into<Option<f64>>,
+        rows: impl IntoIterator<Item = IntervalRow>,
+    ) -> Self {
+        Self {
+            rows: rows.into_iter().collect(),
+            nothing: nothing.into(),
+            bounds: None,
+        }
+    }
+}
+
 /// The card of a finding: `question`, `answer`, `rule`, `value` with `floor` and `ceiling`, `axis` and `what` of its picture, `doubt` and
 /// `see` are texts of its table; without a value it has no number.
 ///
@@ -76,6 +90,23 @@ pub(crate) fn card(
         see: Some(text("see")?).filter(|see| !see.is_empty()),
         tests: Vec::new(),
         name,
+    })
+}
+
+/// The same with the tests behind it.
+///
+/// # Errors
+/// As [`card`].
+pub(crate) fn tested_card(
+    texts: &Texts,
+    finding: &Finding,
+    values: &Value,
+    drawn: Option<Drawn>,
+    tests: Vec<String>,
+) -> Result<Card, ReportError> {
+    Ok(Card {
+        tests,
+        ..card(texts, finding, values, drawn)?
     })
 }
 

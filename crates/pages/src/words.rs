@@ -1,6 +1,6 @@
 //! Phrases that pages share: lists, shares, intervals, and tests as APA writes them.
 
-use maveric_analysis::{Contrast, ContrastTest, Correlation, OtherChoice, Panel};
+use maveric_analysis::{Contrast, ContrastTest, Correlation, OtherChoice, Panel, PrimaryOutcome};
 use maveric_domain::{ConditionId, Design, design::DeclaredTest};
 use maveric_report::{
     apa,
@@ -29,6 +29,13 @@ pub fn small(title: &str) -> String {
         return first.chain(letters).collect();
     }
     title.to_owned()
+}
+
+/// The title of the primary outcome that closed one of `all`.
+pub(crate) fn closed_by(outcome: &PrimaryOutcome, all: &[PrimaryOutcome]) -> Option<String> {
+    let id = outcome.closed_by.as_ref()?;
+    let known = all.iter().find(|o| o.outcome == *id);
+    Some(known.map_or_else(|| id.clone(), |o| o.title.clone()))
 }
 
 /// A quantity with its unit, where it has one.

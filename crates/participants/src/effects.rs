@@ -1,6 +1,10 @@
 //! How strongly things hang together: one file.
 
-use crate::{error::ParticipantError, person::Trait, presses::PressModel};
+use crate::{
+    error::{ParticipantError, within},
+    person::Trait,
+    presses::PressModel,
+};
 use maveric_domain::{Design, Scale};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -289,23 +293,6 @@ impl RatingModel {
 
 /// Beyond this a number in the file is a slip of the keyboard, and sums could overflow.
 const LARGEST: f64 = 1e6;
-
-fn within(
-    name: &str,
-    found: f64,
-    low: f64,
-    high: f64,
-    expected: &'static str,
-) -> Result<(), ParticipantError> {
-    if (low..=high).contains(&found) {
-        return Ok(());
-    }
-    Err(ParticipantError::BadSetting {
-        name: name.to_owned(),
-        found,
-        expected,
-    })
-}
 
 fn finite(name: &str, found: f64) -> Result<(), ParticipantError> {
     within(name, found, -LARGEST, LARGEST, "a number of ordinary size")

@@ -82,3 +82,21 @@ pub enum ParticipantError {
     #[error(transparent)]
     Domain(#[from] DomainError),
 }
+
+/// Refuses a number outside `low` to `high`; `expected` are the words for the range.
+pub(crate) fn within(
+    name: &str,
+    found: f64,
+    low: f64,
+    high: f64,
+    expected: &'static str,
+) -> Result<(), ParticipantError> {
+    if (low..=high).contains(&found) {
+        return Ok(());
+    }
+    Err(ParticipantError::BadSetting {
+        name: name.to_owned(),
+        found,
+        expected,
+    })
+}

@@ -1,6 +1,10 @@
 //! How a cohort is made up.
 
-use crate::{error::ParticipantError, part::Part, person::Population};
+use crate::{
+    error::{ParticipantError, within},
+    part::Part,
+    person::Population,
+};
 use serde::{Deserialize, Serialize};
 
 /// A group of participants: how old, how many of them women.
@@ -92,16 +96,6 @@ impl CohortSettings {
     /// # Errors
     /// [`ParticipantError::BadSetting`] naming the first key that does not.
     pub fn check(&self) -> Result<(), ParticipantError> {
-        let within = |name: &str, found: f64, low: f64, high: f64, expected: &'static str| {
-            if (low..=high).contains(&found) {
-                return Ok(());
-            }
-            Err(ParticipantError::BadSetting {
-                name: name.to_owned(),
-                found,
-                expected,
-            })
-        };
         for (name, group) in [
             ("study1", &self.study1),
             ("study2_internal", &self.study2_internal),

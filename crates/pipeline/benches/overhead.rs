@@ -40,12 +40,7 @@ fn chains(stages: usize) -> String {
 
 fn place(root: &Path) -> Place {
     fs::write(root.join("source.txt"), "source\n").unwrap();
-    Place {
-        root: root.to_owned(),
-        ledger: root.join("p.lock"),
-        log_dir: root.join("logs"),
-        program: None,
-    }
+    Place::below(root)
 }
 
 fn read(text: &str, root: &Path) -> Pipeline {
@@ -126,7 +121,7 @@ fn hash(bencher: Bencher<'_, '_>, files: usize) {
     let pipeline = read(text, folder.path());
     let place = place(folder.path());
     bencher.counter(BytesCount::new(BYTES)).bench_local(|| {
-        let _ = fs::remove_file(folder.path().join("p.lock.hashes"));
+        let _ = fs::remove_file(folder.path().join(".pipeline/lock.hashes"));
         status(&pipeline, &place).unwrap()
     });
 }

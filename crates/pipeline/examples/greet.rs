@@ -21,12 +21,7 @@ summary = true
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let folder = tempfile::tempdir()?;
-    let place = Place {
-        root: folder.path().to_owned(),
-        ledger: folder.path().join("greeting.lock"),
-        log_dir: folder.path().join("logs"),
-        program: None,
-    };
+    let place = Place::below(folder.path());
     bring_up_to_date(&place, &[])?;
     bring_up_to_date(&place, &[])?;
     bring_up_to_date(&place, &[("who".to_owned(), "reader".to_owned())])?;

@@ -1,9 +1,7 @@
 //! Whether a stage must run, against the ledger and the files as they are.
 
-use std::collections::BTreeSet;
-
 use crate::content::Hasher;
-use crate::{FactKind, Ledger, Manifest, PipelineError, Place, Reason, Record, Stage};
+use crate::{Ledger, Manifest, PipelineError, Place, Reason, Record, Stage};
 
 /// A stage as it is now.
 pub(crate) struct Present {
@@ -31,11 +29,7 @@ impl Present {
             files = hasher.shares.files(share, &place.root)?;
         }
         let made_from = Manifest::list(stage, &files, place.program.as_ref(), hasher)?;
-        let present: BTreeSet<&str> = made_from
-            .facts(FactKind::Input)
-            .map(|(path, _)| path)
-            .collect();
-        let not_found = |path: &&String| !present.contains(path.as_str());
+        let not_found = |path: &&String| !made_from.has_input(path);
         missing.extend(stage.inputs.iter().filter(not_found).cloned());
         Ok(Self {
             made_from,

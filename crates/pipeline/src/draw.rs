@@ -82,8 +82,8 @@ impl Graph<'_> {
 
 #[cfg(test)]
 mod tests {
-    use crate::testing::pipeline;
-    use crate::{Graph, Pipeline};
+    use crate::Graph;
+    use crate::testing::{parsed, pipeline};
 
     #[test]
     fn both_forms_name_each_stage_and_what_it_waits_for() {
@@ -105,13 +105,7 @@ mod tests {
         let text = "name = 'p'\n[[stage]]\nname = 'fit'\nmatrix = {i = [1, 2, 3]}\n\
                     cmd = ['x']\noutputs = ['out/{i}']\n\
                     [[stage]]\nname = 'join'\ncmd = ['x']\ninputs = ['out']\noutputs = ['all']\n";
-        let p = Pipeline::parse(
-            text,
-            "p.toml".as_ref(),
-            ".".as_ref(),
-            &crate::Settings::default(),
-        )
-        .unwrap();
+        let p = parsed(text);
         let graph = Graph::new(&p).unwrap();
         assert_eq!(
             graph.mermaid(),

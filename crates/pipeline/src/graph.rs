@@ -278,7 +278,7 @@ fn circle(stages: &[Stage], needs: &[Vec<Need>], stuck: &BTreeSet<usize>) -> Vec
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::testing::pipeline;
+    use crate::testing::{parsed, pipeline};
 
     fn names<'a>(stages: impl IntoIterator<Item = &'a Stage>) -> Vec<&'a str> {
         stages.into_iter().map(|s| s.name.as_str()).collect()
@@ -362,14 +362,7 @@ mod tests {
             )
         };
         let tables: String = (0..10_000).map(table).collect();
-        let text = format!("name = 'p'\n{tables}");
-        let p = Pipeline::parse(
-            &text,
-            "p.toml".as_ref(),
-            ".".as_ref(),
-            &crate::Settings::default(),
-        )
-        .unwrap();
+        let p = parsed(&format!("name = 'p'\n{tables}"));
         assert_eq!(Graph::new(&p).unwrap().order().len(), 10_000);
     }
 }

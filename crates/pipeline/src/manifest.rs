@@ -116,6 +116,12 @@ impl Manifest {
         facts.map(|(name, value)| (name.as_str(), value.as_str()))
     }
 
+    /// Whether it names this input.
+    pub(crate) fn has_input(&self, path: &str) -> bool {
+        let inputs = self.0.get(&FactKind::Input);
+        inputs.is_some_and(|inputs| inputs.contains_key(path))
+    }
+
     /// The hash of the whole list, as 64 hexadecimal digits.
     pub fn digest(&self) -> String {
         let mut hasher = blake3::Hasher::new();

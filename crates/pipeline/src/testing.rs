@@ -10,12 +10,11 @@ pub(crate) fn pipeline(stages: &[(&str, &[&str], &[&str])]) -> Pipeline {
         )
     };
     let tables: String = stages.iter().map(table).collect();
-    let text = format!("name = 'test'\n{tables}");
-    Pipeline::parse(
-        &text,
-        "test.toml".as_ref(),
-        ".".as_ref(),
-        &crate::Settings::default(),
-    )
-    .unwrap()
+    parsed(&format!("name = 'test'\n{tables}"))
+}
+
+/// The pipeline of a text.
+pub(crate) fn parsed(text: &str) -> Pipeline {
+    let settings = crate::Settings::default();
+    Pipeline::parse(text, "test.toml".as_ref(), ".".as_ref(), &settings).unwrap()
 }

@@ -1,5 +1,8 @@
 //! What a rehearsal refuses.
 
+use crate::unknown_car::UnknownCar;
+use maveric_domain::{ConditionId, design::FEWEST_DONORS};
+
 /// Why nothing could be rehearsed.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
@@ -9,11 +12,35 @@ pub enum RehearsalError {
     Population(String),
     /// A condition whose drives cannot be made up.
     #[error(
-        "`condition.{condition}.car`: what this car will do cannot be made up, expected {{ dial = POINTS }} or {{ across = true }} to rehearse"
+        "`condition.{condition}.car` cannot be rehearsed, since {why}; expected {{ dial = POINTS }}, {{ across = true }}, {{ mean = true }} or {{ other = \"matched\" }}"
     )]
     UnknownCar {
         /// Its id in the design.
-        condition: maveric_domain::ConditionId,
+        condition: ConditionId,
+        /// What is not known of it.
+        why: UnknownCar,
+    },
+    /// A study of so few that nearly everybody meets the same donor.
+    #[error(
+        "`condition.{condition}.car` lends somebody else's style: a study of {people} has {donors} who could lend theirs, expected {FEWEST_DONORS} or more"
+    )]
+    FewDonors {
+        /// Its id in the design.
+        condition: ConditionId,
+        /// People of the study.
+        people: usize,
+        /// All but the one to whom it is lent.
+        donors: usize,
+    },
+    /// A population in which people differ along the line alone, and a condition that lends what lies across it.
+    #[error(
+        "`condition.{condition}.car` lends what lies across the aggression line, and the population's drives come of {found} trait, expected loadings on two or more"
+    )]
+    NothingAcross {
+        /// Its id in the design.
+        condition: ConditionId,
+        /// Traits that its measures and its line take something of.
+        found: usize,
     },
     /// A probe whose scale no file has.
     #[error("`protocol.probe.scale`: `{scale}`, and no scale has that id")]

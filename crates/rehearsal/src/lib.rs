@@ -1,6 +1,7 @@
 #![doc = include_str!("../README.md")]
 
 mod dial_trial;
+mod donors;
 mod error;
 pub mod findings;
 mod groups;
@@ -11,6 +12,7 @@ mod power;
 mod rates;
 #[cfg(test)]
 mod testing;
+mod unknown_car;
 pub mod validation;
 mod world;
 
@@ -23,4 +25,5 @@ pub use population::{
 };
 pub use power::{Judge, POWER};
 pub use rates::{ALPHA, Cell, FamilyRate, HypothesisRate, TestRate, n_for};
+pub use unknown_car::UnknownCar;
 pub use world::{Rehearsed, World};

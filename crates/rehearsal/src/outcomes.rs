@@ -1,6 +1,6 @@
 //! Every test that a report prints, by name.
 
-use maveric_analysis::{Analysis, Correlation, Judged, Panel, Question, Verdict};
+use maveric_analysis::{Analysis, CongruenceRow, Correlation, Judged, Panel, Question, Verdict};
 use serde::{Deserialize, Serialize};
 
 /// Which part of the report a test belongs to.
@@ -178,7 +178,8 @@ fn alone(a: &Analysis) -> Vec<Found> {
             );
         }
     }
-    for row in &a.congruence {
+    let driven = |row: &&CongruenceRow| row.perceived.is_none();
+    for row in a.congruence.iter().filter(driven) {
         let curvature = row.model.as_ref().and_then(|m| m.coef.get("moved^2"));
         let (estimate, p) = (curvature.map(|c| c.estimate), curvature.and_then(|c| c.p));
         let key = format!("congruence.{}.curvature", row.rating);

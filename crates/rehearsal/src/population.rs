@@ -23,6 +23,14 @@ pub struct PopulationModel {
     pub line: LineModel,
     /// The measures, by code name.
     pub measures: BTreeMap<String, MeasureModel>,
+    /// Effect: how far the car goes from a person's own style towards another, the average or a lent one; 1 is all the way. Not in the
+    /// file.
+    #[serde(skip, default = "all_the_way")]
+    pub other_style: f64,
+}
+
+fn all_the_way() -> f64 {
+    1.0
 }
 
 /// The position on the aggression line.
@@ -127,20 +135,30 @@ pub struct Drives {
 
 /// What the car is set to do in a trial.
 #[derive(Debug, Clone, Copy)]
-pub enum CarSetting {
+pub enum CarSetting<'a> {
     /// A shift of the dial, in units of the population's step; 0 is the person's own style.
     Shift(f64),
     /// A move to this angle round the ellipse.
     Round(f64),
+    /// The average style.
+    Mean,
+    /// Somebody else's style, as their own car drives it.
+    Lent {
+        /// Whose.
+        donor: &'a Participant,
+        /// How far it is moved along the dial, as of [`CarSetting::Shift`].
+        shift: f64,
+    },
     /// None: the person drives by hand once more, as far from the first drive as a ride in their own style is, but without a car's bias.
     ByHand,
 }
 
-impl CarSetting {
-    /// A study's condition; the angle is used by a move across the dial alone.
+impl CarSetting<'_> {
+    /// A study's condition without somebody else's style; the angle is used by a move across the dial alone.
     pub fn for_condition(condition: &Condition, angle: f64, step: f64) -> Self {
         match condition.car {
             Some(Car::Across) => Self::Round(angle),
+            Some(Car::Mean) => Self::Mean,
             _ => Self::Shift(condition.dial().unwrap_or(0.0) / step),
         }
     }
@@ -262,11 +280,17 @@ impl PopulationModel {
                 m.across.sd *= factor;
             }
         }
+        scaled.other_style *= factor;
         scaled
     }
 
     /// Own drive and trials of a person. Each value depends on the seed, the person, the measure and the trial's `label` alone.
-    pub fn drives(&self, person: &Participant, trials: &[(&str, CarSetting)], seed: u64) -> Drives {
+    pub fn drives(
+        &self,
+        person: &Participant,
+        trials: &[(&str, CarSetting<'_>)],
+        seed: u64,
+    ) -> Drives {
         let id = person.id.as_str();
         let mut drives = Drives {
             own: MeasureValues::new(),
@@ -276,22 +300,26 @@ impl PopulationModel {
             let MeasureModel::Drawn(m) = measure else {
                 continue;
             };
-            let mut rng = stream(seed, &[id, "own drive", name]);
-            let own_value = explained(&m.loadings, person, &mut rng);
-            let common = normal(&mut rng);
-            let differs = [normal(&mut rng), normal(&mut rng)];
-            let shown = m.shown(own_value, &mut rng);
+            let mut rng = own_stream(person, name, seed);
+            let own = Habit::drawn(m, person, &mut rng);
+            let shown = m.shown(own.value, &mut rng);
             drives.own.insert(name.clone(), shown);
             for ((label, setting), values) in trials.iter().zip(&mut drives.trials) {
                 let mut rng = stream(seed, &[id, "trial", name, label]);
                 let error =
-                    self.shared.sqrt() * common + (1.0 - self.shared).sqrt() * normal(&mut rng);
-                let moved = m.moved(*setting, differs, &mut rng);
-                let bias = match setting {
-                    CarSetting::ByHand => 0.0,
-                    CarSetting::Shift(_) | CarSetting::Round(_) => m.bias,
+                    self.shared.sqrt() * own.common + (1.0 - self.shared).sqrt() * normal(&mut rng);
+                let driven = match setting {
+                    CarSetting::Mean => Habit::AVERAGE,
+                    CarSetting::Lent { donor, .. } => {
+                        Habit::drawn(m, donor, &mut own_stream(donor, name, seed))
+                    }
+                    CarSetting::Shift(_) | CarSetting::Round(_) | CarSetting::ByHand => own,
                 };
-                let value = m.shown(own_value + bias + moved + m.error_sd * error, &mut rng);
+                let moved = m.moved(*setting, driven.differs, &mut rng)
+                    + self.other_style * self.apart(m, own, driven);
+                let by_hand = matches!(setting, CarSetting::ByHand);
+                let bias = if by_hand { 0.0 } else { m.bias };
+                let value = m.shown(own.value + bias + moved + m.error_sd * error, &mut rng);
                 values.insert(name.clone(), value);
             }
         }
@@ -314,6 +342,12 @@ impl PopulationModel {
         drives
     }
 
+    /// By how much a car in the one style differs from one in the other on the mean over rides, in SDs over people.
+    fn apart(&self, measure: &DrawnMeasure, own: Habit, other: Habit) -> f64 {
+        let by_error = measure.error_sd * self.shared.sqrt();
+        other.value - own.value + by_error * (other.common - own.common)
+    }
+
     /// Positions on the line of people with these standardised ADB scores: without and with the score in the fit.
     pub fn positions(&self, person: &Participant, adb: f64, seed: u64) -> (f64, f64) {
         let mut rng = stream(seed, &[person.id.as_str(), "line"]);
@@ -329,6 +363,39 @@ impl PopulationModel {
     }
 }
 
+/// What the own drive of a person is drawn by, in a measure.
+fn own_stream(person: &Participant, measure: &str, seed: u64) -> Pcg64 {
+    stream(seed, &[person.id.as_str(), "own drive", measure])
+}
+
+/// A style as a measure shows it.
+#[derive(Debug, Clone, Copy)]
+struct Habit {
+    /// Of the own drive, in SDs over people.
+    value: f64,
+    /// What the car's errors in this style have in common, of variance 1.
+    common: f64,
+    /// By how much its dial is steeper or flatter upwards and downwards, of variance 1.
+    differs: [f64; 2],
+}
+
+impl Habit {
+    const AVERAGE: Self = Self {
+        value: 0.0,
+        common: 0.0,
+        differs: [0.0; 2],
+    };
+
+    /// Of a person, from the start of [`own_stream`].
+    fn drawn(measure: &DrawnMeasure, person: &Participant, rng: &mut Pcg64) -> Self {
+        Self {
+            value: explained(&measure.loadings, person, rng),
+            common: normal(rng),
+            differs: [normal(rng), normal(rng)],
+        }
+    }
+}
+
 /// Loadings · traits + noise, of variance 1.
 fn explained(loadings: &BTreeMap<Trait, f64>, person: &Participant, rng: &mut Pcg64) -> f64 {
     let known: f64 = loadings
@@ -340,14 +407,17 @@ fn explained(loadings: &BTreeMap<Trait, f64>, person: &Participant, rng: &mut Pc
 }
 
 impl DrawnMeasure {
-    /// Change at this setting; a person's dial is steeper or flatter by `differs`.
-    fn moved(&self, setting: CarSetting, differs: [f64; 2], rng: &mut Pcg64) -> f64 {
+    /// Change at this setting from the style that it starts from, whose dial is steeper or flatter by `differs`.
+    fn moved(&self, setting: CarSetting<'_>, differs: [f64; 2], rng: &mut Pcg64) -> f64 {
         match setting {
-            CarSetting::Shift(shift) if shift >= 0.0 => {
-                shift * (self.up.step + self.up.sd * differs[0])
+            CarSetting::Shift(shift) | CarSetting::Lent { shift, .. } => {
+                if shift >= 0.0 {
+                    shift * (self.up.step + self.up.sd * differs[0])
+                } else {
+                    -shift * (self.down.step + self.down.sd * differs[1])
+                }
             }
-            CarSetting::Shift(shift) => -shift * (self.down.step + self.down.sd * differs[1]),
-            CarSetting::ByHand => 0.0,
+            CarSetting::Mean | CarSetting::ByHand => 0.0,
             CarSetting::Round(angle) => {
                 let Round { cosine, sine, sd } = self.across;
                 cosine * libm::cos(angle) + sine * libm::sin(angle) + sd * normal(rng)
@@ -479,6 +549,7 @@ mod tests {
         let mut rng = stream(1, &[]);
         let mut moved = |setting| measure.moved(setting, [2.0, -1.0], &mut rng);
         near(moved(CarSetting::Shift(0.0)), 0.0);
+        near(moved(CarSetting::Mean), 0.0);
         near(moved(CarSetting::Shift(3.0)), 3.0 * (0.5 + 0.1 * 2.0));
         near(moved(CarSetting::Shift(-3.0)), 3.0 * (-0.4 - 0.2));
         near(moved(CarSetting::Round(0.0)), 0.3);
@@ -594,6 +665,7 @@ mod tests {
         let squares = |m: &PopulationModel| m.line.loadings.values().map(|l| l * l).sum::<f64>();
         near(squares(&half), 0.25 * squares(&model));
         near(half.line.adb_weight, 0.5 * model.line.adb_weight);
+        near(half.other_style, 0.5);
         for (name, measure) in &model.measures {
             let (MeasureModel::Drawn(m), MeasureModel::Drawn(h)) = (measure, &half.measures[name])
             else {

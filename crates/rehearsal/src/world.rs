@@ -1,16 +1,18 @@
 //! One synthetic study at the level of measures and ratings.
 
 use crate::{
+    donors::{self, Loan, POINTS, Place},
     error::RehearsalError,
     groups,
     population::{CarSetting, PopulationModel},
+    unknown_car::UnknownCar,
 };
 use maveric_analysis::{StudyData, Tables};
 use maveric_domain::{
-    ConditionId, ConditionRow, Design, DriveId, DriveMeta, DrivenBy, Embedding, EmbeddingRow,
-    MeasureValues, MeasuredDrive, Moment, ParticipantId, ProbeAnswer, Ride, Scale, Score,
-    design::{Car, Condition, Probe, ScoreName},
-    occasion::first,
+    Answer, ConditionId, ConditionRow, Design, DriveId, DriveMeta, DrivenBy, Embedding,
+    EmbeddingRow, Lent, MeasureValues, MeasuredDrive, Moment, ParticipantId, ProbeAnswer, Ride,
+    Scale, Score,
+    design::{Car, Condition, Matched, Probe, ScoreName},
     spread,
 };
 use maveric_measures::survey::score_probes;
@@ -18,9 +20,7 @@ use maveric_participants::{
     Cohort, CohortSettings, Effects, Participant, answer_at_random, answer_before,
     probes_at_random, rate,
 };
-
-/// Points of the ADB score in one step of the population model.
-const POINTS: f64 = 15.0;
+use std::collections::BTreeMap;
 
 /// Everything that a synthetic study is drawn from.
 #[derive(Debug, Clone)]
@@ -49,8 +49,8 @@ impl World {
     /// The world of a design. `points_a_point` is how many ADB points one point of the design's dial is worth.
     ///
     /// # Errors
-    /// [`RehearsalError::UnknownCar`] for a condition whose drives cannot be made up: of a car that was recorded elsewhere, that the
-    /// person turns, or whose style stands in a file, nobody knows what it will do.
+    /// [`RehearsalError::UnknownCar`] for a condition whose drives cannot be made up; [`RehearsalError::NothingAcross`] for somebody else's
+    /// style where people differ along the line alone.
     pub fn new(
         design: Design,
         population: PopulationModel,
@@ -58,11 +58,15 @@ impl World {
         scales: Vec<Scale>,
         points_a_point: f64,
     ) -> Result<Self, RehearsalError> {
-        let unknown = |c: &&Condition| !matches!(c.car, Some(Car::Dial(_) | Car::Across));
-        if let Some(condition) = design.conditions().iter().find(unknown) {
-            return Err(RehearsalError::UnknownCar {
-                condition: condition.id,
-            });
+        for Condition { id, car, .. } in design.conditions() {
+            let condition = *id;
+            if let Some(why) = UnknownCar::of(car.as_ref()) {
+                return Err(RehearsalError::UnknownCar { condition, why });
+            }
+        }
+        let found = donors::style_traits(&population).len();
+        if let Some((condition, _)) = matched(&design).next().filter(|_| found < 2) {
+            return Err(RehearsalError::NothingAcross { condition, found });
         }
         if let Some(probe) = &design.protocol().probe
             && !scales.iter().any(|scale| scale.id == probe.scale)
@@ -99,10 +103,18 @@ impl World {
         }
     }
 
+    /// Refuses a study of so few people that a condition with somebody else's style has too few donors.
+    ///
+    /// # Errors
+    /// [`RehearsalError::FewDonors`].
+    pub fn enough_donors(&self, people: usize) -> Result<(), RehearsalError> {
+        matched(&self.design).try_for_each(|(condition, _)| donors::enough(condition, people))
+    }
+
     /// Draws a study of `n` people, their drives, answers and ratings.
     ///
     /// # Errors
-    /// [`RehearsalError`] where effects and questionnaires do not fit, or the design has no baseline.
+    /// [`RehearsalError`] where effects and questionnaires do not fit, or the design has no baseline; as [`World::enough_donors`].
     pub fn study(&self, n: usize, seed: u64) -> Result<Rehearsed, RehearsalError> {
         let cohort = Cohort::draw(0, n, seed, &CohortSettings::default(), &self.design)?;
         let answers = answer_before(&cohort, &self.scales, &self.effects, seed)?;
@@ -110,19 +122,47 @@ impl World {
         let Some(baseline) = self.design.baseline_id() else {
             return Err(RehearsalError::NoBaseline);
         };
-        let drives: Vec<Driven> = people
-            .iter()
-            .map(|person| self.drives(person, baseline, seed))
+        let tables = self.tables(&people, baseline, &answers, seed)?;
+        Ok(Rehearsed {
+            people,
+            data: StudyData::new(&self.design, tables)?,
+        })
+    }
+
+    /// What these people left behind.
+    fn tables(
+        &self,
+        people: &[Participant],
+        baseline: ConditionId,
+        answers: &[Answer],
+        seed: u64,
+    ) -> Result<Tables, RehearsalError> {
+        let pre = maveric_measures::score(&self.scales, answers, None)?.scores;
+        let style = self.style_of(&pre);
+        let fitted = people.iter().map(|person| {
+            let score = style.score(&pre, person);
+            let z = score.map_or(0.0, |score| style.standardised(score));
+            let (without, with) = self.population.positions(person, z, seed);
+            Fitted {
+                score,
+                without,
+                with,
+            }
+        });
+        let fitted: Vec<Fitted> = fitted.collect();
+        let lent = self.lent(people, &fitted, &style, seed)?;
+        let drives = people.iter().zip(lent);
+        let drives: Vec<Driven<'_>> = drives
+            .map(|(person, lent)| self.drives(person, lent, baseline, seed))
             .collect();
         let mut tables = Tables {
             scales: self.scales.clone(),
-            pre: maveric_measures::score(&self.scales, &answers, None)?.scores,
-            post: self.ratings(&people, &drives, seed)?,
-            people: groups::rows(&self.design, &people),
+            post: self.ratings(people, &drives, seed)?,
+            people: groups::rows(&self.design, people),
+            pre,
             ..Tables::default()
         };
-        let style = self.style_of(&tables.pre);
-        for (person, driven) in people.iter().zip(&drives) {
+        for ((person, driven), fitted) in people.iter().zip(&drives).zip(&fitted) {
             let first = std::iter::once((Ride::from(baseline), &driven.own));
             let others = driven.again.iter().chain(&driven.trials);
             for (ride, values) in first.chain(others.map(|(ride, v)| (*ride, v))) {
@@ -132,29 +172,49 @@ impl World {
                     counted_s: None,
                 });
             }
-            let score = style.score(&tables.pre, person);
-            let z = score.map_or(0.0, |score| style.standardised(score));
-            let (without, with) = self.population.positions(person, z, seed);
-            for (adb_used, position) in [(false, without), (true, with)] {
-                tables
-                    .embeddings
-                    .push(embedding((person, baseline), adb_used, score, position)?);
+            for (adb_used, position) in [(false, fitted.without), (true, fitted.with)] {
+                let row = embedding((person, baseline), adb_used, fitted.score, position)?;
+                tables.embeddings.push(row);
             }
-            let own_points = style.points(with);
             for condition in self.design.conditions() {
-                let row = condition_row(person, condition, driven.angle, own_points)?;
-                tables.conditions.push(row);
+                let lent = driven.lent.get(&condition.id);
+                let lent = lent.map(|loan| self.lent_row(loan, baseline, &style));
+                let places = [fitted.with, 0.0].map(|position| style.points(position));
+                let row = condition_row(person, condition, places, driven.angle)?;
+                tables.conditions.push(ConditionRow {
+                    lent: lent.transpose()?,
+                    ..row
+                });
             }
         }
-        Ok(Rehearsed {
-            people,
-            data: StudyData::new(&self.design, tables)?,
-        })
+        Ok(tables)
     }
 }
 
+/// The conditions in which somebody else's style is lent.
+fn matched(design: &Design) -> impl Iterator<Item = (ConditionId, Matched)> {
+    let conditions = design.conditions().iter();
+    conditions.filter_map(|condition| match condition.car {
+        Some(Car::Matched(matched)) => Some((condition.id, matched)),
+        _ => None,
+    })
+}
+
+/// A person's place on the line.
+struct Fitted {
+    /// As the questionnaire has it.
+    score: Option<f64>,
+    /// Without the score in the fit, in standard deviations over people.
+    without: f64,
+    /// With it.
+    with: f64,
+}
+
+/// Whose style is lent to a person in which condition.
+type LentTo<'a> = BTreeMap<ConditionId, Loan<'a>>;
+
 /// What one person drove and rode.
-struct Driven {
+struct Driven<'a> {
     /// The first drive by hand.
     own: MeasureValues,
     /// Those of further sessions.
@@ -163,22 +223,83 @@ struct Driven {
     trials: Vec<(Ride, MeasureValues)>,
     /// Of a move across the dial, in rad.
     angle: f64,
+    lent: LentTo<'a>,
 }
 
 impl World {
+    /// Points of the ADB's scale in a standard deviation over people on the line.
+    fn adb_points_a_sd(&self, style: &StyleScore) -> f64 {
+        style.sd / self.points * POINTS
+    }
+
+    /// Whose style is lent to each person: those of all the others in the same study.
+    fn lent<'a>(
+        &self,
+        people: &'a [Participant],
+        fitted: &[Fitted],
+        style: &StyleScore,
+        seed: u64,
+    ) -> Result<Vec<LentTo<'a>>, RehearsalError> {
+        let mut lent = vec![LentTo::new(); people.len()];
+        if matched(&self.design).next().is_none() {
+            return Ok(lent);
+        }
+        let place = |(person, fitted): (&'a Participant, &Fitted)| Place {
+            person,
+            line_points: fitted.with * self.adb_points_a_sd(style),
+            across: donors::across(&self.population, person),
+        };
+        let places: Vec<Place<'a>> = people.iter().zip(fitted).map(place).collect();
+        for (condition, asked) in matched(&self.design) {
+            let loans = donors::lend((condition, asked), &places, seed)?;
+            for (theirs, loan) in lent.iter_mut().zip(loans) {
+                theirs.insert(condition, loan);
+            }
+        }
+        Ok(lent)
+    }
+
+    /// What a run keeps of a loan, in points of the design's style.
+    fn lent_row(
+        &self,
+        loan: &Loan<'_>,
+        baseline: ConditionId,
+        style: &StyleScore,
+    ) -> Result<Lent, RehearsalError> {
+        let sds = loan.offer.shift_points / self.adb_points_a_sd(style);
+        Ok(Lent {
+            donor: DriveId::in_condition(&loan.donor.id, baseline)?,
+            donor_shift_points: style.points(sds) - style.points(0.0),
+            donor_distance_sd: loan.offer.distance_sd,
+            donor_within_reach: loan.within_reach,
+        })
+    }
+
     /// Every drive and ride that the design asks of a person.
-    fn drives(&self, person: &Participant, baseline: ConditionId, seed: u64) -> Driven {
+    fn drives<'a>(
+        &self,
+        person: &Participant,
+        lent: LentTo<'a>,
+        baseline: ConditionId,
+        seed: u64,
+    ) -> Driven<'a> {
         let angle = PopulationModel::angle(person, seed);
+        // The dial turns the score, the population knows aggression.
+        let aggression = self.design.style().map(|style| style.aggression.factor());
+        let step = self.points * aggression.unwrap_or(1.0);
         let by_hand = self.design.rides(baseline).skip(1);
         let by_hand = by_hand.map(|ride| (ride, CarSetting::ByHand));
         let ridden = self.design.conditions().iter().flat_map(|condition| {
-            let setting = CarSetting::for_condition(condition, angle, self.points);
+            let setting = lent.get(&condition.id).map_or_else(
+                || CarSetting::for_condition(condition, angle, step),
+                Loan::setting,
+            );
             let rides = self.design.rides(condition.id);
             rides.map(move |ride| (ride, setting))
         });
-        let settings: Vec<(Ride, CarSetting)> = by_hand.chain(ridden).collect();
+        let settings: Vec<(Ride, CarSetting<'_>)> = by_hand.chain(ridden).collect();
         let labels: Vec<String> = settings.iter().map(|(ride, _)| ride.to_string()).collect();
-        let labelled: Vec<(&str, CarSetting)> = labels
+        let labelled: Vec<(&str, CarSetting<'_>)> = labels
             .iter()
             .zip(&settings)
             .map(|(label, (_, setting))| (label.as_str(), *setting))
@@ -191,6 +312,7 @@ impl World {
             again,
             trials,
             angle,
+            lent,
         }
     }
 
@@ -198,7 +320,7 @@ impl World {
     fn ratings(
         &self,
         people: &[Participant],
-        drives: &[Driven],
+        drives: &[Driven<'_>],
         seed: u64,
     ) -> Result<Vec<Score>, RehearsalError> {
         let unit = spread(&drives.iter().map(|driven| &driven.own).collect::<Vec<_>>());
@@ -316,34 +438,27 @@ fn embedding(
     adb: Option<f64>,
     position: f64,
 ) -> Result<EmbeddingRow, RehearsalError> {
+    let drive = DriveId::in_condition(&person.id, baseline)?;
+    let style = Embedding::new(vec![position])?;
     Ok(EmbeddingRow {
-        drive: DriveId::in_condition(&person.id, baseline)?,
-        participant: person.id.clone(),
-        condition: baseline,
-        session: first(),
-        trial: first(),
         adb_used,
         adb,
-        adb_hat: None,
         line_position: Some(position),
-        readings: None,
-        covariance: None,
-        line_position_se: None,
-        support_p: None,
-        beyond_why: None,
-        posted_unseen: None,
-        embedding: Embedding::new(vec![position])?,
+        ..EmbeddingRow::new(drive, person.id.clone(), baseline, style)
     })
 }
 
-/// The drives are made up as the dial says, beyond the ends of the scale too; so are their places.
+/// The drives are made up as the dial says, beyond the ends of the scale too; so are their places, `own` and `average` in points.
 fn condition_row(
     person: &Participant,
     condition: &Condition,
+    [own, average]: [f64; 2],
     angle: f64,
-    own: f64,
 ) -> Result<ConditionRow, RehearsalError> {
-    let moved = condition.dial().unwrap_or(0.0);
+    let moved = match condition.car {
+        Some(Car::Mean) => average - own,
+        _ => condition.dial().unwrap_or(0.0),
+    };
     Ok(ConditionRow {
         participant: person.id.clone(),
         condition: condition.id,
@@ -363,7 +478,11 @@ fn condition_row(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::testing::{design, world};
+    use crate::{
+        population::MeasureModel,
+        testing::{design, world},
+    };
+    use maveric_participants::Trait;
 
     /// Pearson's r of two lists.
     fn r(x: &[f64], y: &[f64]) -> f64 {
@@ -460,6 +579,217 @@ mod tests {
                 .is_some_and(|icc| icc.icc.is_some_and(|r| r > 0.5)),
             "{speed:?}"
         );
+    }
+
+    const VELOCITY: &str = "mean_velocity_mps";
+
+    /// The paper's world with another car in its fourth condition.
+    fn with_car(car: &str) -> Result<World, RehearsalError> {
+        let paper = include_str!("../../../study_data/designs/paper.toml");
+        let text = paper.replace("{ across = true }", car);
+        with_design(&text)
+    }
+
+    fn with_design(text: &str) -> Result<World, RehearsalError> {
+        let design = Design::from_toml(text).unwrap();
+        let World {
+            population,
+            effects,
+            scales,
+            ..
+        } = world();
+        World::new(design, population, effects, scales, 1.0)
+    }
+
+    /// Its cars drive without an error, and everybody's dial is alike.
+    fn exact(car: &str) -> World {
+        let mut world = with_car(car).unwrap();
+        for measure in world.population.measures.values_mut() {
+            if let MeasureModel::Drawn(drawn) = measure {
+                drawn.error_sd = 0.0;
+                (drawn.up.sd, drawn.down.sd) = (0.0, 0.0);
+            }
+        }
+        world
+    }
+
+    fn id(condition: &str) -> ConditionId {
+        condition.parse().unwrap()
+    }
+
+    fn near(found: f64, expected: f64) {
+        assert!(
+            (found - expected).abs() < 1e-9,
+            "{found} instead of {expected}"
+        );
+    }
+
+    #[test]
+    fn a_lent_style_has_the_riders_score_and_the_donors_habits() {
+        let world = exact("{ other = \"matched\" }");
+        let PopulationModel { line, measures, .. } = &world.population;
+        let MeasureModel::Drawn(velocity) = &measures[VELOCITY] else {
+            panic!("the velocity is drawn");
+        };
+        let Rehearsed { people, data } = world.study(30, 4).unwrap();
+        let mut times = BTreeMap::new();
+        for person in &people {
+            let row = data.condition(&person.id, id("perpendicular")).unwrap();
+            let own = data.condition(&person.id, id("mimic")).unwrap();
+            assert_eq!((row.adb_hat, row.moved_points), (own.adb_hat, Some(0.0)));
+            let lent = row.lent.as_ref().unwrap();
+            let is_donor = |p: &&Participant| format!("{}-own", p.id) == lent.donor.as_str();
+            let donor = people.iter().find(is_donor).unwrap();
+            assert_ne!(donor.id, person.id);
+            *times.entry(donor.id.clone()).or_insert(0) += 1;
+            // 8.5 points of the ADB score a standard deviation; a step of the dial is 15.
+            let position =
+                |p: &Participant| data.embedding(&p.id, true).unwrap().line_position.unwrap();
+            let shift = 8.5 * (position(person) - position(donor));
+            near(lent.donor_shift_points, shift);
+            let step = if shift > 0.0 {
+                velocity.up.step
+            } else {
+                -velocity.down.step
+            };
+            let measured =
+                |p: &Participant, c: &str| data.measured(&p.id, id(c), VELOCITY).unwrap();
+            near(
+                measured(person, "perpendicular"),
+                measured(donor, "own") + velocity.sd * (velocity.bias + shift / 15.0 * step),
+            );
+            // What of both people's traits lies across the line.
+            let traits = [Trait::Aggressiveness, Trait::Spacing, Trait::Pace];
+            let apart = traits.map(|t| donor.latent(t) - person.latent(t));
+            let along = traits.map(|t| line.loadings[&t]);
+            let product = |a: &[f64; 3], b: &[f64; 3]| a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+            let on_the_line = product(&apart, &along).powi(2) / product(&along, &along);
+            let across = product(&apart, &apart) - on_the_line;
+            near(lent.donor_distance_sd, across.sqrt());
+            let within = shift.abs() <= 8.0 && (0.7..=2.5).contains(&lent.donor_distance_sd);
+            assert_eq!(lent.donor_within_reach, within);
+        }
+        assert!(times.len() > 10, "{times:?}");
+        let again = world.study(30, 4).unwrap().data;
+        for person in &people {
+            let row = |data: &StudyData| data.condition(&person.id, id("perpendicular")).cloned();
+            assert_eq!(row(&again), row(&data));
+        }
+    }
+
+    #[test]
+    fn another_style_of_ones_own_score_is_felt_as_unlike_and_without_effects_is_the_own() {
+        let world = with_car("{ other = \"matched\" }").unwrap();
+        let data = world.study(200, 6).unwrap().data;
+        let similarity: ScoreName = "similarity.similarity".parse().unwrap();
+        let rated = |condition: &str| {
+            let ratings = data
+                .participants
+                .iter()
+                .filter_map(|p| data.rated(p, id(condition), &similarity));
+            let ratings: Vec<f64> = ratings.collect();
+            ratings.iter().sum::<f64>() / ratings.len() as f64
+        };
+        let (own, other) = (rated("mimic"), rated("perpendicular"));
+        assert!(own - other > 0.3, "{own} {other}");
+        for car in ["{ other = \"matched\" }", "{ mean = true }"] {
+            let none = exact(car).scaled(0.0).study(20, 6).unwrap().data;
+            for p in &none.participants {
+                let measured = |c: &str| none.measured(p, id(c), VELOCITY).unwrap();
+                near(measured("perpendicular"), measured("mimic"));
+            }
+        }
+    }
+
+    #[test]
+    fn the_average_drivers_car_drives_everybody_alike_and_lies_in_the_middle_of_the_line() {
+        let world = exact("{ mean = true }");
+        let MeasureModel::Drawn(velocity) = &world.population.measures[VELOCITY] else {
+            panic!("the velocity is drawn");
+        };
+        let data = world.study(20, 4).unwrap().data;
+        for p in &data.participants {
+            let driven = data.measured(p, id("perpendicular"), VELOCITY).unwrap();
+            near(driven, velocity.mean + velocity.sd * velocity.bias);
+            let row = data.condition(p, id("perpendicular")).unwrap();
+            let own = data.condition(p, id("mimic")).unwrap().adb_hat.unwrap();
+            near(row.adb_hat.unwrap(), 28.0);
+            near(row.moved_points.unwrap(), 28.0 - own);
+            assert_eq!(row.lent, None);
+        }
+    }
+
+    #[test]
+    fn the_dial_of_a_score_of_calmness_makes_the_car_slower() {
+        let paper = include_str!("../../../study_data/designs/paper.toml");
+        let score = "score = \"adb.total\"\n";
+        let calmness = paper.replace(score, &format!("{score}aggression = \"-\"\n"));
+        let faster = |text: &str| {
+            let data = with_design(text).unwrap().study(40, 3).unwrap().data;
+            let speed = |condition: &str| {
+                let people = data.participants.iter();
+                let speeds = people.filter_map(|p| data.measured(p, id(condition), VELOCITY));
+                speeds.sum::<f64>()
+            };
+            speed("aggressive") - speed("cautious")
+        };
+        assert!(faster(paper) > 0.0 && faster(&calmness) < 0.0);
+    }
+
+    #[test]
+    fn what_cannot_be_made_up_is_refused_with_the_reason() {
+        for (car, why) in [
+            ("{ free = true }", "how people turn the dial"),
+            (
+                "{ embedding = \"styles.csv\" }",
+                "a point of a trained model",
+            ),
+            ("{ recorded = true }", "was recorded elsewhere"),
+        ] {
+            let said = with_car(car).unwrap_err().to_string();
+            let head = "`condition.perpendicular.car` cannot be rehearsed, since ";
+            assert!(said.starts_with(head) && said.contains(why), "{said}");
+        }
+        let again = "[study]\ntitle = \"Again\"\n[[condition]]\nid = \"again\"\ncar = { replay = \"own\" }\n[protocol]\n\
+                     steps = [\"drive\", \"rides\"]\ndrive_s = 120\nride_s = 120\nworld = \"same\"\n";
+        let said = with_design(again).unwrap_err().to_string();
+        assert!(said.contains("a drive moment by moment"), "{said}");
+    }
+
+    #[test]
+    fn too_few_donors_and_people_who_differ_along_the_line_alone_are_refused() {
+        let matched = with_car("{ other = \"matched\", from = \"learned\" }").unwrap();
+        assert!(matches!(
+            matched.study(5, 1),
+            Err(RehearsalError::FewDonors {
+                people: 5,
+                donors: 4,
+                ..
+            })
+        ));
+        assert!(matched.enough_donors(5).is_err() && matched.enough_donors(6).is_ok());
+        assert!(world().enough_donors(4).is_ok());
+        let World {
+            design,
+            mut population,
+            effects,
+            scales,
+            ..
+        } = matched;
+        for measure in population.measures.values_mut() {
+            if let MeasureModel::Drawn(drawn) = measure {
+                drawn
+                    .loadings
+                    .retain(|name, _| *name == Trait::Aggressiveness);
+            }
+        }
+        population.line.loadings =
+            BTreeMap::from([(Trait::Aggressiveness, 0.8), (Trait::Pace, 0.0)]);
+        let refused = World::new(design, population, effects, scales, 1.0).unwrap_err();
+        assert!(matches!(
+            refused,
+            RehearsalError::NothingAcross { found: 1, .. }
+        ));
     }
 
     #[test]

@@ -352,6 +352,7 @@ fn consents_of<'a>(
             participant: who.clone(),
             step: kept.step + 1,
             text_sha256: sheet.text_sha256?,
+            style_lent: sheet.style_lent,
             at: written(kept.given),
         })
     })

@@ -125,7 +125,7 @@ pub enum SeatError {
 
 /// A line each, with what to do.
 fn listed(all: &[Hindrance]) -> String {
-    let line = |hindrance: &Hindrance| format!("\n- {hindrance}: {}", hindrance.remedy());
+    let line = |hindrance: &Hindrance| format!("\n- {}", hindrance.with_remedy());
     all.iter().map(line).collect()
 }
 

@@ -20,8 +20,8 @@ use maveric_study::{
     tables::{
         TableName,
         collected::{
-            CONSENTS, EVENTS, EventRow, LENT, LentRow, NOT_ADMITTED, NOTES, NotAdmitted, PAYMENT,
-            PaymentRow, STOPPED, write_lent,
+            CONSENTS, EVENTS, EventRow, LENT, LentRow, NOT_ADMITTED, NOT_AGREED, NOTES,
+            NotAdmitted, NotAgreed, PAYMENT, PaymentRow, STOPPED, write_lent,
         },
         dial::{ENDING, Turn},
         embeddings::read_styles,
@@ -59,12 +59,12 @@ impl Files {
 
     /// The files that a study's design names; records go to `records`.
     pub fn of(study: &DesignFile, records: PathBuf) -> Self {
-        let (design, files) = (&study.design, study.design.files());
+        let files = study.design.files();
         Self(Some(Place {
             logs: study.resolve(&files.logs).join("seat"),
             records,
             answers: study.resolve(&files.answers),
-            people: study.resolve(&design.people().file),
+            people: study.people_file(None),
             study: study.clone(),
             people_made: false,
         }))
@@ -320,6 +320,17 @@ impl Files {
             Some(place) => {
                 let path = place.study.resolve(Path::new(NOT_ADMITTED));
                 Ok(write_rows(TableName::NotAdmitted, &path, rows)?)
+            }
+            None => Ok(()),
+        }
+    }
+
+    /// Writes how many people did not agree to each version of the consent, once somebody did not.
+    pub(crate) fn not_agreed(&self, rows: &[NotAgreed]) -> Result<(), SeatError> {
+        match self.0.as_ref().filter(|_| !rows.is_empty()) {
+            Some(place) => {
+                let path = place.study.resolve(Path::new(NOT_AGREED));
+                Ok(write_rows(TableName::NotAgreed, &path, rows)?)
             }
             None => Ok(()),
         }

@@ -2,9 +2,12 @@
 
 use maveric_domain::{
     ConditionId,
-    design::{ScoreName, Software},
+    design::{FEWEST_DONORS, ScoreName, Software},
+    survey::Kind,
 };
-use maveric_model::style_space::FEWEST_DONORS;
+
+/// Answers of a probe: 0 to 100 by 5 still is one row of buttons.
+pub(crate) const MOST_PROBE_ANSWERS: usize = 21;
 
 /// One thing that a study lacks, or that the seat cannot do.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
@@ -80,12 +83,12 @@ pub enum Hindrance {
     },
     /// A condition in which somebody else's style is lent, and too few who could lend theirs.
     #[error(
-        "condition `{condition}` lends somebody else's style: the model keeps {donors} drives, expected {FEWEST_DONORS} or more"
+        "condition `{condition}` lends somebody else's style: {donors} drives that the model learned from may be lent, expected {FEWEST_DONORS} or more"
     )]
     FewDonors {
         /// The condition's id.
         condition: ConditionId,
-        /// Drives that the model keeps.
+        /// Drives that the model learned from, but for those whose people do not let their style be lent.
         donors: usize,
     },
     /// A condition whose file of styles cannot be used.
@@ -122,6 +125,27 @@ pub enum Hindrance {
         /// How many items the scale has.
         items: u32,
     },
+    /// A scale that is to be asked on the way, and whose answer would have to be written.
+    #[error(
+        "[protocol] `probe` asks scale `{scale}`, whose item is a `{}`, expected one that is answered by pressing a button",
+        kind.name()
+    )]
+    ProbeKind {
+        /// Its id.
+        scale: String,
+        /// How its item is answered.
+        kind: Kind,
+    },
+    /// A scale that is to be asked on the way with more buttons than one can choose from while riding.
+    #[error(
+        "[protocol] `probe` asks scale `{scale}`, whose item has {answers} answers, expected {MOST_PROBE_ANSWERS} at most: each is a button over the road"
+    )]
+    ProbeAnswers {
+        /// Its id.
+        scale: String,
+        /// How many its item has.
+        answers: usize,
+    },
     /// A rule on an item that is not asked, or on an answer that it does not have.
     #[error("[protocol] `{key}`: `{rule}`: {problem}")]
     Rule {
@@ -148,6 +172,11 @@ pub enum Hindrance {
 impl Hindrance {
     pub(crate) fn no_car(condition: ConditionId, problem: &'static str) -> Self {
         Self::Car { condition, problem }
+    }
+
+    /// What is wrong and what to do, in a line.
+    pub fn with_remedy(&self) -> String {
+        format!("{self}: {}", self.remedy())
     }
 
     /// What to do.
@@ -178,7 +207,7 @@ impl Hindrance {
                 "learn a model of two numbers or more from people who answered the scale of [style]".to_owned()
             }
             Self::FewDonors { .. } => {
-                "learn a model from more people, or give the condition another `car`".to_owned()
+                "learn a model from more people who tick that their style may be lent, or give the condition another `car`".to_owned()
             }
             Self::Styles { remedy, .. } => remedy.clone(),
             Self::SimulatedAgain { .. } => {
@@ -189,6 +218,12 @@ impl Hindrance {
             }
             Self::ProbeItems { .. } => {
                 "name a scale of one item, such as probe = { scale = \"misc\", every_s = 60 }".to_owned()
+            }
+            Self::ProbeKind { .. } => {
+                "name a scale with kind = \"likert\", \"bipolar\", \"slider\", \"ladder\" or \"choice\"".to_owned()
+            }
+            Self::ProbeAnswers { scale, .. } => {
+                format!("write a larger `step` into scales/{scale}.toml, such as 5 of 0 to 100")
             }
             Self::Rule { .. } => "write SCALE.NUMBER, or SCALE.SUBSCALE of one item".to_owned(),
             Self::NoLastDay => {

@@ -12,6 +12,7 @@ mod books;
 pub mod carried;
 mod collected;
 mod connections;
+mod consent;
 mod crash;
 mod decided;
 pub mod demo;

@@ -11,7 +11,7 @@ use crate::{
 };
 use maveric_domain::{
     ConditionId, Design, EmbeddingRow, Moment, Occasion, ParticipantId, Ride, Scale,
-    design::{Car, Condition, Protocol, ProtocolStep, WHICH, World},
+    design::{Car, Condition, Donors, Protocol, ProtocolStep, WHICH, World},
     occasion::is_first,
     stream_seed,
 };
@@ -220,7 +220,30 @@ impl Planning<'_> {
             title: self.design.title().to_owned(),
             text: crash::in_consent(&text, words),
             agree: true,
+            lend: self
+                .may_lend()
+                .then(|| words.sentence("lend_sentence").to_owned()),
         }))
+    }
+
+    /// Whether this person's style may come to be lent to others: of everybody who is learned from, since a model that learned from them
+    /// lends theirs until enough have ridden; and of everybody who rides, or for whom the program simulates, where the tested lend theirs.
+    fn may_lend(&self) -> bool {
+        let (design, protocol) = (self.design, self.design.protocol());
+        let people = design.people();
+        let rides = self.riding.is_some();
+        let words = if rides { &people.test } else { &people.learn };
+        let words = words.as_ref();
+        let word = |column: &str| words?.get(column).map(String::as_str);
+        let is_learned_from = design.model().is_none() && people.learns_from(word);
+        let lends = |condition: &Condition| match &condition.car {
+            Some(Car::Matched(matched)) => {
+                let is_tested = rides || condition.simulated();
+                is_learned_from || is_tested && matched.from == Donors::Tested
+            }
+            _ => false,
+        };
+        protocol.steps.contains(&ProtocolStep::Drive) && design.conditions().iter().any(lends)
     }
 
     /// What is told at the end.
@@ -242,6 +265,7 @@ impl Planning<'_> {
                 title: words.sentence("debrief_title").to_owned(),
                 text: text.clone(),
                 agree: false,
+                lend: None,
             });
         }
         steps.push(Step::Thanks {
@@ -431,7 +455,13 @@ fn driven(
         ),
         Car::Matched(matched) => {
             let (apart_sd, seed) = (matched.apart_sd, whose.place(root, condition.id));
-            (RideStyle::Lent { apart_sd, seed }, 0.0, None)
+            let lent = RideStyle::Lent {
+                apart_sd,
+                seed,
+                // Who these are the seat says, which has asked them.
+                withheld: std::collections::BTreeSet::new(),
+            };
+            (lent, 0.0, None)
         }
         Car::Embedding(file) => {
             let rows = styles.get(file).map_or(&[][..], Vec::as_slice);
@@ -564,6 +594,68 @@ mod tests {
         };
         assert!(asked(&[0, 1, 2]).starts_with("Think of ride 1 and of ride 3."));
         assert!(asked(&[1, 2, 0]).starts_with("Think of ride 2 and of ride 3."));
+    }
+
+    #[test]
+    fn the_consent_asks_for_a_style_where_it_may_be_lent_to_others_who_take_part_and_nowhere_else()
+    {
+        const ELSEWHERE: &str = "[model]\nfile = \"model.maveric\"";
+        const HERE: &str = "[people]\nlearn = { part = \"learn\" }\ntest = { part = \"test\" }";
+        const BOTH: &str = "[people]\nlearn = { part = \"all\" }\ntest = { part = \"all\" }";
+        let asked = |learned: &str, car: &str, rides: bool| {
+            let text = format!(
+                r#"
+                [study]
+                title = "Two cars"
+                {learned}
+                [style]
+                score = "adb.total"
+                [baseline]
+                id = "own"
+                [[condition]]
+                id = "mine"
+                car = {{ dial = 0, recorded = true }}
+                [[condition]]
+                id = "other"
+                car = {{ {car}, recorded = true }}
+                "#
+            );
+            let design = Design::from_toml(&text).unwrap();
+            let texts = Texts {
+                consent: Some("You drive.".to_owned()),
+                ..Texts::default()
+            };
+            let styles = Styles::new();
+            let riding = rides.then_some(Riding {
+                order: &[0, 1],
+                stretch: 1.0,
+                styles: &styles,
+            });
+            let whose = Whose::Person("P001");
+            let steps = of_design(&design, &[], &texts, whose, riding).unwrap();
+            let lend = steps.into_iter().find_map(|step| match step {
+                Step::Text {
+                    agree: true, lend, ..
+                } => Some(lend),
+                _ => None,
+            });
+            lend.unwrap()
+        };
+        let tested = "other = \"matched\"";
+        let learned = "other = \"matched\", from = \"learned\"";
+        let sentence = asked(ELSEWHERE, tested, true).unwrap();
+        assert!(sentence.contains("without my name"), "{sentence}");
+        // Where the model is of people elsewhere, nobody who only drives is a donor, and nobody is whose styles are not lent.
+        assert_eq!(asked(ELSEWHERE, tested, false), None);
+        assert_eq!(asked(ELSEWHERE, learned, true), None);
+        // Whoever is learned from here is a donor, in either case; whoever rides then, where those who ride are, or are learned from too.
+        assert!(asked(HERE, tested, false).is_some() && asked(HERE, learned, false).is_some());
+        assert!(asked(HERE, tested, true).is_some());
+        assert_eq!(asked(HERE, learned, true), None);
+        assert!(asked(BOTH, learned, true).is_some());
+        for rides in [false, true] {
+            assert_eq!(asked(HERE, "mean = true", rides), None);
+        }
     }
 
     #[test]

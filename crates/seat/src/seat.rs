@@ -3,8 +3,10 @@
 use crate::{
     books::Books,
     collected::NOTE,
+    consent,
     error::SeatError,
     files::Files,
+    hindrance::Hindrance,
     known::Known,
     listed::Listed,
     person::Person,
@@ -16,8 +18,9 @@ use crate::{
     token,
     withdrawal::Withdrawal,
 };
-use maveric_domain::{Design, Scale, SpeedUnit, design::ProtocolStep};
+use maveric_domain::{Design, DriveId, Scale, SpeedUnit, design::ProtocolStep};
 use maveric_model::{Model, model_file};
+use maveric_seat_page::RideStyle;
 use maveric_simulator::Scenario;
 use std::{
     collections::{BTreeMap, BTreeSet},
@@ -68,6 +71,8 @@ pub struct Seat {
     pub(crate) scenario_json: String,
     pub(crate) model: Option<Model>,
     styles: Styles,
+    /// The drives of this study that the model learned from, whose style may not be lent.
+    pub(crate) withheld: BTreeSet<DriveId>,
     links: Mutex<Links>,
     /// Whether the experimenter has closed it.
     stopping: AtomicBool,
@@ -83,11 +88,39 @@ fn held<T>(lock: &Mutex<T>) -> MutexGuard<'_, T> {
     lock.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
+impl SeatSettings {
+    /// All that keeps the seat from running the study; nothing is opened or written.
+    ///
+    /// # Errors
+    /// [`SeatError::Model`] for a model that is none.
+    pub fn hindrances(&self) -> Result<Vec<Hindrance>, SeatError> {
+        Ok(self.examined()?.2)
+    }
+
+    /// The model, the styles that conditions name, and what keeps the seat from running the study.
+    fn examined(&self) -> Result<(Option<Model>, Styles, Vec<Hindrance>), SeatError> {
+        let model = self.model.as_deref().map(model_file::from_bytes);
+        let model = model.transpose()?;
+        let mut found = Vec::new();
+        for texts in [&self.texts].into_iter().chain(&self.in_others) {
+            let words = (&self.scales[..], texts);
+            for hindrance in hindrances(&self.design, words, model.as_ref()) {
+                if !found.contains(&hindrance) {
+                    found.push(hindrance);
+                }
+            }
+        }
+        let styles = self.files.styles(model.as_ref(), &mut found);
+        Ok((model, styles, found))
+    }
+}
+
 impl Seat {
     /// Opens a seat whose state is kept in `path`.
     ///
     /// # Errors
-    /// [`SeatError::Unfit`] with all that keeps the seat from running the study, before anything is written; [`SeatError::Store`] if the file
+    /// [`SeatError::Unfit`] with all that keeps the seat from running the study, before anything is written, or where too few of those learned
+    /// from let their style be lent; [`SeatError::Store`] if the file
     /// cannot be opened; [`SeatError::Model`] for a model that is none; [`SeatError::Study`] if its tables cannot be read or made.
     pub fn open(path: &Path, mut settings: SeatSettings) -> Result<Self, SeatError> {
         if settings
@@ -100,25 +133,21 @@ impl Seat {
                 help: Some("give one, or leave it out: then one is made up and printed".to_owned()),
             });
         }
-        let model = settings.model.as_deref().map(model_file::from_bytes);
-        let model = model.transpose()?;
-        let mut distinct = Vec::new();
-        for texts in [&settings.texts].into_iter().chain(&settings.in_others) {
-            let words = (&settings.scales[..], texts);
-            for hindrance in hindrances(&settings.design, words, model.as_ref()) {
-                if !distinct.contains(&hindrance) {
-                    distinct.push(hindrance);
-                }
-            }
-        }
-        let mut hindrances = distinct;
-        let styles = settings.files.styles(model.as_ref(), &mut hindrances);
+        let (model, styles, hindrances) = settings.examined()?;
         if !hindrances.is_empty() {
             return Err(SeatError::Unfit(hindrances));
         }
         settings.files.begin()?;
+        let store = Store::open(path)?;
+        let mut withheld = BTreeSet::new();
+        // A model that was learned elsewhere may know others by the same ids.
+        if let Some(model) = model.as_ref().filter(|_| settings.design.model().is_none()) {
+            withheld = store.look(consent::withheld)?;
+            let is_learned = |id: &DriveId| model.training().iter().any(|t| t.drive == *id);
+            withheld.retain(is_learned);
+        }
         let seat = Self {
-            store: Store::open(path)?,
+            store,
             scenario_json: serde_json::to_string(&settings.scenario).map_err(|e| {
                 SeatError::Protocol {
                     problem: format!("the scenario cannot be written: {e}"),
@@ -127,6 +156,7 @@ impl Seat {
             })?,
             model,
             styles,
+            withheld,
             settings,
             links: Mutex::default(),
             stopping: AtomicBool::new(false),
@@ -134,6 +164,7 @@ impl Seat {
             asked: AtomicU64::new(0),
             written: Mutex::new(0),
         };
+        seat.refuse_few_lenders()?;
         *held(&seat.links) = seat.store.within(|b| {
             let people = b.everybody()?;
             seat.find_rows(b, &people)?;
@@ -254,7 +285,18 @@ impl Seat {
             stretch: s.stretch,
             styles: &self.styles,
         });
-        plan::of_design(&s.design, &s.scales, self.texts_in(language), whose, riding)
+        let texts = self.texts_in(language);
+        let mut steps = plan::of_design(&s.design, &s.scales, texts, whose, riding)?;
+        for step in &mut steps {
+            if let Step::Ride {
+                style: RideStyle::Lent { withheld, .. },
+                ..
+            } = step
+            {
+                withheld.clone_from(&self.withheld);
+            }
+        }
+        Ok(steps)
     }
 
     /// Does something to the study's files while nobody writes answers and people into them.
@@ -286,15 +328,16 @@ impl Seat {
             return Ok(());
         }
         let answered = self.asked.load(Ordering::SeqCst);
-        let (given, not_admitted) = self.store.look(|b| {
+        let (given, not_admitted, not_agreed) = self.store.look(|b| {
             let people = b.everybody()?.into_iter().filter(Person::is_admitted);
             let with_answers = |p: Person| Ok((b.answers(&p.participant)?, p));
             let given: Vec<_> = people.map(with_answers).collect::<Result<_, SeatError>>()?;
-            Ok::<_, SeatError>((given, b.not_admitted()?))
+            Ok::<_, SeatError>((given, b.not_admitted()?, b.not_agreed()?))
         })?;
         let given = given.into_iter().map(|(answers, person)| (person, answers));
         let given: Vec<_> = given.collect();
         self.settings.files.not_admitted(&not_admitted)?;
+        self.settings.files.not_agreed(&not_agreed)?;
         self.store.look(|b| self.settings.files.ended(b))?;
         if !given.is_empty() {
             let listed = self.settings.files.write(&given)?;

@@ -10,11 +10,11 @@ use crate::{
 };
 use maveric_domain::{
     Design, Moment, Scale,
-    design::{Car, Condition, ProtocolStep, Software, WHICH},
+    design::{Car, Condition, FEWEST_DONORS, ProtocolStep, Software, WHICH},
 };
 use maveric_model::{
     Model, ModelError,
-    style_space::{FEWEST_DONORS, LinearHead, Matching, PerpendicularEllipse},
+    style_space::{LinearHead, Matching, PerpendicularEllipse},
 };
 
 /// All that keeps the seat from running a study, in the order of the design; nothing for one that it can run to its end.

@@ -445,11 +445,12 @@ async fn leave(
     let leaving: Leaving = read(&body)?;
     let refusals = Arc::clone(&shared.refusals);
     let how = shared.blocking(move |seat| {
-        let person = seat.store.within(|b| {
+        let found = seat.store.within(|b| {
             let person = match b.person(&token)? {
                 None if b.link_forgotten(&token)? => return Ok(None),
                 person => person.ok_or(Refused::NoSuchPerson)?,
             };
+            let refused = b.refuse_consent(&person)?;
             if leaving.keep {
                 b.ended(&person, "left")?;
             } else if person.ended.is_some()
@@ -457,11 +458,12 @@ async fn leave(
             {
                 return Err(Refused::TooLate(why));
             }
-            b.somebody(&token).map(Some)
+            Ok(Some((b.somebody(&token)?, refused)))
         })?;
-        let Some(person) = person else {
+        let Some((person, refused)) = found else {
             // Where it could not be ended before it is now.
             seat.forget_the_rest()?;
+            seat.write_files()?;
             return Ok(DELETED.to_owned());
         };
         if leaving.keep {
@@ -471,6 +473,9 @@ async fn leave(
         }
         seat.forget(&person.participant)?;
         refusals.forget(&person.participant);
+        if refused {
+            seat.write_files()?;
+        }
         Ok(DELETED.to_owned())
     });
     Ok(json(&how.await?))

@@ -24,6 +24,9 @@ pub(crate) struct Sheet {
     /// Whether the text was agreed to.
     #[serde(default)]
     pub(crate) agreed: bool,
+    /// Whether the person's style may be lent to others; none where no box was shown.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub(crate) style_lent: Option<bool>,
     /// Time on the page, in s.
     pub(crate) seconds: f64,
     /// Which rule held somebody back, of those of a screening; its answers stay in the page.
@@ -47,6 +50,10 @@ impl Sheet {
         let rules = found.rules();
         if self.refused.is_some() && rules.is_none() {
             return Err("nobody is judged here".to_owned());
+        }
+        let lends = matches!(found, Step::Text { lend: Some(_), .. });
+        if self.style_lent.is_some() && !lends {
+            return Err("nobody is asked here whether they lend their style".to_owned());
         }
         match found {
             Step::Scale { items, .. } => self.fits(items)?,

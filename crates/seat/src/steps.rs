@@ -5,7 +5,7 @@ use maveric_domain::{
     ConditionId, Lent, Moment, Occasion, Ride, Scale,
     design::Than,
     nearest,
-    survey::{Item, ItemWords},
+    survey::{Item, ItemWords, Wording},
 };
 use maveric_seat_page::{Event, RideStyle};
 use serde::{Deserialize, Serialize};
@@ -75,6 +75,9 @@ pub enum Step {
         text: String,
         /// Whether going on means agreeing: recorded with the text's hash.
         agree: bool,
+        /// What the box below says whose tick lends the person's style to others; none where nobody is asked.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        lend: Option<String>,
     },
     /// One scale, on one page.
     Scale {
@@ -219,12 +222,11 @@ pub struct Judged {
 pub struct AskedProbe {
     /// Its id.
     pub scale: String,
-    /// What is asked.
-    pub question: String,
-    /// Lowest answer.
-    pub min: i32,
-    /// Highest answer.
-    pub max: i32,
+    /// What stands above the question.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub instruction: Option<String>,
+    /// What is asked, with its answers and their words, as a sheet has it.
+    pub question: Asked,
     /// How far apart, in s.
     pub every_s: f64,
     /// What is not answered by then is missing, in s.
@@ -253,12 +255,11 @@ impl AskedProbe {
     pub(crate) fn answer(&self, event: &Event) -> Option<Result<(f64, Option<i32>), String>> {
         let scale = event.what.strip_prefix(Self::EVENT)?;
         let number = (event.tick as f64 / TICKS_PER_S / self.every_s).floor();
-        let range = f64::from(self.min)..=f64::from(self.max);
-        let possible = |answer: f64| range.contains(&answer) && answer.fract() == 0.0;
+        let possible = |answer: f64| answer.fract() == 0.0 && self.takes(answer as i32);
         if scale != self.scale || number < 1.0 || !event.points.is_none_or(possible) {
-            let (low, high) = (self.min, self.max);
+            let range = self.question.item.range();
             return Some(Err(format!(
-                "an answer to a probe that is not asked here, or not {low} to {high}"
+                "an answer to a probe that is not asked here, or not {range}"
             )));
         }
         Some(Ok((number * self.every_s, event.points.map(|a| a as i32))))
@@ -266,7 +267,7 @@ impl AskedProbe {
 
     /// Whether this is an answer of it.
     pub(crate) fn takes(&self, answer: i32) -> bool {
-        (self.min..=self.max).contains(&answer)
+        self.question.item.takes(answer)
     }
 
     /// Whether nobody goes on after this answer.
@@ -443,6 +444,22 @@ pub fn sheet(
     moment: Moment,
     language: &str,
 ) -> Result<Step, Hindrance> {
+    let (scale, wording, items) = asked(scales, id, language)?;
+    Ok(Step::Scale {
+        scale: scale.id.clone(),
+        title: wording.shown_title.clone(),
+        instruction: wording.instruction.clone(),
+        items,
+        moment,
+    })
+}
+
+/// A scale with its words in a language, and its items as a page shows them; errors as of [`sheet`].
+pub(crate) fn asked<'a>(
+    scales: &'a [Scale],
+    id: &str,
+    language: &str,
+) -> Result<(&'a Scale, &'a Wording, Vec<Asked>), Hindrance> {
     let Some(scale) = scales.iter().find(|s| s.id == id) else {
         let known: Vec<String> = scales.iter().map(|s| s.id.clone()).collect();
         return Err(Hindrance::UnknownScale {
@@ -477,11 +494,5 @@ pub fn sheet(
         },
         words: words.clone(),
     };
-    Ok(Step::Scale {
-        scale: scale.id.clone(),
-        title: wording.shown_title.clone(),
-        instruction: wording.instruction.clone(),
-        items: items.map(shown).collect(),
-        moment,
-    })
+    Ok((scale, wording, items.map(shown).collect()))
 }

@@ -2,7 +2,10 @@
 //! replace.
 
 use crate::{error::SeatError, escaped::plain};
-use maveric_domain::{design::Protocol, nearest};
+use maveric_domain::{
+    design::{Car, Protocol},
+    nearest,
+};
 use maveric_study::{DesignFile, atomic_write::read_text};
 use path_slash::PathExt as _;
 use std::{
@@ -21,6 +24,8 @@ const SHIPPED: [(&str, &str); 2] = [
 const ENGLISH: &str = "en";
 /// How the name of a sentence of the experimenter's page begins.
 const TO_EXPERIMENTER: &str = "lab_";
+/// What is said only where a condition has somebody else's style: no other study has to have it in a language of its own.
+const WHERE_STYLES_ARE_LENT: &str = "lend_sentence";
 
 /// What every language has to say.
 static IN_ENGLISH: LazyLock<Sentences> = LazyLock::new(|| shipped(ENGLISH).unwrap_or_default());
@@ -62,19 +67,27 @@ impl Words {
     /// be filled in; [`SeatError::Study`] for a file that cannot be read.
     pub fn of_study(study: &DesignFile, language: &str) -> Result<Self, SeatError> {
         let protocol = study.design.protocol();
+        let conditions = study.design.conditions().iter();
+        let lends = conditions
+            .filter_map(|condition| condition.car.as_ref())
+            .any(|car| matches!(car, Car::Matched(_)));
         let file = protocol.words.as_ref();
         let file = file.map(|path| in_language(protocol, path, language));
         let applies =
             |path: &PathBuf| language == protocol.language || study.resolve(path).is_file();
         let Some(file) = file.filter(applies) else {
-            return Self::for_language(language, None);
+            return Self::for_language(language, None, lends);
         };
         let text = read_text(&study.resolve(&file))?;
-        Self::for_language(language, Some((&file, &text)))
+        Self::for_language(language, Some((&file, &text)), lends)
     }
 
-    /// Those of a language, with those of a file in their place.
-    fn for_language(language: &str, file: Option<(&Path, &str)>) -> Result<Self, SeatError> {
+    /// Those of a language, with those of a file in their place; `lends` says whether a condition has somebody else's style.
+    fn for_language(
+        language: &str,
+        file: Option<(&Path, &str)>,
+        lends: bool,
+    ) -> Result<Self, SeatError> {
         let refused = |problem: String, help: String| SeatError::Protocol {
             problem,
             help: Some(help),
@@ -112,6 +125,7 @@ impl Words {
         sentences.extend(replacements);
         let lacking: Vec<&str> = IN_ENGLISH
             .keys()
+            .filter(|key| lends || *key != WHERE_STYLES_ARE_LENT)
             .filter(|key| !sentences.contains_key(*key))
             .map(String::as_str)
             .collect();
@@ -193,7 +207,7 @@ mod tests {
     use super::*;
     fn of(language: &str, own: Option<&str>) -> Result<Words, SeatError> {
         let file = Path::new("words.toml");
-        Words::for_language(language, own.map(|text| (file, text)))
+        Words::for_language(language, own.map(|text| (file, text)), true)
     }
 
     fn refused(language: &str, own: Option<&str>) -> String {
@@ -207,7 +221,7 @@ mod tests {
         let named = |language| in_language(&protocol, Path::new("texts/words.toml"), language);
         assert_eq!(named("en"), Path::new("texts/words.toml"));
         assert_eq!(named("de"), Path::new("texts/words.de.toml"));
-        let wrong = Words::for_language("de", Some((&named("de"), "beginn = \"Los\"")));
+        let wrong = Words::for_language("de", Some((&named("de"), "beginn = \"Los\"")), false);
         let told = wrong.unwrap_err().to_string();
         assert!(told.contains("words.de.toml"), "{told}");
     }
@@ -254,6 +268,7 @@ mod tests {
         let by_server = [
             "withdraw_sentence",
             "crash_sentence",
+            "lend_sentence",
             "aftercare",
             "debrief_title",
         ];
@@ -310,6 +325,17 @@ mod tests {
         );
         let whole = toml::to_string(&*IN_ENGLISH).unwrap();
         assert_eq!(of("fr", Some(&whole)).unwrap().language, "fr");
+        // What is said where styles are lent has to be there where they are, and nowhere else.
+        let mut without = IN_ENGLISH.clone();
+        without.remove(WHERE_STYLES_ARE_LENT).unwrap();
+        let without = toml::to_string(&without).unwrap();
+        let told = refused("fr", Some(&without));
+        assert!(told.contains(WHERE_STYLES_ARE_LENT), "{told}");
+        let file = Some((Path::new("words.toml"), without.as_str()));
+        assert_eq!(
+            Words::for_language("fr", file, false).unwrap().language,
+            "fr"
+        );
     }
 
     #[test]

@@ -9,10 +9,13 @@
 mod support;
 
 use maveric_ingest::{IngestSettings, read_log};
+use maveric_model::{Model, model_file};
+use maveric_seat::{Seat, SeatError, SeatSettings};
 use maveric_study::tables::{
     Table,
-    collected::{ConsentRow, EventRow, NoteRow},
+    collected::{ConsentRow, EventRow, NoteRow, read_consents},
 };
+use serde_json::json;
 use std::{fs, path::Path};
 use support::*;
 
@@ -69,12 +72,13 @@ fn pages_presses_practice_consent_and_notes_reach_tables_and_go_with_the_person(
         (1, 0)
     );
 
-    let consents: Vec<ConsentRow> = rows(folder.path(), "consents.csv");
+    let consents: Vec<ConsentRow> =
+        read_consents(&folder.path().join("seat/consents.csv")).unwrap();
     assert_eq!(consents.len(), 2);
     assert!(
         consents
             .iter()
-            .all(|c| c.text_sha256.len() == 64 && c.at.is_some())
+            .all(|c| c.text_sha256.len() == 64 && c.at.is_some() && c.style_lent.is_none())
     );
     assert_eq!(consents[0].text_sha256, consents[1].text_sha256);
     let notes: Vec<NoteRow> = rows(folder.path(), "notes.csv");
@@ -140,4 +144,154 @@ fn what_was_driven_before_somebody_left_is_a_log_where_it_is_kept() {
     assert_eq!(events.last().unwrap().what, "left");
     // Pressed again: the same.
     assert_eq!(server.post(&leave, r#"{"keep":true}"#).0, 200);
+}
+
+#[test]
+fn whoever_leaves_where_they_are_to_agree_is_counted_and_whoever_leaves_later_is_not() {
+    let folder = folder();
+    let server = Server::open(folder.path());
+    let (deleted, kept, later) = (opened(&server), opened(&server), opened(&server));
+    let leave = |token: &str, body: &str| {
+        let path = format!("/api/{token}/leave");
+        assert_eq!(server.post(&path, body).0, 200);
+        // The reply was lost.
+        assert_eq!(server.post(&path, body).0, 200);
+    };
+    let not_agreed = folder.path().join("seat/not_agreed.csv");
+    assert!(go_on(&server, &later));
+    leave(&later, r#"{"keep":true}"#);
+    assert!(!not_agreed.exists());
+    leave(&deleted, r#"{"keep":false}"#);
+    leave(&kept, r#"{"keep":true}"#);
+    let path = folder.path().join("seat/consents.csv");
+    let agreed = read_consents(&path).unwrap();
+    assert_eq!(agreed.len(), 1);
+    let text = fs::read_to_string(&not_agreed).unwrap();
+    let expected = format!("text_sha256,people\n{},2\n", agreed[0].text_sha256);
+    assert_eq!(text, expected);
+}
+
+/// A study whose people are learned from first and may be lent to those who ride later.
+const LEARNS_AND_LENDS: &str = r#"
+[study]
+title = "Mine and another's"
+[people]
+learn = { part = "learn" }
+test = { part = "test" }
+[style]
+score = "mood.total"
+[[condition]]
+id = "mine"
+car = { dial = 0, recorded = true }
+[[condition]]
+id = "other"
+car = { other = "matched", recorded = true }
+[baseline]
+id = "own"
+[protocol]
+consent = "consent.md"
+debrief = "debrief.md"
+before = ["mood"]
+practice = { lane_kept_s = 1, passes = 0, at_most_s = 10 }
+drive_s = 20
+ride_s = 10
+"#;
+
+/// The seat of that study with this model; nobody rides without.
+fn lends_with(folder: &Path, model: Option<Vec<u8>>) -> Result<Seat, SeatError> {
+    let settings = SeatSettings {
+        model,
+        ..settings(folder)
+    };
+    Seat::open(&folder.join("seat/seat.db"), settings)
+}
+
+/// That study, in which one person ticked the box, one left it, and one had none.
+fn three_agreed() -> tempfile::TempDir {
+    let folder = folder_of(LEARNS_AND_LENDS);
+    fs::write(folder.path().join("debrief.md"), "It was another's.").unwrap();
+    let server = Server::of(lends_with(folder.path(), None).unwrap(), |_| {});
+    let answers = [
+        r#","style_lent":true"#,
+        r#","style_lent":false"#,
+        // A page from before there was a box.
+        "",
+    ];
+    for answer in answers {
+        let token = opened(&server);
+        let state = server.state(&token);
+        assert!(state["steps"][0]["lend"].is_string(), "{state}");
+        let sheet = format!(r#"{{"agreed":true{answer},"seconds":4.5}}"#);
+        let agreed = server.post(&format!("/api/{token}/answer/0"), &sheet);
+        assert_eq!(agreed.0, 200, "{}", agreed.1);
+    }
+    folder
+}
+
+/// A model of two numbers that learned from these drives.
+fn learned_from(folder: &Path, drives: &[&str]) -> Vec<u8> {
+    let made = fs::read(folder.join("lab.maveric")).unwrap();
+    let mut made = serde_json::to_value(model_file::from_bytes(&made).unwrap()).unwrap();
+    let training = (0_i32..).zip(drives).map(|(i, drive)| {
+        let place = [f64::from(i % 3), f64::from(i % 2)];
+        json!({"drive": drive, "embedding": place, "mean_speed_mps": 27.0})
+    });
+    made["training"] = training.collect();
+    made["embedding_size"] = 2.into();
+    let linear = &mut made["heads"]["linear"];
+    for head in linear["heads"].as_array_mut().unwrap() {
+        head["slopes"] = json!([head["slopes"][0], 0.1]);
+    }
+    linear["style"]["gradient"] = json!([10.0, 0.0]);
+    linear["style"]["covariance"] = json!([0.01, 0.0, 0.0, 0.0, 0.01, 0.0, 0.0, 0.0, 0.01]);
+    let model: Model = serde_json::from_value(made).unwrap();
+    model_file::to_bytes(&model).unwrap()
+}
+
+#[test]
+fn whoever_was_learned_from_and_did_not_tick_the_box_lends_nothing_and_too_few_who_did_are_refused()
+{
+    let folder = three_agreed();
+    let asked = ["P001-own", "P002-own", "P003-own"];
+    let enough = [&asked[..], &["S1-own", "S2-own", "S3-own", "S4-own"]].concat();
+    let model = learned_from(folder.path(), &enough);
+    let server = Server::of(lends_with(folder.path(), Some(model)).unwrap(), |_| {});
+    let token = opened(&server);
+    let state = server.state(&token);
+    let steps = state["steps"].as_array().unwrap().iter();
+    let lent: Vec<_> = steps
+        .filter(|step| step["style"]["lent"].is_object())
+        .collect();
+    assert_eq!(lent.len(), 1, "{state}");
+    let withheld = &lent[0]["style"]["lent"]["withheld"];
+    assert_eq!(*withheld, json!(["P002-own", "P003-own"]));
+    drop(server);
+    let few = learned_from(folder.path(), &enough[..6]);
+    let refused = lends_with(folder.path(), Some(few)).err().unwrap();
+    let SeatError::Unfit(hindrances) = &refused else {
+        panic!("{refused}");
+    };
+    let told = hindrances[0].with_remedy();
+    assert!(
+        told.contains("4 drives that the model learned from may be lent") && told.contains("tick"),
+        "{told}"
+    );
+}
+
+#[test]
+fn whoever_is_learned_from_is_asked_for_their_style_and_is_forgotten_with_the_answer() {
+    let folder = three_agreed();
+    let seat = lends_with(folder.path(), None).unwrap();
+    let path = folder.path().join("seat/consents.csv");
+    let kept = || -> Vec<(String, Option<bool>)> {
+        let rows = read_consents(&path).unwrap().into_iter();
+        rows.map(|row| (row.participant.to_string(), row.style_lent))
+            .collect()
+    };
+    let row = |who: &str, style_lent| (who.to_owned(), style_lent);
+    let others = [row("P002", Some(false)), row("P003", None)];
+    assert_eq!(kept()[0], row("P001", Some(true)));
+    assert_eq!(kept()[1..], others);
+    seat.forget("P001").unwrap();
+    assert_eq!(kept(), others);
 }

@@ -136,6 +136,11 @@ fn an_answer_to_a_probe_that_is_not_asked_is_refused() {
     let server = Server::open(folder.path());
     let token = opened(&server);
     let (at, step) = reach(&server, &token, "ride");
+    let question = &step["probe"]["question"];
+    assert_eq!(
+        (&question["text"], &question["min"], &question["max"]),
+        (&json!("How sick do you feel?"), &json!(0), &json!(10))
+    );
     let (lines, _) = driven(&step);
     let path = format!("/api/{token}/drive/{at}/1/{TAB}");
     assert_eq!(server.post(&path, &lines[0]).0, 200);

@@ -1,8 +1,12 @@
 //! A ten-minute drive without a learned model: `cargo bench -p maveric-simulator --bench rollout`.
 
+#[path = "../tests/support/passing.rs"]
+mod passing;
+
 use divan::Bencher;
-use maveric_domain::{LaneWish, LatentTraits, Setpoints, When};
-use maveric_simulator::{Driver, DriverParams, Integrator, Scenario, VehicleModel, View, rollout};
+use maveric_domain::LatentTraits;
+use maveric_simulator::{Driver, DriverParams, Integrator, Scenario, VehicleModel, rollout};
+use passing::passing;
 
 fn main() {
     divan::main();
@@ -27,26 +31,11 @@ fn scenario(curved: bool, (model, integrator): (VehicleModel, Integrator)) -> Sc
     Scenario::try_from(settings).expect("a car that may drive there")
 }
 
-fn simple(view: &View<'_>) -> Setpoints {
-    let gap_s = view.reference.dx_m / view.scene.ego.speed_mps.max(1.0);
-    let own_lane = view.reference.dy_m.abs() < 1.83;
-    let wish = match (view.reference.vehicle.is_some(), own_lane) {
-        (true, true) if gap_s < 2.0 => LaneWish::MoveOut(When::Now),
-        (true, false) if gap_s < -1.4 => LaneWish::MoveBack(When::Now),
-        _ => LaneWish::Stay,
-    };
-    Setpoints {
-        speed_mps: 29.0,
-        following_distance_m: 1.2 * view.scene.ego.speed_mps,
-        wish,
-    }
-}
-
 #[divan::bench(name = "rollout/planner/600s", args = [false, true], consts = [0, 1, 2])]
 fn planner<const CAR: usize>(bencher: Bencher<'_, '_>, curved: bool) {
     let scenario = scenario(curved, CARS[CAR]);
     bencher.bench_local(|| {
-        let mut planner = simple;
+        let mut planner = passing(29.0);
         let driver = Driver::Automated(&mut planner, &scenario.settings().controllers);
         rollout(&scenario, driver, 1)
     });

@@ -31,12 +31,7 @@ struct Done {
 
 fn drive(scenario: &Scenario, person: u64) -> Result<Done, SimulatorError> {
     let mut rng = Pcg64Mcg::seed_from_u64(stream_seed(1, &["person", &person.to_string()]));
-    let mut normal = || -> f64 { StandardNormal.sample(&mut rng) };
-    let traits = LatentTraits {
-        aggressiveness: normal(),
-        spacing: normal(),
-        pace: normal(),
-    };
+    let traits = LatentTraits::draw(|| StandardNormal.sample(&mut rng));
     let params = DriverParams::draw(&traits, person, person);
     let start = Instant::now();
     let driven = rollout(scenario, Driver::Human(&params), person)?;

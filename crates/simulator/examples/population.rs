@@ -5,14 +5,14 @@
 //! file of another population, such as ` study_data/population_misspecified.toml`.
 #![expect(clippy::print_stdout, reason = "an example shows its result")]
 
-use maveric_domain::{
-    Drive, DriveMeta, DrivenBy, LaneWish, LatentTraits, Setpoints, When, drive::Direction,
-    stream_seed,
-};
+#[path = "../tests/support/passing.rs"]
+mod passing;
+
+use maveric_domain::{Drive, DriveMeta, DrivenBy, LatentTraits, drive::Direction, stream_seed};
 use maveric_simulator::{
-    Driver, DriverParams, People, Rollout, Scenario, SimulatorError, View, population_table,
-    rollout,
+    Driver, DriverParams, People, Rollout, Scenario, SimulatorError, population_table, rollout,
 };
+use passing::passing;
 use rand::SeedableRng;
 use rand_distr::{Distribution, StandardNormal};
 use rand_pcg::Pcg64Mcg;
@@ -81,25 +81,6 @@ fn figures(drive: &Drive, leads: u32) -> [Option<f64>; 9] {
     ]
 }
 
-/// A constant speed, a gap of 1.2 s, out within 2 s of the lead and back 1.4 s past it.
-fn rule(speed_mps: f64) -> impl FnMut(&View<'_>) -> Setpoints {
-    move |view: &View<'_>| {
-        let gap_s = view.reference.dx_m / view.scene.ego.speed_mps.max(1.0);
-        let present = view.reference.vehicle.is_some();
-        let own_lane = view.reference.dy_m.abs() < 1.83;
-        let wish = match (present, own_lane) {
-            (true, true) if gap_s < 2.0 => LaneWish::MoveOut(When::Now),
-            (true, false) if gap_s < -1.4 => LaneWish::MoveBack(When::Now),
-            _ => LaneWish::Stay,
-        };
-        Setpoints {
-            speed_mps,
-            following_distance_m: 1.2 * view.scene.ego.speed_mps,
-            wish,
-        }
-    }
-}
-
 fn drive_of(rollout: &Rollout) -> Result<Drive, SimulatorError> {
     let meta = DriveMeta::named("example", "example", "own", DrivenBy::Synthetic)?;
     Ok(Drive::from_recording(meta, &rollout.recording)?)
@@ -140,15 +121,10 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let mut counts = [0_u32; 5];
     for person in 0..people {
         let mut rng = Pcg64Mcg::seed_from_u64(stream_seed(1, &["person", &person.to_string()]));
-        let mut normal = || -> f64 { StandardNormal.sample(&mut rng) };
-        let traits = LatentTraits {
-            aggressiveness: normal(),
-            spacing: normal(),
-            pace: normal(),
-        };
+        let traits = LatentTraits::draw(|| StandardNormal.sample(&mut rng));
         let usual = DriverParams::draw(&traits, person, person);
         let drawn = population.draw(&traits, person, person);
-        let mut planner = rule(usual.desired_speed().0);
+        let mut planner = passing(usual.desired_speed().0);
         let driver = if automated {
             Driver::Automated(&mut planner, &scenario.settings().controllers)
         } else {

@@ -58,14 +58,7 @@ impl Elsewhere {
         for vehicle in &self.states {
             let known = self.open.get(&vehicle.id).copied();
             let index = known.unwrap_or_else(|| {
-                tracks.push(ObjectTrack {
-                    id: vehicle.id,
-                    length_m: vehicle.length_m,
-                    first_row: row,
-                    x_m: Vec::new(),
-                    y_m: Vec::new(),
-                    speed_mps: Vec::new(),
-                });
+                tracks.push(ObjectTrack::new(vehicle.id, vehicle.length_m, row));
                 tracks.len() - 1
             });
             let track = &mut tracks[index];

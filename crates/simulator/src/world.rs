@@ -156,14 +156,7 @@ impl<'a> World<'a> {
             role: arrival.role,
             track: self.tracks.len(),
         });
-        self.tracks.push(ObjectTrack {
-            id,
-            length_m,
-            first_row: row,
-            x_m: Vec::new(),
-            y_m: Vec::new(),
-            speed_mps: Vec::new(),
-        });
+        self.tracks.push(ObjectTrack::new(id, length_m, row));
         id
     }
 

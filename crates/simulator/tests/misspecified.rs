@@ -17,12 +17,7 @@ fn drives(n: u64) -> Vec<Rollout> {
     let (people, scenario) = (people(), Scenario::paper());
     let one = |i: u64| {
         let mut rng = Pcg64Mcg::seed_from_u64(stream_seed(5, &["person", &i.to_string()]));
-        let mut normal = || StandardNormal.sample(&mut rng);
-        let traits = LatentTraits {
-            aggressiveness: normal(),
-            spacing: normal(),
-            pace: normal(),
-        };
+        let traits = LatentTraits::draw(|| StandardNormal.sample(&mut rng));
         rollout(&scenario, Driver::from(&people.draw(&traits, i, i)), i)
             .expect("the paper's scenario can be driven")
     };

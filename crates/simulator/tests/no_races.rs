@@ -15,12 +15,7 @@ fn nobody_made_up_drives_much_faster_than_they_would_on_a_free_road() {
         let name = person.to_string();
         let of = |what: &str| stream_seed(1000, &[what, &name]);
         let mut rng = Pcg64Mcg::seed_from_u64(of("traits"));
-        let mut normal = || -> f64 { StandardNormal.sample(&mut rng) };
-        let traits = LatentTraits {
-            aggressiveness: normal(),
-            spacing: normal(),
-            pace: normal(),
-        };
+        let traits = LatentTraits::draw(|| StandardNormal.sample(&mut rng));
         let usual = DriverParams::draw(&traits, of("person"), of("day"));
         let who = people.draw(&traits, of("person"), of("day"));
         let driven = rollout(&scenario, Driver::from(&who), of("world"))

@@ -1,9 +1,13 @@
 //! Every scenario of the study data loads and can be driven; bad ones say what is wrong and where.
 
-use maveric_domain::{LaneWish, LatentTraits, Setpoints, When};
+#[path = "support/passing.rs"]
+mod passing;
+
+use maveric_domain::LatentTraits;
 use maveric_simulator::{
-    Collision, CollisionCause, Driver, DriverParams, Scenario, SimulatorError, View, rollout,
+    Collision, CollisionCause, Driver, DriverParams, Scenario, SimulatorError, rollout,
 };
+use passing::passing;
 
 const PAPER: &str = maveric_data::SCENARIOS_PAPER;
 const ALL: [(&str, &str); 9] = [
@@ -21,22 +25,6 @@ const ALL: [(&str, &str); 9] = [
     ("stop_and_go", maveric_data::SCENARIOS_STOP_AND_GO),
 ];
 
-/// Passes what is near ahead, merges back 1.4 s past it.
-fn simple(view: &View<'_>) -> Setpoints {
-    let gap_s = view.reference.dx_m / view.scene.ego.speed_mps.max(1.0);
-    let own_lane = view.reference.dy_m.abs() < 1.83;
-    let wish = match (view.reference.vehicle.is_some(), own_lane) {
-        (true, true) if gap_s < 2.0 => LaneWish::MoveOut(When::Now),
-        (true, false) if gap_s < -1.4 => LaneWish::MoveBack(When::Now),
-        _ => LaneWish::Stay,
-    };
-    Setpoints {
-        speed_mps: 28.0,
-        following_distance_m: 1.2 * view.scene.ego.speed_mps,
-        wish,
-    }
-}
-
 #[test]
 fn every_scenario_is_driven_by_a_person_and_by_a_planner() -> Result<(), SimulatorError> {
     for (name, text) in ALL {
@@ -44,7 +32,7 @@ fn every_scenario_is_driven_by_a_person_and_by_a_planner() -> Result<(), Simulat
         let person = DriverParams::draw(&LatentTraits::default(), 3, 3);
         let by_person = rollout(&scenario, Driver::Human(&person), 5)?;
         let controllers = &scenario.settings().controllers;
-        let mut planner = simple;
+        let mut planner = passing(28.0);
         let by_car = rollout(&scenario, Driver::Automated(&mut planner, controllers), 5)?;
         let rows = (scenario.settings().duration_s * 20.0).round() as usize;
         for driven in [&by_person, &by_car] {
@@ -78,7 +66,7 @@ fn the_follower_is_chosen_by_its_name_and_hits_nobody() -> Result<(), SimulatorE
     for rule in ["asked_gap", "idm", "paper"] {
         let text = PAPER.replace("\"asked_gap\"", &format!("\"{rule}\""));
         let scenario: Scenario = toml::from_str(&text).unwrap();
-        let mut planner = simple;
+        let mut planner = passing(28.0);
         let controllers = &scenario.settings().controllers;
         let drive = rollout(&scenario, Driver::Automated(&mut planner, controllers), 5)?;
         assert!(drive.collisions.is_empty(), "{rule}");

@@ -34,10 +34,23 @@ impl Statement {
         Self(format!("{symbol}{df} = {}", number(value, 2)))
     }
 
+    /// `F(3, 69) = 25.23, p < .001`.
+    fn f_test(degrees_of_freedom: [f64; 2], value: f64, p: f64) -> Self {
+        Self::with_df("*F*", &degrees_of_freedom, value).p(p, Adjustment::None)
+    }
+
     /// `…, dz = −1.20`.
     fn and(mut self, symbol: &str, value: &str) -> Self {
         self.0.push_str(&[", ", symbol, " = ", value].concat());
         self
+    }
+
+    /// The same of a number bounded by 1; nothing without one.
+    fn and_bounded(self, symbol: &str, value: Option<f64>) -> Self {
+        match value {
+            Some(value) => self.and(symbol, &bounded(value, 2)),
+            None => self,
+        }
     }
 
     /// `…, p_Holm = .012`.
@@ -204,37 +217,26 @@ pub struct F {
 
 /// `F(3, 69) = 25.23, p < .001, ηp² = .52, 90% CI [.38, .62]`; corrected: `…, ε = .92`.
 pub fn f(test: &F) -> Statement {
-    let mut statement = Statement::with_df("*F*", &[test.df_effect, test.df_error], test.f)
-        .p(test.p, Adjustment::None);
-    if let Some(eta2) = test.eta2_partial {
-        statement = statement.and("*η*_{p}^{2}", &bounded(eta2, 2));
-    }
-    statement = statement.ci(test.interval, bounded);
-    match test.epsilon {
-        Some(epsilon) => statement.and("*ε*", &bounded(epsilon, 2)),
-        None => statement,
-    }
+    Statement::f_test([test.df_effect, test.df_error], test.f, test.p)
+        .and_bounded("*η*_{p}^{2}", test.eta2_partial)
+        .ci(test.interval, bounded)
+        .and_bounded("*ε*", test.epsilon)
 }
 
 /// `χ²(3, N = 24) = 41.19, p < .001, W = .57`: Friedman's test with Kendall's W.
 pub fn chi2(statistic: f64, df: usize, n: usize, p: f64, kendall_w: Option<f64>) -> Statement {
     let written = number(statistic, 2);
-    let statement =
-        Statement(format!("*χ*^{{2}}({df}, *N* = {n}) = {written}")).p(p, Adjustment::None);
-    match kendall_w {
-        Some(w) => statement.and("*W*", &bounded(w, 2)),
-        None => statement,
-    }
+    Statement(format!("*χ*^{{2}}({df}, *N* = {n}) = {written}"))
+        .p(p, Adjustment::None)
+        .and_bounded("*W*", kendall_w)
 }
 
 /// `Q(3, N = 24) = 7.53, p = .057, W = .10`: Cochran's test with Kendall's W.
 pub fn cochran_q(q: f64, df: usize, p: f64, n: usize, w: Option<f64>) -> Statement {
     let written = number(q, 2);
-    let statement = Statement(format!("*Q*({df}, *N* = {n}) = {written}")).p(p, Adjustment::None);
-    match w {
-        Some(w) => statement.and("*W*", &bounded(w, 2)),
-        None => statement,
-    }
+    Statement(format!("*Q*({df}, *N* = {n}) = {written}"))
+        .p(p, Adjustment::None)
+        .and_bounded("*W*", w)
 }
 
 /// `8 against 1, p_Holm = .021, difference = .35, 95% CI [.05, .58]`: McNemar's test with the difference of the shares.
@@ -268,11 +270,9 @@ pub fn t(
 
 /// `V = 45, p_Holm = .012, r_rb = −.52`: Wilcoxon's signed ranks with the rank-biserial correlation.
 pub fn wilcoxon(v: f64, p: f64, adjusted: Adjustment, rank_biserial: Option<f64>) -> Statement {
-    let statement = Statement(format!("*V* = {}", degrees(v))).p(p, adjusted);
-    match rank_biserial {
-        Some(effect) => statement.and("*r*_{rb}", &bounded(effect, 2)),
-        None => statement,
-    }
+    Statement(format!("*V* = {}", degrees(v)))
+        .p(p, adjusted)
+        .and_bounded("*r*_{rb}", rank_biserial)
 }
 
 #[cfg(test)]

@@ -183,23 +183,17 @@ pub fn compare_by_design(
     if choice.test != AskedTest::Chosen || !data.periods.is_empty() {
         return period::with_period_or_declared(data, choice);
     }
-    let mut reasons = Vec::new();
+    let with_covariate = |kind: &str, name: &str| {
+        let (name, model) = (data.called(name), kept::model_of(data));
+        kept::mixed(data, choice, vec![format!("{kind} ({name}): {model}")])
+    };
     if let Some(name) = kept::varying(data)? {
-        reasons.push(format!(
-            "a covariate that changes within subjects ({}): {}",
-            data.called(name),
-            kept::model_of(data)
-        ));
-        return kept::mixed(data, choice, reasons);
+        return with_covariate("a covariate that changes within subjects", name);
     }
     if let (true, Some((name, _))) = (data.within.is_empty(), data.covariates.first()) {
-        reasons.push(format!(
-            "a covariate ({}): {}",
-            data.called(name),
-            kept::model_of(data)
-        ));
-        return kept::mixed(data, choice, reasons);
+        return with_covariate("a covariate", name);
     }
+    let mut reasons = Vec::new();
     if choice.missing == MissingCells::Mixed {
         match kept::incomplete(data) {
             0 => {

@@ -18,7 +18,7 @@ pub(crate) use pearson::coefficient;
 use crate::{
     Reasons, StatsError, complete,
     normality::shapiro_wilk,
-    numerics::distributions::{NORMAL_975, normal_quantile, t_two_sided},
+    numerics::distributions::{fisher_interval, normal_quantile, t_two_sided},
     reasons::p_words,
 };
 
@@ -232,18 +232,6 @@ pub fn simultaneous_interval(r: f64, n: usize, tests: usize, ranks: bool) -> Opt
         libm::tanh(libm::atanh(r) - half),
         libm::tanh(libm::atanh(r) + half),
     ))
-}
-
-/// tanh(atanh(r) ± z · error), which is r itself at ±1.
-pub(crate) fn fisher_interval(r: f64, error: f64) -> (f64, f64) {
-    if r.abs() >= 1.0 {
-        return (r, r);
-    }
-    let half = NORMAL_975 * error;
-    (
-        libm::tanh(libm::atanh(r) - half),
-        libm::tanh(libm::atanh(r) + half),
-    )
 }
 
 /// Two-sided p of a correlation with `df` degrees of freedom: t = r √(df / (1 - r²)); the

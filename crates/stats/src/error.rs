@@ -194,6 +194,17 @@ impl StatsError {
         })
     }
 
+    /// Refuses a name that comes twice.
+    pub(crate) fn distinct(what: &str, names: &[&str]) -> Result<(), Self> {
+        match (1..names.len()).find(|&i| names[..i].contains(&names[i])) {
+            Some(twice) => Err(Self::DoubleName {
+                what: what.to_owned(),
+                name: names[twice].to_owned(),
+            }),
+            None => Ok(()),
+        }
+    }
+
     /// A parameter outside its range.
     pub(crate) fn parameter(name: &str, expected: &str, found: f64) -> Self {
         Self::BadParameter {

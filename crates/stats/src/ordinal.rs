@@ -9,6 +9,7 @@ use serde::{Deserialize, Serialize};
 use crate::{
     Named, Reasons, StatsError,
     numerics::distributions::{chi2_upper, normal_quantile, normal_two_sided},
+    within_subjects::pairs,
 };
 use fit::{Errors, Top, top};
 use likelihood::{Likelihood, Rule, Sample};
@@ -172,14 +173,13 @@ fn differences(reduced: &Answers, (top, errors): &(Top, Errors)) -> Vec<(String,
             .finite(parameter, errors.of_parameter(parameter))
             .map(|(estimate, _)| estimate),
     };
-    let names = &reduced.conditions;
-    let pairs = (0..names.len()).flat_map(|a| (a + 1..names.len()).map(move |b| (a, b)));
-    pairs
-        .filter_map(|(a, b)| {
+    pairs(&reduced.conditions)
+        .into_iter()
+        .filter_map(|(a, b, name)| {
             let (a_at, b_at) = (coefficient(a), coefficient(b));
             let difference = value(a_at)? - value(b_at)?;
             let se = errors.of_difference(a_at, b_at)?;
-            Some((format!("{}|{}", names[a], names[b]), (difference, se)))
+            Some((name, (difference, se)))
         })
         .collect()
 }

@@ -269,16 +269,21 @@ impl WithinSubjects {
         (differences, constant)
     }
 
-    /// Positions and the name `A|B` of each pair of conditions, in order.
+    /// Each pair of conditions, as [`pairs`] gives them.
     pub(crate) fn pairs(&self) -> Vec<(usize, usize, String)> {
-        let mut pairs = Vec::with_capacity(self.k() * (self.k() - 1) / 2);
-        for (i, a) in self.conditions.iter().enumerate() {
-            for (j, b) in self.conditions.iter().enumerate().skip(i + 1) {
-                pairs.push((i, j, format!("{a}|{b}")));
-            }
-        }
-        pairs
+        pairs(&self.conditions)
     }
+}
+
+/// Positions and the name `A|B` of each pair, in order.
+pub(crate) fn pairs(names: &[String]) -> Vec<(usize, usize, String)> {
+    let mut pairs = Vec::new();
+    for (i, a) in names.iter().enumerate() {
+        for (j, b) in names.iter().enumerate().skip(i + 1) {
+            pairs.push((i, j, format!("{a}|{b}")));
+        }
+    }
+    pairs
 }
 
 /// Names in order of first appearance, and for each row which name it carries.

@@ -117,6 +117,8 @@ fn answer(case: &Value, table: &Table) -> Value {
         "factorial" => factorial(case, table),
         "by_design" => by_design(case, table),
         "crossover" => crossover(table),
+        "case_crossover" => json(&stats::case_crossover(&table.strata())),
+        "event_rates" => event_rates(table),
         "groups" => {
             let (group, value) = (table.text("group"), table.numbers("value"));
             json(&stats::groups(&group, &value).unwrap())
@@ -143,25 +145,11 @@ fn answer(case: &Value, table: &Table) -> Value {
 
 /// Analysis of variance, and under `art` the aligned ranks.
 fn factorial(case: &Value, table: &Table) -> Value {
-    let names = |key: &str| -> Vec<String> {
-        let list = case[key].as_array().unwrap();
-        list.iter()
-            .map(|n| n.as_str().unwrap().to_owned())
-            .collect()
-    };
-    let (within, between) = (names("within"), names("between"));
+    let (within, between) = (names(case, "within"), names(case, "between"));
     let cells: Vec<_> = within.iter().map(|name| table.text(name)).collect();
     let levels: Vec<_> = between.iter().map(|name| table.labels(name)).collect();
-    let within: Vec<stats::WithinColumn> = within
-        .iter()
-        .zip(&cells)
-        .map(|(name, cells)| (name.as_str(), &cells[..]))
-        .collect();
-    let between: Vec<stats::BetweenColumn> = between
-        .iter()
-        .zip(&levels)
-        .map(|(name, cells)| (name.as_str(), &cells[..]))
-        .collect();
+    let within = columns(&within, &cells);
+    let between = columns(&between, &levels);
     let design = stats::FactorialDesign::from_columns(
         &table.text("subject"),
         &within,
@@ -178,13 +166,21 @@ fn factorial(case: &Value, table: &Table) -> Value {
     answer
 }
 
+/// The names that a case lists under `key`.
+fn names<'a>(case: &'a Value, key: &str) -> Vec<&'a str> {
+    let list = case[key].as_array().unwrap();
+    list.iter().map(|name| name.as_str().unwrap()).collect()
+}
+
+/// Each column under its name.
+fn columns<'a, T>(names: &[&'a str], cells: &'a [Vec<T>]) -> Vec<(&'a str, &'a [T])> {
+    let cells = cells.iter().map(Vec::as_slice);
+    names.iter().copied().zip(cells).collect()
+}
+
 /// The tests that decide, effect by effect.
 fn by_design(case: &Value, table: &Table) -> Value {
-    let names = |key: &str| -> Vec<&str> {
-        let list = case[key].as_array().unwrap();
-        list.iter().map(|name| name.as_str().unwrap()).collect()
-    };
-    let (within, between) = (names("within"), names("between"));
+    let (within, between) = (names(case, "within"), names(case, "between"));
     let cells: Vec<_> = within.iter().map(|name| table.text(name)).collect();
     let groups: Vec<_> = between.iter().map(|name| table.labels(name)).collect();
     let declared = case["covariates"].as_object().unwrap();
@@ -192,16 +188,8 @@ fn by_design(case: &Value, table: &Table) -> Value {
     let (subjects, values) = (table.text("subject"), table.numbers("value"));
     let columns = stats::DesignColumns {
         subjects: &subjects,
-        within: within
-            .iter()
-            .copied()
-            .zip(cells.iter().map(Vec::as_slice))
-            .collect(),
-        between: between
-            .iter()
-            .copied()
-            .zip(groups.iter().map(Vec::as_slice))
-            .collect(),
+        within: columns(&within, &cells),
+        between: columns(&between, &groups),
         covariates: declared
             .keys()
             .map(String::as_str)
@@ -246,6 +234,27 @@ fn crossover(table: &Table) -> Value {
         "by_design": stats::compare_by_design(&columns, &choice).unwrap(),
         "carry_over": stats::carry_over(&columns).unwrap(),
     })
+}
+
+/// People one after the other, with every condition in the same order.
+fn event_rates(table: &Table) -> Value {
+    let mut conditions = table.text("condition");
+    let mut seen = std::collections::BTreeSet::new();
+    conditions.retain(|condition| seen.insert(condition.clone()));
+    let (events, weeks) = (table.complete("events"), table.complete("weeks"));
+    let cells: Vec<stats::Exposed> = events
+        .iter()
+        .zip(&weeks)
+        .map(|(&events, &time)| stats::Exposed {
+            events: events as usize,
+            time,
+        })
+        .collect();
+    let rows: Vec<Vec<stats::Exposed>> = cells
+        .chunks(conditions.len())
+        .map(<[stats::Exposed]>::to_vec)
+        .collect();
+    serde_json::to_value(stats::event_rates(&conditions, &rows, 100, 1).unwrap()).unwrap()
 }
 
 fn equivalence(case: &Value, table: &Table) -> Value {
@@ -330,20 +339,9 @@ fn random_intercept(case: &Value, table: &Table) -> Value {
 
 /// Both likelihoods of one model, under `reml` and `ml`.
 fn mixed(case: &Value, table: &Table) -> Value {
-    let names = |key: &str| -> Vec<String> {
-        let list = case[key].as_array().unwrap();
-        list.iter()
-            .map(|n| n.as_str().unwrap().to_owned())
-            .collect()
-    };
-    let (fixed, random) = (names("fixed"), names("random"));
-    let columns: Vec<Vec<Option<f64>>> = fixed.iter().map(|name| table.numbers(name)).collect();
-    let fixed: Vec<(&str, &[Option<f64>])> = fixed
-        .iter()
-        .zip(&columns)
-        .map(|(name, column)| (name.as_str(), &column[..]))
-        .collect();
-    let random: Vec<&str> = random.iter().map(String::as_str).collect();
+    let (fixed, random) = (names(case, "fixed"), names(case, "random"));
+    let values: Vec<_> = fixed.iter().map(|name| table.numbers(name)).collect();
+    let fixed = columns(&fixed, &values);
     let run = |method| {
         let (people, y) = (table.text("subject"), table.numbers("y"));
         stats::mixed_model(&people, &y, &fixed, &random, method).unwrap()

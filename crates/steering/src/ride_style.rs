@@ -2,7 +2,7 @@
 
 use crate::lending::Lending;
 use maveric_domain::{
-    Embedding, Lent,
+    DriveId, Embedding, Lent,
     design::{Donors, Matched},
 };
 use maveric_model::{
@@ -12,6 +12,7 @@ use maveric_model::{
 use rand::SeedableRng;
 use rand_pcg::Pcg64Mcg;
 use serde::{Deserialize, Serialize};
+use std::collections::BTreeSet;
 
 /// Whose style drives.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -29,6 +30,9 @@ pub enum RideStyle {
         apart_sd: [f64; 2],
         /// Draws the donor.
         seed: Seed,
+        /// The drives whose style may not be lent.
+        #[serde(default, skip_serializing_if = "BTreeSet::is_empty")]
+        withheld: BTreeSet<DriveId>,
     },
     /// This one, whoever rides.
     Given(Embedding),
@@ -74,7 +78,7 @@ impl RideStyle {
     ///
     /// # Errors
     /// [`ModelError::NoAggressionAxis`] for a dial, or a move across it, of a model without one; [`ModelError::NoPerpendicular`] where there
-    /// is nothing across it; [`ModelError::NoDonor`] where the model keeps nobody; [`ModelError::EmbeddingSize`] for a style of another model.
+    /// is nothing across it; [`ModelError::NoDonor`] where the model keeps nobody who lends; [`ModelError::EmbeddingSize`] for a style of another model.
     pub fn place(
         &self,
         model: &Model,
@@ -112,12 +116,17 @@ impl RideStyle {
                 let across = PerpendicularEllipse::of(model)?.sample(own, &mut rng)?;
                 Ok(placed(across.embedding, Some(0.0), Some(across.angle_rad)))
             }
-            Self::Lent { apart_sd, seed } => {
+            Self::Lent {
+                apart_sd,
+                seed,
+                withheld,
+            } => {
                 let learned = Matched {
                     from: Donors::Learned,
                     apart_sd: *apart_sd,
                 };
-                let drawn = Lending::of(model, learned, Vec::new())?.lend((None, own), seed.0)?;
+                let mut lending = Lending::of(model, learned, Vec::new(), withheld)?;
+                let drawn = lending.lend((None, own), seed.0)?;
                 let (style, lent) = drawn.ok_or(ModelError::NoDonor)?;
                 Ok(PlacedStyle {
                     lent: Some(lent),

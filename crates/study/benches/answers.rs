@@ -13,7 +13,7 @@ use maveric_study::{
         score::{Moments, ScoreAnswers},
     },
 };
-use std::{fmt::Write as _, path::Path, sync::LazyLock, sync::atomic::AtomicBool};
+use std::{fmt::Write as _, path::Path, sync::LazyLock};
 use tempfile::TempDir;
 
 /// A folder with the workbook, the questionnaire, the design and the map of columns.
@@ -71,8 +71,7 @@ fn main() {
 }
 
 fn run<S: Stage>(stage: &S) {
-    let (quiet, go_on) = (|_: usize, _: usize, _: &str| (), AtomicBool::new(false));
-    stage.run(Watch::new(&quiet, &go_on)).unwrap();
+    stage.run(Watch::unwatched()).unwrap();
 }
 
 /// The workbook as the table that is scored.

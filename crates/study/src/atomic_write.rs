@@ -10,7 +10,7 @@ use maveric_pipeline::Durability;
 use std::{
     fs,
     io::{Seek as _, Write as _},
-    path::Path,
+    path::{Path, PathBuf},
 };
 
 /// Writes a file as [`maveric_pipeline::atomic_write`] does, over nothing but a plain file of the same kind.
@@ -92,6 +92,22 @@ pub fn read_text(path: &Path) -> Result<String, StudyError> {
         return Err(StudyError::file(path, "is empty"));
     }
     Ok(text)
+}
+
+/// The files of a folder whose names have this ending, by name.
+///
+/// # Errors
+/// [`StudyError::Io`].
+pub(crate) fn files_ending(folder: &Path, ending: &str) -> Result<Vec<PathBuf>, StudyError> {
+    let mut paths = Vec::new();
+    for entry in fs::read_dir(folder).map_err(StudyError::read(folder))? {
+        let path = entry.map_err(StudyError::read(folder))?.path();
+        if path.extension().is_some_and(|e| e == ending) {
+            paths.push(path);
+        }
+    }
+    paths.sort();
+    Ok(paths)
 }
 
 /// What a file says, by its reader; nothing where it is not there.

@@ -5,17 +5,19 @@ use crate::{
     error::StudyError,
     forgotten::ForgottenList,
     tables::{
-        collected::{LENT, LentRow, NOT_ADMITTED, STOPPED, read_lent},
+        collected::{
+            LENT, LentRow, NOT_ADMITTED, NOT_AGREED, STOPPED, consents_of_study, read_consents,
+            read_lent,
+        },
         drives::{drives_in, read_drives},
         participants::{Enrolled, read_enrolled},
         read_rows,
     },
 };
-use maveric_analysis::{NotAdmitted, Stopped};
+use maveric_analysis::{ConsentRow, NotAdmitted, NotAgreed, Stopped};
 use maveric_domain::{Design, Drive, DriveMeta, ParticipantId};
 use maveric_participants::Part;
 use path_slash::PathExt as _;
-use serde::de::DeserializeOwned;
 use std::{
     collections::BTreeSet,
     path::{Path, PathBuf},
@@ -82,7 +84,7 @@ impl DesignFile {
 
     /// As [`DesignFile::here`] in the folder `root`, its paths seen from there, to say which files a stage reads; none where it cannot be
     /// read either, which the stage's work says.
-    pub(crate) fn below(root: &Path, given: Option<&Path>) -> Option<Self> {
+    pub fn below(root: &Path, given: Option<&Path>) -> Option<Self> {
         let path = given.unwrap_or(Path::new(DESIGN_FILE));
         let study = Self::read(&root.join(path)).ok()?;
         Some(Self {
@@ -115,13 +117,18 @@ impl DesignFile {
         folder.unwrap_or(Path::new(PAPERS_FOLDER)).join(path)
     }
 
-    /// Who takes part: `given`, or the design's own table.
+    /// The table of who takes part: `given`, or the design's own.
+    pub fn people_file(&self, given: Option<&Path>) -> PathBuf {
+        let own = || self.resolve(&self.design.people().file);
+        given.map_or_else(own, Path::to_owned)
+    }
+
+    /// Who takes part, by [`DesignFile::people_file`].
     ///
     /// # Errors
     /// As [`read_enrolled`].
     pub fn people(&self, given: Option<&Path>) -> Result<People, StudyError> {
-        let table = self.resolve(&self.design.people().file);
-        let path = given.unwrap_or(&table);
+        let path = &self.people_file(given);
         let enrolled = read_enrolled(path, &self.design)?;
         self.forgotten()?
             .refuse(path, enrolled.iter().map(|p| &p.id))?;
@@ -149,7 +156,7 @@ impl DesignFile {
     /// # Errors
     /// As [`read_rows`].
     pub fn stopped(&self) -> Result<Vec<Stopped>, StudyError> {
-        self.collected(STOPPED)
+        self.collected(STOPPED, read_rows)
     }
 
     /// The people whom a rule of `[protocol] admit_if` held back.
@@ -157,7 +164,23 @@ impl DesignFile {
     /// # Errors
     /// As [`read_rows`].
     pub fn not_admitted(&self) -> Result<Vec<NotAdmitted>, StudyError> {
-        self.collected(NOT_ADMITTED)
+        self.collected(NOT_ADMITTED, read_rows)
+    }
+
+    /// The texts that people agreed to in the seat.
+    ///
+    /// # Errors
+    /// As [`read_consents`].
+    pub fn consents(&self) -> Result<Vec<ConsentRow>, StudyError> {
+        self.collected(consents_of_study(), read_consents)
+    }
+
+    /// How many people did not agree, by the text.
+    ///
+    /// # Errors
+    /// As [`read_rows`].
+    pub fn not_agreed(&self) -> Result<Vec<NotAgreed>, StudyError> {
+        self.collected(NOT_AGREED, read_rows)
     }
 
     /// The styles that were lent in the seat.
@@ -165,20 +188,20 @@ impl DesignFile {
     /// # Errors
     /// As [`read_lent`].
     pub fn lent(&self) -> Result<Vec<LentRow>, StudyError> {
-        let path = self.resolve(Path::new(LENT));
-        if self.path.is_none() || !path.is_file() {
-            return Ok(Vec::new());
-        }
-        read_lent(&path)
+        self.collected(LENT, read_lent)
     }
 
     /// The rows of a file that the seat writes once there is something; none before.
-    fn collected<T: DeserializeOwned>(&self, file: &str) -> Result<Vec<T>, StudyError> {
-        let path = self.resolve(Path::new(file));
+    fn collected<T>(
+        &self,
+        file: impl AsRef<Path>,
+        read: fn(&Path) -> Result<Vec<T>, StudyError>,
+    ) -> Result<Vec<T>, StudyError> {
+        let path = self.resolve(file.as_ref());
         if self.path.is_none() || !path.is_file() {
             return Ok(Vec::new());
         }
-        read_rows(&path)
+        read(&path)
     }
 
     /// Who takes part, of a run: `given`, or `participants.csv` among its results, or the design's own table.
@@ -228,20 +251,18 @@ impl People {
 
     /// Those whose drives the networks learn from, less those who are left out.
     pub fn learned_from(&self) -> BTreeSet<ParticipantId> {
-        let learned = self
-            .enrolled
-            .iter()
-            .filter(|p| p.learned_from && p.excluded.is_none());
-        learned.map(|p| p.id.clone()).collect()
+        self.left_in(|p| p.learned_from)
     }
 
     /// Those who sat through the conditions, less those who are left out.
     pub fn tested(&self) -> BTreeSet<ParticipantId> {
-        let tested = self
-            .enrolled
-            .iter()
-            .filter(|p| p.tested && p.excluded.is_none());
-        tested.map(|p| p.id.clone()).collect()
+        self.left_in(|p| p.tested)
+    }
+
+    fn left_in(&self, takes_part: fn(&Enrolled) -> bool) -> BTreeSet<ParticipantId> {
+        let left_in = self.enrolled.iter().filter(|p| p.excluded.is_none());
+        let theirs = left_in.filter(|p| takes_part(p));
+        theirs.map(|p| p.id.clone()).collect()
     }
 }
 

@@ -29,14 +29,12 @@ pub fn check_design(study: &DesignFile) -> Result<(), StudyError> {
     refuse_export(study)?;
     let folder = study.resolve(&study.design.files().scales);
     let scales = read_scales(&folder)?;
-    of_scales(study, &scales).map_err(|error| {
-        let help = error.suggestion();
-        study.wrong(error.to_string(), help)
-    })?;
+    of_scales(study, &scales)
+        .map_err(|error| study.wrong(error.to_string(), error.suggestion()))?;
     read_own_measures(study, None)?;
     let excluded = study.design.exclude();
-    let table = study.resolve(&study.design.people().file);
-    if excluded.people.is_empty() && excluded.drives.is_empty() && !table.exists() {
+    let unlisted = !study.people_file(None).exists();
+    if excluded.people.is_empty() && excluded.drives.is_empty() && unlisted {
         // A study whose people come yet: the seat writes their table.
         return Ok(());
     }
@@ -54,8 +52,7 @@ pub fn check_design(study: &DesignFile) -> Result<(), StudyError> {
     }
     let unknown = |key: &str, word: &str, known: &mut dyn Iterator<Item = &str>| {
         let error = DesignError::word(key, word, known);
-        let help = error.suggestion();
-        study.wrong(error.to_string(), help)
+        study.wrong(error.to_string(), error.suggestion())
     };
     if let Some(stranger) = excluded.into_iter().find(|id| people.find(id).is_none()) {
         return Err(unknown("exclude.people", stranger.as_str(), &mut ids()));
@@ -100,10 +97,6 @@ struct Known<'a> {
 
 impl<'a> Known<'a> {
     fn new(design: &'a Design, scales: &[Scale]) -> Self {
-        let of_scale = |scale: &Scale| {
-            let name = |sub: &maveric_domain::Subscale| format!("{}.{}", scale.id, sub.id);
-            scale.subscales.iter().map(name).collect::<Vec<_>>()
-        };
         Self {
             measures: objective::all()
                 .iter()
@@ -112,7 +105,7 @@ impl<'a> Known<'a> {
                 .map(|m| m.name)
                 .chain(design.measures().iter().map(|m| m.id.as_str()))
                 .collect(),
-            scores: scales.iter().flat_map(of_scale).collect(),
+            scores: scales.iter().flat_map(Scale::score_names).collect(),
         }
     }
 
@@ -324,22 +317,15 @@ mod tests {
     fn who_is_beyond_what_the_model_has_met_is_named_and_a_model_that_cannot_say_is_too() {
         let row =
             |drive: &str, support_p: Option<f64>, beyond_why: Option<BeyondWhy>| EmbeddingRow {
-                drive: DriveId::new(drive).unwrap(),
-                participant: ParticipantId::new("P").unwrap(),
-                condition: "own".parse().unwrap(),
-                session: maveric_domain::occasion::first(),
-                trial: maveric_domain::occasion::first(),
-                adb_used: false,
-                adb: None,
-                adb_hat: None,
-                line_position: None,
                 readings: Some(9),
-                covariance: None,
-                line_position_se: None,
                 support_p,
                 beyond_why,
-                posted_unseen: None,
-                embedding: Embedding::new(vec![0.0]).unwrap(),
+                ..EmbeddingRow::new(
+                    DriveId::new(drive).unwrap(),
+                    ParticipantId::new("P").unwrap(),
+                    "own".parse().unwrap(),
+                    Embedding::new(vec![0.0]).unwrap(),
+                )
             };
         let results = tempfile::tempdir().unwrap();
         assert!(

@@ -67,9 +67,8 @@ impl Gate {
     pub fn new(study: &DesignFile, given: Option<&Path>) -> Result<Self, StudyError> {
         let people = study.people(given)?;
         if people.enrolled.is_empty() {
-            let table = study.resolve(&study.design.people().file);
             return Err(StudyError::BadFile {
-                path: given.map_or(table, Path::to_owned),
+                path: study.people_file(given),
                 problem: "has no row: nobody takes part".to_owned(),
                 help: Some("write a row for each who takes part, with the id of their logs and answers; `maveric design orders --people 24` writes P01 to P24".to_owned()),
             });
@@ -88,8 +87,7 @@ impl Gate {
     /// # Errors
     /// As [`DesignFile::people`].
     pub fn where_listed(study: &DesignFile, given: Option<&Path>) -> Result<Self, StudyError> {
-        let table = study.resolve(&study.design.people().file);
-        if given.is_some() || table.is_file() {
+        if given.is_some() || study.people_file(None).is_file() {
             return Self::new(study, given);
         }
         Ok(Self {

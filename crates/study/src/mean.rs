@@ -1,11 +1,15 @@
 //! Means of values as they are, and how sure a mean is.
 
 use crate::error::StudyError;
+pub(crate) use maveric_rehearsal::validation::mean;
 use maveric_stats::{BootstrapData, BootstrapSettings, Interval, Statistic, bootstrap};
 
-/// Mean of the values; `None` without any.
-pub(crate) fn mean(values: &[f64]) -> Option<f64> {
-    (!values.is_empty()).then(|| values.iter().sum::<f64>() / values.len() as f64)
+/// Mean of each column of rows, over the rows that have a value there.
+pub(crate) fn column_means<const COLUMNS: usize>(
+    rows: &[[Option<f64>; COLUMNS]],
+) -> [Option<f64>; COLUMNS] {
+    let known = |column: usize| rows.iter().filter_map(move |row| row[column]);
+    std::array::from_fn(|column| mean(&known(column).collect::<Vec<f64>>()))
 }
 
 /// Standard deviation, n − 1; `None` for fewer than two values.

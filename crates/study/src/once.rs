@@ -14,6 +14,14 @@ pub(crate) fn names<S: AsRef<str>>(of: &[S]) -> String {
     }
 }
 
+/// `a, b, …`: of more than `most` names the first.
+pub(crate) fn first_names(of: impl IntoIterator<Item = impl AsRef<str>>, most: usize) -> String {
+    let mut of = of.into_iter();
+    let shown = of.by_ref().take(most).map(|name| name.as_ref().to_owned());
+    let shown = shown.collect::<Vec<String>>().join(", ");
+    shown + if of.next().is_some() { ", …" } else { "" }
+}
+
 /// What there is to tell of several things of a kind, in the order in which it first came: `drive P01-own: it is short`, or
 /// `3 drives (P01-own, P02-own, P03-own): they are short` in the same words.
 pub(crate) fn told_once(
@@ -72,6 +80,10 @@ mod tests {
         let ids = ["a", "b", "c", "d", "e", "f", "g"];
         assert_eq!(names(&ids[..6]), "a, b, c, d, e, f");
         assert_eq!(names(&ids), "a, b, c, d, e, f and 1 other");
+        assert_eq!(
+            [first_names(ids, 2), first_names(&ids[..2], 2)],
+            ["a, b, …", "a, b"]
+        );
         assert_eq!(count(1, "person", "people"), "1 person");
         assert_eq!(count(0, "person", "people"), "0 people");
     }

@@ -79,6 +79,14 @@ impl<'a> Watch<'a> {
     }
 }
 
+impl Watch<'static> {
+    /// Of work that nobody watches and that goes on to its end.
+    pub fn unwatched() -> Self {
+        static NEVER: AtomicBool = AtomicBool::new(false);
+        Self::new(&|_, _, _| (), &NEVER)
+    }
+}
+
 /// Threads to use when none are asked for: all cores.
 pub fn all_cores() -> usize {
     std::thread::available_parallelism().map_or(1, usize::from)

@@ -1,12 +1,12 @@
 //! A run's folder and what a study brings along: the readers of what several commands read, and the names of files beside others.
 
 use crate::{
-    atomic_write::{if_there, read_text},
+    atomic_write::{files_ending, if_there, read_text},
     design::DesignFile,
     error::StudyError,
     stage::Files,
     tables::{
-        collected::STOPPED,
+        collected::{NOT_ADMITTED, NOT_AGREED, STOPPED, consents_of_study},
         conditions::read_conditions,
         drives::kept_out,
         embeddings::read_embeddings,
@@ -115,15 +115,7 @@ pub fn read_model(path: &Path) -> Result<Model, StudyError> {
 /// # Errors
 /// [`StudyError`] if there is none, or naming the file that does not define a scale.
 pub fn read_scales(folder: &Path) -> Result<Vec<Scale>, StudyError> {
-    let entries = std::fs::read_dir(folder).map_err(StudyError::read(folder))?;
-    let mut paths = Vec::new();
-    for entry in entries {
-        let path = entry.map_err(StudyError::read(folder))?.path();
-        if path.extension().is_some_and(|e| e == "toml") {
-            paths.push(path);
-        }
-    }
-    paths.sort();
+    let paths = files_ending(folder, "toml")?;
     if paths.is_empty() {
         return Err(StudyError::file(
             folder,
@@ -282,6 +274,8 @@ pub(crate) fn read_study(
         kept_out: drives_kept_out(folder)?,
         stopped,
         not_admitted: study.not_admitted()?,
+        consents: study.consents()?,
+        not_agreed: study.not_agreed()?,
     };
     let rides = if_there(&presses_path(&measurements), read_rows)?;
     let moments = if_there(&press_moments_path(&measurements), read_rows)?;
@@ -313,14 +307,15 @@ pub(crate) fn study_files(
         .reads_if_there(tables.map(|name| folder.join(name)));
     files = match participants {
         Some(given) => files.reads([given]),
-        None => files.reads_if_there([
-            folder.join("participants.csv"),
-            study.resolve(&design.people().file),
-        ]),
+        None => files.reads_if_there([folder.join("participants.csv"), study.people_file(None)]),
     };
     let stopped = study.resolve(Path::new(STOPPED));
     let is_stopped = root.join(&stopped).is_file();
-    files = files.reads_if_there([stopped]);
+    files = files.reads_if_there([stopped]).reads_if_there([
+        study.resolve(Path::new(NOT_ADMITTED)),
+        study.resolve(&consents_of_study()),
+        study.resolve(Path::new(NOT_AGREED)),
+    ]);
     if design.exclude().judges_answers() || is_stopped {
         let answers = study.resolve(&design.files().answers);
         files = files

@@ -99,7 +99,7 @@ impl Files {
         participants: Option<&Path>,
     ) -> Self {
         let of_design = match (participants, DesignFile::below(root, design)) {
-            (None, Some(study)) => Some(study.resolve(&study.design.people().file)),
+            (None, Some(study)) => Some(study.people_file(None)),
             _ => None,
         };
         let study = DesignFile::below(root, design);

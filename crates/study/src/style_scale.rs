@@ -10,7 +10,7 @@ use crate::{
     run_folder::{read_scales, score_range},
 };
 use maveric_domain::{
-    AdbScore, BeyondWhy, Drive, DriveId, EmbeddingRow, ParticipantId, Scale, Score, Subscale,
+    AdbScore, BeyondWhy, Drive, DriveId, EmbeddingRow, ParticipantId, Scale, Score,
     design::DesignError,
 };
 use maveric_model::StyleHead;
@@ -93,15 +93,10 @@ impl StyleScale {
         if let Some((low, high)) = score_range(&scales, &style.score) {
             return Ok(Self { low, high });
         }
-        let of_scale = |s: &Scale| {
-            let name = |u: &Subscale| format!("{}.{}", s.id, u.id);
-            s.subscales.iter().map(name).collect::<Vec<String>>()
-        };
-        let ids: Vec<String> = scales.iter().flat_map(of_scale).collect();
+        let ids: Vec<String> = scales.iter().flat_map(Scale::score_names).collect();
         let name = style.score.to_string();
         let error = DesignError::word("style.score", &name, ids.iter().map(String::as_str));
-        let help = error.suggestion();
-        Err(study.wrong(error.to_string(), help))
+        Err(study.wrong(error.to_string(), error.suggestion()))
     }
 
     /// Points of the networks for one point of this score.
@@ -255,22 +250,13 @@ mod tests {
             high: 6.0,
         };
         let row = |drive: &str, points: Option<f64>| EmbeddingRow {
-            drive: DriveId::new(drive).unwrap(),
-            participant: ParticipantId::new("p").unwrap(),
-            condition: "own".parse().unwrap(),
-            session: maveric_domain::occasion::first(),
-            trial: maveric_domain::occasion::first(),
-            adb_used: false,
-            adb: None,
             adb_hat: points.map(|points| risky.inward(points)),
-            line_position: None,
-            readings: None,
-            covariance: None,
-            line_position_se: None,
-            support_p: None,
-            beyond_why: None,
-            posted_unseen: None,
-            embedding: maveric_domain::Embedding::new(vec![0.0]).unwrap(),
+            ..EmbeddingRow::new(
+                DriveId::new(drive).unwrap(),
+                ParticipantId::new("p").unwrap(),
+                "own".parse().unwrap(),
+                maveric_domain::Embedding::new(vec![0.0]).unwrap(),
+            )
         };
         let points = [0.9, 1.0, 3.5, 6.0, 6.1].map(Some);
         let mut rows: Vec<EmbeddingRow> = ["a", "b", "c", "d", "e", "f"]

@@ -2,6 +2,7 @@
 
 use super::cells::FIRST;
 use crate::{
+    consents::{ConsentRow, NotAgreed, versions},
     exclusions::{Driven, LeftOut, Stopped},
     flow::{self, Flow, NotAdmitted},
     person::Person,
@@ -41,6 +42,10 @@ pub struct Tables {
     pub stopped: Vec<Stopped>,
     /// People who wanted to take part and were not admitted.
     pub not_admitted: Vec<NotAdmitted>,
+    /// The texts that people agreed to.
+    pub consents: Vec<ConsentRow>,
+    /// People who did not agree.
+    pub not_agreed: Vec<NotAgreed>,
 }
 
 /// Who is in a study, and who is left out of it.
@@ -103,7 +108,11 @@ impl Who {
             design,
             &tables.people,
             &there,
-            (&left_out, &tables.not_admitted),
+            &left_out,
+            (
+                &tables.not_admitted,
+                versions(&tables.consents, &tables.not_agreed),
+            ),
         );
         Self {
             there,

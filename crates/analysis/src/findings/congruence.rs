@@ -7,9 +7,10 @@ use crate::{
 };
 use maveric_stats::{Bend, RatioTest, Region};
 
-/// By every rating the top has to be near, and to stay near whatever people's own style is; a bottom is no top.
+/// By every rating the top has to be near, and to stay near whatever people's own style is; a bottom is no top. What people perceived
+/// decides nothing.
 pub(super) fn congruence(rows: &[CongruenceRow]) -> Option<Finding> {
-    let rows = rows.iter().filter(|row| row.n > 0);
+    let rows = rows.iter().filter(|row| row.is_judged());
     let parts: Vec<Part> = rows.flat_map(parts).collect();
     (!parts.is_empty()).then(|| Finding::every(Question::Congruence, parts))
 }

@@ -67,27 +67,13 @@ fn points_a_step(rows: &[EmbeddingRow]) -> Option<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use maveric_domain::{ConditionId, DriveId, Embedding};
 
     #[test]
     fn two_embeddings_tell_what_a_step_is_worth_and_one_does_not() {
         let row = |position: f64| EmbeddingRow {
-            drive: DriveId::new("d").unwrap(),
-            participant: ParticipantId::new("P").unwrap(),
-            condition: ConditionId::new("own").unwrap(),
-            session: maveric_domain::occasion::first(),
-            trial: maveric_domain::occasion::first(),
-            adb_used: true,
-            adb: None,
             adb_hat: Some(30.0 + 9.0 * position),
-            line_position: Some(position),
-            readings: None,
-            covariance: None,
             line_position_se: Some(0.3),
-            support_p: None,
-            beyond_why: None,
-            posted_unseen: None,
-            embedding: Embedding::new(vec![position]).unwrap(),
+            ..crate::testing::position(0, position)
         };
         let found = points_a_step(&[row(0.5), row(-1.0)]).unwrap();
         assert!((found - 9.0).abs() < 1e-9);

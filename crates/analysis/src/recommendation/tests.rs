@@ -417,9 +417,6 @@ fn on_the_scale_both_uncertainties_add_up_as_squares() {
     let row = |i: usize, position: f64| EmbeddingRow {
         adb_hat: Some(30.0 + 9.0 * position),
         line_position_se: Some(0.5),
-        support_p: None,
-        beyond_why: None,
-        posted_unseen: None,
         ..crate::testing::position(i, position)
     };
     let data = eight(below).with_embeddings(vec![row(0, 1.0), row(1, -1.0)]);

@@ -279,26 +279,15 @@ mod tests {
 
     #[test]
     fn an_unknown_type_an_empty_schema_and_idl_are_refused_with_a_reason() {
-        assert!(
-            parse("p/A", "q/B b", Dialect::Ros2)
-                .unwrap_err()
-                .contains("q/B")
-        );
-        assert!(
-            parse("p/A", " \n", Dialect::Ros2)
-                .unwrap_err()
-                .contains("empty")
-        );
-        assert!(
-            parse("p/A", "IDL: p/msg/A", Dialect::Ros2)
-                .unwrap_err()
-                .contains("IDL")
-        );
-        assert!(
-            parse("p/A", "float64[x] y", Dialect::Ros2)
-                .unwrap_err()
-                .contains("float64[x]")
-        );
+        for (text, word) in [
+            ("q/B b", "q/B"),
+            (" \n", "empty"),
+            ("IDL: p/msg/A", "IDL"),
+            ("float64[x] y", "float64[x]"),
+        ] {
+            let error = parse("p/A", text, Dialect::Ros2).unwrap_err();
+            assert!(error.contains(word), "{text}: {error}");
+        }
     }
 
     #[test]

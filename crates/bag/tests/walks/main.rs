@@ -10,4 +10,5 @@ mod anywhere;
 mod cut;
 mod large;
 mod made;
+mod records;
 mod streams;

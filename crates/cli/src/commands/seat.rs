@@ -5,7 +5,9 @@ use crate::{
     diagnostics::{Failure, tell},
     interrupt, progress,
 };
-use maveric_seat::{Seat as Open, SeatError, SeatSettings, Wire, carried, demo, files, replay};
+use maveric_seat::{
+    Hindrance, Seat as Open, SeatError, SeatSettings, Wire, carried, demo, files, replay,
+};
 use maveric_study::outcome::Format;
 use maveric_study::{
     DesignFile, StudyError, Watch, check_design, design::DESIGN_FILE, dial_stretch, run_folder,
@@ -129,7 +131,7 @@ enum Part {
     },
 }
 
-fn failure(doing: &'static str) -> impl FnOnce(SeatError) -> Failure {
+pub(super) fn failure(doing: &'static str) -> impl FnOnce(SeatError) -> Failure {
     move |cause| match cause {
         SeatError::Study(cause) => Failure::study(doing)(cause),
         cause => {
@@ -254,14 +256,46 @@ fn first_line(file: &Path) -> Result<String, Failure> {
 /// Opens the seat of the study in `folder`, and says what is to be said of its phase.
 fn open(folder: &Path, password: Option<String>) -> Result<(Open, Option<String>), Failure> {
     let study = DesignFile::read(&folder.join(DESIGN_FILE)).map_err(Failure::study(OPENING))?;
-    let records = folder.join(RECORDS);
-    check_design(&study).map_err(Failure::study(OPENING))?;
+    let (settings, phase) = settings(&study, folder, password)?;
+    let state = folder.join(RECORDS).join(STATE);
+    let seat = Open::open(&state, settings).map_err(failure(OPENING))?;
+    Ok((seat, phase))
+}
+
+/// What keeps the seat from opening this study, a line each; nothing where it could, where the design says nothing of a seat, or where
+/// people drive elsewhere: there are logs, and the seat wrote none.
+pub(super) fn hindrances(study: &DesignFile) -> Vec<String> {
+    let folder = study.path.as_deref().and_then(Path::parent);
+    let folder = folder.unwrap_or(Path::new(""));
+    let logs = std::fs::read_dir(study.resolve(&study.design.files().logs));
+    let is_log = |entry: std::io::Result<std::fs::DirEntry>| {
+        entry.is_ok_and(|entry| !entry.file_name().as_encoded_bytes().starts_with(b"."))
+    };
+    let elsewhere = logs.is_ok_and(|mut logs| logs.any(is_log)) && !folder.join(RECORDS).is_dir();
+    if elsewhere || !study.design.has_seat() {
+        return Vec::new();
+    }
+    let settings = settings(study, folder, None);
+    let found = settings.and_then(|(settings, _)| settings.hindrances().map_err(failure(OPENING)));
+    match found {
+        Ok(found) => found.iter().map(Hindrance::with_remedy).collect(),
+        Err(failed) => vec![failed.in_a_line()],
+    }
+}
+
+/// What the seat needs of the study in `folder`, and what is to be said of its phase.
+fn settings(
+    study: &DesignFile,
+    folder: &Path,
+    password: Option<String>,
+) -> Result<(SeatSettings, Option<String>), Failure> {
+    check_design(study).map_err(Failure::study(OPENING))?;
     let named = study.design.files();
-    let (model, phase) = model(&study, folder).map_err(Failure::study(OPENING))?;
+    let (model, phase) = model(study, folder).map_err(Failure::study(OPENING))?;
     let bytes = model.as_deref().map(std::fs::read).transpose();
     let world = study.resolve(&named.scenario);
     let world = world.is_file().then_some(world);
-    let (texts, in_others) = maveric_seat::files::texts(&study).map_err(failure(OPENING))?;
+    let (texts, in_others) = maveric_seat::files::texts(study).map_err(failure(OPENING))?;
     let settings = SeatSettings {
         scales: run_folder::read_scales(&study.resolve(&named.scales))
             .map_err(Failure::study(OPENING))?,
@@ -271,13 +305,12 @@ fn open(folder: &Path, password: Option<String>) -> Result<(Open, Option<String>
             .map_err(Failure::study(OPENING))?,
         model: bytes.map_err(|e| Failure::io(OPENING, e))?,
         made_up_model: study.design.synthetic() || study.design.model().is_some_and(|m| m.made_up),
-        stretch: dial_stretch(&study).map_err(Failure::study(OPENING))?,
-        files: files::Files::of(&study, records.clone()),
+        stretch: dial_stretch(study).map_err(Failure::study(OPENING))?,
+        files: files::Files::of(study, folder.join(RECORDS)),
         password,
         design: study.design.clone(),
     };
-    let seat = Open::open(&records.join(STATE), settings).map_err(failure(OPENING))?;
-    Ok((seat, phase))
+    Ok((settings, phase))
 }
 
 fn export(study: &Path, folder: &Path, post: Option<&str>, format: Format) -> Result<(), Failure> {

@@ -1,6 +1,6 @@
 //! `maveric status`.
 
-use super::{print_json, run::print_statuses};
+use super::{print_json, run::print_statuses, seat::hindrances};
 use crate::{
     diagnostics::{Failure, tell},
     place::{DEFAULT_PIPELINE, PipelineArgs, place, study_here},
@@ -9,7 +9,7 @@ use maveric_study::outcome::Format;
 use serde_json::json;
 use std::path::PathBuf;
 
-/// Say which stages of a pipeline are stale, and what is missing of the study; run nothing
+/// Say which stages of a pipeline are stale, what is missing of the study, and what the seat lacks to open it; run nothing
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Example: maveric status pipelines/smoke.toml --format json")]
 pub(crate) struct Status {
@@ -31,7 +31,7 @@ impl Status {
         let pipeline = self.pipeline.read(&self.file)?;
         let statuses = maveric_pipeline::status(&pipeline, &place(&self.file)?)
             .map_err(Failure::pipeline("could not tell the pipeline's status"))?;
-        let Some((notes, missing)) = study_here(&self.file)? else {
+        let Some((study, notes, missing)) = study_here(&self.file)? else {
             return match self.missing {
                 None => print_statuses(self.format, &statuses),
                 Some(_) => Err(Failure::Usage(
@@ -44,12 +44,16 @@ impl Status {
             let doing = "could not write what is missing";
             missing.write(table).map_err(Failure::study(doing))?;
         }
+        let seat = hindrances(&study);
         if self.format == Format::Json {
-            print_json(&json!({ "stages": statuses, "missing": missing }))?;
+            print_json(&json!({ "stages": statuses, "missing": missing, "seat": seat }))?;
         } else {
             print_statuses(self.format, &statuses)?;
         }
-        for line in notes.into_iter().chain(missing.lines()) {
+        let seat = seat
+            .iter()
+            .map(|line| format!("the seat cannot open this study: {line}"));
+        for line in notes.into_iter().chain(missing.lines()).chain(seat) {
             tell!("{line}");
         }
         Ok(())

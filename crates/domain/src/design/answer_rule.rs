@@ -107,18 +107,7 @@ impl FromStr for AnswerRule {
     }
 }
 
-impl TryFrom<String> for AnswerRule {
-    type Error = String;
-    fn try_from(text: String) -> Result<Self, String> {
-        text.parse()
-    }
-}
-
-impl From<AnswerRule> for String {
-    fn from(rule: AnswerRule) -> Self {
-        rule.to_string()
-    }
-}
+crate::as_text::as_text!(AnswerRule);
 
 impl fmt::Display for AnswerRule {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {

@@ -40,18 +40,7 @@ impl FromStr for ScoreName {
     }
 }
 
-impl TryFrom<String> for ScoreName {
-    type Error = String;
-    fn try_from(text: String) -> Result<Self, String> {
-        text.parse()
-    }
-}
-
-impl From<ScoreName> for String {
-    fn from(name: ScoreName) -> Self {
-        name.to_string()
-    }
-}
+crate::as_text::as_text!(ScoreName);
 
 /// What an outcome is.
 #[derive(Debug, Clone, PartialEq, Eq)]

@@ -213,7 +213,7 @@ impl Protocol {
 }
 
 /// Whether a text is a day of the calendar, as `2026-12-31`.
-fn is_day(text: &str) -> bool {
+pub fn is_day(text: &str) -> bool {
     let parts: Vec<&str> = text.split('-').collect();
     let [year, month, day] = parts[..] else {
         return false;
@@ -267,6 +267,7 @@ mod tests {
             "",
             "yesterday",
             "2026-13-01",
+            "2026-00-10",
             "2026-02-29",
             "2100-02-29",
             "31.12.2026",

@@ -91,6 +91,12 @@ impl Scale {
             })
     }
 
+    /// The names of its scores: `scale.subscale`.
+    pub fn score_names(&self) -> impl Iterator<Item = String> {
+        let subscales = self.subscales.iter();
+        subscales.map(|subscale| format!("{}.{}", self.id, subscale.id))
+    }
+
     /// The subscales that a score adds up: itself, or those of `sum_of`.
     pub fn parts<'a>(&'a self, subscale: &'a Subscale) -> Vec<&'a Subscale> {
         if subscale.sum_of.is_empty() {

@@ -592,10 +592,13 @@ source = "chosen"
         assert!(mean.contains("scoring = \"sum\""), "{mean}");
     }
 
+    /// The table of an item with this line.
+    fn item(line: &str) -> String {
+        format!("[[item]]\ntext = \"a\"\n{line}\n")
+    }
+
     #[test]
     fn what_a_file_says_twice_or_halfway_is_named_by_item_and_key() {
-        let item = |line: &str| format!("[[item]]\ntext = \"a\"\n{line}\n");
-        let scored = "[[subscales]]\nid = \"s\"\ntitle = \"S\"\nitems = [1, 2]\n";
         for (top, tables, word) in [
             ("", String::new(), "has no items"),
             ("min = 1", item(""), "item 1: a `likert` needs min and max"),
@@ -604,62 +607,10 @@ source = "chosen"
                 item(""),
                 "item 1: min 3 is not below max 3",
             ),
-            ("", item("min = 0\nmax = 2000000000"), "expected within"),
-            ("", item("kind = \"choice\""), "a `choice` with 0 `levels`"),
             (
                 "min = 1\nmax = 7",
                 item("kind = \"choice\""),
                 "a `choice` with 0 `levels`",
-            ),
-            (
-                "",
-                item("kind = \"ladder\"\nlevels = [\"a\", \"b\"]\nmax = 5"),
-                "2 levels from 1 end at 2, and max is 5",
-            ),
-            (
-                "",
-                item("kind = \"slider\"\nmin = 0\nmax = 10\nstep = 3"),
-                "step 3, expected one of a slider",
-            ),
-            (
-                "",
-                item("min = 0\nmax = 10\nstep = 2"),
-                "step 2, expected one of a slider",
-            ),
-            (
-                "",
-                item("kind = \"text\"\nmax = 3"),
-                "neither min, max nor step",
-            ),
-            (
-                "",
-                item("min = 1\nmax = 7\nanchors = [\"a\", \"b\", \"c\"]"),
-                "3 anchors, expected 2 (of the ends) or 7",
-            ),
-            (
-                "",
-                item("min = 1\nmax = 7\nlevels = [\"a\", \"b\"]"),
-                "has no `levels`, expected `anchors`",
-            ),
-            (
-                "",
-                item("kind = \"choice\"\nlevels = [\"a\", \"b\"]\nanchors = [\"a\", \"b\"]"),
-                "has no `anchors`, expected `levels`",
-            ),
-            (
-                "",
-                item("min = 1\nmax = 7\nexpected = 8"),
-                "expected is 8, which is no answer (1 to 7)",
-            ),
-            (
-                "",
-                item("kind = \"text\"\nexpected = 0"),
-                "which is no answer (words)",
-            ),
-            (
-                "",
-                item("kind = \"number\"\nmin = 1\nmax = 7\nreversed = true"),
-                "a `number` cannot be reversed",
             ),
             (
                 "reversed = [1]",
@@ -693,24 +644,74 @@ source = "chosen"
             ),
             ("min = 1\nmax = 5", item("colour = 3"), "colour"),
             ("kind = \"likely\"", item(""), "likely"),
-            (
-                "min = 1\nmax = 5\nscoring = \"mean\"",
-                item("") + &item("max = 7") + scored,
-                "item 1 (1 to 5) and item 2 (1 to 7)",
-            ),
-            (
-                "min = 1\nmax = 5\nscoring = \"mean\"",
-                item("") + &item("expected = 2") + scored,
-                "scores item 2, which is there for attention",
-            ),
-            (
-                "min = 1\nmax = 5\nscoring = \"mean\"",
-                item("") + &item("kind = \"text\"") + scored,
-                "scores item 2, a `text`",
-            ),
         ] {
             let error = parsed(top, &tables).unwrap_err();
             assert!(error.contains(word), "{top} {tables}: {error}");
+        }
+    }
+
+    #[test]
+    fn an_item_has_the_keys_of_its_kind() {
+        for (line, word) in [
+            ("min = 0\nmax = 2000000000", "expected within"),
+            ("kind = \"choice\"", "a `choice` with 0 `levels`"),
+            (
+                "kind = \"ladder\"\nlevels = [\"a\", \"b\"]\nmax = 5",
+                "2 levels from 1 end at 2, and max is 5",
+            ),
+            (
+                "kind = \"slider\"\nmin = 0\nmax = 10\nstep = 3",
+                "step 3, expected one of a slider",
+            ),
+            (
+                "min = 0\nmax = 10\nstep = 2",
+                "step 2, expected one of a slider",
+            ),
+            ("kind = \"text\"\nmax = 3", "neither min, max nor step"),
+            (
+                "min = 1\nmax = 7\nanchors = [\"a\", \"b\", \"c\"]",
+                "3 anchors, expected 2 (of the ends) or 7",
+            ),
+            (
+                "min = 1\nmax = 7\nlevels = [\"a\", \"b\"]",
+                "has no `levels`, expected `anchors`",
+            ),
+            (
+                "kind = \"choice\"\nlevels = [\"a\", \"b\"]\nanchors = [\"a\", \"b\"]",
+                "has no `anchors`, expected `levels`",
+            ),
+            (
+                "min = 1\nmax = 7\nexpected = 8",
+                "expected is 8, which is no answer (1 to 7)",
+            ),
+            (
+                "kind = \"text\"\nexpected = 0",
+                "which is no answer (words)",
+            ),
+            (
+                "kind = \"number\"\nmin = 1\nmax = 7\nreversed = true",
+                "a `number` cannot be reversed",
+            ),
+        ] {
+            let error = parsed("", &item(line)).unwrap_err();
+            assert!(error.contains(word), "{line}: {error}");
+        }
+    }
+
+    #[test]
+    fn a_score_has_items_of_one_range_that_are_not_there_for_attention() {
+        let top = "min = 1\nmax = 5\nscoring = \"mean\"";
+        let scored = "[[subscales]]\nid = \"s\"\ntitle = \"S\"\nitems = [1, 2]\n";
+        for (second, word) in [
+            ("max = 7", "item 1 (1 to 5) and item 2 (1 to 7)"),
+            (
+                "expected = 2",
+                "scores item 2, which is there for attention",
+            ),
+            ("kind = \"text\"", "scores item 2, a `text`"),
+        ] {
+            let error = parsed(top, &(item("") + &item(second) + scored)).unwrap_err();
+            assert!(error.contains(word), "{second}: {error}");
         }
     }
 }

@@ -1,10 +1,15 @@
 //! Clocks that run backwards, differ, stand still or start anew.
 
-use super::{ROWS, bytes_of, damage::read, recording};
+use super::{
+    ROWS, bytes_of,
+    damage::read,
+    mapped::{read_named, shipped},
+    recording,
+};
 use maveric_domain::Recording;
-use maveric_ingest::{IngestSettings, Ingested, Mapping, WarningKind, read_log};
+use maveric_ingest::{Ingested, WarningKind};
 use mcap::WriteOptions;
-use std::{collections::BTreeSet, fmt::Write as _, path::Path};
+use std::{collections::BTreeSet, fmt::Write as _};
 
 /// A minute, in ns.
 const MINUTE: u64 = 60_000_000_000;
@@ -145,15 +150,9 @@ fn a_table_whose_time_starts_anew_makes_two_segments_and_is_not_shuffled() {
         let (t, v) = (f64::from(i % 200) / 10.0, if i < 200 { 20.0 } else { 5.0 });
         writeln!(text, "{t},{},{v},20,0,30", 2.0 * f64::from(i)).unwrap();
     }
-    let folder = tempfile::tempdir().unwrap();
-    let path = folder.path().join("oa_pair_r_f2_c.csv");
-    std::fs::write(&path, text).unwrap();
-    let mapping = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../study_data/mappings");
-    let settings = IngestSettings {
-        mapping: Some(Mapping::read(&mapping.join("openacc.toml")).unwrap()),
-        ..IngestSettings::default()
-    };
-    let found = read_log(&path, &settings).unwrap().remove(0);
+    let found = read_named("oa_pair_r_f2_c.csv", &text, shipped("openacc.toml"))
+        .unwrap()
+        .remove(0);
     assert!(kinds(&found).contains(&WarningKind::ClockRestart));
     let (segments, ego) = (found.recording.segment(), found.recording.ego());
     let slow = segments.iter().filter(|s| **s == 1).count();

@@ -6,10 +6,9 @@ use maveric_ingest::{IngestError, IngestSettings, Ingested, WarningKind, inspect
 use mcap::WriteOptions;
 use proptest::prelude::*;
 
-const FOOTER: u8 = 2;
-const SCHEMA: u8 = 3;
-const CHANNEL: u8 = 4;
-const CHUNK: u8 = 6;
+#[path = "../../../bag/tests/walks/records.rs"]
+mod places;
+use places::{CHANNEL, SCHEMA, chunks, records};
 
 pub(super) fn read(bytes: &[u8], recover: bool) -> Result<Ingested, IngestError> {
     let file = tempfile::Builder::new().suffix(".mcap").tempfile().unwrap();
@@ -19,26 +18,6 @@ pub(super) fn read(bytes: &[u8], recover: bool) -> Result<Ingested, IngestError>
         ..IngestSettings::default()
     };
     read_log(file.path(), &settings).map(|mut found| found.remove(0))
-}
-
-/// Opcode, start and end of every record up to the footer.
-fn records(bytes: &[u8]) -> Vec<(u8, usize, usize)> {
-    let mut found = Vec::new();
-    let mut at = 8;
-    loop {
-        let length = u64::from_le_bytes(bytes[at + 1..at + 9].try_into().unwrap());
-        let end = at + 9 + usize::try_from(length).unwrap();
-        found.push((bytes[at], at, end));
-        if bytes[at] == FOOTER {
-            return found;
-        }
-        at = end;
-    }
-}
-
-fn chunks(bytes: &[u8]) -> Vec<(usize, usize)> {
-    let all = records(bytes).into_iter();
-    all.filter(|r| r.0 == CHUNK).map(|r| (r.1, r.2)).collect()
 }
 
 fn rows(found: &Result<Ingested, IngestError>) -> usize {

@@ -1,11 +1,9 @@
 //! The number of the lane and the place in it, in every layout; and a place in the lane that is taken for one across the road.
 
+use super::mapped::{UNITS, mapped, of_toml};
 use maveric_domain::Drive;
-use maveric_ingest::{
-    IngestError, IngestSettings, Ingested, Mapping, WarningKind, inspect_with, read_log,
-    suggest_mapping,
-};
-use std::{fmt::Write as _, path::Path};
+use maveric_ingest::{IngestSettings, Ingested, WarningKind, inspect_with, suggest_mapping};
+use std::fmt::Write as _;
 
 const WIDTH_M: f64 = 3.5;
 
@@ -25,19 +23,8 @@ fn in_lane(t: f64) -> (u32, f64) {
 fn mapping(layout: &str, columns: &str) -> String {
     format!(
         "[road]\nlanes = 3\nlane_width_m = {WIDTH_M}\nposted_speed_mps = 33.0\nframe = \"map\"\n[table]\nlayout = \"{layout}\"\n\
-         [table.units]\ntime = \"s\"\nlength = \"m\"\nspeed = \"m/s\"\n[table.columns]\ntime = \"t\"\n{columns}"
+         {UNITS}[table.columns]\ntime = \"t\"\n{columns}"
     )
-}
-
-fn read(mapping: &str, text: &str) -> Result<Vec<Ingested>, IngestError> {
-    let folder = tempfile::tempdir().unwrap();
-    let path = folder.path().join("P01.csv");
-    std::fs::write(&path, text).unwrap();
-    let settings = IngestSettings {
-        mapping: Some(Mapping::from_toml(mapping, Path::new("m.toml"))?),
-        ..IngestSettings::default()
-    };
-    read_log(&path, &settings)
 }
 
 /// Sixty seconds at 20 Hz of whatever a row is.
@@ -90,7 +77,7 @@ const LANE: &str = "lane = \"lane\"\noffset = \"offset\"\n";
 
 #[test]
 fn a_pair_a_platoon_and_a_long_table_have_lanes_by_number_and_place() {
-    let found = read(&pair(LANE, NUMBERED), &pair_table()).unwrap();
+    let found = mapped(&pair(LANE, NUMBERED), &pair_table()).unwrap();
     changes_lanes(&found[0]);
     let lead = &found[0].recording.others()[0];
     assert!(
@@ -107,7 +94,7 @@ fn a_pair_a_platoon_and_a_long_table_have_lanes_by_number_and_place() {
         // The car ahead stays in the right lane.
         format!("25,25,40,0,0.1,{lane},{offset}")
     });
-    let found = read(&platoon, &text).unwrap();
+    let found = mapped(&platoon, &text).unwrap();
     changes_lanes(&found[0]);
     let lead = &found[0].recording.others()[0];
     assert!(
@@ -133,7 +120,7 @@ fn a_pair_a_platoon_and_a_long_table_have_lanes_by_number_and_place() {
             60.0 + 25.0 * t
         )
     });
-    let found = read(&long, &text).unwrap();
+    let found = mapped(&long, &text).unwrap();
     changes_lanes(&found[0]);
     let other = &found[0].recording.others()[0];
     assert!(other.y_m.iter().all(|y| (y + 0.2).abs() < 1e-9));
@@ -141,7 +128,7 @@ fn a_pair_a_platoon_and_a_long_table_have_lanes_by_number_and_place() {
 
 #[test]
 fn a_number_alone_steps_from_lane_to_lane_and_a_place_alone_makes_no_lane_change() {
-    let steps = read(
+    let steps = mapped(
         &pair("lane = \"lane\"\n", "lanes_from = \"left\"\n"),
         &pair_table(),
     )
@@ -153,7 +140,7 @@ fn a_number_alone_steps_from_lane_to_lane_and_a_place_alone_makes_no_lane_change
             .any(|c| (y - c).abs() < 1e-9)
     };
     assert!(steps.recording.sees().lanes && steps.recording.ego().y_m.iter().all(centre));
-    let alone = read(
+    let alone = mapped(
         &pair("offset = \"offset\"\n", "offset_grows = \"right\"\n"),
         &pair_table(),
     )
@@ -172,11 +159,8 @@ fn a_number_alone_steps_from_lane_to_lane_and_a_place_alone_makes_no_lane_change
 
 #[test]
 fn what_says_where_ego_is_twice_or_lacks_a_side_is_asked_about() {
-    let refused = |columns: &str, keys: &str| {
-        Mapping::from_toml(&pair(columns, keys), Path::new("m.toml"))
-            .unwrap_err()
-            .to_string()
-    };
+    let refused =
+        |columns: &str, keys: &str| of_toml(&pair(columns, keys)).unwrap_err().to_string();
     for (columns, keys, said) in [
         (
             LANE,
@@ -209,9 +193,7 @@ fn what_says_where_ego_is_twice_or_lacks_a_side_is_asked_about() {
             "layout = \"long\"\n",
             &format!("layout = \"long\"\npoint = \"centre\"\noffset_grows = \"left\"\n{keys}"),
         );
-        Mapping::from_toml(&text, Path::new("m.toml"))
-            .unwrap_err()
-            .to_string()
+        of_toml(&text).unwrap_err().to_string()
     };
     let error = long("offset = \"offset\"\n", "");
     assert!(
@@ -234,7 +216,7 @@ fn lanes_that_the_road_has_not_are_refused_and_a_row_without_a_lane_is_counted()
         .replace(",3,", ",9,")
         .replace(",2,", ",8,")
         .replace(",1,", ",7,");
-    let error = read(&pair(LANE, NUMBERED), &beside)
+    let error = mapped(&pair(LANE, NUMBERED), &beside)
         .unwrap_err()
         .to_string();
     assert!(
@@ -250,7 +232,7 @@ fn lanes_that_the_road_has_not_are_refused_and_a_row_without_a_lane_is_counted()
         };
         format!("25,40,25,{lane},{}", -offset)
     });
-    let found = read(&pair(LANE, NUMBERED), &text).unwrap().remove(0);
+    let found = mapped(&pair(LANE, NUMBERED), &text).unwrap().remove(0);
     let left_out = found
         .warnings
         .iter()
@@ -261,7 +243,7 @@ fn lanes_that_the_road_has_not_are_refused_and_a_row_without_a_lane_is_counted()
 #[test]
 fn a_place_in_the_lane_that_is_mapped_across_the_road_is_told_with_what_to_write() {
     let wrong = pair("ego_y = \"offset\"\n", "");
-    let found = read(&wrong, &pair_table()).unwrap().remove(0);
+    let found = mapped(&wrong, &pair_table()).unwrap().remove(0);
     let told = |found: &Ingested| {
         found
             .warnings
@@ -283,11 +265,11 @@ fn a_place_in_the_lane_that_is_mapped_across_the_road_is_told_with_what_to_write
     // One across the road, and one that is mapped as what it is, are not.
     let right = table("t,v,gap,w,y", |t| format!("25,40,25,{}", across_m(t)));
     assert_eq!(
-        told(&read(&pair("ego_y = \"y\"\n", ""), &right).unwrap()[0]),
+        told(&mapped(&pair("ego_y = \"y\"\n", ""), &right).unwrap()[0]),
         None
     );
     assert_eq!(
-        told(&read(&pair(LANE, NUMBERED), &pair_table()).unwrap()[0]),
+        told(&mapped(&pair(LANE, NUMBERED), &pair_table()).unwrap()[0]),
         None
     );
     // Every vehicle of a long table is looked at.
@@ -307,7 +289,7 @@ fn a_place_in_the_lane_that_is_mapped_across_the_road_is_told_with_what_to_write
             60.0 + 25.0 * t
         )
     });
-    let found = read(&long, &text).unwrap();
+    let found = mapped(&long, &text).unwrap();
     assert!(told(&found[0]).is_some() && told(&found[1]).is_none());
 }
 

@@ -1,22 +1,11 @@
 //! Tables of every layout, made up so that what must come out is known.
 
+use super::mapped::{mapped, of_toml, read_named, settings, shipped};
 use maveric_domain::{Drive, Recording, Sees};
 use maveric_ingest::{
-    IngestError, IngestSettings, Ingested, Layout, LogFormat, Mapping, WarningKind, inspect_with,
-    log_files, read_log,
+    IngestError, Ingested, Layout, LogFormat, WarningKind, inspect_with, log_files, read_log,
 };
-use std::{
-    fmt::Write as _,
-    path::{Path, PathBuf},
-};
-
-fn settings(mapping: &str) -> IngestSettings {
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../study_data/mappings");
-    IngestSettings {
-        mapping: Some(Mapping::read(&folder.join(mapping)).unwrap()),
-        ..IngestSettings::default()
-    }
-}
+use std::{fmt::Write as _, path::PathBuf};
 
 fn write(folder: &tempfile::TempDir, name: &str, text: &str) -> PathBuf {
     let path = folder.path().join(name);
@@ -49,9 +38,7 @@ fn a_platoon_below_a_preamble_has_a_drive_for_every_follower() {
         let t = f64::from(i) / 10.0;
         writeln!(text, "{t},20,0,21,0,22,0,{},{}", 30.0 + t, 40.0 - t).unwrap();
     }
-    let folder = tempfile::tempdir().unwrap();
-    let path = write(&folder, "ASta_1.csv", &text);
-    let found = read_log(&path, &settings("openacc_platoon.toml")).unwrap();
+    let found = read_named("ASta_1.csv", &text, shipped("openacc_platoon.toml")).unwrap();
     assert_eq!(ids(&found), ["ASta_1-f2", "ASta_1-f3"]);
     assert_eq!(found[0].recording.sees(), Sees::LEAD);
     let third = drive_of(&found[1]);
@@ -92,7 +79,7 @@ fn highd(folder: &tempfile::TempDir) -> PathBuf {
 fn highd_has_both_directions_lanes_from_its_meta_file_and_gaps_between_boxes() {
     let folder = tempfile::tempdir().unwrap();
     let path = highd(&folder);
-    let settings = settings("highd.toml");
+    let settings = settings(shipped("highd.toml"));
     assert_eq!(
         log_files(folder.path(), settings.mapping.as_ref()).unwrap(),
         std::slice::from_ref(&path)
@@ -156,7 +143,7 @@ fn exid_follows_the_named_leader_through_a_bend() {
         "00_recordingMeta.csv",
         "recordingId,frameRate,speedLimit\n0,25,-1\n",
     );
-    let found = read_log(&path, &settings("exid.toml")).unwrap();
+    let found = read_log(&path, &settings(shipped("exid.toml"))).unwrap();
     assert_eq!(ids(&found), ["exid-00-7", "exid-00-9"]);
     let drive = drive_of(&found[0]);
     let rows = drive.rows();
@@ -181,13 +168,7 @@ const LONG: &str = "[road]\nlanes = 2\nlane_width_m = 3.5\nposted_speed_mps = 30
     [table.columns]\ntime = \"stamp\"\nid = \"car\"\nx = \"s\"\nlane = \"lane\"\nspeed = \"v\"\n";
 
 fn of_long(text: &str) -> Result<Vec<Ingested>, IngestError> {
-    let folder = tempfile::tempdir().unwrap();
-    let path = write(&folder, "cars.tsv", text);
-    let settings = IngestSettings {
-        mapping: Some(Mapping::from_toml(LONG, Path::new("m.toml")).unwrap()),
-        ..IngestSettings::default()
-    };
-    read_log(&path, &settings)
+    read_named("cars.tsv", text, of_toml(LONG)?)
 }
 
 #[test]
@@ -238,13 +219,7 @@ fn a_leader_by_its_number_alone_and_one_that_vanishes() {
     }
     let toml = "[table]\nlayout = \"long\"\npoint = \"centre\"\n[table.units]\ntime = \"s\"\nlength = \"m\"\n\
         speed = \"m/s\"\n[table.columns]\ntime = \"t\"\nid = \"id\"\nx = \"x\"\nspeed = \"v\"\nlead_id = \"front\"\n";
-    let folder = tempfile::tempdir().unwrap();
-    let path = write(&folder, "f.csv", &text);
-    let settings = IngestSettings {
-        mapping: Some(Mapping::from_toml(toml, Path::new("m.toml")).unwrap()),
-        ..IngestSettings::default()
-    };
-    let found = read_log(&path, &settings).unwrap();
+    let found = mapped(toml, &text).unwrap();
     let rows = drive_of(&found[0]).rows().clone();
     assert!(near(rows.lead_dx_m[10], 30.0 - 4.7));
     assert_eq!(
@@ -272,7 +247,7 @@ fn a_folder_of_signals_is_one_drive_and_the_vehicle_in_the_lane_leads() {
         writeln!(radar, "{t},{},0,-20,3,0", 190.0 - f64::from(i)).unwrap();
     }
     write(&folder, "radar.csv", &radar);
-    let mapping = settings("comma2k19.toml");
+    let mapping = settings(shipped("comma2k19.toml"));
     let error = read_log(folder.path(), &mapping).unwrap_err();
     assert!(matches!(&error, IngestError::NotFound { path } if path.ends_with("pose_ecef.csv")));
     let mut straight = mapping.clone();
@@ -316,9 +291,9 @@ fn our_own_drives_as_csv_keep_passed_vehicles_behind() {
         };
         writeln!(text, "{t},{},3.66,30,{lead},{dx},-3.66,25", 30.0 * t).unwrap();
     }
-    let folder = tempfile::tempdir().unwrap();
-    let path = write(&folder, "P01-own.csv", &text);
-    let found = read_log(&path, &settings("ours.toml")).unwrap().remove(0);
+    let found = read_named("P01-own.csv", &text, shipped("ours.toml"))
+        .unwrap()
+        .remove(0);
     assert_eq!(found.meta.participant.as_str(), "P01-own");
     let rows = drive_of(&found).rows().clone();
     assert!(rows.lane.iter().all(|&l| l == 1));
@@ -333,9 +308,7 @@ fn wrong_units_are_doubted_and_a_clock_that_jumps_back_is_counted() {
         let t = if i == 50 { 3.0 } else { f64::from(i) / 10.0 };
         writeln!(text, "{t},{},72,72,0,30", 2.0 * f64::from(i)).unwrap();
     }
-    let folder = tempfile::tempdir().unwrap();
-    let path = write(&folder, "oa_pair_r_f2_c.csv", &text);
-    let found = read_log(&path, &settings("openacc.toml"))
+    let found = read_named("oa_pair_r_f2_c.csv", &text, shipped("openacc.toml"))
         .unwrap()
         .remove(0);
     let said: Vec<(WarningKind, usize)> =
@@ -377,13 +350,7 @@ fn gaps_m(
         let [x, lead] = x_m.map(|x| along * (x + 20.0 * t));
         writeln!(text, "{t},1,{x},20,4,1.8,{lead},20,6,{gap_m}").unwrap();
     }
-    let folder = tempfile::tempdir().unwrap();
-    let path = write(&folder, "pair.csv", &text);
-    let settings = IngestSettings {
-        mapping: Some(Mapping::from_toml(&toml, Path::new("m.toml")).unwrap()),
-        ..IngestSettings::default()
-    };
-    let found = read_log(&path, &settings).unwrap();
+    let found = mapped(&toml, &text).unwrap();
     assert_eq!(found.len(), 1, "{toml}");
     drive_of(&found[0]).rows().lead_dx_m.clone()
 }
@@ -447,13 +414,7 @@ fn a_leader_is_as_far_beside_ego_as_its_column_says_wherever_ego_is() {
         let t = f64::from(i) / 10.0;
         writeln!(text, "{t},{},3.5,20,30,0.75", 20.0 * t).unwrap();
     }
-    let folder = tempfile::tempdir().unwrap();
-    let path = write(&folder, "pair.csv", &text);
-    let settings = IngestSettings {
-        mapping: Some(Mapping::from_toml(toml, Path::new("m.toml")).unwrap()),
-        ..IngestSettings::default()
-    };
-    let found = read_log(&path, &settings).unwrap();
+    let found = mapped(toml, &text).unwrap();
     let recording = &found[0].recording;
     assert!(recording.ego().y_m.iter().all(|y| near(*y, 3.5)));
     assert!(recording.others()[0].y_m.iter().all(|y| near(*y, 4.25)));

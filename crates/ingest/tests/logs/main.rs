@@ -6,6 +6,7 @@ mod damage;
 mod fuzz;
 mod lanes;
 mod layouts;
+mod mapped;
 mod other_files;
 mod others;
 mod rigs;

@@ -1,14 +1,12 @@
 //! A rig that writes a folder a drive: several files of blanks and numbers, without headers, at several rates.
 
+use super::mapped::{of_toml, settings, shipped};
 use maveric_domain::{Drive, Sees, drive::Direction};
 use maveric_ingest::{
-    IngestError, IngestSettings, Ingested, Layout, Mapping, Provenance, WarningKind, inspect_with,
-    log_files, read_drive_from, read_log, write_drive_to,
+    IngestError, Ingested, Layout, Mapping, Provenance, WarningKind, inspect_with, log_files,
+    read_drive_from, read_log, write_drive_to,
 };
-use std::{
-    fmt::Write as _,
-    path::{Path, PathBuf},
-};
+use std::{fmt::Write as _, path::PathBuf};
 
 /// Seconds that the drive takes.
 const SECONDS: u32 = 90;
@@ -23,15 +21,7 @@ const FILES: [&str; 5] = [
 ];
 
 fn uah() -> Mapping {
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../study_data/mappings");
-    Mapping::read(&folder.join("uah.toml")).unwrap()
-}
-
-fn settings(mapping: Mapping) -> IngestSettings {
-    IngestSettings {
-        mapping: Some(mapping),
-        ..IngestSettings::default()
-    }
+    shipped("uah.toml")
 }
 
 /// A folder of drives.
@@ -238,7 +228,7 @@ fn the_signals_of_a_table_with_lane_and_place_in_it_are_read_as_those_of_a_folde
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("P01.csv");
     std::fs::write(&path, text).unwrap();
-    let settings = settings(Mapping::from_toml(toml, Path::new("m.toml")).unwrap());
+    let settings = settings(of_toml(toml).unwrap());
     assert_eq!(
         log_files(folder.path(), settings.mapping.as_ref()).unwrap(),
         std::slice::from_ref(&path)
@@ -496,9 +486,7 @@ fn keys_of_signals_that_contradict_each_other_are_refused_with_what_to_do() {
     let of = |from: &str, to: &str| {
         assert!(text.contains(from), "{from}\n{text}");
         let changed = text.replacen(from, to, 1);
-        Mapping::from_toml(&changed, Path::new("m.toml"))
-            .unwrap_err()
-            .to_string()
+        of_toml(&changed).unwrap_err().to_string()
     };
     for (from, to, says) in [
         ("offset_grows = \"right\"\n", "", "together"),

@@ -1,27 +1,16 @@
 //! Logs of driving simulators as they write them, in made-up files of their shape.
 
+use super::mapped::{of_toml, read_named, shipped};
 use maveric_domain::{Drive, Recording};
-use maveric_ingest::{IngestSettings, Ingested, Mapping, read_log, suggest_mapping};
-use std::{fmt::Write as _, path::Path};
-
-fn shipped(name: &str) -> Mapping {
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../study_data/mappings");
-    Mapping::read(&folder.join(name)).unwrap()
-}
+use maveric_ingest::{Ingested, Mapping, suggest_mapping};
+use std::fmt::Write as _;
 
 fn read(mapping: Mapping, file: &str, text: &str) -> Result<Vec<Ingested>, String> {
-    let folder = tempfile::tempdir().unwrap();
-    let path = folder.path().join(file);
-    std::fs::write(&path, text).unwrap();
-    let settings = IngestSettings {
-        mapping: Some(mapping),
-        ..IngestSettings::default()
-    };
-    read_log(&path, &settings).map_err(|e| e.to_string())
+    read_named(file, text, mapping).map_err(|e| e.to_string())
 }
 
 fn mapping(text: &str) -> Result<Mapping, String> {
-    Mapping::from_toml(text, Path::new("m.toml")).map_err(|e| e.to_string())
+    of_toml(text).map_err(|e| e.to_string())
 }
 
 fn gap_m(recording: &Recording, row: usize) -> f64 {

@@ -1,15 +1,16 @@
 //! Recordings that a logger split over several files: tables and others, by the end of their names.
 
-use crate::{bytes_of, recording, rewritten};
+use crate::{
+    bytes_of,
+    mapped::{self, of_toml},
+    recording, rewritten,
+};
 use maveric_ingest::{
-    IngestError, IngestSettings, Ingested, Mapping, Warning, WarningKind, inspect_with, log_files,
+    IngestError, IngestSettings, Ingested, Warning, WarningKind, inspect_with, log_files,
     log_parts, read_log,
 };
 use mcap::WriteOptions;
-use std::{
-    fmt::Write as _,
-    path::{Path, PathBuf},
-};
+use std::{fmt::Write as _, path::PathBuf};
 
 const PAIR: &str = "[names]\nfile = \"{participant}_{condition}\"\nparts = \"_{n}\"\ndrive = \"{participant}-{condition}\"\n\
     participant = \"{participant}\"\ncondition = \"{condition}\"\n[table]\nlayout = \"pair\"\ngap_kind = \"bumper_to_bumper\"\n\
@@ -17,10 +18,7 @@ const PAIR: &str = "[names]\nfile = \"{participant}_{condition}\"\nparts = \"_{n
     lead_speed = \"w\"\n";
 
 fn settings(mapping: &str) -> IngestSettings {
-    IngestSettings {
-        mapping: Some(Mapping::from_toml(mapping, Path::new("m.toml")).unwrap()),
-        ..IngestSettings::default()
-    }
+    mapped::settings(of_toml(mapping).unwrap())
 }
 
 /// Rows at 20 Hz from one time to another, in s; ego 0.1 m/s faster each second.
@@ -354,9 +352,7 @@ fn recordings_that_lie_beside_others_join_by_their_names_too() {
 fn an_ending_without_a_number_or_without_a_text_before_it_is_no_pattern() {
     for ending in ["_part", "{n}", "0{n}", "_{n}_{m}"] {
         let text = PAIR.replace("\"_{n}\"", &format!("\"{ending}\""));
-        let error = Mapping::from_toml(&text, Path::new("m.toml"))
-            .unwrap_err()
-            .to_string();
+        let error = of_toml(&text).unwrap_err().to_string();
         assert!(error.contains("`names.parts`"), "{error}");
     }
 }

@@ -1,26 +1,13 @@
 //! Tables of pairs, made up.
 
+use super::mapped::{UNITS, mapped, of_toml, read_named, shipped};
 use maveric_domain::{Drive, Recording};
-use maveric_ingest::{IngestError, IngestSettings, Ingested, Mapping, WarningKind, read_log};
+use maveric_ingest::{IngestError, Ingested, Mapping, WarningKind};
 use std::path::Path;
 
-fn shipped(name: &str) -> Mapping {
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../study_data/mappings");
-    Mapping::read(&folder.join(name)).unwrap()
-}
-
-fn settings(mapping: &str) -> IngestSettings {
-    IngestSettings {
-        mapping: Some(shipped(mapping)),
-        ..IngestSettings::default()
-    }
-}
-
 fn of_text(text: &str) -> Result<Ingested, IngestError> {
-    let folder = tempfile::tempdir().unwrap();
-    let path = folder.path().join("oa_pair_run_f2_Car.csv");
-    std::fs::write(&path, text).unwrap();
-    read_log(&path, &settings("openacc.toml")).map(|mut found| found.remove(0))
+    let found = read_named("oa_pair_run_f2_Car.csv", text, shipped("openacc.toml"));
+    found.map(|mut found| found.remove(0))
 }
 
 const HEADER: &str = "t,x_follower,v_follower,x_leader,v_leader,leader_length,spacing\n";
@@ -105,18 +92,6 @@ fn a_quote_that_is_never_closed_is_named_by_its_row() {
 }
 
 const PAIR: &str = "[table]\nlayout = \"pair\"\n";
-const UNITS: &str = "[table.units]\ntime = \"s\"\nlength = \"m\"\nspeed = \"m/s\"\n";
-
-fn mapped(mapping: &str, text: &str) -> Result<Vec<Ingested>, IngestError> {
-    let folder = tempfile::tempdir().unwrap();
-    let path = folder.path().join("t.csv");
-    std::fs::write(&path, text).unwrap();
-    let settings = IngestSettings {
-        mapping: Some(Mapping::from_toml(mapping, Path::new("m.toml"))?),
-        ..IngestSettings::default()
-    };
-    read_log(&path, &settings)
-}
 
 /// A minute at 10 Hz: each row by its number and time.
 fn minute(header: &str, row: impl Fn(usize, f64) -> String) -> String {
@@ -174,7 +149,7 @@ fn keys_that_do_nothing_are_refused_by_name() {
         ("frames_per_s = 25.0", "`table.frames_per_s`"),
     ] {
         let mapping = format!("{PAIR}gap_kind = \"bumper_to_bumper\"\n{key}\n{UNITS}{columns}");
-        let error = Mapping::from_toml(&mapping, Path::new("m.toml")).unwrap_err();
+        let error = of_toml(&mapping).unwrap_err();
         assert!(error.to_string().contains(said), "{error}");
     }
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../study_data/mappings");
@@ -285,10 +260,8 @@ fn sumo_tells_headings_by_the_compass() {
     };
     let header =
         "timestep_time;vehicle_id;vehicle_x;vehicle_y;vehicle_angle;vehicle_type;vehicle_speed";
-    let folder = tempfile::tempdir().unwrap();
-    let path = folder.path().join("town.csv");
-    std::fs::write(&path, minute(header, row)).unwrap();
-    let found = read_log(&path, &settings("sumo_fcd.toml")).unwrap();
+    let table = minute(header, row);
+    let found = read_named("town.csv", &table, shipped("sumo_fcd.toml")).unwrap();
     assert_eq!(found.len(), 2);
     let follower = found
         .iter()

@@ -1,20 +1,7 @@
 //! What a log does not hold is never filled in: order, leaders, holes and what no car can be.
 
-use maveric_ingest::{IngestError, IngestSettings, Ingested, Mapping, WarningKind, read_log};
-use std::path::Path;
-
-const UNITS: &str = "[table.units]\ntime = \"s\"\nlength = \"m\"\nspeed = \"m/s\"\n";
-
-fn mapped(mapping: &str, text: &str) -> Result<Vec<Ingested>, IngestError> {
-    let folder = tempfile::tempdir().unwrap();
-    let path = folder.path().join("t.csv");
-    std::fs::write(&path, text).unwrap();
-    let settings = IngestSettings {
-        mapping: Some(Mapping::from_toml(mapping, Path::new("m.toml"))?),
-        ..IngestSettings::default()
-    };
-    read_log(&path, &settings)
-}
+use super::mapped::{UNITS, mapped};
+use maveric_ingest::{IngestError, Ingested, WarningKind};
 
 /// A mapping of pairs whose gap is between bumpers: columns by their keys, each of that name.
 fn pair(columns: &str) -> String {

@@ -10,7 +10,7 @@ use super::{
     support::Population,
 };
 use crate::{
-    epochs::TrainingDrive,
+    epochs::{TrainingDrive, check_drivers},
     error::{ModelError, ModelWarning},
     model::{Heads, LinearHeads, Model, ModelParts, TrainingEmbedding},
     params::TrainSettings,
@@ -68,18 +68,8 @@ pub(crate) fn train_heads(
             events.push(shown);
         }
     }
+    check_drivers(&used, given.len(), &mut warnings)?;
     let participants = || used.iter().map(|t| &t.drive.meta().participant);
-    let Some(participant) = participants().next() else {
-        return Err(ModelError::NoDrives {
-            given: given.len(),
-            excluded: warnings.len(),
-        });
-    };
-    if participants().all(|p| p == participant) {
-        warnings.push(ModelWarning::OneDriver {
-            participant: participant.clone(),
-        });
-    }
     let fitted = fit(&HEADS.map(|h| h.shape()), &events, d);
     let scored: Vec<ScoredStyle> = used
         .iter()

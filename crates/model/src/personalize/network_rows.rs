@@ -195,15 +195,13 @@ impl<'a> NetworkRows<'a> {
 mod tests {
     use super::*;
     use crate::{
-        epochs::TrainingDrive, heads_kind::HeadsKind, params::TrainSettings, rows::rows_of,
-        test_drives::drivers, train::train,
+        heads_kind::HeadsKind, params::TrainSettings, rows::rows_of, test_drives::drivers,
+        train::tests::trained,
     };
-    use std::ops::ControlFlow;
 
     #[test]
     fn the_slope_is_that_of_the_value_and_the_minimum_is_one() {
         let drives = drivers(3, 180.0);
-        let given: Vec<_> = drives.iter().map(TrainingDrive::from).collect();
         let settings = TrainSettings {
             heads: HeadsKind::Paper,
             epochs: 6,
@@ -211,8 +209,7 @@ mod tests {
             validation_fraction: 0.0,
             ..TrainSettings::default()
         };
-        let go_on = &mut |_: &_| ControlFlow::Continue(());
-        let model = train(&given, &settings, 1, go_on).unwrap().model;
+        let model = trained(&drives, &settings);
         let paper = model.paper().unwrap();
         let rows = rows_of(&drives[0].0, &paper.row_settings(), 1.0).unwrap();
         let mut rows = NetworkRows::new(paper, &rows, Some(30.0));

@@ -1,23 +1,19 @@
 use super::*;
 use crate::{
-    epochs::TrainingDrive,
     heads_kind::HeadsKind,
     params::TrainSettings,
     test_drives::{Habits, drive_apart, drivers_apart},
-    train::train,
+    train::tests::trained,
 };
-use std::ops::ControlFlow;
 
 /// Linear heads of twelve drivers.
 pub(crate) fn linear_model() -> Model {
     let drives = drivers_apart(12, 300.0);
-    let given: Vec<_> = drives.iter().map(TrainingDrive::from).collect();
     let settings = TrainSettings {
         heads: HeadsKind::Linear,
         ..TrainSettings::default()
     };
-    let go_on = &mut |_: &_| ControlFlow::Continue(());
-    train(&given, &settings, 1, go_on).unwrap().model
+    trained(&drives, &settings)
 }
 
 const FAST: Habits = Habits {

@@ -76,26 +76,17 @@ impl Personalizer<'_> {
 mod tests {
     use super::*;
     use crate::{
-        heads_kind::HeadsKind,
         model_file,
-        params::TrainSettings,
-        personalize::personalize,
+        personalize::{personalize, tests::linear_model},
         test_drives::{Habits, drive_apart, drivers_apart},
-        train::train,
     };
-    use std::ops::ControlFlow;
 
     #[test]
     fn a_person_whose_days_differ_is_known_less_well_and_the_model_file_keeps_it() {
         let drives = drivers_apart(12, 300.0);
         let given = drives.iter().map(TrainingDrive::from);
         let given: Vec<TrainingDrive<'_>> = given.collect();
-        let settings = TrainSettings {
-            heads: HeadsKind::Linear,
-            ..TrainSettings::default()
-        };
-        let go_on = &mut |_: &_| ControlFlow::Continue(());
-        let model = train(&given, &settings, 1, go_on).unwrap().model;
+        let model = linear_model();
         // On the other day everybody drives as somebody else: by turns faster and slower.
         let other = |i: usize| Habits {
             speed_mps: 26.0 + 2.0 * ((5 * i) % 4) as f64,

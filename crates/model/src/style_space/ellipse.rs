@@ -155,10 +155,7 @@ impl PerpendicularEllipse {
 
     fn at(&self, embedding: &Embedding, unit: Vec<f64>) -> Result<Perpendicular, ModelError> {
         let mut w = embedding.coordinates().to_vec();
-        let (found, expected) = (w.len(), self.axes.len() + 1);
-        if found != expected {
-            return Err(ModelError::EmbeddingSize { found, expected });
-        }
+        ModelError::check_size(w.len(), self.axes.len() + 1)?;
         for ((u, half), axis) in unit.iter().zip(&self.half_axes).zip(&self.axes) {
             for (to, a) in w.iter_mut().zip(axis) {
                 *to += u * half * a;

@@ -167,12 +167,8 @@ impl LinearHead {
     }
 
     fn check<'a>(&self, embedding: &'a Embedding) -> Result<&'a [f64], ModelError> {
-        let (found, expected) = (embedding.size(), self.gradient.len());
-        if found == expected {
-            Ok(embedding.coordinates())
-        } else {
-            Err(ModelError::EmbeddingSize { found, expected })
-        }
+        ModelError::check_size(embedding.size(), self.gradient.len())?;
+        Ok(embedding.coordinates())
     }
 
     #[cfg(test)]

@@ -2,16 +2,9 @@
 
 use super::{LinearHead, PerpendicularEllipse};
 use crate::{error::ModelError, model::Model};
-use maveric_domain::Embedding;
+use maveric_domain::{Embedding, design::Offer};
 use rand::{RngExt as _, SeedableRng};
 use rand_pcg::Pcg64Mcg;
-use std::cmp::Ordering;
-
-/// The furthest that a donor's style is moved along the dial, in points of the model: two elevenths of its scale, which has 44.
-pub const FURTHEST_SHIFT_POINTS: f64 = 8.0;
-
-/// With fewer possible donors than these nearly everybody meets the same one.
-pub const FEWEST_DONORS: usize = 5;
 
 /// An axis that is so much shorter than the longest is none: nobody differs along it.
 const FLAT: f64 = 1e-6;
@@ -34,7 +27,7 @@ pub struct MatchedStyle {
     pub shift_points: f64,
     /// How far donor and rider lie apart across the dial, in standard deviations of the people learned from.
     pub distance_sd: f64,
-    /// Whether the shift is at most [`FURTHEST_SHIFT_POINTS`] and the distance within what was asked for.
+    /// As [`Offer::within_reach`].
     pub within_reach: bool,
 }
 
@@ -79,18 +72,20 @@ impl Matching {
         let squares = halves.filter(|(_, half)| **half > FLAT * widest);
         let squares = squares.map(|(axis, half)| (apart(axis) / half).powi(2));
         let distance_sd = squares.sum::<f64>().sqrt();
-        let [least, most] = self.apart_sd;
+        let offer = Offer {
+            shift_points,
+            distance_sd,
+            lent: 0,
+        };
         Ok(MatchedStyle {
             embedding,
             shift_points,
             distance_sd,
-            within_reach: shift_points.abs() <= FURTHEST_SHIFT_POINTS
-                && (least..=most).contains(&distance_sd),
+            within_reach: offer.within_reach(self.apart_sd),
         })
     }
 
-    /// Draws one of those donors within reach that were lent least; where nobody is within reach, the nearest. Gives the donor's place
-    /// in the list; none where the list is empty.
+    /// Draws a donor among those of [`Offer::drawn_among`]. Gives the donor's place in the list; none where the list is empty.
     ///
     /// # Errors
     /// [`ModelError::EmbeddingSize`] for a style of another model.
@@ -101,28 +96,19 @@ impl Matching {
         seed: u64,
     ) -> Result<Option<(usize, MatchedStyle)>, ModelError> {
         let lent = donors.iter().map(|donor| self.lend(own, donor.style));
-        let mut styles: Vec<(usize, MatchedStyle)> = lent
-            .enumerate()
-            .map(|(index, s)| Ok((index, s?)))
-            .collect::<Result<_, ModelError>>()?;
-        let within = styles.iter().filter(|(_, style)| style.within_reach);
-        let Some(least) = within.map(|(index, _)| donors[*index].lent).min() else {
-            return Ok(styles
-                .into_iter()
-                .min_by(|(_, a), (_, b)| self.nearer(a, b)));
-        };
-        styles.retain(|(index, style)| style.within_reach && donors[*index].lent == least);
-        let drawn = Pcg64Mcg::seed_from_u64(seed).random_range(0..styles.len());
-        Ok(Some(styles.swap_remove(drawn)))
-    }
-
-    /// Which of two beyond reach is nearer: first along the dial, then across it.
-    fn nearer(&self, a: &MatchedStyle, b: &MatchedStyle) -> Ordering {
-        let [least, most] = self.apart_sd;
-        let along = |s: &MatchedStyle| (s.shift_points.abs() - FURTHEST_SHIFT_POINTS).max(0.0);
-        let across = |s: &MatchedStyle| (least - s.distance_sd).max(s.distance_sd - most).max(0.0);
-        let order = along(a).total_cmp(&along(b));
-        order.then(across(a).total_cmp(&across(b)))
+        let mut styles: Vec<MatchedStyle> = lent.collect::<Result<_, _>>()?;
+        let offers = styles.iter().zip(donors).map(|(style, donor)| Offer {
+            shift_points: style.shift_points,
+            distance_sd: style.distance_sd,
+            lent: donor.lent,
+        });
+        let offers: Vec<Offer> = offers.collect();
+        let among = Offer::drawn_among(&offers, self.apart_sd);
+        if among.is_empty() {
+            return Ok(None);
+        }
+        let drawn = among[Pcg64Mcg::seed_from_u64(seed).random_range(0..among.len())];
+        Ok(Some((drawn, styles.swap_remove(drawn))))
     }
 }
 

@@ -10,6 +10,6 @@ pub mod range;
 pub use attribute::AttributeHead;
 pub use ellipse::{Perpendicular, PerpendicularEllipse};
 pub use head::{LinearHead, Moved};
-pub use matched::{Donor, FEWEST_DONORS, FURTHEST_SHIFT_POINTS, MatchedStyle, Matching};
+pub use matched::{Donor, MatchedStyle, Matching};
 pub use move_along::StyleMetric;
 pub use range::share_outside_training;

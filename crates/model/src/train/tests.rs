@@ -30,6 +30,11 @@ fn run(drives: &[TrainingDrive<'_>], settings: &TrainSettings) -> Result<Trained
     train(drives, settings, 1, &mut |_| ControlFlow::Continue(()))
 }
 
+/// The model that is learned from drives with their scores.
+pub(crate) fn trained(drives: &[(Drive, AdbScore)], settings: &TrainSettings) -> Model {
+    run(&training(drives), settings).unwrap().model
+}
+
 fn networks(trained: &Trained) -> &NetworkReport {
     trained.report.networks.as_ref().unwrap()
 }

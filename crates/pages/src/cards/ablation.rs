@@ -28,10 +28,6 @@ pub fn parts(finding: &Finding, whole: &str) -> Result<Card, ReportError> {
         least => ascending.first().map(value),
     };
     let rows = ascending.iter().take(ROWS);
-    let drawn = Drawn {
-        rows: rows.map(|part| share_row(&part.of, part)).collect(),
-        nothing: Some(50.0),
-        bounds: None,
-    };
+    let drawn = Drawn::beside(50.0, rows.map(|part| share_row(&part.of, part)));
     card(&texts, finding, &values, Some(drawn))
 }

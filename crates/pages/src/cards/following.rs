@@ -1,7 +1,7 @@
 //! The answers of an evaluation on recorded driving.
 
 use crate::{
-    card::{Drawn, card, counted},
+    card::{Drawn, card, counted, tested_card},
     texts::{Texts, value},
 };
 use maveric_analysis::{Finding, Question};
@@ -69,11 +69,7 @@ impl Following<'_> {
             rows.push(IntervalRow::new(label, Some(pair.mean_m), interval));
             tests.push(texts.say(name, "test", &values)?);
         }
-        let drawn = Drawn {
-            rows,
-            nothing: Some(0.0),
-            bounds: None,
-        };
+        let drawn = Drawn::beside(0.0, rows);
         Ok((drawn, tests))
     }
 
@@ -100,10 +96,7 @@ impl Following<'_> {
             n => self.found.drivers.len(),
         };
         let (drawn, tests) = self.pairs(texts, "better", &self.peers)?;
-        Ok(Card {
-            tests,
-            ..card(texts, finding, &values, Some(drawn))?
-        })
+        tested_card(texts, finding, &values, Some(drawn), tests)
     }
 
     fn personal(&self, texts: &Texts, finding: &Finding) -> Result<Card, ReportError> {
@@ -114,10 +107,7 @@ impl Following<'_> {
             first => self.personal.first().map(|pair| self.pair(pair)),
         };
         let (drawn, tests) = self.pairs(texts, "personal", &self.personal)?;
-        Ok(Card {
-            tests,
-            ..card(texts, finding, &values, Some(drawn))?
-        })
+        tested_card(texts, finding, &values, Some(drawn), tests)
     }
 
     fn reached(&self, texts: &Texts, finding: &Finding) -> Result<Card, ReportError> {

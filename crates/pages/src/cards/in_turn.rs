@@ -85,11 +85,7 @@ impl InTurn<'_> {
 
     fn order(&self, texts: &Texts, finding: &Finding) -> Result<Card, ReportError> {
         let rows = finding.parts.iter();
-        let drawn = Drawn {
-            rows: rows.map(|part| share_row(&part.of, part)).collect(),
-            nothing: Some(0.0),
-            bounds: None,
-        };
+        let drawn = Drawn::beside(0.0, rows.map(|part| share_row(&part.of, part)));
         card(texts, finding, &self.orders(), Some(drawn))
     }
 
@@ -97,11 +93,7 @@ impl InTurn<'_> {
         let row = |part: &maveric_analysis::Part| {
             IntervalRow::new(&part.of, part.estimate, part.interval)
         };
-        let drawn = Drawn {
-            rows: finding.parts.iter().map(row).collect(),
-            nothing: Some(0.0),
-            bounds: None,
-        };
+        let drawn = Drawn::beside(0.0, finding.parts.iter().map(row));
         card(texts, finding, &self.orders(), Some(drawn))
     }
 
@@ -122,11 +114,7 @@ impl InTurn<'_> {
             };
             d.people.iter().map(person)
         });
-        let drawn = Drawn {
-            rows: drawn.take(30).collect(),
-            nothing: Some(0.0),
-            bounds: None,
-        };
+        let drawn = Drawn::beside(0.0, drawn.take(30));
         let values = context! { first => rows.first().cloned() };
         card(texts, finding, &values, Some(drawn))
     }
@@ -147,11 +135,10 @@ impl InTurn<'_> {
         }
         let chance = self.identity.first().and_then(|(_, all)| all.first());
         let parts = finding.parts.iter();
-        let drawn = Drawn {
-            rows: parts.map(|part| share_row(&part.of, part)).collect(),
-            nothing: chance.map(|w| 100.0 * w.chance),
-            bounds: None,
-        };
+        let drawn = Drawn::beside(
+            chance.map(|w| 100.0 * w.chance),
+            parts.map(|part| share_row(&part.of, part)),
+        );
         let values = context! { first => rows.first().cloned(), rows };
         card(texts, finding, &values, Some(drawn))
     }

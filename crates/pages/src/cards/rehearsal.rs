@@ -44,11 +44,7 @@ fn families(texts: &Texts, cell: &Cell, finding: &Finding) -> Result<Card, Repor
         uncorrected => uncorrected.map(|share| share.estimate).reduce(f64::max),
     };
     let rows = finding.parts.iter().take(ROWS);
-    let drawn = Drawn {
-        rows: rows.map(|part| share_row(&part.of, part)).collect(),
-        nothing: Some(100.0 * ALPHA),
-        bounds: None,
-    };
+    let drawn = Drawn::beside(100.0 * ALPHA, rows.map(|part| share_row(&part.of, part)));
     card(texts, finding, &values, Some(drawn))
 }
 
@@ -75,11 +71,7 @@ fn single(texts: &Texts, cell: &Cell, finding: &Finding) -> Result<Card, ReportE
         let ends = low.zip(rates.iter().copied().reduce(f64::max));
         IntervalRow::new(part.title(), mean(&rates), ends)
     });
-    let drawn = Drawn {
-        rows: rows.collect(),
-        nothing: Some(100.0 * ALPHA),
-        bounds: None,
-    };
+    let drawn = Drawn::beside(100.0 * ALPHA, rows);
     card(texts, finding, &values, Some(drawn))
 }
 
@@ -98,11 +90,7 @@ fn power(texts: &Texts, cell: &Cell, finding: &Finding) -> Result<Card, ReportEr
         weakest => weakest.map(value),
     };
     let rows = finding.parts.iter();
-    let drawn = Drawn {
-        rows: rows.map(|part| share_row(&part.of, part)).collect(),
-        nothing: Some(100.0 * POWER),
-        bounds: None,
-    };
+    let drawn = Drawn::beside(100.0 * POWER, rows.map(|part| share_row(&part.of, part)));
     card(texts, finding, &values, Some(drawn))
 }
 
@@ -124,11 +112,7 @@ pub fn recommends(learned: &LearnedFrom, finding: &Finding) -> Result<Card, Repo
     };
     let rows = learned.scores.iter();
     let rows = rows.map(|s| IntervalRow::share(s.method.title(), s.within_5.as_ref()));
-    let drawn = Drawn {
-        rows: rows.collect(),
-        nothing: Some(100.0 * own_for_all.unwrap_or(0.0)),
-        bounds: None,
-    };
+    let drawn = Drawn::beside(100.0 * own_for_all.unwrap_or(0.0), rows);
     card(&texts()?, finding, &values, Some(drawn))
 }
 
@@ -159,13 +143,10 @@ pub fn saves(
             Some((value - half, value + half)),
         ))
     };
-    let drawn = Drawn {
-        rows: vec![
-            row("chosen_row", middle.active)?,
-            row("grid_row", middle.grid)?,
-        ],
-        nothing: None,
-        bounds: None,
-    };
+    let rows = [
+        row("chosen_row", middle.active)?,
+        row("grid_row", middle.grid)?,
+    ];
+    let drawn = Drawn::beside(None, rows);
     card(&texts, finding, &values, Some(drawn)).map(Some)
 }

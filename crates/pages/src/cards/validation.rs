@@ -137,11 +137,7 @@ impl Validation<'_> {
         let known = rows.iter().filter(|row| row.estimate.is_some());
         let least = known.min_by(|a, b| share(a).total_cmp(&share(b)));
         let values = context! { least => least.map(value) };
-        let drawn = Drawn {
-            rows,
-            nothing: Some(50.0),
-            bounds: None,
-        };
+        let drawn = Drawn::beside(50.0, rows);
         card(texts, finding, &values, Some(drawn))
     }
 
@@ -159,11 +155,7 @@ impl Validation<'_> {
         };
         let rows = self.line.iter();
         let rows = rows.map(|a| IntervalRow::new(a.reading.title(), a.adb, a.adb_interval));
-        let drawn = Drawn {
-            rows: rows.collect(),
-            nothing: Some(0.0),
-            bounds: None,
-        };
+        let drawn = Drawn::beside(0.0, rows);
         card(texts, finding, &values, Some(drawn)).map(Some)
     }
 
@@ -175,11 +167,7 @@ impl Validation<'_> {
         };
         let label = texts.say("safe", "row", &values)?;
         let rows = finding.parts.iter().map(|part| share_row(&label, part));
-        let drawn = Drawn {
-            rows: rows.collect(),
-            nothing: Some(0.0),
-            bounds: None,
-        };
+        let drawn = Drawn::beside(0.0, rows);
         card(texts, finding, &values, Some(drawn))
     }
 }

@@ -3,7 +3,7 @@
 use super::{StudyPage, titled};
 use crate::{
     texts::value,
-    words::{declared_test, interval, other_choice},
+    words::{closed_by, declared_test, interval, other_choice},
 };
 use maveric_analysis::{Balance, Panel, PrimaryOutcome, SensitivityRow};
 use maveric_domain::design::World;
@@ -21,14 +21,10 @@ impl StudyPage<'_> {
 
     pub(super) fn primary_rows(&self) -> Vec<Value> {
         let outcomes = &self.analysis.primary;
-        let title = |id: &String| {
-            let known = outcomes.iter().find(|o| o.outcome == *id);
-            known.map_or_else(|| id.clone(), |o| o.title.clone())
-        };
         let row = |o: &PrimaryOutcome| {
             context! {
                 declared => declared_test(o.test),
-                closed_by => o.closed_by.as_ref().map(title),
+                closed_by => closed_by(o, outcomes),
                 ..value(o)
             }
         };

@@ -2,18 +2,23 @@
 
 use super::StudyPage;
 use crate::texts::value;
-use maveric_analysis::{CongruenceRow, HomophilyRow, MixedRow};
+use maveric_analysis::{CongruenceCurve, CongruenceRow, HomophilyRow, MixedRow};
+use maveric_domain::design::Quantity;
 use maveric_report::{
-    ReportError,
+    Figure, ReportError,
     figures::{
+        congruence::{Congruence, CongruenceLine, CongruencePanel, congruence},
         family::{Family, FamilyPanel, family},
         preference::{Preferences, ScalePreference, preference},
     },
     html::Section,
     tables::Table,
 };
-use maveric_stats::{RatioTest, Region};
+use maveric_stats::{Bend, RatioTest, Region};
 use minijinja::{Value, context};
+
+/// Pieces of a curve.
+const STEPS: u32 = 40;
 
 /// A tested ratio as its columns show it: the ends are those of the region or of what it leaves out.
 fn ratio(test: &RatioTest) -> Value {
@@ -37,6 +42,29 @@ fn congruence_row(row: &CongruenceRow) -> Value {
         model.map(|m| ratio(&m.movement)),
     );
     context! { curvature => value(&curvature), turn, movement, ..value(row) }
+}
+
+/// A curve as it is drawn: over what its people met, with what they like best, if they met that.
+fn curve(row: &CongruenceRow, curve: &CongruenceCurve) -> CongruenceLine {
+    let (low, high) = curve.met;
+    let [level, slope, bend] = curve.rating;
+    let rated = |moved: f64| level + moved * (slope + bend * moved);
+    let point = |moved: f64| (curve.own + moved, rated(moved));
+    let step = (high - low) / f64::from(STEPS);
+    let met = (0..=STEPS).map(|at| low + f64::from(at) * step);
+    let is_top = row.model.as_ref().is_some_and(|m| m.bend == Bend::Top);
+    let is_met = |moved: &f64| (low..=high).contains(moved);
+    let best = Some(-slope / (2.0 * bend)).filter(|moved| is_top && is_met(moved));
+    CongruenceLine {
+        own: curve.own,
+        points: if step > 0.0 {
+            met.map(point).collect()
+        } else {
+            vec![point(low)]
+        },
+        at_own: Some(level).filter(|_| is_met(&0.0)),
+        best: best.map(point),
+    }
 }
 
 /// A row a number of the surface.
@@ -77,7 +105,7 @@ impl StudyPage<'_> {
             factors => self.design.homophily().map_or_else(String::new, |h| h.factors.join(", ")),
             claims => !self.ledger.is_empty(),
         };
-        let mut figures = Vec::new();
+        let mut figures = self.surfaces()?;
         if let Some(bars) = self.preferred() {
             figures.push(preference(&bars, self.context)?);
         }
@@ -142,17 +170,66 @@ impl StudyPage<'_> {
     /// Where what is liked best lies, and the surface it is read from; nothing where no dial has three places.
     fn congruence(&self) -> Result<Vec<Table>, ReportError> {
         let rows = || self.analysis.congruence.iter().filter(|row| row.n > 0);
-        if rows().next().is_none() {
+        if !rows().any(CongruenceRow::is_judged) {
             return Ok(Vec::new());
         }
         let mut table = self.texts.table("congruence", rows().map(congruence_row))?;
         for row in rows().filter(|row| row.why_not.is_some()) {
-            let why = self.texts.with(row).text("mixed_without")?;
+            let why = self.texts.with(row).text("congruence_without")?;
             table.notes.push(why);
         }
         let surface = rows().flat_map(surface_rows);
         let surface = self.texts.table("congruence-surface", surface)?;
         Ok(vec![table, surface])
+    }
+
+    /// The same surface as curves, of primary outcomes first; nothing where it was not fitted.
+    fn surfaces(&self) -> Result<Vec<Figure>, ReportError> {
+        let is_drawn = |row: &&CongruenceRow| !row.curves.is_empty();
+        let mut rows: Vec<&CongruenceRow> =
+            self.analysis.congruence.iter().filter(is_drawn).collect();
+        let Some(first) = rows.first() else {
+            return Ok(Vec::new());
+        };
+        let places = first.places;
+        rows.sort_by_key(|row| {
+            let mut outcomes = self.design.outcomes().iter();
+            let is_it = |q: &Quantity| matches!(q, Quantity::Score(name) if *name == row.rating);
+            !outcomes.any(|outcome| outcome.primary.is_some() && is_it(&outcome.quantity))
+        });
+        let panels = rows.into_iter().map(|row| self.surface(row));
+        let all = Congruence {
+            style: super::style(self.design).to_owned(),
+            panels: panels.collect::<Result<_, _>>()?,
+            places,
+            part: None,
+        };
+        let parts = all.parts();
+        let drawn = parts.iter().map(|part| congruence(part, self.context));
+        drawn.collect()
+    }
+
+    fn surface(&self, row: &CongruenceRow) -> Result<CongruencePanel, ReportError> {
+        let curvature = row.model.as_ref().and_then(|m| m.coef.get("moved^2"));
+        let better = if row.less_is_better { -1.0 } else { 1.0 };
+        let texts = self.texts.with(&context! {
+            less_is_better => row.less_is_better,
+            estimate => curvature.map(|c| better * c.estimate),
+            p => curvature.and_then(|c| c.p),
+        });
+        let of = |sds: i8| {
+            let mut curves = row.curves.iter();
+            let theirs = curves.find(|curve| curve.sds == sds)?;
+            Some(curve(row, theirs))
+        };
+        Ok(CongruencePanel {
+            title: row.title.clone(),
+            axis: texts.text("predicted")?,
+            test: texts.text("curvature")?,
+            n: row.n,
+            period: row.period,
+            curves: [-1, 0, 1].map(of),
+        })
     }
 
     /// Ratings on the shift of the dial: what the four answers of a person say together; `None` where it was not fitted.
@@ -226,6 +303,7 @@ impl StudyPage<'_> {
 mod tests {
     use super::*;
     use crate::page_texts::{PageTexts, STUDY};
+    use maveric_analysis::PerceivedStyle;
     use maveric_stats::{CongruenceData, congruence};
 
     /// Eight people in five cars, whose liking bends by so much.
@@ -251,12 +329,15 @@ mod tests {
         CongruenceRow {
             rating: "jian_trust.overall".parse().unwrap(),
             title: "Trust".to_owned(),
+            less_is_better: false,
+            perceived: None,
             n: 8,
             places: 5,
             near_points: 5.0,
             middle: 30.0,
             period: false,
             model: Some(model.unwrap()),
+            curves: Vec::new(),
             why_not: None,
         }
     }
@@ -277,9 +358,73 @@ mod tests {
         for text in ["top", " to ", "anywhere", "±5 points", "5 places"] {
             assert!(shown.contains(text), "{text}: {shown}");
         }
-        assert!(!shown.contains("the period"));
+        assert!(!shown.contains("the period") && !shown.contains("perceived"));
         let surface = rows.iter().flat_map(surface_rows);
         let surface = texts.table("congruence-surface", surface).unwrap();
         assert_eq!(surface.rows.len(), 18);
+    }
+
+    #[test]
+    fn what_was_perceived_stands_below_with_its_own_bounds_and_how_it_was_asked() {
+        let texts = PageTexts::new(STUDY, &context! { style => "ADB score" }).unwrap();
+        let shown = |same| {
+            let perceived = CongruenceRow {
+                perceived: Some(PerceivedStyle {
+                    score: "aggressiveness.aggressiveness".parse().unwrap(),
+                    title: "Perceived aggressiveness".to_owned(),
+                    same,
+                }),
+                near_points: 0.75,
+                ..row(0.05)
+            };
+            let rows = [row(0.05), perceived];
+            let table = texts.table("congruence", rows.iter().map(congruence_row));
+            format!("{:?}", table.unwrap())
+        };
+        for (same, said) in [
+            (Some(4.0), "counted from 4 (“as I do”)"),
+            (None, "of themselves"),
+        ] {
+            let shown = shown(same);
+            for text in [
+                "perceived",
+                "driven",
+                "Perceived aggressiveness",
+                "±0.75",
+                said,
+            ] {
+                assert!(shown.contains(text), "{text}: {shown}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_curve_is_drawn_over_what_was_met_and_its_best_place_only_there() {
+        let theirs = |met: (f64, f64), rating: [f64; 3]| CongruenceCurve {
+            sds: 0,
+            own: 30.0,
+            n: 3,
+            met,
+            rating,
+        };
+        // 5 - 0.01 (δ - 2)².
+        let near = [4.96, 0.04, -0.01];
+        let drawn = curve(&row(0.05), &theirs((-15.0, 15.0), near));
+        let ends = (drawn.points[0], drawn.points[drawn.points.len() - 1]);
+        let is = |(x, y): (f64, f64), expected: (f64, f64)| {
+            assert!((x - expected.0).abs() < 1e-9 && (y - expected.1).abs() < 1e-9);
+        };
+        is(ends.0, (15.0, 5.0 - 0.01 * 289.0));
+        is(ends.1, (45.0, 5.0 - 0.01 * 169.0));
+        is(drawn.best.unwrap(), (32.0, 5.0));
+        assert_eq!(drawn.at_own, Some(4.96));
+        // Who met only faster cars: nothing is said of the own style, nor of what lies between.
+        let faster = curve(&row(0.05), &theirs((5.0, 15.0), near));
+        assert_eq!((faster.at_own, faster.best), (None, None));
+        let alone = curve(&row(0.05), &theirs((5.0, 5.0), near));
+        assert_eq!(alone.points.len(), 1);
+        // Where the rating is worst is no best place.
+        let worst = curve(&row(-0.05), &theirs((-15.0, 15.0), [4.96, -0.04, 0.01]));
+        assert_eq!(worst.best, None);
     }
 }

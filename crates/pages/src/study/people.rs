@@ -1,7 +1,7 @@
 //! The setting and the people.
 
 use super::{StudyPage, titled};
-use maveric_analysis::LeftOutFor;
+use maveric_analysis::{FEWEST_AGREED, LeftOutFor};
 use maveric_report::{
     ReportError,
     figures::{
@@ -82,6 +82,7 @@ impl StudyPage<'_> {
             figures.push(simulator_view(view, self.context)?);
         }
         let mut tables = vec![self.participants(groups)?];
+        tables.extend(self.consents()?);
         if !reliabilities.is_empty() {
             tables.push(self.texts.table("reliabilities", reliabilities)?);
         }
@@ -99,6 +100,22 @@ impl StudyPage<'_> {
             .texts
             .with(&context! { others, dial, synthetic => self.analysis.synthetic });
         texts.table("participants", groups)
+    }
+
+    /// Who agreed to which version of the consent, and how many did not; none where nobody was asked.
+    fn consents(&self) -> Result<Option<Table>, ReportError> {
+        let versions = &self.analysis.flow.consents;
+        if versions.is_empty() {
+            return Ok(None);
+        }
+        let lends = versions.iter().any(|v| v.style_lent.is_some());
+        let days = versions.iter().any(|v| v.first_day.is_some());
+        let mut agreed = versions.iter().map(|v| v.agreed);
+        let few = agreed.any(|n| (1..FEWEST_AGREED).contains(&n));
+        let texts = self
+            .texts
+            .with(&context! { lends, days, few, fewest => FEWEST_AGREED });
+        texts.table("consents", versions).map(Some)
     }
 
     fn flow(&self) -> Flow {

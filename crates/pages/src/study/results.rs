@@ -98,6 +98,10 @@ impl StudyPage<'_> {
 
     /// Descriptives, tests and contrasts of an outcome.
     fn outcome(&self, panel: &Panel) -> Result<Vec<String>, ReportError> {
+        let together = |sentences: Vec<String>, key: &str| {
+            let all = (!sentences.is_empty()).then(|| context! { all => sentences });
+            all.map(|all| self.results.with(&all).text(key)).transpose()
+        };
         let mut paragraphs = Vec::new();
         let descriptives = self.analysis.descriptives.iter();
         let described: Vec<&Described> = descriptives
@@ -113,23 +117,11 @@ impl StudyPage<'_> {
             let rows = by_factor.contrasts.iter();
             let rows = rows.map(|contrast| self.factor_contrast(panel, contrast));
             let sentences = self.each("factor_contrast", rows)?;
-            if !sentences.is_empty() {
-                paragraphs.push(
-                    self.results
-                        .with(&context! { all => sentences })
-                        .text("factor_contrasts")?,
-                );
-            }
+            paragraphs.extend(together(sentences, "factor_contrasts")?);
         }
         let pairs = panel.contrasts.iter().map(|pair| contrast(panel, pair));
         let sentences = self.each("contrast", pairs)?;
-        if !sentences.is_empty() {
-            paragraphs.push(
-                self.results
-                    .with(&context! { all => sentences })
-                    .text("contrasts")?,
-            );
-        }
+        paragraphs.extend(together(sentences, "contrasts")?);
         Ok(paragraphs)
     }
 

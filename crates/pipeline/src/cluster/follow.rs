@@ -12,9 +12,7 @@ use super::submit::{Candidate, submit};
 use crate::attempt::{Attempt, Examined, Run, Workshop};
 use crate::check::Present;
 use crate::schedule::Schedule;
-use crate::{
-    Event, Executor, FactKind, FailureCause, Graph, PipelineError, Reason, RunOptions, Stage,
-};
+use crate::{Event, Executor, FailureCause, Graph, PipelineError, Reason, RunOptions, Stage};
 
 /// Between two looks: the first, and the longest.
 const LOOKS: [Duration; 2] = [Duration::from_millis(100), Duration::from_secs(3)];
@@ -163,14 +161,9 @@ impl<'a> Follower<'a> {
             self.workshop.place,
             &self.workshop.hasher,
         );
-        let recorded: BTreeSet<&str> = task
-            .made_from
-            .facts(FactKind::Input)
-            .map(|(path, _)| path)
-            .collect();
         now.is_ok_and(|now| {
             now.made_from
-                .without_inputs(|path| !recorded.contains(path))
+                .without_inputs(|path| !task.made_from.has_input(path))
                 == task.made_from
         })
     }
@@ -431,12 +424,7 @@ impl<'a> Follower<'a> {
         }
         let stdout = read_text(&script::printed(&task.spool, task.index, "out"));
         let now = Present::look(stage, self.workshop.place, &self.workshop.hasher)?;
-        let known: BTreeSet<&str> = task
-            .made_from
-            .facts(FactKind::Input)
-            .map(|(path, _)| path)
-            .collect();
-        let is_open = |path: &str| !known.contains(path);
+        let is_open = |path: &str| !task.made_from.has_input(path);
         let run = Run {
             made_from: task.made_from.clone().with_inputs(&now.made_from, is_open),
             seconds,

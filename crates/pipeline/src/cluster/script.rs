@@ -77,15 +77,7 @@ pub(super) fn text(
         lines.push(format!("{}:", folder(output)));
     }
     lines.push("start=$(date +%s)".to_owned());
-    let program = place.program_of(stage);
-    let program = if program.is_relative() && program.components().count() > 1 {
-        root.join(program)
-    } else {
-        program
-    };
-    let program = program.to_string_lossy().into_owned();
-    let arguments = place.arguments_of(stage, files);
-    let command = quoted(std::iter::once(&program).chain(&arguments));
+    let command = command(stage, files, place, root);
     let relative = outputs
         .iter()
         .filter(|path| is_relative(path) && !inside(path));
@@ -129,6 +121,16 @@ pub(super) fn text(
     lines.join("\n")
 }
 
+/// The command line of the stage; a program that is named by a path is the one below `root`.
+fn command(stage: &Stage, files: &[String], place: &Place, root: &Path) -> String {
+    let mut program = place.program_of(stage);
+    if program.is_relative() && program.components().count() > 1 {
+        program = root.join(program);
+    }
+    let program = program.to_string_lossy().into_owned();
+    quoted(std::iter::once(&program).chain(&place.arguments_of(stage, files)))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -148,12 +150,7 @@ mod tests {
     fn write_script(text_of: &str, root: &Path, spool: &Path) {
         let settings = crate::Settings::default();
         let pipeline = Pipeline::parse(text_of, "p.toml".as_ref(), root, &settings).unwrap();
-        let place = Place {
-            root: root.to_owned(),
-            ledger: root.join("p.lock"),
-            log_dir: root.join(".logs"),
-            program: None,
-        };
+        let place = Place::below(root);
         fs::create_dir_all(spool).unwrap();
         let text = text(&pipeline.stages()[0], &[], &place, root, spool, 0);
         fs::write(script(spool, 0), text).unwrap();

@@ -2,7 +2,7 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::time::{SystemTime, UNIX_EPOCH};
 
 use super::engine::{self, Group, LARGEST_GROUP};
@@ -40,15 +40,61 @@ pub(super) fn submit(
     fs::create_dir_all(&spool).map_err(PipelineError::io("create", &spool))?;
     let family = |c: &Candidate| graph.stage(c.index).family.clone();
     candidates.sort_by_key(|c| (c.depth, family(c), c.index));
+    let (groups, tasks) = write_scripts(workshop, graph, jobs, &candidates, &root, &spool)?;
+    jobs.begin(tasks)?;
+    let (engine, pipeline) = (jobs.engine, graph.pipeline().name());
+    let mut accepted = |group: &Group, job: &str| {
+        observe(Event::Submitted {
+            job,
+            stage: &group.name,
+            tasks: group.tasks.len(),
+        });
+        jobs.accept(Accepted {
+            spool: spool.clone(),
+            tasks: group.tasks.clone(),
+            job: job.to_owned(),
+            numbered: engine == crate::Executor::HyperQueue,
+        })
+    };
+    engine::submit(
+        engine,
+        pipeline,
+        &groups,
+        at_once,
+        &root,
+        &spool,
+        &mut accepted,
+    )
+}
+
+/// A stage's name and its task.
+type Noted = (String, Task);
+
+/// Writes the script of each candidate into `spool`; the groups they go in, and the note of each stage's task.
+fn write_scripts(
+    workshop: &Workshop<'_>,
+    graph: &Graph<'_>,
+    jobs: &Jobs,
+    candidates: &[Candidate],
+    root: &Path,
+    spool: &Path,
+) -> Result<(Vec<Group>, Vec<Noted>), PipelineError> {
     let mut groups: Vec<Group> = Vec::new();
-    let mut tasks: Vec<(String, Task)> = Vec::new();
+    let mut tasks: Vec<Noted> = Vec::new();
     let mut number_of: BTreeMap<usize, u32> = BTreeMap::new();
     let mut of_group = None;
     for (number, candidate) in candidates.iter().enumerate() {
         let index = u32::try_from(number).unwrap_or(u32::MAX);
         let stage = graph.stage(candidate.index);
-        let text = script::text(stage, &candidate.now.files, place, &root, &spool, index);
-        let path = script::script(&spool, index);
+        let text = script::text(
+            stage,
+            &candidate.now.files,
+            workshop.place,
+            root,
+            spool,
+            index,
+        );
+        let path = script::script(spool, index);
         fs::write(&path, text).map_err(PipelineError::io("write", &path))?;
         let kind = Some((candidate.depth, stage.family.as_str()));
         if of_group != kind || groups.last().is_none_or(|g| g.tasks.len() >= LARGEST_GROUP) {
@@ -89,7 +135,7 @@ pub(super) fn submit(
                 job: String::new(),
                 index,
                 number: index - group.tasks.start,
-                spool: spool.clone(),
+                spool: spool.to_owned(),
                 made_from,
             };
             number_of.insert(candidate.index, index);
@@ -98,30 +144,7 @@ pub(super) fn submit(
         // What its makers are about to make is not known yet, so neither is what it makes.
         workshop.begin(stage)?;
     }
-    jobs.begin(tasks)?;
-    let (engine, pipeline) = (jobs.engine, graph.pipeline().name());
-    let mut accepted = |group: &Group, job: &str| {
-        observe(Event::Submitted {
-            job,
-            stage: &group.name,
-            tasks: group.tasks.len(),
-        });
-        jobs.accept(Accepted {
-            spool: spool.clone(),
-            tasks: group.tasks.clone(),
-            job: job.to_owned(),
-            numbered: engine == crate::Executor::HyperQueue,
-        })
-    };
-    engine::submit(
-        engine,
-        pipeline,
-        &groups,
-        at_once,
-        &root,
-        &spool,
-        &mut accepted,
-    )
+    Ok((groups, tasks))
 }
 
 /// A name that no other submission has.

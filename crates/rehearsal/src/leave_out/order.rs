@@ -168,29 +168,7 @@ pub fn order<E: From<RehearsalError>>(
             d.time_gap_s.map(|g| -g)
         }),
     ];
-    let mut uncounted = Vec::new();
-    let mut counted = Vec::new();
-    for (who, person) in everybody.iter().enumerate() {
-        match places(drives, &roles, person, asked) {
-            Ok(places) => counted.push((who, places)),
-            Err(role) => uncounted.push(Uncounted {
-                participant: person.clone(),
-                why: Missing::Drive { role },
-            }),
-        }
-    }
-    for placed in &placed {
-        for (who, places) in &counted {
-            let missing = places.all().find(|&i| placed.values[*who][i].is_none());
-            uncounted.extend(missing.map(|i| Uncounted {
-                participant: everybody[*who].clone(),
-                why: Missing::Reading {
-                    drive: drives[i].drive.clone(),
-                    by: placed.by,
-                },
-            }));
-        }
-    }
+    let (counted, uncounted) = count_people(drives, &roles, &everybody, asked, &placed);
     let counts = |placed: &[Placed], roles: &[ConditionId]| -> Vec<usize> {
         let right = |p: &Placed, who: usize| {
             let places = places(drives, roles, &everybody[who], asked).ok();
@@ -289,6 +267,39 @@ fn by_road(
         by,
         values: vec![values; everybody.len()],
     }
+}
+
+/// Whoever has all the drives that are asked for, with where they stand; and who cannot be counted, and why.
+fn count_people(
+    drives: &[Drove],
+    roles: &[ConditionId],
+    everybody: &[ParticipantId],
+    asked: &Asked,
+    placed: &[Placed],
+) -> (Vec<(usize, Places)>, Vec<Uncounted>) {
+    let (mut counted, mut uncounted) = (Vec::new(), Vec::new());
+    for (who, person) in everybody.iter().enumerate() {
+        match places(drives, roles, person, asked) {
+            Ok(places) => counted.push((who, places)),
+            Err(role) => uncounted.push(Uncounted {
+                participant: person.clone(),
+                why: Missing::Drive { role },
+            }),
+        }
+    }
+    for placed in placed {
+        for (who, places) in &counted {
+            let missing = places.all().find(|&i| placed.values[*who][i].is_none());
+            uncounted.extend(missing.map(|i| Uncounted {
+                participant: everybody[*who].clone(),
+                why: Missing::Reading {
+                    drive: drives[i].drive.clone(),
+                    by: placed.by,
+                },
+            }));
+        }
+    }
+    (counted, uncounted)
 }
 
 /// Where the drives stand that are held beside each other.

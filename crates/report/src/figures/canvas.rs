@@ -272,24 +272,16 @@ impl Canvas<'_> {
     /// A filled area.
     pub(crate) fn polygon(&mut self, corners: &[Point], colour: RGBColor, alpha: f64) {
         let corners = self.all(corners);
-        let style = ShapeStyle {
-            color: colour.mix(alpha),
-            filled: true,
-            stroke_width: 0,
-        };
-        let drawn = self.area.draw(&Polygon::new(corners, style));
+        let shape = Polygon::new(corners, filled(colour, alpha));
+        let drawn = self.area.draw(&shape);
         self.note(drawn);
     }
 
     /// A filled rectangle between two corners.
     pub(crate) fn fill_rect(&mut self, a: Point, b: Point, colour: RGBColor, alpha: f64) {
         let corners = [self.at(a), self.at(b)];
-        let style = ShapeStyle {
-            color: colour.mix(alpha),
-            filled: true,
-            stroke_width: 0,
-        };
-        let drawn = self.area.draw(&Rectangle::new(corners, style));
+        let shape = Rectangle::new(corners, filled(colour, alpha));
+        let drawn = self.area.draw(&shape);
         self.note(drawn);
     }
 
@@ -303,12 +295,8 @@ impl Canvas<'_> {
     /// A filled circle.
     pub(crate) fn disc(&mut self, centre: Point, radius: f64, colour: RGBColor, alpha: f64) {
         let (centre, radius) = (self.at(centre), self.unit(radius));
-        let style = ShapeStyle {
-            color: colour.mix(alpha),
-            filled: true,
-            stroke_width: 0,
-        };
-        let drawn = self.area.draw(&Circle::new(centre, radius, style));
+        let shape = Circle::new(centre, radius, filled(colour, alpha));
+        let drawn = self.area.draw(&shape);
         self.note(drawn);
     }
 
@@ -382,6 +370,15 @@ impl Canvas<'_> {
             .pos(Pos::new(look.h, look.v));
         let drawn = self.area.draw_text(text, &style, point);
         self.note(drawn);
+    }
+}
+
+/// An area without a line around it.
+fn filled(colour: RGBColor, alpha: f64) -> ShapeStyle {
+    ShapeStyle {
+        color: colour.mix(alpha),
+        filled: true,
+        stroke_width: 0,
     }
 }
 

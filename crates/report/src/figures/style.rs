@@ -88,6 +88,23 @@ const NAMED: [(&str, RGBColor); 10] = [
     ("ochre", theme::OCHRE),
 ];
 
+/// Units of figures.
+const UNITS: [&str; 14] = [
+    "km/h", "mph", "m/s", "m/s²", "m/s³", "ft/s", "m", "s", "min", "h", "ft", "km", "mi", "%",
+];
+
+/// The units that a label names, in their order: words of their own, with or without brackets. Of `Ride(s)` the bracket is part of the word.
+fn units_in(label: &str) -> Vec<&'static str> {
+    let mut plain = String::new();
+    for sign in label.chars() {
+        let in_word = sign == '(' && plain.ends_with(|c: char| c.is_ascii_alphabetic());
+        plain.push(if in_word { '_' } else { sign });
+    }
+    let unit = |word: &str| UNITS.into_iter().find(|unit| *unit == word);
+    let apart = |c: char| c.is_whitespace() || "()[],（）".contains(c);
+    plain.split(apart).filter_map(unit).collect()
+}
+
 static STYLE: OnceLock<Style> = OnceLock::new();
 
 /// Every figure that this process draws from now on looks like that. To be called once, before the first figure.
@@ -125,7 +142,7 @@ impl Style {
     /// Reads a style file.
     ///
     /// # Errors
-    /// [`ReportError::Style`] for a key or a colour that is none, or a size out of range.
+    /// [`ReportError::Style`] for a key or a colour that is none, a size out of range, or a label of another unit.
     pub fn from_toml(text: &str) -> Result<Self, ReportError> {
         let failed = |reason: String| ReportError::Style { reason };
         let mut style: Self = toml::from_str(text).map_err(|e| failed(e.to_string()))?;
@@ -168,6 +185,20 @@ impl Style {
             if let Some(wrong) = look.color.as_ref().filter(|c| colour(c).is_none()) {
                 return Err(failed(format!(
                     "`conditions.{id}.color` is `{wrong}`, expected a colour as `#rrggbb`"
+                )));
+            }
+        }
+        for (label, other) in &style.labels {
+            let (units, others) = (units_in(label), units_in(other));
+            if units != others {
+                let named = |units: &[&str]| match units {
+                    [] => "no unit".to_owned(),
+                    units => units.join(" and "),
+                };
+                return Err(failed(format!(
+                    "`labels.\"{label}\"` is `{other}`, which names {}, expected {}: the numbers stay as they are",
+                    named(&others),
+                    named(&units)
                 )));
             }
         }
@@ -248,6 +279,13 @@ mod tests {
     }
 
     #[test]
+    fn a_label_may_have_other_words_around_its_unit() {
+        let text = "[labels]\n\"Mean velocity (km/h)\" = \"Geschwindigkeit in km/h\"\n\"Driver's gap (s)\" = \"Abstand in s\"\n\"Gap (m)\" = \"min. Abstand [m]\"\n\"Speed (m/s)\" = \"速度(m/s)\"\n\"Ride(s)\" = \"Fahrten\"\n";
+        let style = Style::from_toml(text).unwrap();
+        assert_eq!(style.label("Driver's gap (s)"), Some("Abstand in s"));
+    }
+
+    #[test]
     fn larger_text_is_a_smaller_drawing_enlarged() {
         let style = Style::from_toml("[size]\ntext = 1.25\none_column_mm = 90\n").unwrap();
         let ((w, h), (dw, dh)) = style.sizes((85.0, 60.0));
@@ -266,6 +304,18 @@ mod tests {
                 "conditions.calm.color",
             ),
             ("[colors]\n", "colors"),
+            (
+                "[labels]\n\"Mean velocity (km/h)\" = \"Speed (mph)\"\n",
+                "names mph, expected km/h",
+            ),
+            (
+                "[labels]\n\"Gap (m)\" = \"Distance\"\n",
+                "names no unit, expected m",
+            ),
+            (
+                "[labels]\n\"Mean velocity\" = \"Speed in m/s\"\n",
+                "names m/s, expected no unit",
+            ),
         ] {
             let message = Style::from_toml(text).unwrap_err().to_string();
             assert!(message.contains(named), "{message}");

@@ -4,11 +4,10 @@ use crate::markup;
 
 /// Each panel's title and what its statistic says, in words.
 pub(crate) fn described<'a>(panels: impl IntoIterator<Item = (&'a str, &'a str)>) -> String {
-    let sentences = panels.into_iter().map(|(title, statistic)| {
+    sentences(panels.into_iter().map(|(title, statistic)| {
         let statistic = markup::plain(statistic).replace('\n', "; ");
         format!("{title}: {statistic}.")
-    });
-    sentences.collect::<Vec<_>>().join(" ")
+    }))
 }
 
 /// How many there are: one number, or the least and the most and by what they differ.

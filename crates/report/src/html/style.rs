@@ -7,9 +7,9 @@ use plotters::style::RGBColor;
 use std::fmt::Write as _;
 
 /// A colour a condition as a variable below `root`, light and dark.
-pub(crate) fn condition_colours(context: &Context, root: &str, prefix: &str) -> String {
+pub(crate) fn condition_colours(context: &Context, root: &str) -> String {
     let variables = |of: fn(RGBColor) -> String| {
-        let one = |look: &ConditionLook| format!("{prefix}{}:{};", look.id, of(look.rgb()));
+        let one = |look: &ConditionLook| format!("--of-{}:{};", look.id, of(look.rgb()));
         context.conditions.iter().map(one).collect::<String>()
     };
     format!(
@@ -23,7 +23,7 @@ pub(crate) fn condition_colours(context: &Context, root: &str, prefix: &str) -> 
 pub(crate) fn style(context: &Context) -> String {
     let mut out = String::from(font_face_css());
     out.push_str(include_str!("templates/page.css"));
-    out.push_str(&condition_colours(context, ":root", "--of-"));
+    out.push_str(&condition_colours(context, ":root"));
     out.push_str("@media screen and (prefers-color-scheme: dark) {\n");
     let drawn = DARK.map(|(light, dark)| (light, dark.to_owned()));
     let looks = context.conditions.iter().map(ConditionLook::rgb);

@@ -102,6 +102,11 @@ impl Cell {
         Self::Text(text.into())
     }
 
+    /// Whether, in a word, or missing.
+    pub fn word(whether: Option<bool>, yes: &str, no: &str) -> Self {
+        whether.map_or(Self::Missing, |is| Self::text(if is { yes } else { no }))
+    }
+
     /// A whole number, without decimals.
     pub fn count(count: usize) -> Self {
         Self::Number {

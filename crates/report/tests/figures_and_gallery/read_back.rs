@@ -142,6 +142,8 @@ enum Drawn {
     EndInRow(f64, usize),
     /// A mark at this value of y, wherever it stands along x.
     MarkAtY(f64),
+    /// A point of a line at this value of x, wherever it stands along y.
+    LineAtX(f64),
     /// A corner of a rectangle at this value of x or of y, wherever it stands along the other.
     CornerAtX(f64),
     CornerAtY(f64),
@@ -178,6 +180,13 @@ impl Drawn {
                 (
                     panel.marks.iter().any(|p| near(p.1, height)),
                     format!("a mark at y = {y}"),
+                )
+            }
+            Self::LineAtX(x) => {
+                let side = place(&panel.x, *x);
+                (
+                    panel.lines.iter().any(|p| near(p.0, side)),
+                    format!("a line at x = {x}"),
                 )
             }
             Self::CornerAtX(x) => {
@@ -543,4 +552,29 @@ fn lines_begin_and_end_where_their_numbers_do() {
         &figure,
         &[vec![Drawn::Line((0.0, 0.0)), Drawn::Line((length, 0.0))]],
     );
+}
+
+#[test]
+fn curves_of_congruence_begin_where_they_do_and_mark_ones_own_and_what_is_best() {
+    let input = kinds::congruence::input();
+    let figure = figures::congruence(&input, &context()).unwrap();
+    let expected = input.panels.iter().map(|panel| {
+        let lines = panel.curves.iter().flatten();
+        let first = |line: &figures::congruence::CongruenceLine| {
+            let begins = Drawn::Line(line.points[0]);
+            let own = line.at_own.map(|_| Drawn::LineAtX(line.own));
+            let best = line.best.map(Drawn::Mark);
+            [Some(begins), own, best].into_iter().flatten()
+        };
+        // The one in the middle is not dashed.
+        let whole = panel.curves[1].iter().flat_map(|line| &line.points);
+        let whole = whole.copied().map(Drawn::Line);
+        lines.flat_map(first).chain(whole).collect()
+    });
+    read_back(&figure, &expected.collect::<Vec<_>>());
+    let best = |panel: usize| {
+        let lines = input.panels[panel].curves.iter().flatten();
+        lines.filter(|line| line.best.is_some()).count()
+    };
+    assert_eq!([best(0), best(3)], [3, 0]);
 }

@@ -22,7 +22,7 @@ export type Step =
   | { kind: "language"; languages: string[] }
   | { kind: "computer"; needs: Need[] }
   | { kind: "screen"; sheets: Sheet[]; rules: Judged[] }
-  | { kind: "text"; title: string; text: string; agree: boolean }
+  | { kind: "text"; title: string; text: string; agree: boolean; lend?: string }
   | { kind: "scale"; scale: string; moment: string } & Asked
   | { kind: "break"; at_least_s: number }
   | { kind: "controls" }
@@ -36,7 +36,7 @@ export type Step =
 
 /// Whose style drives: the person's own, the average driver's, the own one moved across the dial as a seed says, somebody else's of whom
 /// the model learned, whom a seed draws, this one, or none: the own drive is shown again.
-export type RideStyle = "own" | "mean" | "replay" | { across: string } | { lent: { apart_sd: number[]; seed: string } } | { given: number[] };
+export type RideStyle = "own" | "mean" | "replay" | { across: string } | { lent: { apart_sd: number[]; seed: string; withheld?: string[] } } | { given: number[] };
 
 /// `beyond`: why the drive is beyond what the model has learned from, such as `scale` or `style:pass`; left out where it is not.
 export interface Fit { embedding: number[]; covariance: number[] | null; score: number | null; readings: number; beyond?: string }

@@ -14,9 +14,9 @@ import { askWhetherToLeave, takingBack } from "./leave";
 import { sendLeftovers } from "./outbox";
 import { holds, type Probe } from "./probe";
 import { duration, say, sayWhatStands } from "./say";
-import { sheet } from "./sheet";
+import { sheet, titleOf } from "./sheet";
 import { styles } from "./styles";
-import { make, paragraphs, pressed, show, text } from "./words";
+import { box, make, paragraphs, pressed, show, text } from "./words";
 
 const leaveButton = document.getElementById("leave") as HTMLButtonElement;
 let model: PageModel | null = null;
@@ -136,24 +136,21 @@ async function chooseLanguage(at: number, languages: string[]): Promise<void> {
   location.reload();
 }
 
-/// Cares for somebody who stopped: asks once more how they feel after a while, unless they go on before.
+/// Cares for somebody who stopped: asks once more how they feel after a while, as a questionnaire, unless they go on before.
 async function caresFor(at: number, body: string, again: Probe): Promise<void> {
-  const begun = performance.now();
-  const asked = make("div", [make("p", [say("felt_again", { time: duration(again.every_s) })])], { role: "status" } as Partial<HTMLDivElement>);
+  const begun = performance.now(), title = say("aftercare_title");
   const go = pressed(say("continue"));
-  const felt = new Promise<number>((done) => {
-    setTimeout(() => {
-      const buttons = Array.from({ length: again.max - again.min + 1 }, (_, i) => {
-        const button = make("button", [String(again.min + i)], { type: "button" });
-        button.addEventListener("click", () => done(again.min + i));
-        return button;
-      });
-      asked.replaceChildren(make("p", [again.question]), make("p", buttons));
-    }, 1000 * again.every_s);
-  });
-  show(make("h1", [say("aftercare_title")]), ...paragraphs(body), asked, go.all);
-  const answer = await Promise.race([felt, go.done.then(() => null)]);
-  if (answer === null) await keeper.done(at); else await keeper.answer(at, { answers: [answer], seconds: (performance.now() - begun) / 1000 });
+  show(make("h1", [title]), ...paragraphs(body), make("p", [say("felt_again", { time: duration(again.every_s) })]), go.all);
+  const asked = make("p", [], { role: "status", className: "unseen" });
+  document.getElementById("main")?.before(asked);
+  const waited = new Promise<boolean>((done) => setTimeout(() => done(true), 1000 * again.every_s));
+  const stayed = await Promise.race([waited, go.done.then(() => false)]);
+  const instruction = [body, again.instruction ?? ""].join("\n\n");
+  // Somebody who does not look at the page hears that it asks now.
+  asked.textContent = stayed ? titleOf(again.question) : "";
+  const answers = stayed ? (await sheet({ title, instruction, items: [again.question] }, [], () => {})).answers : [null];
+  asked.remove();
+  if (answers[0] === null) await keeper.done(at); else await keeper.answer(at, { answers, seconds: (performance.now() - begun) / 1000 });
 }
 
 /// Judges here whether the computer has what the study needs.
@@ -191,8 +188,10 @@ async function once(state: api.State): Promise<boolean> {
     case "computer": await looksAtComputer(state, step); break;
     case "screen": await screens(state.at, step); break;
     case "text": {
-      const seconds = await text(step.title, step.text, say(step.agree ? "agree" : "continue"));
-      if (step.agree) await keeper.answer(state.at, { agreed: true, seconds }); else await keeper.done(state.at);
+      const lends = step.lend === undefined ? null : box(step.lend);
+      const seconds = await text(step.title, step.text, say(step.agree ? "agree" : "continue"), lends ? [lends.body] : []);
+      const answer = { agreed: true, seconds, ...(lends ? { style_lent: lends.ticked() } : {}) };
+      if (step.agree) await keeper.answer(state.at, answer); else await keeper.done(state.at);
       break;
     }
     case "scale":

@@ -2,11 +2,12 @@
 
 import type { Than } from "./api";
 import { say } from "./say";
+import { endsOf, heard, side, titleOf, values, wordsOf, type Item } from "./sheet";
 import { make } from "./words";
 
 /// What is asked, how far apart, and from which answer on the ride stops.
 export interface Probe {
-  scale: string; question: string; min: number; max: number; every_s: number; within_s: number; stop?: { rule: string; than: Than; value: number };
+  scale: string; instruction?: string; question: Item; every_s: number; within_s: number; stop?: { rule: string; than: Than; value: number };
 }
 
 /// Whether an answer is so beside a number; an item that was left out holds no rule.
@@ -21,6 +22,12 @@ export function holds(answer: number | null, than: Than, value: number): boolean
     case "!=": return answer !== value;
   }
 }
+
+/// Whether nobody goes on after this answer.
+const stops = ({ stop }: Probe, answer: number | null): boolean => stop !== undefined && holds(answer, stop.than, stop.value);
+
+/// Whether the digit of this answer is its key: between two words no numbers are shown.
+const hasKey = (item: Item, value: number): boolean => item.pair === null && value >= 0 && value <= 9;
 
 export class Asking {
   private asked = 0;
@@ -40,30 +47,43 @@ export class Asking {
   }
 
   private ask(): void {
-    const { question, min, max } = this.probe;
-    const buttons: HTMLElement[] = [];
-    for (let value = min; value <= max; value++) {
-      const button = make("button", [String(value)], { type: "button" });
-      button.addEventListener("click", () => { this.answer(value); button.blur(); });
-      buttons.push(button);
-    }
-    this.place.replaceChildren(make("p", [question], { id: "question" }), make("div", buttons), make("p", [say("probe_help")]));
+    const { instruction, question } = this.probe;
+    const all = values(question), [left, right] = endsOf(question);
+    const beside = (word: string | undefined): HTMLElement[] => (word ? [side(word)] : []);
+    this.place.replaceChildren(
+      ...(instruction ? [make("p", [instruction])] : []),
+      make("p", [titleOf(question)], { id: "question", className: question.text ? "" : "unseen" }),
+      make("div", [...beside(left), ...all.map((value, at) => this.button(value, at, at === all.length - 1)), ...beside(right)]),
+      ...(all.some((value) => hasKey(question, value)) ? [make("p", [say("probe_help")])] : []),
+    );
     this.place.hidden = false;
     this.open = true;
+  }
+
+  /// An answer with its words. Where the highest ends the ride, its button says so as the one that stops does.
+  private button(value: number, at: number, highest: boolean): HTMLElement {
+    const { question } = this.probe;
+    const number = question.pair ? "" : String(value), words = wordsOf(question, at);
+    const stop = highest && stops(this.probe, value) ? say("unwell") : "";
+    const joined = (parts: string[], by: string): string => parts.filter((part) => part).join(by);
+    const button = make("button", [joined([joined([number, words === number ? "" : words], " "), stop], " · ")], { type: "button" });
+    const name = heard(question, at);
+    if (name) button.ariaLabel = joined([name, stop], ", ");
+    button.addEventListener("click", () => { this.answer(value); button.blur(); });
+    return button;
   }
 
   /// A digit answers while something is asked.
   press(code: string): void {
     const digit = /^(?:Digit|Numpad)(\d)$/.exec(code)?.[1];
-    const value = Number(digit);
-    if (this.open && digit !== undefined && value >= this.probe.min && value <= this.probe.max) this.answer(value);
+    const value = Number(digit), { question } = this.probe;
+    if (this.open && hasKey(question, value) && values(question).includes(value)) this.answer(value);
   }
 
   private answer(value: number | null): void {
     this.close();
     this.note(`probe:${this.probe.scale}`, value);
-    const stop = this.probe.stop;
-    if (stop && holds(value, stop.than, stop.value)) this.stop(stop.rule);
+    if (this.probe.stop && stops(this.probe, value)) this.stop(this.probe.stop.rule);
   }
 
   close(): void {

@@ -24,7 +24,29 @@ const LONGEST = 4000;
 /// A slider with more steps has no marks.
 const MOST_MARKS = 41;
 
-const values = (item: Item): number[] => Array.from({ length: (item.max - item.min) / item.step + 1 }, (_, i) => item.min + i * item.step);
+/// Every answer of an item, from the lowest.
+export const values = (item: Item): number[] => Array.from({ length: (item.max - item.min) / item.step + 1 }, (_, i) => item.min + i * item.step);
+
+/// Whether each answer of an item has words of its own.
+const worded = (item: Item): boolean => item.anchors.length === values(item).length;
+
+/// The words of the answer at this place; none where it has none of its own.
+export const wordsOf = (item: Item, at: number): string => (worded(item) ? item.anchors[at] ?? "" : "");
+
+/// The words of both ends, where the answers between them have none.
+export const endsOf = (item: Item): string[] => item.pair ?? (worded(item) ? [] : item.anchors);
+
+/// What an item is called: its text, or the pair that says it.
+export const titleOf = (item: Item): string => item.text || (item.pair?.join(" – ") ?? "");
+
+/// What somebody hears of the answer at this place where not all of it stands in its box: a number with the word of its end, or the
+/// place between two words.
+export function heard(item: Item, at: number): string | undefined {
+  const all = values(item);
+  const end = at === 0 ? endsOf(item)[0] : at === all.length - 1 ? endsOf(item)[1] : undefined;
+  if (item.pair) return end ?? `${at + 1}/${all.length}`;
+  return end ? `${all[at]}, ${end}` : undefined;
+}
 
 /// A button of a group, of which one can be chosen; the words beside it name it, or `label` does.
 function radio(name: string, value: number, before: Given, words: string, label?: string): HTMLElement {
@@ -43,36 +65,30 @@ function radios(body: HTMLElement): Field {
 
 /// Boxes in a row, with their words under them.
 function likert(item: Item, name: string, before: Given): Field {
-  const all = values(item);
-  const each = item.anchors.length === all.length;
-  const label = (at: number): string | undefined => {
-    const end = at === 0 ? item.anchors[0] : at === all.length - 1 ? item.anchors[1] : undefined;
-    return each || !end ? undefined : `${all[at]}, ${end}`;
-  };
-  const boxes = all.map((value, at) => radio(name, value, before, (each && item.anchors[at]) || String(value), label(at)));
-  const points = make("div", boxes, { className: each ? "points worded" : "points" });
-  const ends = item.anchors.length === 2 && !each ? [endsOf(item.anchors)] : [];
-  return radios(make("div", [points, ...ends], { className: "field" }));
+  const boxes = values(item).map((value, at) => radio(name, value, before, wordsOf(item, at) || String(value), heard(item, at)));
+  const points = make("div", boxes, { className: worded(item) ? "points worded" : "points" });
+  const ends = endsOf(item);
+  return radios(make("div", [points, ...(ends.length > 0 ? [under(ends)] : [])], { className: "field" }));
 }
 
-/// The words of both ends, under a row. Who listens hears them with the answers.
-function endsOf(anchors: string[]): HTMLElement {
+/// Words under a row, from one end to the other. Who listens hears them with the answers.
+function under(anchors: string[]): HTMLElement {
   const ends = make("div", anchors.map((word) => make("span", [word])), { className: "ends" });
   ends.ariaHidden = "true";
   return ends;
 }
 
+/// The word of an end beside a row. Who listens hears it with the answers.
+export function side(word: string): HTMLElement {
+  const shown = make("span", [word]);
+  shown.ariaHidden = "true";
+  return shown;
+}
+
 /// Boxes between two words.
 function bipolar(item: Item, name: string, before: Given): Field {
-  const all = values(item);
   const [left, right] = item.pair ?? ["", ""];
-  const label = (at: number): string => (at === 0 ? left : at === all.length - 1 ? right : `${at + 1}/${all.length}`);
-  const boxes = all.map((value, at) => radio(name, value, before, "", label(at)));
-  const side = (word: string): HTMLElement => {
-    const shown = make("span", [word]);
-    shown.ariaHidden = "true";
-    return shown;
-  };
+  const boxes = values(item).map((value, at) => radio(name, value, before, "", heard(item, at)));
   return radios(make("div", [side(left), make("div", boxes, { className: "boxes" }), side(right)], { className: "field between" }));
 }
 
@@ -102,13 +118,13 @@ function slider(item: Item, _: string, before: Given): Field {
   told();
   const count = values(item).length;
   const marks = count <= MOST_MARKS ? [make("div", Array.from({ length: count }, () => make("i")), { className: "marks" })] : [];
-  const words = item.anchors.length > 0 ? [endsOf(item.anchors)] : [];
+  const words = item.anchors.length > 0 ? [under(item.anchors)] : [];
   return { body: make("div", [input, ...marks, ...words], { className: "field line" }), given: () => (touched ? Number(input.value) : null) };
 }
 
 /// An answer in words a line.
 function lines(item: Item, name: string, before: Given): Field {
-  const boxes = values(item).map((value, at) => radio(name, value, before, item.anchors[at] ?? String(value)));
+  const boxes = values(item).map((value, at) => radio(name, value, before, wordsOf(item, at) || String(value)));
   return radios(make("div", boxes, { className: "field lines" }));
 }
 
@@ -150,7 +166,7 @@ export async function sheet(
     // Of a pair the words stand beside the boxes; the group is named by them all the same.
     const place = make("span", [numbered]);
     place.ariaHidden = "true";
-    const name = make("legend", [numbered + (item.pair?.join(" – ") ?? "")], { className: "unseen" });
+    const name = make("legend", [numbered + titleOf(item)], { className: "unseen" });
     return make("fieldset", [name, make("div", [place, body], { className: "numbered" })]);
   });
   const said = make("p", [], {});

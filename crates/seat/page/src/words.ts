@@ -36,10 +36,17 @@ export function pressed(label: string, more: HTMLElement[] = []): { button: HTML
   return { button, all: make("p", [button, ...more]), done };
 }
 
-export async function text(title: string, body: string, label: string): Promise<number> {
+/// A box that may be ticked, and what its tick says.
+export function box(sentence: string): { body: HTMLElement; ticked: () => boolean } {
+  const input = make("input", [], { type: "checkbox" });
+  return { body: make("div", [make("label", [input, make("span", [sentence])])], { className: "lines" }), ticked: () => input.checked };
+}
+
+/// A text, what stands `below` it, and a button; gives the time on the page, in s.
+export async function text(title: string, body: string, label: string, below: HTMLElement[] = []): Promise<number> {
   const begun = performance.now();
   const go = pressed(label);
-  show(make("h1", [title]), ...paragraphs(body), go.all);
+  show(make("h1", [title]), ...paragraphs(body), ...below, go.all);
   await go.done;
   return (performance.now() - begun) / 1000;
 }

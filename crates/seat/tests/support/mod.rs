@@ -370,10 +370,13 @@ impl Script {
             assert_eq!(status, 200, "{path}: {reply}");
         };
         match step["kind"].as_str().unwrap() {
-            "text" if step["agree"] == true => sent(
-                format!("/api/{token}/answer/{at}"),
-                r#"{"agreed":true,"seconds":4.5}"#,
-            ),
+            "text" if step["agree"] == true => {
+                let mut sheet = serde_json::json!({"agreed": true, "seconds": 4.5});
+                if step["lend"].is_string() {
+                    sheet["style_lent"] = true.into();
+                }
+                sent(format!("/api/{token}/answer/{at}"), &sheet.to_string());
+            }
             "break" => {
                 let rested = serde_json::json!({"seconds": step["at_least_s"]});
                 sent(format!("/api/{token}/answer/{at}"), &rested.to_string());

@@ -4,6 +4,9 @@ use std::ops::RangeInclusive;
 
 type Bounds = RangeInclusive<f64>;
 
+/// Shortest time gap that is followed with, whatever is given up of the own one, in s.
+pub(super) const SHORTEST_TIME_GAP_S: f64 = 0.4;
+
 pub(super) const FOLLOWING_TIME_GAP_S: Bounds = 0.7..=10.0;
 pub(super) const ACCELERATION_MPS2: Bounds = 0.3..=3.0;
 pub(super) const PASSING_SPEED_ADDED_MPS: Bounds = -5.0..=10.0;

@@ -65,12 +65,7 @@ pub fn population_table(population: &Population, n: usize, seed: u64) -> Vec<Dis
     let person = |i: usize| {
         let person_seed = stream_seed(seed, &["population", &i.to_string()]);
         let mut rng = Pcg64Mcg::seed_from_u64(person_seed);
-        let mut normal = || standard_normal(&mut rng);
-        let traits = LatentTraits {
-            aggressiveness: normal(),
-            spacing: normal(),
-            pace: normal(),
-        };
+        let traits = LatentTraits::draw(|| standard_normal(&mut rng));
         let day = |name| {
             population.draw(
                 &traits,

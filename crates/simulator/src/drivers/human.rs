@@ -1,6 +1,7 @@
 //! A synthetic person at the wheel: following, passing, merging back.
 
 use super::{
+    bounds::SHORTEST_TIME_GAP_S,
     caution,
     idm::{Following, SeenLead},
     noise::OrnsteinUhlenbeck,
@@ -23,8 +24,6 @@ use maveric_laws::Idm;
 use rand::SeedableRng;
 use rand_pcg::Pcg64Mcg;
 
-/// Shortest time gap a person follows with while waiting to pass, in s.
-const SHORTEST_TIME_GAP_S: f64 = 0.4;
 /// Factor on the desired gap while about to pass.
 const ABOUT_TO_PASS: f64 = 0.5;
 /// A person driving.

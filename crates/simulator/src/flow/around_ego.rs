@@ -136,14 +136,7 @@ impl AroundEgo {
             }
             let shown = slot.get_or_insert_with(|| {
                 let id = VehicleId(tracks.len() as u32 + 1);
-                tracks.push(ObjectTrack {
-                    id,
-                    length_m: vehicle.length_m,
-                    first_row: row,
-                    x_m: Vec::new(),
-                    y_m: Vec::new(),
-                    speed_mps: Vec::new(),
-                });
+                tracks.push(ObjectTrack::new(id, vehicle.length_m, row));
                 Shown {
                     state: VehicleState {
                         id,

@@ -1,7 +1,8 @@
 //! The sentences of factors, groups, bounds and models.
 
 use super::{
-    F, Interval, Statement, Statements, bounded, degrees, f, number,
+    F, Interval, Statement, Statements, bounded, chi2, degrees, f, number,
+    parts::ranks,
     results::{says_itself, those},
     t,
 };
@@ -9,7 +10,7 @@ use crate::{
     Adjustment, AlignedRanks, BayesCorrelationAnalysis, BayesTAnalysis, ByDesign, ChosenTest,
     EffectMethod, EffectTest, Equivalence, Factorial, FactorialEffect, FactorialFinding,
     GroupsAnalysis, MixedFinding, Ordinal, OrdinalFinding, OrdinalParameter, PERIOD, Prior,
-    RandomIntercept, SphericityCorrection, TermTest,
+    RandomIntercept, SmallSample, SphericityCorrection, TermTest,
 };
 
 says_itself!(
@@ -58,9 +59,7 @@ impl Statements for AlignedRanks {
     fn statements(&self) -> Vec<(String, Statement)> {
         let effects = self.art.iter().filter_map(|(name, effect)| {
             let df = [effect.df1 as f64, effect.df2 as f64];
-            let statement =
-                Statement::with_df("*F*", &df, effect.f?).p(effect.p?, Adjustment::None);
-            Some((name.to_owned(), statement))
+            Some((name.to_owned(), Statement::f_test(df, effect.f?, effect.p?)))
         });
         effects.collect()
     }
@@ -91,14 +90,12 @@ impl Statements for GroupsAnalysis {
         };
         let welch = || {
             let test = &several.welch_anova;
-            let statement = Statement::with_df("*F*", &[test.df1 as f64, test.df2?], test.f?);
-            Some(statement.p(test.p?, Adjustment::None))
+            let df = [test.df1 as f64, test.df2?];
+            Some(Statement::f_test(df, test.f?, test.p?))
         };
         let ranks = || {
             let test = &several.kruskal;
-            let (df, n, chi2) = (test.df, self.n, number(test.chi2?, 2));
-            let statement = Statement(format!("*χ*^{{2}}({df}, *N* = {n}) = {chi2}"));
-            let statement = statement.p(test.p?, Adjustment::None);
+            let statement = chi2(test.chi2?, test.df, self.n, test.p?, None);
             Some(statement.and("*ε*^{2}", &bounded(test.epsilon2?, 2)))
         };
         let mut statements = those([("welch_anova", welch()), ("kruskal", ranks())]);
@@ -184,7 +181,7 @@ impl TermTest {
     /// `F(2, 23.40) = 4.10, p = .030`; none without degrees of freedom.
     pub fn statement(&self) -> Option<Statement> {
         let df = [self.df1 as f64, self.df2?];
-        Some(Statement::with_df("*F*", &df, self.f).p(self.p?, Adjustment::None))
+        Some(Statement::f_test(df, self.f, self.p?))
     }
 }
 
@@ -203,8 +200,7 @@ impl Statements for MixedFinding {
         for (name, statement) in &mut statements {
             let test = self.model.anova.get(name);
             if let (Some(test), Some(term)) = (test, self.corrected.get(name)) {
-                let corrected = Statement::with_df("*F*", &[term.df1, term.df2], test.f);
-                let corrected = corrected.p(term.p, Adjustment::None);
+                let corrected = Statement::f_test([term.df1, term.df2], test.f, term.p);
                 *statement = corrected.and("*ε*", &bounded(term.epsilon, 2));
             }
         }
@@ -245,15 +241,15 @@ impl Statements for OrdinalFinding {
     fn statements(&self) -> Vec<(String, Statement)> {
         let mut statements = self.model.statements();
         statements.retain(|(name, _)| name != "lr");
-        if let Some(test) = &self.small_sample {
+        let statement = |test: &SmallSample| {
             let df = [test.df1 as f64, test.df2 as f64];
-            let conditions = Statement::with_df("*F*", &df, test.f).p(test.p, Adjustment::None);
-            statements.insert(0, ("conditions".to_owned(), conditions));
+            Statement::f_test(df, test.f, test.p)
+        };
+        if let Some(test) = &self.small_sample {
+            statements.insert(0, ("conditions".to_owned(), statement(test)));
         }
         if let Some(test) = &self.period {
-            let df = [test.df1 as f64, test.df2 as f64];
-            let period = Statement::with_df("*F*", &df, test.f).p(test.p, Adjustment::None);
-            statements.push((PERIOD.to_owned(), period));
+            statements.push((PERIOD.to_owned(), statement(test)));
         }
         statements
     }
@@ -285,22 +281,13 @@ impl Statements for FactorialFinding {
                             .filter(|_| test.correction != SphericityCorrection::None),
                     })
                 }
-                (_, Some(a), Some(b)) => {
-                    Statement::with_df("*F*", &[a, b], value).p(p, Adjustment::None)
-                }
+                (_, Some(a), Some(b)) => Statement::f_test([a, b], value, p),
                 (_, Some(df), None) => {
                     let (n, chi2) = (self.anova.n, number(value, 2));
                     let text = format!("*χ*^{{2}}({}, *N* = {n}) = {chi2}", degrees(df));
                     Statement(text).p(p, Adjustment::None)
                 }
-                (method, ..) => {
-                    let symbol = match method {
-                        EffectMethod::SignedRanks => "*W*",
-                        _ => "*U*",
-                    };
-                    let text = format!("{symbol} = {}", degrees(value));
-                    Statement(text).p(p, Adjustment::None)
-                }
+                (method, ..) => ranks(method, value).p(p, Adjustment::None),
             };
             Some((name.to_owned(), statement))
         };

@@ -29,7 +29,7 @@ impl LevelContrast {
     }
 }
 
-fn ranks(method: EffectMethod, value: f64) -> Statement {
+pub(super) fn ranks(method: EffectMethod, value: f64) -> Statement {
     let symbol = match method {
         EffectMethod::GroupRanks => "*U*",
         _ => "*W*",

@@ -254,7 +254,7 @@ impl Statements for VarianceTests {
     fn statements(&self) -> Vec<(String, Statement)> {
         let of_f = |test: &Levene| {
             let df = [test.df1 as f64, test.df2 as f64];
-            Some(Statement::with_df("*F*", &df, test.f?).p(test.p?, Adjustment::None))
+            Some(Statement::f_test(df, test.f?, test.p?))
         };
         let of_k2 = || {
             let bartlett = &self.bartlett;

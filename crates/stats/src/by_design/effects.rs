@@ -87,11 +87,7 @@ impl Effects<'_> {
         let regressions = self.regressions()?;
         let mut tests = Vec::new();
         for effect in &plan.effects {
-            let method = if normal {
-                effect.normal
-            } else {
-                effect.far_from_normal
-            };
+            let method = effect.method(normal);
             let name = effect.effect.as_str();
             let test = match method {
                 EffectMethod::Strata | EffectMethod::StrataGreenhouseGeisser => {

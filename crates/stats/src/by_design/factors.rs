@@ -107,11 +107,7 @@ fn kinds(data: &DesignColumns<'_>) -> String {
 fn methods_in_words(data: &DesignColumns<'_>, plan: &DesignPlan, normal: bool) -> Vec<String> {
     let mut by_method: Vec<(EffectMethod, Vec<String>)> = Vec::new();
     for effect in &plan.effects {
-        let method = if normal {
-            effect.normal
-        } else {
-            effect.far_from_normal
-        };
+        let method = effect.method(normal);
         match by_method.iter_mut().find(|(known, _)| *known == method) {
             Some((_, names)) => names.push(data.called(&effect.effect)),
             None => by_method.push((method, vec![data.called(&effect.effect)])),

@@ -4,7 +4,7 @@ use super::DesignColumns;
 use crate::{
     MarginalContrast, Named,
     numerics::{matrix::Matrix, moments::dot, spectrum::orthogonalised},
-    within_subjects::Index,
+    within_subjects::{Index, pairs},
 };
 
 /// Every pair of the levels of one factor within subjects, period taken out, over the spread of that difference between people.
@@ -19,9 +19,8 @@ pub(super) fn own_errors(
     conditions: &[String],
 ) -> Option<Named<MarginalContrast>> {
     let fit = Fit::new(data, conditions)?;
-    let names = &fit.names;
-    let pairs = (0..names.len()).flat_map(|a| (a + 1..names.len()).map(move |b| (a, b)));
-    let pairs = pairs.map(|(a, b)| Some((format!("{}|{}", names[a], names[b]), fit.pair(a, b)?)));
+    let of_pair = |(a, b, name): (usize, usize, String)| Some((name, fit.pair(a, b)?));
+    let pairs = pairs(&fit.names).into_iter().map(of_pair);
     let pairs: Vec<(String, MarginalContrast)> = pairs.collect::<Option<_>>()?;
     Some(MarginalContrast::family(pairs))
 }

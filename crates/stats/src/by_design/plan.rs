@@ -96,6 +96,16 @@ pub struct PlannedEffect {
     pub far_from_normal: EffectMethod,
 }
 
+impl PlannedEffect {
+    pub(super) fn method(&self, normal: bool) -> EffectMethod {
+        if normal {
+            self.normal
+        } else {
+            self.far_from_normal
+        }
+    }
+}
+
 /// The tests of all effects of a design of several factors, or of one within subjects with covariates of the subjects.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct DesignPlan {

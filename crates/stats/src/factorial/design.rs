@@ -330,13 +330,5 @@ fn check_shape(
     }
     let mut names: Vec<&str> = within.iter().map(|(name, _)| *name).collect();
     names.extend(between.iter().map(|(name, _)| *name));
-    for (i, name) in names.iter().enumerate() {
-        if names[..i].contains(name) {
-            return Err(StatsError::DoubleName {
-                what: "factor".to_owned(),
-                name: (*name).to_owned(),
-            });
-        }
-    }
-    Ok(())
+    StatsError::distinct("factor", &names)
 }

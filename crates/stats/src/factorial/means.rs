@@ -13,6 +13,7 @@ use crate::{
         matrix::Matrix,
         moments::dot,
     },
+    within_subjects::pairs,
 };
 
 /// A mean over cells with equal weight.
@@ -177,38 +178,33 @@ impl<'a> Means<'a> {
         undefined: &mut Reasons,
     ) -> Named<CellContrast> {
         let levels = &self.cells.design.factors()[f].levels;
-        let k = levels.len();
         let mut parts = parts.clone();
-        let mut pairs = Vec::with_capacity(k * (k - 1) / 2);
-        for a in 0..k {
-            for b in a + 1..k {
-                parts[f] = difference(k, a, b);
-                let (estimate, se) = self.estimate(&parts);
-                let name = format!("{}|{}", levels[a], levels[b]);
-                let some = se > 0.0;
-                if !some {
-                    for part in ["t", "p", "p_holm"] {
-                        undefined.note(&format!("{prefix}.{name}.{part}"), NO_ERROR);
-                    }
+        let of_pair = |(a, b, name): (usize, usize, String)| {
+            parts[f] = difference(levels.len(), a, b);
+            let (estimate, se) = self.estimate(&parts);
+            let some = se > 0.0;
+            if !some {
+                for part in ["t", "p", "p_holm"] {
+                    undefined.note(&format!("{prefix}.{name}.{part}"), NO_ERROR);
                 }
-                if self.t95.is_none() {
-                    undefined.note(&format!("{prefix}.{name}"), NO_QUANTILE);
-                }
-                let t = some.then(|| estimate / se);
-                let half = self.t95.map(|t| t * se);
-                let contrast = CellContrast {
-                    estimate,
-                    se,
-                    t,
-                    p: t.map(|t| t_two_sided(t, self.cells.freedom as f64)),
-                    p_holm: None,
-                    ci_low: half.map(|h| estimate - h),
-                    ci_high: half.map(|h| estimate + h),
-                };
-                pairs.push((name, contrast));
             }
-        }
-        let mut pairs: Named<CellContrast> = pairs.into_iter().collect();
+            if self.t95.is_none() {
+                undefined.note(&format!("{prefix}.{name}"), NO_QUANTILE);
+            }
+            let t = some.then(|| estimate / se);
+            let half = self.t95.map(|t| t * se);
+            let contrast = CellContrast {
+                estimate,
+                se,
+                t,
+                p: t.map(|t| t_two_sided(t, self.cells.freedom as f64)),
+                p_holm: None,
+                ci_low: half.map(|h| estimate - h),
+                ci_high: half.map(|h| estimate + h),
+            };
+            (name, contrast)
+        };
+        let mut pairs: Named<CellContrast> = pairs(levels).into_iter().map(of_pair).collect();
         Adjustment::Holm.correct(pairs.values_mut(), |c| c.p, |c, p| c.p_holm = p);
         pairs
     }

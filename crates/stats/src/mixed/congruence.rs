@@ -142,20 +142,7 @@ pub fn congruence(data: &CongruenceData, bound: f64) -> Result<Congruence, Stats
         data.liking,
         FEWEST_PEOPLE,
     )?;
-    let (n_obs, n_subjects) = (rows.values.len(), rows.people.len());
-    if n_obs == n_subjects {
-        return Err(StatsError::TooFew {
-            unit: "row".to_owned(),
-            found: n_obs,
-            dropped: rows.missing,
-            expected: n_subjects + 1,
-        });
-    }
-    let places = distinct(rows.kept.iter().filter_map(|&row| moved[row]).collect());
-    if places < 3 {
-        let three = "at least 3 different distances, as two have no curvature";
-        return Err(StatsError::parameter("moved", three, places as f64));
-    }
+    enough(&rows, moved)?;
     rows.independent()?;
     let random = |row: usize, j: usize| rows.columns.value(row, if j == 0 { 0 } else { MOVED });
     let blocks = rows.blocks(2, random);
@@ -204,8 +191,8 @@ pub fn congruence(data: &CongruenceData, bound: f64) -> Result<Congruence, Stats
         }
     }
     Ok(Congruence {
-        n_obs,
-        n_subjects,
+        n_obs: rows.values.len(),
+        n_subjects: rows.people.len(),
         missing: rows.missing,
         bound,
         own_mean,
@@ -224,6 +211,25 @@ pub fn congruence(data: &CongruenceData, bound: f64) -> Result<Congruence, Stats
         surface,
         undefined,
     })
+}
+
+/// Refuses one row a person, and distances that have no curvature.
+fn enough(rows: &ModelRows, moved: &[Option<f64>]) -> Result<(), StatsError> {
+    let (n_obs, n_subjects) = (rows.values.len(), rows.people.len());
+    if n_obs == n_subjects {
+        return Err(StatsError::TooFew {
+            unit: "row".to_owned(),
+            found: n_obs,
+            dropped: rows.missing,
+            expected: n_subjects + 1,
+        });
+    }
+    let places = distinct(rows.kept.iter().filter_map(|&row| moved[row]).collect());
+    if places < 3 {
+        let three = "at least 3 different distances, as two have no curvature";
+        return Err(StatsError::parameter("moved", three, places as f64));
+    }
+    Ok(())
 }
 
 /// Edwards and Parry's numbers, with what was met = own + moved.

@@ -42,12 +42,7 @@ impl Formula {
                 0.0,
             ));
         }
-        if let Some(twice) = (1..names.len()).find(|&i| names[..i].contains(&names[i])) {
-            return Err(StatsError::DoubleName {
-                what: "predictor".to_owned(),
-                name: names[twice].to_owned(),
-            });
-        }
+        StatsError::distinct("predictor", &names)?;
         let subsets = 1..1_usize << factors.len();
         let product = |bits: usize| (0..factors.len()).filter(move |f| bits >> f & 1 == 1);
         let mut terms: Vec<Vec<usize>> = subsets.map(|bits| product(bits).collect()).collect();

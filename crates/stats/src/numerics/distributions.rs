@@ -47,7 +47,19 @@ pub(crate) fn normal_quantile(p: f64) -> f64 {
 }
 
 /// 97.5 % point of the normal distribution.
-pub(crate) const NORMAL_975: f64 = 1.959_963_984_540_054;
+const NORMAL_975: f64 = 1.959_963_984_540_054;
+
+/// tanh(atanh(r) ± z · error), which is r itself at ±1.
+pub(crate) fn fisher_interval(r: f64, error: f64) -> (f64, f64) {
+    if r.abs() >= 1.0 {
+        return (r, r);
+    }
+    let half = NORMAL_975 * error;
+    (
+        libm::tanh(libm::atanh(r) - half),
+        libm::tanh(libm::atanh(r) + half),
+    )
+}
 
 /// P(|T| > |t|) with `df` degrees of freedom.
 pub(crate) fn t_two_sided(t: f64, df: f64) -> f64 {

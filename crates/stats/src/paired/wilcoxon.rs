@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::signed_ranks::{MOST_EXACT, SignedRanks, Zeros};
-use crate::{Reasons, numerics::distributions::NORMAL_975};
+use crate::{Reasons, numerics::distributions::fisher_interval};
 
 /// How a p value was computed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
@@ -119,11 +119,7 @@ fn of_ranks(main: &SignedRanks, pratt: &SignedRanks) -> Wilcoxon {
     let interval = biserial.filter(|r| r.abs() < 1.0).map(|r| {
         let n = n as f64;
         let error = ((2.0 * n.powi(3) + 3.0 * n * n + n) / 6.0).sqrt() / (0.5 * n * (n + 1.0));
-        let half = NORMAL_975 * error;
-        (
-            libm::tanh(libm::atanh(r) - half),
-            libm::tanh(libm::atanh(r) + half),
-        )
+        fisher_interval(r, error)
     });
     Wilcoxon {
         n_used: n,

@@ -107,14 +107,8 @@ pub fn alpha(
     people: Option<&[String]>,
 ) -> Result<AlphaAnalysis, StatsError> {
     complete::enough("item", items.len(), 0, 2)?;
-    for (i, (name, _)) in items.iter().enumerate() {
-        if items[..i].iter().any(|(other, _)| other == name) {
-            return Err(StatsError::DoubleName {
-                what: "item".to_owned(),
-                name: (*name).to_owned(),
-            });
-        }
-    }
+    let names: Vec<&str> = items.iter().map(|(name, _)| *name).collect();
+    StatsError::distinct("item", &names)?;
     let complete = complete::rows(items, "respondent", 2)?;
     let columns = &complete.columns;
     let (n, k) = (columns[0].len(), columns.len());

@@ -2,7 +2,7 @@
 
 use std::{fs, path::Path};
 
-use maveric_stats::{PlannedTest, PowerQuestion, ReportedCorrelation, WithinSubjects};
+use maveric_stats::{CaseStratum, PlannedTest, PowerQuestion, ReportedCorrelation, WithinSubjects};
 use serde_json::Value;
 
 /// Cells as text, by column.
@@ -63,6 +63,36 @@ impl Table {
             &self.numbers("value"),
         );
         data.unwrap().reordered(&self.conditions).unwrap()
+    }
+
+    /// Moments with and without an event, a stratum a person.
+    pub(crate) fn strata(&self) -> Vec<CaseStratum> {
+        let mut strata: Vec<CaseStratum> = Vec::new();
+        let moments = self.complete("event").into_iter();
+        for ((person, event), exposure) in self
+            .text("stratum")
+            .into_iter()
+            .zip(moments)
+            .zip(self.complete("exposure"))
+        {
+            let place = strata.iter().position(|s| s.person == person);
+            let place = place.unwrap_or_else(|| {
+                strata.push(CaseStratum {
+                    person,
+                    events: Vec::new(),
+                    others: Vec::new(),
+                });
+                strata.len() - 1
+            });
+            let stratum = &mut strata[place];
+            let list = if event > 0.0 {
+                &mut stratum.events
+            } else {
+                &mut stratum.others
+            };
+            list.push(exposure);
+        }
+        strata
     }
 
     pub(crate) fn questions(&self) -> Vec<PowerQuestion> {

@@ -96,7 +96,7 @@ impl<'a> Sources<'a> {
             asked_scales: BTreeMap::new(),
             own_measures: read_own_measures(study, participants)?,
         };
-        let table = study.resolve(&study.design.people().file);
+        let table = study.people_file(None);
         let beside = results.join("participants.csv");
         let is_listed = participants.is_some() || beside.is_file() || table.is_file();
         let people = if is_listed {

@@ -68,7 +68,7 @@ pub struct Ablate {
     )]
     pub windows_s: Vec<f64>,
     /// Parts into which the drivers are split
-    #[arg(long, default_value_t = 5)]
+    #[arg(long, default_value_t = AblationSettings::default().folds)]
     pub folds: usize,
     /// Who is left out in turn, the rest being learned from: one person after the other of a study's own recordings, each drive with the
     /// score of its role
@@ -78,7 +78,7 @@ pub struct Ablate {
     #[arg(long, value_name = "FILE", requires = "leave_out")]
     pub design: Option<PathBuf>,
     /// Passes over the rows of each training
-    #[arg(long, default_value_t = 40)]
+    #[arg(long, default_value_t = TrainSettings::default().epochs)]
     pub epochs: usize,
     /// Root of every random choice
     #[arg(long, default_value_t = 1)]
@@ -373,7 +373,6 @@ fn parts(ablated: &Ablated, texts: &PageTexts) -> Result<Option<Finding>, StudyE
 mod tests {
     use super::*;
     use crate::recordings::testing::{drives, study};
-    use std::sync::atomic::AtomicBool;
 
     fn options(folder: &Path) -> Ablate {
         Ablate {
@@ -393,8 +392,7 @@ mod tests {
     }
 
     fn run(options: &Ablate) -> Result<Outcome<Ablated>, StudyError> {
-        let progress = |_: usize, _: usize, _: &str| {};
-        options.run(Watch::new(&progress, &AtomicBool::new(false)))
+        options.run(Watch::unwatched())
     }
 
     #[test]

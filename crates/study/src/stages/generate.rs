@@ -233,7 +233,7 @@ impl Place {
             ),
             None if study.path.is_some() => (
                 study.resolve(&files.logs),
-                study.resolve(&study.design.people().file),
+                study.people_file(None),
                 study.resolve(&files.answers),
             ),
             None => {

@@ -384,13 +384,12 @@ fn orders_agree(
     gate: &Gate,
     drives: &[Written],
 ) -> Result<(), StudyError> {
-    let people_file = study.resolve(&study.design.people().file);
-    let table = participants.unwrap_or(&people_file);
+    let table = study.people_file(participants);
     for (row, person) in gate.people().enrolled.iter().enumerate() {
         let theirs = drives.iter().filter(|d| d.meta.participant == person.id);
         let ridden = theirs.filter(|d| study.design.condition(d.meta.condition).is_some());
         let recorded = ridden.map(|d| (d.meta.condition, d.begins_ns)).collect();
-        orders::agrees(table, row, person, &recorded)?;
+        orders::agrees(&table, row, person, &recorded)?;
     }
     Ok(())
 }
@@ -464,7 +463,6 @@ fn write_exclusions(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use std::sync::atomic::AtomicBool;
 
     const LOG: &str =
         "time_s,ego_x_m,ego_y_m,ego_speed_mps,lead_id,lead_dx_m,lead_dy_m,lead_speed_mps\n";
@@ -483,8 +481,7 @@ mod tests {
             jobs: 2,
             ..Ingest::default()
         };
-        let (quiet, go_on) = (|_: usize, _: usize, _: &str| (), AtomicBool::new(false));
-        options.run(Watch::new(&quiet, &go_on))
+        options.run(Watch::unwatched())
     }
 
     fn names(folder: &Path) -> BTreeSet<String> {
@@ -614,8 +611,7 @@ mod tests {
                 jobs: 1,
                 ..Ingest::default()
             };
-            let (quiet, go_on) = (|_: usize, _: usize, _: &str| (), AtomicBool::new(false));
-            let made = options.run(Watch::new(&quiet, &go_on)).unwrap();
+            let made = options.run(Watch::unwatched()).unwrap();
             assert_eq!((made.value.drives.len(), made.value.rows), (1, 200));
             assert_eq!(made.value.drives[0].drive.as_str(), "a");
             let told = made

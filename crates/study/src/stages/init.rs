@@ -17,7 +17,7 @@ use maveric_domain::{
 use path_slash::PathExt as _;
 use serde::Serialize;
 use std::path::{Path, PathBuf};
-use study_text::{Wanted, study_text};
+use study_text::{DialledScore, Wanted, study_text};
 
 /// Folders that start empty.
 const FOLDERS: [&str; 2] = ["logs", "surveys"];
@@ -260,7 +260,8 @@ fn texts(options: &Init) -> Result<(String, &'static str), StudyError> {
     };
     let text = study_text(&Wanted {
         conditions: &conditions,
-        style: style.as_ref().map(|(name, range)| (name, *range)),
+        style: style.as_ref(),
+        sickness_after: options.scales.iter().any(|id| id == "ssq"),
         synthetic: options.synthetic,
     });
     let people = if style.is_some() {
@@ -271,25 +272,23 @@ fn texts(options: &Init) -> Result<(String, &'static str), StudyError> {
     Ok((text, people))
 }
 
-/// A score of a shipped scale, and its range.
-fn score(name: &str) -> Result<(ScoreName, [f64; 2]), DesignError> {
+/// A score of a shipped scale, with its range and its name.
+fn score(name: &str) -> Result<DialledScore, DesignError> {
     let scales: Vec<Scale> = scales()
         .filter_map(|(_, text)| Scale::from_toml(text).ok())
         .collect();
-    let mut names = Vec::new();
-    for scale in &scales {
-        for subscale in &scale.subscales {
-            let full = format!("{}.{}", scale.id, subscale.id);
-            if full == name {
-                let (low, high) = scale.score_range(subscale);
-                let score = name
-                    .parse()
-                    .map_err(|e: String| DesignError::key("--style", e, ""))?;
-                return Ok((score, [low, high]));
-            }
-            names.push(full);
-        }
+    if let Ok(score) = name.parse::<ScoreName>()
+        && let Some(scale) = scales.iter().find(|scale| score.scale == scale.id)
+        && let Some(subscale) = scale.subscales.iter().find(|s| score.subscale == s.id)
+    {
+        let (low, high) = scale.score_range(subscale);
+        return Ok(DialledScore {
+            label: format!("{} score", subscale.title.to_lowercase()),
+            range: [low, high],
+            score,
+        });
     }
+    let names: Vec<String> = scales.iter().flat_map(Scale::score_names).collect();
     let known = ["none"].into_iter().chain(names.iter().map(String::as_str));
     Err(DesignError::word("--style", name, known))
 }
@@ -326,17 +325,13 @@ mod tests {
             folder: folder.path().to_owned(),
             ..Init::default()
         };
-        let (quiet, go_on) = (
-            |_: usize, _: usize, _: &str| (),
-            std::sync::atomic::AtomicBool::new(false),
-        );
-        options.run(Watch::new(&quiet, &go_on)).unwrap();
+        options.run(Watch::unwatched()).unwrap();
         let names: BTreeSet<String> = std::fs::read_dir(folder.path())
             .unwrap()
             .map(|e| e.unwrap().file_name().to_string_lossy().into_owned())
             .collect();
         assert!(names.contains(DESIGN_FILE) && names.iter().all(|n| !n.starts_with(".maveric")));
-        let error = options.run(Watch::new(&quiet, &go_on)).unwrap_err();
+        let error = options.run(Watch::unwatched()).unwrap_err();
         assert!(error.to_string().contains("is not empty"), "{error}");
     }
 

@@ -468,7 +468,6 @@ fn plot(path: &Path, settings: &IngestSettings, out: &Path) -> Result<(), StudyE
 #[cfg(test)]
 mod tests {
     use super::*;
-    use std::sync::atomic::AtomicBool;
 
     #[test]
     fn a_proposal_is_written_as_a_file_of_its_own_and_never_over_one_that_is_there() {
@@ -490,8 +489,7 @@ mod tests {
                 watch: None,
                 csv: None,
             };
-            let (quiet, go_on) = (|_: usize, _: usize, _: &str| (), AtomicBool::new(false));
-            inspect.run(Watch::new(&quiet, &go_on))
+            inspect.run(Watch::unwatched())
         };
         let proposed = propose().unwrap();
         let written = std::fs::read_to_string(&into).unwrap();

@@ -394,7 +394,6 @@ mod tests {
     use super::*;
     use crate::tables::{drives::write_drive, measurements::read_measurements};
     use maveric_domain::{Drive, DriveMeta, DrivenBy, EgoTrack, Recording, Road};
-    use std::sync::atomic::AtomicBool;
 
     /// A drive that moves to the passing lane and back again at each of these times.
     fn drive(who: &str, condition: &str, seconds: f64, passes_s: &[f64]) -> Drive {
@@ -447,8 +446,7 @@ mod tests {
             drives: vec![drives],
             out: out.clone(),
         };
-        let (quiet, go_on) = (|_: usize, _: usize, _: &str| (), AtomicBool::new(false));
-        let outcome = options.run(Watch::new(&quiet, &go_on)).unwrap();
+        let outcome = options.run(Watch::unwatched()).unwrap();
         let counted: Vec<(String, Option<f64>, bool)> = read_measurements(&out)
             .unwrap()
             .into_iter()

@@ -66,18 +66,15 @@ pub fn orders(
     } else {
         Square::Williams
     };
-    let plan =
-        OrderPlan::new(&study.design, square, options.blocks.as_deref()).map_err(|error| {
-            let help = error.suggestion();
-            study.wrong(error.to_string(), help)
-        })?;
+    let plan = OrderPlan::new(&study.design, square, options.blocks.as_deref())
+        .map_err(|error| study.wrong(error.to_string(), error.suggestion()))?;
     if study.design.conditions().len() < 2 {
         return Err(study.wrong(
             "has fewer than two conditions: there is no order of them",
             None,
         ));
     }
-    let people_file = study.resolve(&study.design.people().file);
+    let people_file = study.people_file(None);
     let out = options.out.clone().unwrap_or_else(|| people_file.clone());
     // What `init` makes is a table without a row.
     let empty = (out == people_file && out.is_file())

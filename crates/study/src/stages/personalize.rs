@@ -24,7 +24,7 @@ use crate::{
     },
 };
 use maveric_domain::{AdbScore, Drive, Score};
-use maveric_model::{ModelError, Personalizer, Support, style_space::LinearHead};
+use maveric_model::{ModelError, Personalizer, Support, TrainSettings, style_space::LinearHead};
 use maveric_participants::Part;
 use serde::Serialize;
 use std::{
@@ -63,7 +63,7 @@ pub struct Personalize {
     #[arg(long, value_name = "FILE")]
     pub variability: Option<PathBuf>,
     /// Share of each drive, from its start, that may be learned from
-    #[arg(long, default_value_t = 1.0)]
+    #[arg(long, default_value_t = TrainSettings::default().fit_fraction)]
     pub fit_fraction: f64,
     /// Root of every random choice
     #[arg(long, default_value_t = 1)]
@@ -141,17 +141,7 @@ impl Stage for Personalize {
             self.participants.as_deref(),
             Part::Test,
         )?;
-        let scores = self.scores.as_deref().map(read_scores).transpose()?;
-        let stretched = scores
-            .map(|scores| style_scores(scores, design))
-            .transpose()?;
-        let scale = stretched.as_ref().map(|(_, scale)| *scale);
-        let scores = stretched.map(|(scores, _)| scores);
-        let scored_without_drive = match (&scores, &self.scores) {
-            (Some(scores), Some(path)) => scored_without_drive(scores, &drives, path)?,
-            _ => 0,
-        };
-        let scores = scores.unwrap_or_default();
+        let (scores, scale, scored_without_drive) = self.scores_of(&drives)?;
         let personalizer = Personalizer::of_first(&model, self.fit_fraction)?;
         let mut warnings = Vec::new();
         let (tasks, unscored) = self.tasks(&drives, |drive| {
@@ -202,7 +192,6 @@ impl Stage for Personalize {
             })?;
             write_rows(TableName::Variability, path, &measured)?;
         }
-        let scale = scale.unwrap_or(StyleScale::ADB);
         let off_the_scale = scale.outward_rows(&mut rows);
         warnings.extend(scale.warnings(&off_the_scale));
         warnings.extend(beyond::warnings(&model, &rows));
@@ -239,6 +228,16 @@ impl Stage for Personalize {
 }
 
 impl Personalize {
+    /// The scores as the model has them, of which scale they were, and how many who have one do not drive here.
+    fn scores_of(&self, drives: &[Drive]) -> Result<(Vec<Score>, StyleScale, usize), StudyError> {
+        let Some(path) = &self.scores else {
+            return Ok((Vec::new(), StyleScale::ADB, 0));
+        };
+        let (scores, scale) = style_scores(read_scores(path)?, self.design.as_deref())?;
+        let without_drive = scored_without_drive(&scores, drives, path)?;
+        Ok((scores, scale, without_drive))
+    }
+
     /// What is fitted: of each drive an embedding with its score, where that can be used, and one without; which drives have no score, where scores
     /// were given. `score` has that of a drive, and whether it can be used.
     fn tasks<'a>(
@@ -293,7 +292,7 @@ fn without_habits(rows: &[EmbeddingRow]) -> (usize, Vec<String>) {
 fn scored_without_drive(
     scores: &[Score],
     drives: &[Drive],
-    path: &std::path::Path,
+    path: &Path,
 ) -> Result<usize, StudyError> {
     let scored: BTreeSet<&str> = scores
         .iter()

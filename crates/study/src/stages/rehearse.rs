@@ -20,17 +20,21 @@ use crate::{
     stage::{Files, Stage},
     stages::report::write_page,
 };
-use maveric_analysis::{Finding, Purpose};
-use maveric_domain::stream_seed;
-use maveric_rehearsal::{World, findings, found_in};
+use maveric_analysis::{BesideLent, Finding, Purpose};
+use maveric_domain::{ConditionId, design::FEWEST_DONORS, stream_seed};
+use maveric_rehearsal::{RehearsalError, Studied, World, findings, found_in};
 use serde::Serialize;
-use std::path::{Path, PathBuf};
+use std::{
+    collections::BTreeMap,
+    path::{Path, PathBuf},
+};
 
 /// Run the whole analysis of a design on many made-up studies without driving: false-positive rates, power, sample sizes
 #[derive(Debug, Clone, clap::Args)]
 #[command(after_help = "\
 Examples: maveric rehearse --effects-times 0 --studies 4000 --out reports/null
-          maveric rehearse --participants 12,24,48,96 --effects-times 0.5,1 --studies 300 --out reports/power")]
+          maveric rehearse --participants 12,24,48,96 --effects-times 0.5,1 --studies 300 --out reports/power
+Rehearsed are cars that are { dial = POINTS }, { across = true }, { mean = true } or { other = \"matched\" }; docs/rehearsal.md says how.")]
 pub struct Rehearse {
     /// Design of the study (TOML); study.toml of the folder one stands in when not given, else the paper's
     #[arg(long, value_name = "FILE")]
@@ -138,6 +142,9 @@ impl Stage for Rehearse {
             &DesignFile::find(self.design.as_deref())?,
             [&self.population, &self.effects, &self.scales].map(Option::as_deref),
         )?;
+        for &n in &self.participants {
+            world.enough_donors(n).map_err(|few| few_donors(&few))?;
+        }
         let mut grid = Vec::new();
         for &scale in &self.effect_scales {
             grid.extend(self.participants.iter().map(|n| (scale, *n)));
@@ -158,8 +165,10 @@ impl Stage for Rehearse {
             let seed = stream_seed(self.seed, &["rehearsal", scale, size, index]);
             let study = worlds[cell / self.participants.len()].study(n, seed)?;
             let analysis = maveric_analysis::analyse(&study.data, Purpose::Simulation)?;
-            Ok(found_in(&analysis))
+            let lent = analysis.lent.iter().map(|lent| LentStyles::of(lent, n));
+            Ok((found_in(&analysis), lent.collect::<Vec<LentStyles>>()))
         })?;
+        let (studied, lent): (Vec<Studied>, Vec<Vec<LentStyles>>) = studied.into_iter().unzip();
         let cells: Vec<Cell> = grid
             .iter()
             .zip(studied.chunks(self.studies))
@@ -197,8 +206,53 @@ impl Stage for Rehearse {
         Ok(Outcome {
             value,
             summary,
-            warnings: Vec::new(),
+            warnings: beyond_reach(&lent.concat()),
         })
+    }
+}
+
+/// How many people of one made-up study were lent somebody else's style.
+#[derive(Debug, Clone)]
+struct LentStyles {
+    condition: ConditionId,
+    participants: usize,
+    people: usize,
+    beyond_reach: usize,
+}
+
+impl LentStyles {
+    fn of(lent: &BesideLent, participants: usize) -> Self {
+        Self {
+            condition: lent.condition,
+            participants,
+            people: lent.people,
+            beyond_reach: lent.beyond_reach,
+        }
+    }
+}
+
+/// What a reader has to know of how donors were drawn, over all studies of a size.
+fn beyond_reach(lent: &[LentStyles]) -> Vec<String> {
+    let mut counts: BTreeMap<(ConditionId, usize), (usize, usize)> = BTreeMap::new();
+    for study in lent {
+        let count = counts.entry((study.condition, study.participants));
+        let (beyond, people) = count.or_default();
+        *beyond += study.beyond_reach;
+        *people += study.people;
+    }
+    let beyond = counts.into_iter().filter(|(_, (beyond, _))| *beyond > 0);
+    let line = |((condition, n), (beyond, people)): ((ConditionId, usize), (usize, usize))| {
+        format!(
+            "condition {condition}, studies of {n}: nobody within reach of {beyond} of {people} made-up people, who were lent the nearest style"
+        )
+    };
+    beyond.map(line).collect()
+}
+
+fn few_donors(error: &RehearsalError) -> StudyError {
+    StudyError::NotPossible {
+        problem: error.to_string(),
+        help: Some(format!("such as --participants {}", FEWEST_DONORS + 1)),
     }
 }
 
@@ -238,4 +292,27 @@ fn check(options: &Rehearse) -> Result<(), StudyError> {
         return refuse("a scale of the effects stands twice".to_owned());
     }
     Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn who_was_lent_the_nearest_style_is_counted_over_the_studies_of_a_size() {
+        let study = |participants, beyond_reach| LentStyles {
+            condition: "other".parse().unwrap(),
+            participants,
+            people: participants,
+            beyond_reach,
+        };
+        let told = beyond_reach(&[study(12, 2), study(12, 1), study(24, 0)]);
+        assert_eq!(
+            told,
+            [
+                "condition other, studies of 12: nobody within reach of 3 of 24 made-up people, who were lent the nearest style"
+            ]
+        );
+        assert!(beyond_reach(&[]).is_empty());
+    }
 }

@@ -1,10 +1,10 @@
 //! How many people a declared study needs: the power that a rehearsal of it found.
 
 use crate::{atomic_write::read_json, design::DesignFile, error::StudyError};
-use maveric_domain::design::{Car, Outcome};
+use maveric_domain::design::Outcome;
 use maveric_measures::objective;
 use maveric_pages::{DECLARED, PageTexts};
-use maveric_rehearsal::{Cell, HypothesisRate, TestRate};
+use maveric_rehearsal::{Cell, HypothesisRate, TestRate, UnknownCar};
 use path_slash::PathExt as _;
 use serde::{Deserialize, Serialize};
 use std::{collections::BTreeMap, path::Path};
@@ -29,13 +29,16 @@ pub(super) fn sample_size(
     let there = usual.filter(|path| path.is_file());
     let texts = PageTexts::new(DECLARED, &())?;
     let Some(path) = power.map(Path::to_owned).or(there) else {
-        let on_the_dial = |car: &Option<Car>| matches!(car, Some(Car::Dial(_) | Car::Across));
-        let can_be = design.conditions().iter().all(|c| on_the_dial(&c.car));
-        return Ok(vec![texts.text(if can_be {
-            "not_rehearsed"
-        } else {
-            "not_known"
-        })?]);
+        let mut conditions = design.conditions().iter();
+        let unknown = conditions.find_map(|c| Some((c, UnknownCar::of(c.car.as_ref())?)));
+        return Ok(vec![match unknown {
+            None => texts.text("not_rehearsed")?,
+            Some((condition, why)) => {
+                let label = condition.label.clone();
+                let values = BTreeMap::from([("condition", label), ("why", why.to_string())]);
+                texts.with(&values).text("not_known")?
+            }
+        }]);
     };
     let rehearsed: Rehearsed = read_json(&path)?;
     let planted: Vec<&Cell> = rehearsed

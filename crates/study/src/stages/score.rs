@@ -279,12 +279,9 @@ impl Stage for ScoreAnswers {
             None => scales,
         };
         let mut scored = maveric_measures::score(&scales, &answers, participants.as_deref())?;
-        let people = participants.as_deref();
-        let people: Option<BTreeSet<&ParticipantId>> = people.map(|ids| ids.iter().collect());
-        let takes_part = |who: &ParticipantId| {
-            let people = people.as_ref();
-            people.is_none_or(|people| people.contains(who))
-        };
+        let people: Option<BTreeSet<&ParticipantId>> =
+            participants.as_ref().map(|ids| ids.iter().collect());
+        let takes_part = |who: &ParticipantId| people.as_ref().is_none_or(|p| p.contains(who));
         probes.retain(|p| takes_part(&p.participant));
         scored.scores.extend(score_probes(&scales, &probes)?);
         let mut warnings = scored.warnings;
@@ -395,7 +392,6 @@ fn write_reliabilities(out: &Path, rows: &[Reliability]) -> Result<(), StudyErro
 #[cfg(test)]
 mod tests {
     use super::*;
-    use std::sync::atomic::AtomicBool;
 
     const SCALE: &str = "id = \"calm\"\ntitle = \"Calmness\"\nreference = \"made up\"\nitems = 6\nmin = 1\nmax = 5\nscoring = \"mean\"\nreversed = [2, 4]\n[[subscales]]\nid = \"calm\"\ntitle = \"Calmness\"\nitems = [1, 2, 3, 4, 5, 6]\n";
 
@@ -415,10 +411,7 @@ mod tests {
             moments,
             out: folder.path().join("scores.csv"),
         };
-        let (quiet, go_on) = (|_: usize, _: usize, _: &str| (), AtomicBool::new(false));
-        let done = options
-            .run(Watch::new(&quiet, &go_on))
-            .map_err(|e| e.to_string())?;
+        let done = options.run(Watch::unwatched()).map_err(|e| e.to_string())?;
         let listed = std::fs::read_to_string(exclusions_path(&options.out)).unwrap();
         Ok((done, listed))
     }

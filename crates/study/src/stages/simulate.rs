@@ -1,5 +1,9 @@
 //! `simulate`: the learned model drives each condition.
 
+mod logs;
+
+pub use logs::Scenes;
+
 use crate::{
     atomic_write::write_recording,
     beyond,
@@ -21,6 +25,7 @@ use crate::{
     },
     watching::{WatchedDrive, braking, read_watched, write_watch_page},
 };
+use logs::{Logged, known, log_of};
 use maveric_domain::{
     BeyondWhy, Drive, DriveId, DriveMeta, DrivenBy, Embedding, Occasion, ParticipantId, Recording,
     Variability, design::Condition, stream_seed,
@@ -85,116 +90,6 @@ pub struct Simulate {
     /// Threads
     #[arg(short, long, default_value_t = crate::outcome::all_cores())]
     pub jobs: usize,
-}
-
-/// Whose logs are written, or get a scene.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub enum Scenes {
-    /// Everybody's.
-    All,
-    /// One participant's.
-    Of(String),
-}
-
-impl std::str::FromStr for Scenes {
-    type Err = std::convert::Infallible;
-    fn from_str(text: &str) -> Result<Self, Self::Err> {
-        Ok(match text {
-            "all" => Self::All,
-            participant => Self::Of(participant.to_owned()),
-        })
-    }
-}
-
-impl Scenes {
-    /// Whether a participant's logs get one.
-    pub fn cover(&self, participant: &ParticipantId) -> bool {
-        match self {
-            Self::All => true,
-            Self::Of(one) => one == participant.as_str(),
-        }
-    }
-
-    /// Checks that the one asked for is among the participants.
-    ///
-    /// # Errors
-    /// [`StudyError::NotPossible`] naming some who are.
-    pub fn check<'a>(
-        &self,
-        participants: impl Iterator<Item = &'a ParticipantId>,
-    ) -> Result<(), StudyError> {
-        match self {
-            Self::Of(one) => known(one, participants),
-            Self::All => Ok(()),
-        }
-    }
-}
-
-/// The participants whose drives are written as logs too.
-struct Logged<'a> {
-    wished: [Option<&'a Scenes>; 2],
-    shown: Option<&'a ParticipantId>,
-}
-
-impl<'a> Logged<'a> {
-    /// Those of whom logs or scenes are asked; without such a wish the one whom the report shows: a log takes longer to write than its drive
-    /// to be driven, and nothing else reads it.
-    fn new(options: &'a Simulate, conditions: &'a [ConditionRow]) -> Self {
-        let shown = (options.logs.is_none()).then(|| in_the_middle(conditions));
-        Self {
-            wished: [options.logs.as_ref(), options.scenes.as_ref()],
-            shown: shown.flatten(),
-        }
-    }
-
-    fn cover(&self, participant: &ParticipantId) -> bool {
-        let mut wished = self.wished.iter().flatten();
-        self.shown == Some(participant) || wished.any(|whose| whose.cover(participant))
-    }
-}
-
-/// Whose own style reads as the middle score of all: both directions of the dial show best there.
-fn in_the_middle(conditions: &[ConditionRow]) -> Option<&ParticipantId> {
-    let unmoved = |row: &&ConditionRow| row.moved_points.is_some_and(|by| by.abs() < 1e-9);
-    let mut rows: Vec<&ConditionRow> = conditions.iter().filter(unmoved).collect();
-    if rows.is_empty() {
-        rows = conditions.iter().collect();
-    }
-    // Who reads as no score comes last.
-    let score = |row: &ConditionRow| row.adb_hat.unwrap_or(f64::INFINITY);
-    rows.sort_by(|a, b| score(a).total_cmp(&score(b)));
-    let scored = rows.iter().filter(|row| row.adb_hat.is_some()).count();
-    Some(&rows.get(scored.saturating_sub(1) / 2)?.participant)
-}
-
-/// Where the log of a drive lies.
-fn log_of(out: &Path, drive: &str) -> PathBuf {
-    out.join("logs").join(format!("{drive}.mcap"))
-}
-
-/// Checks that a participant is among those there are.
-fn known<'a>(
-    wanted: &str,
-    participants: impl Iterator<Item = &'a ParticipantId>,
-) -> Result<(), StudyError> {
-    let there: BTreeSet<&str> = participants.map(ParticipantId::as_str).collect();
-    if there.contains(wanted) {
-        return Ok(());
-    }
-    let some: Vec<&str> = there.iter().take(5).copied().collect();
-    Err(StudyError::NotPossible {
-        problem: format!(
-            "there is no participant {wanted} among the {}: {}{}",
-            there.len(),
-            some.join(", "),
-            if there.len() > some.len() {
-                ", …"
-            } else {
-                ""
-            }
-        ),
-        help: Some("give one of them".to_owned()),
-    })
 }
 
 /// What was driven.
@@ -659,24 +554,22 @@ mod tests {
                 });
             }
         }
-        let logged = |more: &[&str]| -> Vec<String> {
+        let logged_of = |rows: &[ConditionRow], more: &[&str]| -> Vec<String> {
             let asked = asked(more);
-            let logged = Logged::new(&asked, &rows);
+            let logged = Logged::new(&asked, rows);
             let people = rows.iter().step_by(2).map(|row| &row.participant);
             people
                 .filter(|who| logged.cover(who))
                 .map(ToString::to_string)
                 .collect()
         };
+        let logged = |more: &[&str]| logged_of(&rows, more);
         assert_eq!(logged(&[]), ["P04"]);
         assert_eq!(logged(&["--scene", "P01"]), ["P01", "P04"]);
         assert_eq!(logged(&["--logs", "P02"]), ["P02"]);
         assert_eq!(logged(&["--logs"]).len(), 4);
-        assert_eq!(
-            in_the_middle(&rows[2..4]).map(ParticipantId::as_str),
-            Some("P02")
-        );
-        assert_eq!(in_the_middle(&[]), None);
+        assert_eq!(logged_of(&rows[2..4], &[]), ["P02"]);
+        assert_eq!(logs::in_the_middle(&[]), None);
     }
 
     #[test]

@@ -4,6 +4,7 @@ mod attribute_scores;
 mod conditions;
 mod strangers;
 mod sweep;
+mod withheld;
 
 pub use attribute_scores::AttributeSummary;
 
@@ -15,7 +16,7 @@ use crate::{
     run_folder::read_model,
     stage::{Files, Stage},
     tables::{
-        collected::LENT,
+        collected::{LENT, consents_of_study},
         conditions::{ConditionRow, write_conditions},
         embeddings::{EmbeddingRow, read_embeddings},
     },
@@ -105,7 +106,7 @@ impl Stage for Steer {
             .reads(&self.scores)
             .reads_design(self.design.as_deref())
             .reads_style(Some(&study))
-            .reads_if_there(Some(study.resolve(Path::new(LENT))))
+            .reads_if_there([LENT.into(), consents_of_study()].map(|file| study.resolve(&file)))
             .writes([&self.out]))
     }
 
@@ -164,4 +165,11 @@ fn is_beyond(model: &Model, embedding: &Embedding) -> Result<bool, StudyError> {
         share_outside_training(model, std::slice::from_ref(embedding))?
             .is_some_and(|share| share > 0.5),
     )
+}
+
+/// SD of by how many points a style was moved from one end of a step to the other, `stretch` points of the model each.
+fn moved_sd(axis: &LinearHead, [from, to]: [&Embedding; 2], stretch: f64) -> Option<f64> {
+    let ends = to.coordinates().iter().zip(from.coordinates());
+    let step: Vec<f64> = ends.map(|(to, from)| to - from).collect();
+    axis.step_sd(&step).map(|sd| sd / stretch)
 }

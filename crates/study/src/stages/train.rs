@@ -56,25 +56,25 @@ pub struct Train {
     pub out: PathBuf,
     /// Which heads learn: linear (habits as events) or paper (its five networks, which the epochs, fractions and patience below
     /// are about)
-    #[arg(long, default_value = "linear", value_name = "linear|paper")]
+    #[arg(long, default_value_t = TrainSettings::default().heads, value_name = "linear|paper")]
     pub heads: HeadsKind,
     /// How linear heads read a free speed: in m/s, or beside what is posted (absolute or posted)
     #[arg(long, default_value = "absolute", value_name = "absolute|posted")]
     pub free_speed: FreeSpeed,
     /// Size of the embedding
-    #[arg(long, default_value_t = 3)]
+    #[arg(long, default_value_t = TrainSettings::default().embedding_size)]
     pub embedding_size: usize,
     /// Passes over the training rows
-    #[arg(long, default_value_t = 40)]
+    #[arg(long, default_value_t = TrainSettings::default().epochs)]
     pub epochs: usize,
     /// Share of each drive, from its start, that may be learned from
-    #[arg(long, default_value_t = 1.0)]
+    #[arg(long, default_value_t = TrainSettings::default().fit_fraction)]
     pub fit_fraction: f64,
     /// Share of the people whom a run of its own keeps back, to choose the number of passes by (0: no such run)
-    #[arg(long, default_value_t = 0.15)]
+    #[arg(long, default_value_t = TrainSettings::default().validation_fraction)]
     pub validation_fraction: f64,
     /// Passes without a lower loss on those people after which that run stops (0: never)
-    #[arg(long, default_value_t = 0)]
+    #[arg(long, default_value_t = TrainSettings::default().patience)]
     pub patience: usize,
     /// Root of every random choice
     #[arg(long, default_value_t = 1)]
@@ -143,13 +143,8 @@ impl Stage for Train {
             self.participants.as_deref(),
             Part::Learn,
         )?;
-        let scores = self
-            .scores
-            .as_deref()
-            .map(read_scores)
-            .transpose()?
-            .unwrap_or_default();
-        let (scores, scale) = style_scores(scores, design)?;
+        let scores = self.scores.as_deref().map(read_scores).transpose()?;
+        let (scores, scale) = style_scores(scores.unwrap_or_default(), design)?;
         let settings = self.settings();
         let study = DesignFile::here(design)?;
         let baseline = DesignFile::find(design)?.design.baseline_id();
@@ -251,10 +246,8 @@ impl Train {
             };
             let (meta, embedding) = (drive.meta(), place.embedding.clone());
             let adb = score(drive)?;
+            let (id, who) = (place.drive.clone(), meta.participant.clone());
             rows.push(EmbeddingRow {
-                drive: place.drive.clone(),
-                participant: meta.participant.clone(),
-                condition: meta.condition,
                 session: meta.session,
                 trial: meta.trial,
                 // Linear heads learn where drivers lie from their driving alone.
@@ -262,13 +255,7 @@ impl Train {
                 adb: adb.map(AdbScore::points),
                 adb_hat: axis.as_ref().map(|a| a.read(&embedding)).transpose()?,
                 line_position: axis.as_ref().map(|a| a.position(&embedding)).transpose()?,
-                readings: None,
-                covariance: None,
-                line_position_se: None,
-                support_p: None,
-                beyond_why: None,
-                posted_unseen: None,
-                embedding,
+                ..EmbeddingRow::new(id, who, meta.condition, embedding)
             });
         }
         Ok(rows)

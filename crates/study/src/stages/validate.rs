@@ -26,7 +26,7 @@ use crate::{
 };
 use maveric_analysis::Finding;
 use maveric_domain::{Drive, DrivenBy};
-use maveric_model::HeadsKind;
+use maveric_model::{HeadsKind, TrainSettings};
 use maveric_pages::PageTexts;
 use maveric_rehearsal::validation::{MEASURES, Values, mean, retest, title, values};
 use maveric_report::tables::Table;
@@ -61,7 +61,7 @@ pub struct Validate {
     #[arg(long, default_value = "development", requires = "leave_out")]
     pub part: leave_out::Part,
     /// Which heads learn where people are left out: linear, or paper, which needs a training for each exchange of roles
-    #[arg(long, default_value = "linear", value_name = "linear|paper")]
+    #[arg(long, default_value_t = TrainSettings::default().heads, value_name = "linear|paper")]
     pub heads: HeadsKind,
     /// How often roles are exchanged within people; the rules' number, else 1000, and none for the paper's networks, when not given
     #[arg(long, requires = "leave_out")]
@@ -214,7 +214,6 @@ impl Validate {
         let tables = tables::tables(&models, &retest, &texts)?;
         let markdown: Vec<String> = tables.iter().map(Table::to_markdown).collect();
         let text = markdown.join("\n");
-        atomic_write_bytes(&self.out.join("validation.md"), text.as_bytes())?;
         let collisions: u32 = models.iter().map(|m| m.collisions).sum();
         let value = Validated {
             synthetic,
@@ -224,13 +223,10 @@ impl Validate {
             findings: examine::findings(&models),
             models,
         };
-        write_json(&self.out.join("validation.json"), &value)?;
+        let mut summary = write(&self.out, &text, &value)?;
         let warnings = warnings(&people, collisions, &texts)?;
-        let page = write_page(
-            &self.out,
-            &page::page(&value, self, (&texts, tables), &warnings)?,
-        )?;
-        let mut summary: Vec<String> = text.lines().map(str::to_owned).collect();
+        let page = page::page(&value, self, (&texts, tables), &warnings)?;
+        let page = write_page(&self.out, &page)?;
         let page = BTreeMap::from([("page", page.to_slash_lossy())]);
         summary.push(texts.with(&page).text("line")?);
         Ok(Outcome {
@@ -239,6 +235,13 @@ impl Validate {
             warnings,
         })
     }
+}
+
+/// Writes what was found as text and as data, before a page of it could fail; gives the lines of the text.
+fn write(out: &Path, text: &str, result: &impl Serialize) -> Result<Vec<String>, StudyError> {
+    atomic_write_bytes(&out.join("validation.md"), text.as_bytes())?;
+    write_json(&out.join("validation.json"), result)?;
+    Ok(text.lines().map(str::to_owned).collect())
 }
 
 /// What could not be compared, and what should not have happened.

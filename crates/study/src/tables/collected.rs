@@ -1,7 +1,7 @@
 //! What the seat collects beside answers and drives: what happened on every page and in every drive, what was agreed to, what was noted.
 //! What the columns are `columns.toml` says.
 
-pub use maveric_analysis::{NotAdmitted, Stopped};
+pub use maveric_analysis::{ConsentRow, NotAdmitted, NotAgreed, Stopped};
 
 use super::{
     Table, TableName,
@@ -11,7 +11,7 @@ use super::{
 use crate::error::StudyError;
 use maveric_domain::{ConditionId, Embedding, Lent, ParticipantId};
 use serde::{Deserialize, Serialize};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// Something that happened on a page or in a drive.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -28,14 +28,40 @@ pub struct EventRow {
     pub at: Option<String>,
 }
 
-/// A text that was agreed to.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[expect(missing_docs, reason = "`columns.toml` says what they are")]
-pub struct ConsentRow {
-    pub participant: ParticipantId,
-    pub step: usize,
-    pub text_sha256: String,
-    pub at: Option<String>,
+/// Reads the texts that were agreed to.
+///
+/// # Errors
+/// As [`Table`] does, naming row and column.
+pub fn read_consents(path: &Path) -> Result<Vec<ConsentRow>, StudyError> {
+    #[derive(Deserialize)]
+    struct Agreed {
+        participant: ParticipantId,
+        step: usize,
+        text_sha256: String,
+        at: Option<String>,
+    }
+    #[derive(Deserialize)]
+    struct Asked {
+        style_lent: Option<bool>,
+    }
+    let table = Table::read(path)?;
+    let agreed: Vec<Agreed> = table.records()?;
+    // Where nobody is asked there is no such column.
+    let asked: Vec<Asked> = if table.has("style_lent") {
+        table.records()?
+    } else {
+        Vec::new()
+    };
+    let lent = asked.into_iter().map(|row| row.style_lent);
+    let lent = lent.chain(std::iter::repeat(None));
+    let row = |(row, style_lent): (Agreed, Option<bool>)| ConsentRow {
+        participant: row.participant,
+        step: row.step,
+        text_sha256: row.text_sha256,
+        at: row.at,
+        style_lent,
+    };
+    Ok(agreed.into_iter().zip(lent).map(row).collect())
 }
 
 /// What the experimenter noted, or was told by the seat.
@@ -109,6 +135,11 @@ pub struct PaymentRow {
 pub const EVENTS: &str = "events.csv";
 /// As [`EVENTS`].
 pub const CONSENTS: &str = "consents.csv";
+/// Where [`CONSENTS`] is, from the study's folder.
+pub fn consents_of_study() -> PathBuf {
+    Path::new("seat").join(CONSENTS)
+}
+
 /// As [`EVENTS`].
 pub const NOTES: &str = "notes.csv";
 /// As [`EVENTS`]; of its owner alone.
@@ -117,5 +148,40 @@ pub const PAYMENT: &str = "payment.csv";
 pub const STOPPED: &str = "seat/stopped.csv";
 /// How many people were not admitted, from the study's folder.
 pub const NOT_ADMITTED: &str = "seat/not_admitted.csv";
+/// How many people did not agree to the consent, from the study's folder.
+pub const NOT_AGREED: &str = "seat/not_agreed.csv";
 /// The styles that were lent, from the study's folder.
 pub const LENT: &str = "seat/lent.csv";
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn who_was_asked_for_their_style_and_who_was_not_come_back_from_one_table() {
+        let row = |who: &str, style_lent| ConsentRow {
+            participant: ParticipantId::new(who).unwrap(),
+            step: 1,
+            text_sha256: "aa".to_owned(),
+            at: Some("2026-11-27T13:26:32Z".to_owned()),
+            style_lent,
+        };
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join(CONSENTS);
+        let mixed = [
+            row("P001", None),
+            row("P002", Some(true)),
+            row("P003", None),
+            row("P004", Some(false)),
+            row("P005", None),
+        ];
+        write_rows(TableName::Consents, &path, &mixed).unwrap();
+        assert_eq!(read_consents(&path).unwrap(), mixed);
+        // Where nobody was asked there is no column.
+        let nobody = [row("P001", None), row("P002", None)];
+        write_rows(TableName::Consents, &path, &nobody).unwrap();
+        let text = std::fs::read_to_string(&path).unwrap();
+        assert!(!text.contains("style_lent"), "{text}");
+        assert_eq!(read_consents(&path).unwrap(), nobody);
+    }
+}

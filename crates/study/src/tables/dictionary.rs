@@ -34,6 +34,7 @@ pub enum TableName {
     Measures,
     Missing,
     NotAdmitted,
+    NotAgreed,
     Lent,
     Notes,
     OutcomesLong,

@@ -1,7 +1,10 @@
 //! Drives as files: one Parquet file a drive, and `drives.csv` beside them.
 
 use super::{Table, TableBuilder, TableName, read_rows, write_rows};
-use crate::{atomic_write::atomic_write, error::StudyError};
+use crate::{
+    atomic_write::{atomic_write, files_ending},
+    error::StudyError,
+};
 use maveric_analysis::Driven;
 use maveric_domain::{
     DomainError, Drive, DriveId, DriveMeta, Occasion, ParticipantId, Ride, occasion::first,
@@ -12,6 +15,7 @@ use polars::prelude::Column;
 use serde::{Deserialize, Serialize};
 use std::{
     collections::BTreeSet,
+    ffi::OsStr,
     num::NonZeroU32,
     path::{Path, PathBuf},
 };
@@ -153,18 +157,9 @@ fn drive_files(folder: &Path) -> Result<Vec<PathBuf>, StudyError> {
     if !folder.exists() {
         return Ok(Vec::new());
     }
-    let entries = std::fs::read_dir(folder).map_err(StudyError::read(folder))?;
-    let mut paths = Vec::new();
-    for entry in entries {
-        let path = entry.map_err(StudyError::read(folder))?.path();
-        let hidden = path
-            .file_name()
-            .is_some_and(|n| n.to_string_lossy().starts_with('.'));
-        if !hidden && path.extension().is_some_and(|e| e == "parquet") {
-            paths.push(path);
-        }
-    }
-    paths.sort();
+    let is_hidden = |name: &OsStr| name.to_string_lossy().starts_with('.');
+    let mut paths = files_ending(folder, "parquet")?;
+    paths.retain(|path| !path.file_name().is_some_and(is_hidden));
     Ok(paths)
 }
 

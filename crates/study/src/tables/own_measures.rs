@@ -131,9 +131,8 @@ fn known_people(
 ) -> Result<Vec<ParticipantId>, StudyError> {
     let ids: Vec<ParticipantId> = table.ids("participant")?;
     study.forgotten()?.refuse(table.path(), ids.iter())?;
-    let people_file = study.resolve(&study.design.people().file);
-    let list = participants.unwrap_or(&people_file);
-    if participants.is_none() && !people_file.is_file() {
+    let list = study.people_file(participants);
+    if participants.is_none() && !list.is_file() {
         return Ok(ids);
     }
     let people = study.people(participants)?;

@@ -1,7 +1,7 @@
 //! Rows of a table picked out, told apart and put under each other.
 
 use super::Table;
-use crate::error::StudyError;
+use crate::{error::StudyError, once::first_names};
 use path_slash::PathExt as _;
 use polars::prelude::*;
 use std::collections::{BTreeMap, BTreeSet};
@@ -49,14 +49,12 @@ impl Table {
         let kept: Vec<usize> = (0..mask.len()).filter(|&row| mask[row]).collect();
         if kept.is_empty() {
             let seen: BTreeSet<&str> = cells.iter().flatten().map(String::as_str).collect();
-            let shown: Vec<&str> = seen.iter().take(8).copied().collect();
-            let more = if seen.len() > 8 { ", …" } else { "" };
             return Err(StudyError::NotPossible {
                 problem: format!(
                     "{}: no row has `{wanted}` in column `{column}`",
                     self.path.to_slash_lossy()
                 ),
-                help: Some(format!("its values are {}{more}", shown.join(", "))),
+                help: Some(format!("its values are {}", first_names(&seen, 8))),
             });
         }
         let mask = BooleanChunked::from_slice("kept".into(), &mask);

@@ -2,7 +2,7 @@
 
 use super::data::Study;
 use crate::{
-    card::{Drawn, card},
+    card::{Drawn, tested_card},
     texts::{Texts, value},
 };
 use maveric_analysis::{Bias, Finding, Nearer, Reproduction, Verdict};
@@ -61,10 +61,7 @@ pub(super) fn own_style(
         nothing: Some(0.0),
         bounds: Some((-1.0, 1.0)),
     };
-    Ok(Some(Card {
-        tests,
-        ..card(texts, finding, &values, Some(drawn))?
-    }))
+    tested_card(texts, finding, &values, Some(drawn), tests).map(Some)
 }
 
 pub(super) fn nearer(
@@ -106,13 +103,7 @@ pub(super) fn nearer(
     };
     let tested = rows.iter().filter(|row| row.p_holm.is_some());
     let tests = tested.map(|row| texts.say("nearer", "test", &with_label(row)));
-    let drawn = Drawn {
-        rows: drawn.collect(),
-        nothing: Some(0.0),
-        bounds: None,
-    };
-    Ok(Some(Card {
-        tests: tests.collect::<Result<_, _>>()?,
-        ..card(texts, finding, &values, Some(drawn))?
-    }))
+    let drawn = Drawn::beside(0.0, drawn);
+    let tests = tests.collect::<Result<_, _>>()?;
+    tested_card(texts, finding, &values, Some(drawn), tests).map(Some)
 }

@@ -2,7 +2,7 @@
 
 use super::data::Study;
 use crate::{
-    card::{Drawn, card},
+    card::{Drawn, tested_card},
     texts::{Texts, value},
     words::{omnibus, other_choice, paired, small},
 };
@@ -90,10 +90,7 @@ pub(super) fn stays(
         stay => finding.count(Verdict::Shown),
         only => choices_compared.iter().map(Sensitivity::only_there).sum::<usize>(),
     };
-    Ok(Card {
-        tests,
-        ..card(texts, finding, &values, None)?
-    })
+    tested_card(texts, finding, &values, None, tests)
 }
 
 /// Do the conditions differ the way that was expected: in what was measured, or in what people said?
@@ -163,15 +160,8 @@ pub(super) fn expected(
             tests.push(texts.say(&name, "test", &values)?);
         }
     }
-    let drawn = Drawn {
-        rows,
-        nothing: Some(50.0),
-        bounds: None,
-    };
-    Ok(Some(Card {
-        tests,
-        ..card(texts, finding, &values, Some(drawn))?
-    }))
+    let drawn = Drawn::beside(50.0, rows);
+    tested_card(texts, finding, &values, Some(drawn), tests).map(Some)
 }
 
 /// Do the conditions differ at all? Where nothing else was expected of them.
@@ -185,8 +175,6 @@ pub(super) fn differ(
     let clear: Vec<String> = clear.map(|(panel, _)| small(&panel.title)).collect();
     let values = context! { clear, all => finding.parts.len() };
     let tests = whole(study).map(|panel| over(study, texts, "differ", panel));
-    Ok(Card {
-        tests: tests.collect::<Result<_, _>>()?,
-        ..card(texts, finding, &values, None)?
-    })
+    let tests = tests.collect::<Result<_, _>>()?;
+    tested_card(texts, finding, &values, None, tests)
 }

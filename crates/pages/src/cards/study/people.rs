@@ -2,7 +2,7 @@
 
 use super::data::Study;
 use crate::{
-    card::{Drawn, card},
+    card::{Drawn, tested_card},
     texts::{Texts, value},
     words,
 };
@@ -21,7 +21,8 @@ pub(super) fn congruence(
     finding: &Finding,
 ) -> Result<Card, ReportError> {
     let say = |key: &str, values: &Value| texts.say("congruence", key, values);
-    let rows = study.analysis.congruence.iter().filter(|row| row.n > 0);
+    let rows = study.analysis.congruence.iter();
+    let rows = rows.filter(|row| row.is_judged());
     let judged: Vec<(&CongruenceRow, &[Part])> = rows.zip(finding.parts.chunks(2)).collect();
     let shown = |at: usize| {
         let parts = judged.iter().filter_map(|(_, parts)| parts.get(at));
@@ -59,10 +60,7 @@ pub(super) fn congruence(
         nothing: Some(0.0),
         bounds: Some((-near, near)),
     };
-    Ok(Card {
-        tests,
-        ..card(texts, finding, &values, Some(drawn))?
-    })
+    tested_card(texts, finding, &values, Some(drawn), tests)
 }
 
 /// Do people tell which ride was in their own style? All of them, then by which came first.
@@ -100,15 +98,8 @@ pub(super) fn which(
         tests.push(texts.say("which", "test", &values)?);
         drawn.push(IntervalRow::share(&row, Some(&choice.share)));
     }
-    let drawn = Drawn {
-        rows: drawn,
-        nothing: Some(50.0),
-        bounds: None,
-    };
-    Ok(Some(Card {
-        tests,
-        ..card(texts, finding, &values, Some(drawn))?
-    }))
+    let drawn = Drawn::beside(50.0, drawn);
+    tested_card(texts, finding, &values, Some(drawn), tests).map(Some)
 }
 
 /// Would people rather be driven as they drive?
@@ -169,16 +160,10 @@ pub(super) fn preferred(
         shares,
         most => most.map(|(p, o, _)| values_of((p, o))),
     };
-    let drawn = Drawn {
-        rows,
-        nothing: Some(50.0),
-        bounds: None,
-    };
+    let drawn = Drawn::beside(50.0, rows);
     let tests = known().map(|(p, o, _)| say("test", &values_of((p, o))));
-    Ok(Card {
-        tests: tests.collect::<Result<_, _>>()?,
-        ..card(texts, finding, &values, Some(drawn))?
-    })
+    let tests = tests.collect::<Result<_, _>>()?;
+    tested_card(texts, finding, &values, Some(drawn), tests)
 }
 
 /// Strongest correlations that are shown.
@@ -233,13 +218,6 @@ pub(super) fn personality(
         ));
         tests.push(say("test", &values)?);
     }
-    let drawn = Drawn {
-        rows: drawn,
-        nothing: Some(0.0),
-        bounds: None,
-    };
-    Ok(Some(Card {
-        tests,
-        ..card(texts, finding, &values, Some(drawn))?
-    }))
+    let drawn = Drawn::beside(0.0, drawn);
+    tested_card(texts, finding, &values, Some(drawn), tests).map(Some)
 }

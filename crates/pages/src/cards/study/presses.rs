@@ -2,7 +2,7 @@
 
 use super::data::Study;
 use crate::{
-    card::{Drawn, card},
+    card::{Drawn, tested_card},
     texts::{Texts, value},
 };
 use maveric_analysis::{BeforePress, Finding};
@@ -33,10 +33,7 @@ pub(super) fn pressed(
         ..value(rates)
     };
     let test = texts.say("pressed", "test", &values)?;
-    Ok(Some(Card {
-        tests: vec![test],
-        ..card(texts, finding, &values, None)?
-    }))
+    tested_card(texts, finding, &values, None, vec![test]).map(Some)
 }
 
 /// Was the ride another one just before people press?
@@ -57,19 +54,12 @@ pub(super) fn before(
         let interval = test.odds_ratio_ci_low.zip(test.odds_ratio_ci_high);
         IntervalRow::new(row.title.as_str(), test.odds_ratio, interval)
     });
-    let drawn = Drawn {
-        rows: rows.collect(),
-        nothing: Some(1.0),
-        bounds: None,
-    };
+    let drawn = Drawn::beside(1.0, rows);
     let mut tests = Vec::new();
     for row in presses.before.iter().filter(|row| row.p_holm.is_some()) {
         let values =
             context! { p_holm => row.p_holm, title => row.title.as_str(), ..value(&row.test) };
         tests.push(texts.say("before-press", "test", &values)?);
     }
-    Ok(Some(Card {
-        tests,
-        ..card(texts, finding, &values, Some(drawn))?
-    }))
+    tested_card(texts, finding, &values, Some(drawn), tests).map(Some)
 }

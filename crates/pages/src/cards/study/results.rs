@@ -2,9 +2,9 @@
 
 use super::{car, conditions, data::Study, people, presses, retest, style};
 use crate::{
-    card::{Drawn, card, share_row},
+    card::{Drawn, card, share_row, tested_card},
     texts::{Texts, value},
-    words::declared_test,
+    words::{closed_by, declared_test},
 };
 use maveric_analysis::{Finding, Question, findings};
 use maveric_report::{
@@ -62,30 +62,20 @@ fn primary(
     let Some(outcome) = number.checked_sub(1).and_then(|at| outcomes.get(at)) else {
         return Ok(None);
     };
-    let title = |id: &String| {
-        let known = outcomes.iter().find(|o| o.outcome == *id);
-        known.map_or_else(|| id.clone(), |o| o.title.clone())
-    };
     let values = context! {
         first => study.label(outcome.first),
         second => study.label(outcome.second),
         several => outcomes.len() > 1,
-        closed_by => outcome.closed_by.as_ref().map(title),
+        closed_by => closed_by(outcome, outcomes),
         test => declared_test(outcome.test),
         ..value(outcome)
     };
     let say = |key| texts.say("primary", key, &values);
     let row = IntervalRow::new(say("row")?, outcome.mean_difference, outcome.interval);
-    let drawn = outcome.mean_difference.map(|_| Drawn {
-        rows: vec![row],
-        nothing: Some(0.0),
-        bounds: None,
-    });
+    let drawn = outcome.mean_difference.map(|_| Drawn::beside(0.0, [row]));
     let tests = Some(say("test")?).filter(|test| !test.is_empty());
-    Ok(Some(Card {
-        tests: tests.into_iter().collect(),
-        ..card(texts, finding, &values, drawn)?
-    }))
+    let tests = tests.into_iter().collect();
+    tested_card(texts, finding, &values, drawn, tests).map(Some)
 }
 
 fn hypothesis(
@@ -111,10 +101,8 @@ fn hypothesis(
         bounds: judged.bounds,
     };
     let tests = Some(say("test")?).filter(|test| !test.is_empty());
-    Ok(Some(Card {
-        tests: tests.into_iter().collect(),
-        ..card(texts, finding, &values, Some(drawn))?
-    }))
+    let tests = tests.into_iter().collect();
+    tested_card(texts, finding, &values, Some(drawn), tests).map(Some)
 }
 
 /// How many numbers of the paper come out here, of those that could differ.
@@ -133,10 +121,6 @@ pub fn against_the_paper(ledger: &[LedgerRow]) -> Result<Card, ReportError> {
     let values = context! { agree, same, differ, could, set };
     let label = texts.say("paper", "row", &values)?;
     let rows = finding.parts.iter().map(|part| share_row(&label, part));
-    let drawn = Drawn {
-        rows: rows.collect(),
-        nothing: Some(50.0),
-        bounds: None,
-    };
+    let drawn = Drawn::beside(50.0, rows);
     card(&texts, &finding, &values, Some(drawn))
 }

@@ -25,11 +25,7 @@ pub(super) fn retest(
     };
     let rows = finding.parts.iter();
     let rows = rows.map(|part| IntervalRow::new(title(part), part.estimate, part.interval));
-    let drawn = Drawn {
-        rows: rows.collect(),
-        nothing: None,
-        bounds: None,
-    };
+    let drawn = Drawn::beside(None, rows);
     let values = context! {
         parts => finding.parts.len(),
         alike => finding.count(Verdict::Shown),

@@ -2,7 +2,7 @@
 
 use super::data::Study;
 use crate::{
-    card::{Drawn, card},
+    card::{Drawn, tested_card},
     texts::{Texts, value},
     words,
 };
@@ -53,15 +53,8 @@ pub(super) fn line(
         let fit = context! { correlation => words::correlation(fit), ..values.clone() };
         tests.push(texts.say("style", test, &fit)?);
     }
-    let drawn = Drawn {
-        rows,
-        nothing: Some(0.0),
-        bounds: None,
-    };
-    Ok(Some(Card {
-        tests,
-        ..card(texts, finding, &values, Some(drawn))?
-    }))
+    let drawn = Drawn::beside(0.0, rows);
+    tested_card(texts, finding, &values, Some(drawn), tests).map(Some)
 }
 
 /// Multiple R of two predictors that tell nothing, on average: √(2 / (n − 1)).
@@ -99,13 +92,7 @@ pub(super) fn across(
         .iter()
         .filter(|k| k.circular_r.is_some() && k.circular_p_holm.is_some());
     let tests = tested.map(|k| texts.say("across", "test", &value(k)));
-    let drawn = Drawn {
-        rows: rows.collect(),
-        nothing: Some(0.0),
-        bounds: None,
-    };
-    Ok(Some(Card {
-        tests: tests.collect::<Result<_, _>>()?,
-        ..card(texts, finding, &values, Some(drawn))?
-    }))
+    let drawn = Drawn::beside(0.0, rows);
+    let tests = tests.collect::<Result<_, _>>()?;
+    tested_card(texts, finding, &values, Some(drawn), tests).map(Some)
 }

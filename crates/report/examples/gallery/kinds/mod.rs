@@ -11,6 +11,7 @@ pub(crate) mod calibration;
 pub(crate) mod car_following;
 pub(crate) mod comparison;
 pub(crate) mod completeness;
+pub(crate) mod congruence;
 pub(crate) mod curves;
 pub(crate) mod dial_sweep;
 pub(crate) mod difference_panels;
@@ -76,7 +77,7 @@ macro_rules! draw {
 }
 
 /// Every kind: the name of its function, and one that draws it from made-up numbers.
-pub(crate) const KINDS: [(&str, Draw); 33] = [
+pub(crate) const KINDS: [(&str, Draw); 34] = [
     draw!(flow),
     draw!(completeness),
     ("domain", domain::draw),
@@ -96,6 +97,7 @@ pub(crate) const KINDS: [(&str, Draw); 33] = [
     draw!(scatter),
     draw!(forest),
     draw!(preference),
+    draw!(congruence),
     draw!(press_course),
     draw!(family),
     ("intervals", intervals::draw),

@@ -169,7 +169,7 @@ fn style(player: &WatchPlayer, context: &Context) -> String {
         }
     }
     let mut out = include_str!("player.css").to_owned();
-    out.push_str(&condition_colours(&context, ".drive-player", "--of-"));
+    out.push_str(&condition_colours(&context, ".drive-player"));
     for look in &context.conditions {
         let id = look.id;
         let _ = writeln!(out, ".drive-player .pl-{id}{{--pl-colour:var(--of-{id})}}");

@@ -7,6 +7,7 @@ use crate::{
         path::Steering,
     },
     drivers::{
+        bounds::SHORTEST_TIME_GAP_S,
         caution,
         idm::Following,
         noise::OrnsteinUhlenbeck,
@@ -31,7 +32,6 @@ const SPEED_WANDER_TIME_S: f64 = 20.0;
 const GAP_FACTOR: (f64, f64) = (0.6, 1.8);
 /// Share of time gap and desired gap that is given up by somebody about to pass.
 const GIVES_UP: f64 = 0.55;
-const SHORTEST_TIME_GAP_S: f64 = 0.4;
 
 /// A person who acts on evidence, driving.
 pub(crate) struct EvidenceDriver<'a> {

@@ -95,6 +95,13 @@ fn run(data: &DesignColumns<'_>) -> ByDesign {
     compare_by_design(data, &DesignChoice::default()).unwrap()
 }
 
+fn factorial_of(found: ByDesign) -> Chosen<FactorialFinding> {
+    let ByDesign::Factorial(found) = found else {
+        panic!("several factors")
+    };
+    *found
+}
+
 #[test]
 fn one_factor_within_is_the_comparison() {
     let made = made().rows(|i| i / 2 % 2 == 0);
@@ -129,9 +136,7 @@ fn two_factors_within_and_one_of_each_kind_are_factorial() {
             between: between.clone(),
             ..made.columns()
         };
-        let ByDesign::Factorial(found) = run(&data) else {
-            panic!("several factors")
-        };
+        let found = factorial_of(run(&data));
         let design =
             crate::FactorialDesign::from_columns(&made.people, &within, &between, &made.value)
                 .unwrap();
@@ -248,9 +253,7 @@ fn of_two_groups_the_unpooled_test_is_welchs() {
         values: &value,
         ..made.grouped()
     };
-    let ByDesign::Factorial(found) = run(&data) else {
-        panic!("several factors")
-    };
+    let found = factorial_of(run(&data));
     let vehicle: Vec<String> = (0..12)
         .map(|i| ["car", "truck"][i % 2].to_owned())
         .collect();
@@ -284,7 +287,7 @@ fn of_two_groups_the_unpooled_test_is_welchs() {
 }
 
 /// Within people, two modes on two roads, a covariate of people that `value` leans on.
-fn with_age(with: Vec<(&'static str, Vec<&'static str>)>) -> (ByDesign, Made) {
+fn with_age(with: Vec<(&'static str, Vec<&'static str>)>) -> (Chosen<FactorialFinding>, Made) {
     let mut made = made();
     for (i, value) in made.value.iter_mut().enumerate() {
         let age = made.age[i].unwrap();
@@ -295,15 +298,12 @@ fn with_age(with: Vec<(&'static str, Vec<&'static str>)>) -> (ByDesign, Made) {
         with,
         ..made.within()
     };
-    (run(&data), made)
+    (factorial_of(run(&data)), made)
 }
 
 #[test]
 fn a_covariate_of_people_changes_no_effect_within_them() {
     let (found, made) = with_age(Vec::new());
-    let ByDesign::Factorial(found) = &found else {
-        panic!("strata")
-    };
     let within = [("mode", &made.mode[..]), ("road", &made.road[..])];
     let design =
         crate::FactorialDesign::from_columns(&made.people, &within, &[], &made.value).unwrap();
@@ -336,9 +336,6 @@ fn a_covariate_of_people_changes_no_effect_within_them() {
 #[test]
 fn a_declared_product_takes_a_degree_of_freedom_of_its_effect_alone() {
     let (found, made) = with_age(vec![("age", vec!["mode"])]);
-    let ByDesign::Factorial(found) = &found else {
-        panic!("strata")
-    };
     let test = |name: &str| found.found.tests.get(name).unwrap();
     assert_eq!(test("mode").df2, Some(10.0));
     assert_eq!(test("road").df2, Some(11.0));
@@ -354,9 +351,6 @@ fn a_declared_product_takes_a_degree_of_freedom_of_its_effect_alone() {
     let r = r.pearson.unwrap();
     assert!((test("age:mode").p.unwrap() / r.p.unwrap() - 1.0).abs() < 1e-9);
     let plain = with_age(Vec::new()).0;
-    let ByDesign::Factorial(plain) = plain else {
-        panic!("strata")
-    };
     let before = plain.found.tests.get("mode").unwrap();
     // F = SS / MSe: the same SS, an error less what age explains of it.
     let rest = (1.0 - r.r.unwrap().powi(2)) * 11.0 / 10.0;
@@ -421,9 +415,7 @@ fn a_person_without_the_covariate_is_left_out_by_name() {
         covariates: vec![("age", &made.age)],
         ..made.within()
     };
-    let ByDesign::Factorial(found) = run(&data) else {
-        panic!("strata")
-    };
+    let found = factorial_of(run(&data));
     assert_eq!(found.found.anova.dropped, ["p2"]);
     assert_eq!(found.found.tests.get("age").unwrap().df2, Some(9.0));
 }
@@ -469,9 +461,7 @@ fn one_factor_with_a_covariate_of_people_is_that_of_the_analysis_of_variance() {
         covariates: vec![("age", &made.age)],
         ..made.columns()
     };
-    let ByDesign::Factorial(found) = run(&data) else {
-        panic!("a covariate")
-    };
+    let found = factorial_of(run(&data));
     let table = crate::WithinSubjects::from_long(&made.people, &cell, &made.value).unwrap();
     let whole = compare(&table, 0.05).unwrap();
     let test = found.found.tests.get("cell").unwrap();
@@ -495,9 +485,7 @@ fn an_item_with_two_factors_within_takes_the_rank_tests() {
             scale,
             ..DesignChoice::default()
         };
-        let ByDesign::Factorial(found) = compare_by_design(&data, &choice).unwrap() else {
-            panic!("two factors")
-        };
+        let found = factorial_of(compare_by_design(&data, &choice).unwrap());
         found.chosen
     };
     assert_eq!(of(OutcomeScale::Rating), ChosenTest::Ranks);
@@ -520,9 +508,7 @@ fn larger_interactions_without_a_rank_test_say_so() {
         values: &values,
         ..DesignColumns::default()
     };
-    let ByDesign::Factorial(found) = run(&data) else {
-        panic!("two factors")
-    };
+    let found = factorial_of(run(&data));
     let test = |name: &str| found.found.tests.get(name).unwrap();
     assert_eq!(test("a").method, EffectMethod::Friedman);
     assert_eq!(test("a:t").method, EffectMethod::StrataGreenhouseGeisser);

@@ -2,7 +2,7 @@
 
 use super::{people::cell, pseudonym::Ids};
 use crate::{
-    atomic_write::{atomic_write_bytes, read_text},
+    atomic_write::{atomic_write_bytes, files_ending, read_text},
     design::{DESIGN_FILE, DesignFile},
     error::StudyError,
     once::count,
@@ -56,17 +56,9 @@ pub(super) fn write(
     let mut questionnaires = Vec::new();
     if scales.is_dir() {
         questionnaires = read_scales(&scales)?;
-        let entries = std::fs::read_dir(&scales).map_err(StudyError::read(&scales))?;
-        for entry in entries {
-            let path = entry.map_err(StudyError::read(&scales))?.path();
-            if path.extension().is_some_and(|e| e == "toml") {
-                copy(
-                    &path,
-                    &out.join("scales")
-                        .join(path.file_name().unwrap_or_default()),
-                    ids,
-                )?;
-            }
+        for path in files_ending(&scales, "toml")? {
+            let name = path.file_name().unwrap_or_default();
+            copy(&path, &out.join("scales").join(name), ids)?;
         }
     }
     let scenario = study.resolve(&design.files().scenario);

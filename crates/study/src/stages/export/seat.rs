@@ -8,8 +8,9 @@ use crate::{
     tables::{
         TableName,
         collected::{
-            CONSENTS, ConsentRow, EVENTS, EventRow, LENT, LentRow, NOT_ADMITTED, NOTES,
-            NotAdmitted, NoteRow, STOPPED, Stopped, read_lent, write_lent,
+            CONSENTS, ConsentRow, EVENTS, EventRow, LENT, LentRow, NOT_ADMITTED, NOT_AGREED, NOTES,
+            NotAdmitted, NotAgreed, NoteRow, STOPPED, Stopped, read_consents, read_lent,
+            write_lent,
         },
         read_rows, write_rows,
     },
@@ -24,6 +25,7 @@ pub(super) struct Collected {
     consents: Vec<ConsentRow>,
     notes: Option<Vec<NoteRow>>,
     not_admitted: Vec<NotAdmitted>,
+    not_agreed: Vec<NotAgreed>,
     stopped: Vec<Stopped>,
     lent: Vec<LentRow>,
 }
@@ -46,9 +48,10 @@ impl Collected {
         }
         Ok(Self {
             events: read_rows(&folder.join(EVENTS))?,
-            consents: read_rows(&folder.join(CONSENTS))?,
+            consents: read_consents(&folder.join(CONSENTS))?,
             notes: notes.then(|| read_rows(&folder.join(NOTES))).transpose()?,
             not_admitted: if_there(&folder.with_file_name(NOT_ADMITTED), read_rows)?,
+            not_agreed: if_there(&folder.with_file_name(NOT_AGREED), read_rows)?,
             stopped: if_there(&folder.with_file_name(STOPPED), read_rows)?,
             lent: if_there(&folder.with_file_name(LENT), read_lent)?,
         })
@@ -141,6 +144,13 @@ impl Collected {
                 TableName::NotAdmitted,
                 &out.join(NOT_ADMITTED),
                 &self.not_admitted,
+            )?;
+        }
+        if !self.not_agreed.is_empty() {
+            write_rows(
+                TableName::NotAgreed,
+                &out.join(NOT_AGREED),
+                &self.not_agreed,
             )?;
         }
         for row in &mut self.lent {

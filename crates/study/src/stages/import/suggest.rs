@@ -8,7 +8,7 @@ use super::{
     grid::Grid,
     wide::people_column,
 };
-use crate::error::StudyError;
+use crate::{error::StudyError, once::first_names};
 use maveric_domain::{Design, ParticipantId, Scale, design::Software};
 use path_slash::PathExt as _;
 use std::{
@@ -158,17 +158,10 @@ fn moment(grid: &Grid, format: &Format, columns: &Columns<'_>, design: &Design) 
 }
 
 fn list(names: &[&str]) -> String {
-    let shown: Vec<String> = names
-        .iter()
-        .take(12)
-        .map(|name| format!("`{name}`"))
-        .collect();
-    let more = if names.len() > 12 { ", …" } else { "" };
-    if shown.is_empty() {
-        "none".to_owned()
-    } else {
-        shown.join(", ") + more
+    if names.is_empty() {
+        return "none".to_owned();
     }
+    first_names(names.iter().map(|name| format!("`{name}`")), 12)
 }
 
 /// What is proposed for a scale, as lines; `words` gains what may be conditions in the names of its columns.

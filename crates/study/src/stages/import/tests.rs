@@ -5,7 +5,6 @@ mod workbook;
 use super::*;
 use crate::DesignFile;
 use maveric_domain::Moment;
-use std::sync::atomic::AtomicBool;
 use workbook::workbook;
 
 const SCALE: &str = "id = \"calm\"\ntitle = \"Calmness\"\nreference = \"made up\"\nitems = 3\nmin = 1\nmax = 7\nscoring = \"mean\"\nreversed = [2]\n[[subscales]]\nid = \"calm\"\ntitle = \"Calmness\"\nitems = [1, 2, 3]\n";
@@ -24,8 +23,7 @@ fn read(
 ) -> Result<(Vec<String>, String), String> {
     let folder = tempfile::tempdir().unwrap();
     let options = in_folder(folder.path(), from, bytes, map, design);
-    let (quiet, go_on) = (|_: usize, _: usize, _: &str| (), AtomicBool::new(false));
-    let done = options.run(Watch::new(&quiet, &go_on));
+    let done = options.run(Watch::unwatched());
     let done = done.map_err(|e| [e.to_string(), e.suggestion().unwrap_or_default()].join("\n"))?;
     let table = options
         .out
@@ -261,8 +259,7 @@ fn suggest(bytes: &[u8], design: &str) -> String {
         out: None,
         ..in_folder(folder.path(), None, bytes, None, design)
     };
-    let (quiet, go_on) = (|_: usize, _: usize, _: &str| (), AtomicBool::new(false));
-    let done = options.run(Watch::new(&quiet, &go_on)).unwrap();
+    let done = options.run(Watch::unwatched()).unwrap();
     done.summary.join("\n")
 }
 
@@ -508,10 +505,7 @@ fn the_number_of_a_ride_in_a_name_is_the_persons_own_order() {
     let table = "participant,1_Q3_1,1_Q3_2,1_Q3_3,2_Q3_1,2_Q3_2,2_Q3_3\nP01,1,2,3,4,5,6\n";
     let go = |table: &str| {
         let options = in_folder(folder.path(), None, table.as_bytes(), Some(map), DESIGN);
-        let (quiet, go_on) = (|_: usize, _: usize, _: &str| (), AtomicBool::new(false));
-        let done = options
-            .run(Watch::new(&quiet, &go_on))
-            .map_err(|e| e.to_string());
+        let done = options.run(Watch::unwatched()).map_err(|e| e.to_string());
         done.map(|_| std::fs::read_to_string(options.out.unwrap()).unwrap())
     };
     let long = go(table).unwrap();

@@ -4,11 +4,21 @@ use crate::texts;
 use maveric_domain::{ConditionId, design::ScoreName};
 use minijinja::{Value, context};
 
+/// The score that the dial turns.
+pub(super) struct DialledScore {
+    pub(super) score: ScoreName,
+    pub(super) range: [f64; 2],
+    /// In sentences.
+    pub(super) label: String,
+}
+
 /// What the text is to say.
 pub(super) struct Wanted<'a> {
     pub(super) conditions: &'a [ConditionId],
-    /// The score that the dial turns, and its range; none where every car was recorded elsewhere.
-    pub(super) style: Option<(&'a ScoreName, [f64; 2])>,
+    /// None where every car was recorded elsewhere.
+    pub(super) style: Option<&'a DialledScore>,
+    /// Whether people are asked at the end how sick they are: asking before raises what is reported after.
+    pub(super) sickness_after: bool,
     pub(super) synthetic: bool,
 }
 
@@ -31,10 +41,11 @@ fn step([low, high]: [f64; 2], steps: f64) -> f64 {
 /// The text; it reads as a design.
 pub(super) fn study_text(wanted: &Wanted<'_>) -> String {
     let middle = (wanted.conditions.len() as f64 - 1.0) / 2.0;
-    let style = wanted.style.map(|(score, range)| {
-        let [low, high] = range;
-        let points = step(range, middle).to_string();
-        context! { score => score.to_string(), scale => score.scale.as_str(), range => format!("{low}, {high}"), points }
+    let style = wanted.style.map(|style| {
+        let [low, high] = style.range;
+        let points = step(style.range, middle).to_string();
+        let (score, label) = (style.score.to_string(), &style.label);
+        context! { score, label, scale => style.score.scale.as_str(), range => format!("{low}, {high}"), points }
     });
     let conditions = wanted.conditions.iter().enumerate().map(|(place, id)| {
         let steps = place as f64 - middle;
@@ -42,7 +53,12 @@ pub(super) fn study_text(wanted: &Wanted<'_>) -> String {
         context! { id => id.as_str(), label => label(*id), steps => format!("{sign}{steps}") }
     });
     let conditions: Vec<Value> = conditions.collect();
-    let values = context! { synthetic => wanted.synthetic, style, conditions };
+    let values = context! {
+        synthetic => wanted.synthetic,
+        sickness_after => wanted.sickness_after,
+        style,
+        conditions
+    };
     texts::fill(texts::STUDY, values)
 }
 
@@ -60,10 +76,15 @@ mod tests {
 
     fn of(conditions: &[&str], style: Option<(&str, [f64; 2])>) -> Design {
         let ids: Vec<ConditionId> = conditions.iter().map(|c| c.parse().unwrap()).collect();
-        let score = style.map(|(name, range)| (name.parse::<ScoreName>().unwrap(), range));
+        let score = style.map(|(name, range)| DialledScore {
+            score: name.parse().unwrap(),
+            range,
+            label: "risky score".to_owned(),
+        });
         let text = study_text(&Wanted {
             conditions: &ids,
-            style: score.as_ref().map(|(name, range)| (name, *range)),
+            style: score.as_ref(),
+            sickness_after: style.is_some(),
             synthetic: false,
         });
         Design::from_toml(&text).unwrap()
@@ -103,6 +124,9 @@ mod tests {
         let risky = of(&["calm", "sporty"], Some(("mdsi.risky", [1.0, 6.0])));
         // The seat asks what a style is learned by.
         assert_eq!(risky.protocol().before, ["mdsi"]);
+        assert_eq!(risky.style().unwrap().label, "risky score");
+        assert_eq!(risky.protocol().post, ["ssq"]);
+        assert!(none.protocol().post.is_empty());
         assert!(none.protocol().before.is_empty() && none.protocol().consent.is_some());
         assert!((risky.conditions()[1].dial().unwrap() - 0.85).abs() < 1e-9);
     }

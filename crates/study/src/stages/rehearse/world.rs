@@ -48,6 +48,12 @@ pub(crate) fn read_world(
                         .to_owned(),
                 ),
             ),
+            RehearsalError::NothingAcross { .. } => study.wrong(
+                error.to_string(),
+                Some(
+                    "give the population (--population) loadings on two traits or more".to_owned(),
+                ),
+            ),
             other => other.into(),
         }
     })

@@ -94,27 +94,7 @@ pub(super) fn page(options: &DrawReport) -> Result<(Report, Vec<String>), StudyE
     };
     let mut figures = vec![following_errors(&errors, &context)?];
     for driver in &evaluation.drivers {
-        let series = &driver.series;
-        let recorded = FollowingSeries {
-            follower: Follower::Recorded,
-            gap_m: series.gap_m.clone(),
-            speed_mps: series.ego_speed_mps.clone(),
-        };
-        let simulated = SHOWN.iter().filter_map(|(method, follower)| {
-            let s = series.simulated.iter().find(|s| s.method == *method)?;
-            Some(FollowingSeries {
-                follower: *follower,
-                gap_m: s.gap_m.clone(),
-                speed_mps: s.speed_mps.clone(),
-            })
-        });
-        let input = CarFollowing {
-            driver: driver.driver.clone(),
-            data_set: data_set.clone(),
-            time_s: series.time_s.clone(),
-            series: std::iter::once(recorded).chain(simulated).collect(),
-        };
-        figures.push(car_following(&input, &context)?);
+        figures.push(car_following(&drives_of(driver, &data_set), &context)?);
     }
     let mut summary = shrinkage(&evaluation, texts)?;
     summary.push(texts.text("driven")?);
@@ -160,4 +140,28 @@ pub(super) fn page(options: &DrawReport) -> Result<(Report, Vec<String>), StudyE
         ..new
     };
     Ok((report, findings))
+}
+
+/// A driver's recorded drive, and those simulated in its place.
+fn drives_of(driver: &DriverEvaluation, data_set: &str) -> CarFollowing {
+    let series = &driver.series;
+    let recorded = FollowingSeries {
+        follower: Follower::Recorded,
+        gap_m: series.gap_m.clone(),
+        speed_mps: series.ego_speed_mps.clone(),
+    };
+    let simulated = SHOWN.iter().filter_map(|(method, follower)| {
+        let s = series.simulated.iter().find(|s| s.method == *method)?;
+        Some(FollowingSeries {
+            follower: *follower,
+            gap_m: s.gap_m.clone(),
+            speed_mps: s.speed_mps.clone(),
+        })
+    });
+    CarFollowing {
+        driver: driver.driver.clone(),
+        data_set: data_set.to_owned(),
+        time_s: series.time_s.clone(),
+        series: std::iter::once(recorded).chain(simulated).collect(),
+    }
 }

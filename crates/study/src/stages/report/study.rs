@@ -111,15 +111,13 @@ pub(super) fn page(
     let nameless = Nameless::read(&study, folder, participants)?;
     let exclusions = nameless.counted(left_out(&run).chain(listed_exclusions(folder)?));
     let exclusions = each_reason_once(exclusions);
-    let warnings = warnings(&run, &page)?;
-    let mut moving = Vec::from_iter(live(folder, &run)?);
-    moving.extend(watch::player(&run, watched));
+    let player = watch::player(&run, watched);
+    let moving = live(folder, &run)?.into_iter().chain(player);
     // Without its figure, a part that moves has nothing to stand for it on paper.
-    let mut drawn = BTreeSet::new();
-    for section in sections.iter().chain(&supplement) {
-        drawn.extend(section.figures.iter().map(|f| f.name.as_str()));
-    }
-    moving.retain(|live| drawn.contains(live.below.as_str()));
+    let figures = sections.iter().chain(&supplement).flat_map(|s| &s.figures);
+    let drawn: BTreeSet<&str> = figures.map(|f| f.name.as_str()).collect();
+    let moving = moving.filter(|live| drawn.contains(live.below.as_str()));
+    let moving = moving.collect();
     let files = parameter_files(&options.parameters);
     let shown = study.path.iter().chain(&files).cloned();
     let shown = nameless.files(shown_whole(&shown.collect::<Vec<_>>())?);
@@ -143,7 +141,7 @@ pub(super) fn page(
         },
         ledger: ledger.clone(),
         exclusions,
-        warnings,
+        warnings: warnings(&run, &page)?,
         provenance: Provenance {
             version: env!("CARGO_PKG_VERSION").to_owned(),
             seed: run.seed(),

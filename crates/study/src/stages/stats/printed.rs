@@ -25,7 +25,10 @@ pub(super) use within::{friedman, rm_anova, whole};
 use pairs::comparison;
 
 use maveric_report::{markup, tables::Table};
-use maveric_stats::{Reasons, apa::Statements};
+use maveric_stats::{
+    Reasons,
+    apa::{Statement, Statements},
+};
 
 /// A result in words and tables.
 #[derive(Debug, Default)]
@@ -167,10 +170,13 @@ fn sentences(result: &impl Statements, names: &[&str]) -> Vec<String> {
         .collect()
 }
 
-/// All sentences, each after its name, with marks.
-fn named_sentences(result: &impl Statements) -> Vec<String> {
+/// A sentence after its name, with marks.
+pub(super) fn named_sentence((name, sentence): (String, Statement)) -> String {
+    format!("{}: {}", markup::literal(&name), sentence.markup())
+}
+
+/// All sentences, each after its name.
+pub(super) fn named_sentences(result: &impl Statements) -> Vec<String> {
     let statements = result.statements().into_iter();
-    statements
-        .map(|(name, sentence)| format!("{}: {}", markup::literal(&name), sentence.markup()))
-        .collect()
+    statements.map(named_sentence).collect()
 }

@@ -5,7 +5,6 @@ use super::{
     pictures::Picture,
     printed::{self, Printed},
 };
-use maveric_report::markup;
 use maveric_stats::apa::{Statement, Statements};
 use serde_json::Value;
 
@@ -41,16 +40,10 @@ impl Ran {
 
     /// A result whose report is its numbers.
     pub(super) fn plainly<T: serde::Serialize + Statements>(result: &T) -> Self {
-        let statements = result.statements();
-        let several = statements.len() > 1;
-        let sentence = |(name, statement): (String, Statement)| {
-            if several {
-                format!("{}: {}", markup::literal(&name), statement.markup())
-            } else {
-                statement.markup().to_owned()
-            }
+        let sentences = match &result.statements()[..] {
+            [(_, only)] => vec![only.markup().to_owned()],
+            _ => printed::named_sentences(result),
         };
-        let sentences = statements.into_iter().map(sentence).collect();
         Self::new(result, printed::plain(&plain(result), sentences))
     }
 

@@ -34,3 +34,17 @@ pub trait Test: clap::Args + Clone {
     /// [`StudyError`] naming the column that is not there or is not as it should be, or what the test refuses.
     fn run(&self, table: &Table) -> Result<Ran, StudyError>;
 }
+
+/// What a test compares, and its values, where its columns are in a field `columns`.
+macro_rules! by_its_columns {
+    () => {
+        fn long(&self) -> Option<$crate::stages::stats::input::Long<'_>> {
+            Some(self.columns.long())
+        }
+
+        fn value(&mut self) -> Option<&mut String> {
+            Some(&mut self.columns.value)
+        }
+    };
+}
+pub(super) use by_its_columns;

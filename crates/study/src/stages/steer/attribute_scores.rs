@@ -238,24 +238,12 @@ mod tests {
     use maveric_domain::Embedding;
 
     fn training(drive: &str, participant: &str, condition: &str) -> EmbeddingRow {
-        EmbeddingRow {
-            drive: DriveId::new(drive).unwrap(),
-            participant: ParticipantId::new(participant).unwrap(),
-            condition: condition.parse().unwrap(),
-            session: maveric_domain::occasion::first(),
-            trial: maveric_domain::occasion::first(),
-            adb_used: false,
-            adb: None,
-            adb_hat: None,
-            line_position: None,
-            readings: None,
-            covariance: None,
-            line_position_se: None,
-            support_p: None,
-            beyond_why: None,
-            posted_unseen: None,
-            embedding: Embedding::new(vec![0.0]).unwrap(),
-        }
+        EmbeddingRow::new(
+            DriveId::new(drive).unwrap(),
+            ParticipantId::new(participant).unwrap(),
+            condition.parse().unwrap(),
+            Embedding::new(vec![0.0]).unwrap(),
+        )
     }
 
     fn read(text: &str, name: &str) -> Result<Scores, StudyError> {

@@ -1,6 +1,6 @@
 //! Where each condition of the design lies for each person.
 
-use super::{Steer, Steered, is_beyond, strangers::Strangers};
+use super::{Steer, Steered, is_beyond, moved_sd, strangers::Strangers, withheld};
 use crate::{
     design::DesignFile,
     error::StudyError,
@@ -8,19 +8,19 @@ use crate::{
     outcome::{Outcome, Watch},
     style_scale::StyleScale,
     tables::{
-        collected::{LENT, LentRow},
+        collected::{LENT, LentRow, consents_of_study},
         conditions::ConditionRow,
         embeddings::{EmbeddingRow, read_styles, style_of},
     },
 };
 use maveric_domain::{
     BeyondWhy, ConditionId, DriveId, Embedding, Lent,
-    design::{Car, Condition},
+    design::{Car, Condition, FEWEST_DONORS},
     stream_seed,
 };
 use maveric_model::{
     Model, ModelError,
-    style_space::{FEWEST_DONORS, LinearHead, PerpendicularEllipse},
+    style_space::{LinearHead, PerpendicularEllipse},
 };
 use maveric_steering::{Lending, PlacedStyle, RideStyle, Seed};
 use path_slash::PathExt as _;
@@ -82,7 +82,7 @@ pub(super) fn conditions(
         seed: options.seed,
     };
     let mut warnings = steering.look_across(&driven)?;
-    steering.ask_donors(&driven, people)?;
+    steering.ask_donors(study, &driven, people)?;
     let mut rows = Vec::new();
     let mut strangers = Strangers::new(options, design);
     let turns = |condition: &Condition| condition.side().is_some();
@@ -159,25 +159,30 @@ impl Steering<'_> {
         }
     }
 
-    /// Asks for each condition of somebody else's style who may lend theirs: whoever is not beyond what the model has met.
+    /// Asks for each condition of somebody else's style who may lend theirs: whoever is not beyond what the model has met, and lets it be lent.
     fn ask_donors(
         &mut self,
+        study: &DesignFile,
         driven: &[&Condition],
         people: &[&EmbeddingRow],
     ) -> Result<(), StudyError> {
+        let refused = withheld::people(&study.consents()?);
+        let learned = self.model.training().iter().map(|t| &t.drive);
+        let kept_back = withheld::drives(&refused, &study.design, learned);
         for condition in driven {
             let (Some(Car::Matched(matched)), false) = (&condition.car, condition.recorded) else {
                 continue;
             };
             let mut tested = Vec::new();
-            for person in people {
+            let lend = |person: &&&EmbeddingRow| !refused.contains(&person.participant);
+            for person in people.iter().filter(lend) {
                 let hat = self.hat(&person.embedding)?;
                 let (_, beyond) = BeyondWhy::of_reading(hat, person.beyond_why.clone());
                 if beyond.is_none() {
                     tested.push((person.drive.clone(), person.embedding.clone()));
                 }
             }
-            let lending = Lending::of(self.model, *matched, tested)?;
+            let lending = Lending::of(self.model, *matched, tested, &kept_back)?;
             self.lending.insert(condition.id, lending);
         }
         Ok(())
@@ -195,11 +200,7 @@ impl Steering<'_> {
             return Ok(None);
         };
         let embedding = placed.embedding;
-        let ends = embedding.coordinates().iter();
-        let step: Vec<f64> = ends
-            .zip(person.embedding.coordinates())
-            .map(|(a, b)| a - b)
-            .collect();
+        let ends = [&person.embedding, &embedding];
         let stretch = self.scale.stretch();
         let of_the_own_style = matches!(
             condition.car,
@@ -210,10 +211,7 @@ impl Steering<'_> {
             condition: condition.id,
             adb_hat: self.scale.score_of(self.hat(&embedding)?, None).0,
             moved_points: placed.moved_points.map(|points| points / stretch),
-            moved_points_sd: self
-                .axis
-                .and_then(|axis| axis.step_sd(&step))
-                .map(|sd| sd / stretch),
+            moved_points_sd: self.axis.and_then(|axis| moved_sd(axis, ends, stretch)),
             clamped: placed.clamped,
             angle_rad: placed.angle_rad,
             lent,
@@ -279,7 +277,12 @@ impl Steering<'_> {
         let mut warnings = Vec::new();
         for (id, lending) in &self.lending {
             let lenders = lending.lenders();
-            if lenders < FEWEST_DONORS {
+            if lenders == 0 {
+                warnings.push(format!(
+                    "condition {id} left out: there is nobody whose style may be lent (`style_lent` of {})",
+                    consents_of_study().to_slash_lossy()
+                ));
+            } else if lenders < FEWEST_DONORS {
                 warnings.push(format!(
                     "condition {id}: {lenders} drives whose style may be lent, fewer than {FEWEST_DONORS}: it is the same one again and again"
                 ));

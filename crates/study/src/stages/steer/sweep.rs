@@ -3,7 +3,7 @@
 use super::{
     Steer, Steered,
     attribute_scores::{AttributeSummary, Heads},
-    is_beyond,
+    is_beyond, moved_sd,
     strangers::Strangers,
 };
 use crate::{
@@ -172,18 +172,14 @@ impl Sweeping<'_> {
             self.moved(&person.embedding, requested_points)?;
         let adb_hat = axis.read(&embedding)?;
         let moved_points = (adb_hat - own_hat) / stretch;
-        let ends = embedding.coordinates().iter();
-        let step: Vec<f64> = ends
-            .zip(person.embedding.coordinates())
-            .map(|(a, b)| a - b)
-            .collect();
+        let ends = [&person.embedding, &embedding];
         let who = person.participant.as_str();
         Ok(ConditionRow {
             participant: person.participant.clone(),
             condition: condition(self.design, requested_points, moved_points)?,
             adb_hat: self.scale.score_of(Some(adb_hat), None).0,
             moved_points: Some(moved_points),
-            moved_points_sd: axis.step_sd(&step).map(|sd| sd / stretch),
+            moved_points_sd: moved_sd(axis, ends, stretch),
             clamped,
             angle_rad: None,
             lent: None,

@@ -3,6 +3,7 @@
 use super::people::{People, Person};
 use crate::{
     error::StudyError,
+    mean::column_means,
     outcome::{Watch, for_each_on},
     stages::simulate::drive_style,
 };
@@ -83,7 +84,7 @@ pub struct Wandering {
 
 impl Wandering {
     fn new(wanders: bool, rides: &[&Ridden], own: &[Values]) -> Self {
-        let values: Vec<Values> = rides.iter().map(|r| r.values).collect();
+        let values = values_of(rides.iter().copied());
         let mean_of = |value: &dyn Fn(&RolloutReport) -> f64| {
             let each: Vec<f64> = rides.iter().map(|r| value(&r.report)).collect();
             mean(&each)
@@ -187,6 +188,10 @@ fn embeddings(known: &[Personalized]) -> Vec<Embedding> {
     known.iter().map(|k| k.embedding.clone()).collect()
 }
 
+fn values_of<'a>(ridden: impl IntoIterator<Item = &'a Ridden>) -> Vec<Values> {
+    ridden.into_iter().map(|r| r.values).collect()
+}
+
 /// Seven measures of everybody's first drive, and of the second.
 fn by_day(people: &[Person]) -> [Vec<Values>; 2] {
     [FIRST, AGAIN].map(|day| people.iter().map(|p| values(day(p))).collect())
@@ -221,8 +226,6 @@ impl Examination<'_> {
         let (elsewhere, rest) = rest.split_at(test.len());
         let (unscored, rest) = rest.split_at(test.len());
         let (average, varying) = rest.split_at(test.len());
-        let values_of =
-            |ridden: &[Ridden]| -> Vec<Values> { ridden.iter().map(|r| r.values).collect() };
         let sweep = self.averaged(settings);
         // One drive a person, as in the study: fidelity is not helped by averaging roads.
         let own_style = || settings.chunks_exact(steps).map(|d| &d[ZERO * self.worlds]);
@@ -235,7 +238,7 @@ impl Examination<'_> {
             average: shown(average),
             varying: shown(varying),
         };
-        let mimic: Vec<Values> = own_style().map(|r| r.values).collect();
+        let mimic = values_of(own_style());
         let [own_values, again_values] = by_day(test);
         let [training_own, training_again] = by_day(training);
         let measured: Vec<Values> = trained_on.iter().map(|(v, _)| *v).collect();
@@ -404,7 +407,9 @@ impl Examination<'_> {
         for (what, known, seen, by) in &questions {
             identity.extend(identify(what, known, seen, by.as_ref())?);
         }
-        let (first, again) = (styles(&fits.known_first), styles(&fits.known_again));
+        let styles = |fits: &[Personalized]| fits.iter().map(with_covariance).collect();
+        let first: Vec<Option<Known>> = styles(&fits.known_first);
+        let again = styles(&fits.known_again);
         let prior = matches!(model.heads(), Heads::Linear(_));
         let errors = held(&first, &again, prior, self.seed)?;
         let complete =
@@ -467,15 +472,9 @@ impl Examination<'_> {
 
     /// Mean over the roads of each driver and setting, shape `(drivers, settings)`.
     fn averaged(&self, settings: &[Ridden]) -> Vec<Vec<Values>> {
-        let mean = |roads: &[Ridden]| {
-            let mut values = Values::default();
-            for (k, value) in values.iter_mut().enumerate() {
-                let known: Vec<f64> = roads.iter().filter_map(|r| r.values[k]).collect();
-                *value = mean(&known);
-            }
-            values
-        };
-        let means: Vec<Values> = settings.chunks_exact(self.worlds).map(mean).collect();
+        let settings = values_of(settings);
+        let means = settings.chunks_exact(self.worlds).map(column_means);
+        let means: Vec<Values> = means.collect();
         means
             .chunks_exact(STEPS.len())
             .map(<[Values]>::to_vec)
@@ -515,13 +514,10 @@ impl Examination<'_> {
     }
 }
 
-/// Styles with their covariances, each as far as it has one.
-fn styles(known: &[Personalized]) -> Vec<Option<Known>> {
-    let style = |k: &Personalized| {
-        let d = k.embedding.size();
-        let covariance = k.covariance.as_ref()?;
-        let rows = covariance.chunks_exact(d).map(<[f64]>::to_vec);
-        Some((k.embedding.coordinates().to_vec(), rows.collect()))
-    };
-    known.iter().map(style).collect()
+/// A style with its covariance, if it has one.
+pub(super) fn with_covariance(style: &Personalized) -> Option<Known> {
+    let rows = style.covariance.as_ref()?;
+    let rows = rows.chunks_exact(style.embedding.size());
+    let rows = rows.map(<[f64]>::to_vec).collect();
+    Some((style.embedding.coordinates().to_vec(), rows))
 }

@@ -15,9 +15,8 @@ mod tests;
 pub use answer::Answer;
 pub use rules::{Asks, Part, Rules, Table};
 
-use super::Validate;
+use super::{Validate, write};
 use crate::{
-    atomic_write::{atomic_write_bytes, write_json},
     design::DesignFile,
     error::StudyError,
     outcome::{Outcome, Watch},
@@ -29,7 +28,7 @@ use answer::findings_of;
 use folds::{Fold, Learning, styles};
 use looks::Look;
 use maveric_analysis::Finding;
-use maveric_domain::DrivenBy;
+use maveric_domain::{ConditionId, DrivenBy};
 use maveric_measures::objective;
 use maveric_model::{HeadsKind, TrainSettings};
 use maveric_rehearsal::leave_out::{
@@ -159,22 +158,14 @@ pub(super) fn work(options: &Validate, watch: Watch<'_>) -> Result<Outcome<InTur
         rules,
     };
     let printed = tables::tables(&value, &study.design)?;
-    let markdown: Vec<String> = printed
-        .iter()
-        .flat_map(|(_, tables)| {
-            tables
-                .iter()
-                .map(maveric_report::tables::Table::to_markdown)
-        })
+    let tables = printed.iter().flat_map(|(_, tables)| tables);
+    let markdown: Vec<String> = tables
+        .map(maveric_report::tables::Table::to_markdown)
         .collect();
     let text = markdown.join("\n");
-    atomic_write_bytes(&options.out.join("validation.md"), text.as_bytes())?;
-    write_json(&options.out.join("validation.json"), &value)?;
-    let page = write_page(
-        &options.out,
-        &page::page(&value, options, &study.design, printed, &warnings)?,
-    )?;
-    let mut summary: Vec<String> = text.lines().map(str::to_owned).collect();
+    let mut summary = write(&options.out, &text, &value)?;
+    let page = page::page(&value, options, &study.design, printed, &warnings)?;
+    let page = write_page(&options.out, &page)?;
     summary.push(format!(
         "{} people, {} drives, each person left out in turn: {}",
         value.people,
@@ -200,8 +191,7 @@ struct Bench<'a> {
 
 impl Bench<'_> {
     fn answered(&self, watch: Watch<'_>) -> Result<Answered, StudyError> {
-        let answer = self.answer(watch)?;
-        let (answer, unanswered) = match answer {
+        let (answer, unanswered) = match self.answer(watch)? {
             Ok(answer) => (Some(answer), None),
             Err(why) => (None, Some(why)),
         };
@@ -330,9 +320,7 @@ impl Bench<'_> {
 }
 
 /// A role that the rules were checked to name.
-fn role_of(
-    role: Option<maveric_domain::ConditionId>,
-) -> Result<maveric_domain::ConditionId, StudyError> {
+fn role_of(role: Option<ConditionId>) -> Result<ConditionId, StudyError> {
     role.ok_or_else(|| StudyError::NotPossible {
         problem: "a table without the role that it asks about".to_owned(),
         help: None,

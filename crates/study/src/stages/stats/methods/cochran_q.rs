@@ -4,9 +4,8 @@ use crate::{
     error::StudyError,
     stages::stats::{
         columns::{WithinColumns, yes_no},
-        input::Long,
         ran::Ran,
-        statistical_test::Test,
+        statistical_test::{Test, by_its_columns},
     },
     tables::Table,
 };
@@ -25,13 +24,7 @@ pub struct CochranQ {
 impl Test for CochranQ {
     const NAME: &'static str = "cochran-q";
 
-    fn long(&self) -> Option<Long<'_>> {
-        Some(self.columns.long())
-    }
-
-    fn value(&mut self) -> Option<&mut String> {
-        Some(&mut self.columns.value)
-    }
+    by_its_columns!();
 
     fn has_figure(&self) -> bool {
         false

@@ -3,7 +3,10 @@
 use crate::{
     error::StudyError,
     stages::stats::{
-        columns::WithinColumns, input::Long, pictures, printed, ran::Ran, statistical_test::Test,
+        columns::WithinColumns,
+        pictures, printed,
+        ran::Ran,
+        statistical_test::{Test, by_its_columns},
     },
     tables::Table,
 };
@@ -22,13 +25,7 @@ pub struct Friedman {
 impl Test for Friedman {
     const NAME: &'static str = "friedman";
 
-    fn long(&self) -> Option<Long<'_>> {
-        Some(self.columns.long())
-    }
-
-    fn value(&mut self) -> Option<&mut String> {
-        Some(&mut self.columns.value)
-    }
+    by_its_columns!();
 
     fn run(&self, table: &Table) -> Result<Ran, StudyError> {
         let data = self.columns.read(table)?;

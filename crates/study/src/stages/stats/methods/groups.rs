@@ -4,11 +4,10 @@ use crate::{
     error::StudyError,
     stages::stats::{
         columns::{GroupColumns, labels},
-        input::Long,
         pictures, printed,
         ran::Ran,
         rows::DesignRows,
-        statistical_test::Test,
+        statistical_test::{Test, by_its_columns},
     },
     tables::Table,
 };
@@ -27,13 +26,7 @@ pub struct Groups {
 impl Test for Groups {
     const NAME: &'static str = "groups";
 
-    fn long(&self) -> Option<Long<'_>> {
-        Some(self.columns.long())
-    }
-
-    fn value(&mut self) -> Option<&mut String> {
-        Some(&mut self.columns.value)
-    }
+    by_its_columns!();
 
     fn run(&self, table: &Table) -> Result<Ran, StudyError> {
         let GroupColumns { group, value } = &self.columns;

@@ -4,11 +4,10 @@ use crate::{
     error::StudyError,
     stages::stats::{
         columns::{WithinColumns, labels},
-        input::Long,
         pictures, printed,
         ran::Ran,
         rows::DesignRows,
-        statistical_test::Test,
+        statistical_test::{Test, by_its_columns},
     },
     tables::Table,
 };
@@ -27,13 +26,7 @@ pub struct Ordinal {
 impl Test for Ordinal {
     const NAME: &'static str = "ordinal";
 
-    fn long(&self) -> Option<Long<'_>> {
-        Some(self.columns.long())
-    }
-
-    fn value(&mut self) -> Option<&mut String> {
-        Some(&mut self.columns.value)
-    }
+    by_its_columns!();
 
     fn run(&self, table: &Table) -> Result<Ran, StudyError> {
         let c = &self.columns;

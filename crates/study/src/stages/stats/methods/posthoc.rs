@@ -5,10 +5,9 @@ use crate::{
     stages::stats::{
         choices::{ADJUST, POSTHOC, one_of},
         columns::WithinColumns,
-        input::Long,
         pictures, printed,
         ran::{ALPHA, Ran},
-        statistical_test::Test,
+        statistical_test::{Test, by_its_columns},
     },
     tables::Table,
 };
@@ -33,13 +32,7 @@ pub struct Posthoc {
 impl Test for Posthoc {
     const NAME: &'static str = "posthoc";
 
-    fn long(&self) -> Option<Long<'_>> {
-        Some(self.columns.long())
-    }
-
-    fn value(&mut self) -> Option<&mut String> {
-        Some(&mut self.columns.value)
-    }
+    by_its_columns!();
 
     fn run(&self, table: &Table) -> Result<Ran, StudyError> {
         let data = self.columns.read(table)?;

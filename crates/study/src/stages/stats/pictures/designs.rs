@@ -5,7 +5,7 @@ use super::{
     cells::{HOLM, relation},
     first,
 };
-use crate::stages::stats::rows::DesignRows;
+use crate::stages::stats::{printed::named_sentence, rows::DesignRows};
 use maveric_report::figures::{
     comparison::{ComparedCell, ComparisonPanel, Contrast},
     forest::{Forest, ForestRow},
@@ -13,8 +13,7 @@ use maveric_report::figures::{
 };
 use maveric_stats::{
     AlignedRanks, Bounds, ByDesign, ChosenTest, Equivalence, Factorial, GroupsAnalysis,
-    MarginalMean, Named, Ordinal, RandomIntercept, RankCheck,
-    apa::{Statement, Statements},
+    MarginalMean, Named, Ordinal, RandomIntercept, RankCheck, apa::Statements,
 };
 
 const MARGINAL: &str = "95% intervals of the marginal means";
@@ -141,15 +140,7 @@ fn named<T, U>(entries: &Named<T>, number: impl Fn(&T) -> Option<U>) -> ByName<U
 /// The effects' sentences, shortened to the highest.
 fn highest(result: &impl Statements) -> String {
     let last = result.statements().into_iter().last();
-    last.map_or_else(|| first(result), of_effect)
-}
-
-fn of_effect((name, sentence): (String, Statement)) -> String {
-    format!(
-        "{}: {}",
-        maveric_report::markup::literal(&name),
-        sentence.markup()
-    )
+    last.map_or_else(|| first(result), named_sentence)
 }
 
 pub(in crate::stages::stats) fn factorial(
@@ -180,15 +171,7 @@ pub(in crate::stages::stats) fn aligned(
     outcome: &str,
     result: &AlignedRanks,
 ) -> Picture {
-    let test = highest(result);
-    rainclouds(
-        rows,
-        outcome,
-        Over {
-            test,
-            ..Over::default()
-        },
-    )
+    plain_cells(rows, outcome, highest(result))
 }
 
 /// Pairs of one factor, or of the second of two at each level of the first; none where there are more.
@@ -396,7 +379,7 @@ pub(in crate::stages::stats) fn by_design(
             let highest = result.found.anova.anova.iter().last();
             let mut sentences = result.found.statements().into_iter();
             let test = highest.and_then(|(name, _)| sentences.find(|(n, _)| n == name));
-            let test = test.map_or_else(|| first(&result.found), of_effect);
+            let test = test.map_or_else(|| first(&result.found), named_sentence);
             factorial_under(rows, outcome, &result.found.anova, test)
         }
         ByDesign::Groups(inner) => {

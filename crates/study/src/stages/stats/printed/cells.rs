@@ -62,19 +62,9 @@ pub(super) fn p(value: Option<f64>) -> Cell {
 /// A number in words of its cell.
 pub(super) fn shown(cell: &Cell) -> String {
     match cell {
-        Cell::Text(text) | Cell::Marked(text) => text.clone(),
-        Cell::Number { value, decimals } => apa::number(*value, *decimals),
-        Cell::Bounded { value, decimals } => apa::bounded(*value, *decimals),
-        Cell::P(p) => apa::p_cell(*p),
-        Cell::Missing => "–".to_owned(),
+        Cell::Text(text) => text.clone(),
+        other => other.marked(),
     }
-}
-
-/// Whether, in a word; a dash where nobody knows.
-pub(super) fn word(whether: Option<bool>, yes: &str, no: &str) -> Cell {
-    whether.map_or(Cell::Missing, |whether| {
-        Cell::text(if whether { yes } else { no })
-    })
 }
 
 /// `[.38, .62]` with the way in which the ends are written.

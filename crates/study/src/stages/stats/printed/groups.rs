@@ -2,7 +2,7 @@
 
 use super::{
     Printed,
-    cells::{degrees, effect, interval, number, optional, p, share, table, word},
+    cells::{degrees, effect, interval, number, optional, p, share, table},
     named_sentences,
 };
 use maveric_report::tables::Cell;
@@ -73,7 +73,7 @@ pub(in crate::stages::stats) fn equivalence(result: &Equivalence) -> Printed {
         .right("*p* (two one-sided)", |(_, t)| p(t.p))
         .right("*p*_{Holm}", |(_, t)| p(t.p_holm))
         .right("Equivalent", |(_, t)| {
-            word(t.equivalent, "yes", "not shown")
+            Cell::word(t.equivalent, "yes", "not shown")
         })
         .right("*p* (difference)", |(_, t)| p(t.p_difference))
         .done();

@@ -1,7 +1,10 @@
 //! Why a test was chosen: the reasons, and the checks behind them.
 
-use super::cells::{p, share, table, word};
-use maveric_report::{markup, tables::Table};
+use super::cells::{p, share, table};
+use maveric_report::{
+    markup,
+    tables::{Cell, Table},
+};
 use maveric_stats::AssumptionCheck;
 
 /// The reasons, numbered, with marks.
@@ -18,6 +21,6 @@ pub(super) fn checks(assumptions: &[AssumptionCheck]) -> Table {
         .text("Assumption", |check| &check.name)
         .right("*W*", |check| share(check.statistic))
         .right("*p*", |check| p(check.p))
-        .right("Stands", |check| word(check.passed, "yes", "no"))
+        .right("Stands", |check| Cell::word(check.passed, "yes", "no"))
         .done()
 }

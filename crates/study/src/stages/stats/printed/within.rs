@@ -16,6 +16,7 @@ pub(in crate::stages::stats) fn whole(result: &WithinAnalysis) -> Printed {
     anova.notes = sentences(result, &["rm_anova"]);
     let mut ranked = ranks(&result.friedman);
     ranked.notes.splice(0..0, sentences(result, &["friedman"]));
+    let corrected = corrections(&result.rm_anova, &result.mauchly, &result.sphericity);
     Printed::within(
         "Within-subject analysis",
         result.n,
@@ -24,11 +25,7 @@ pub(in crate::stages::stats) fn whole(result: &WithinAnalysis) -> Printed {
     )
     .table(conditions(&result.desc, Some(&result.shapiro)))
     .table(anova)
-    .table(corrections(
-        &result.rm_anova,
-        &result.mauchly,
-        &result.sphericity,
-    ))
+    .table(corrected)
     .table(sizes(&result.rm_anova))
     .table(ranked)
     .table(t_pairs(result))
@@ -39,14 +36,11 @@ pub(in crate::stages::stats) fn whole(result: &WithinAnalysis) -> Printed {
 pub(in crate::stages::stats) fn rm_anova(result: &RmAnovaAnalysis) -> Printed {
     let mut anova = variance(&result.rm_anova);
     anova.notes = sentences(result, &["rm_anova"]);
+    let corrected = corrections(&result.rm_anova, &result.mauchly, &result.sphericity);
     Printed::within("Analysis of variance", result.n, result.k, &result.dropped)
         .table(conditions(&result.desc, None))
         .table(anova)
-        .table(corrections(
-            &result.rm_anova,
-            &result.mauchly,
-            &result.sphericity,
-        ))
+        .table(corrected)
         .table(sizes(&result.rm_anova))
         .undefined(&result.undefined)
 }

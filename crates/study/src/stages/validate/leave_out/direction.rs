@@ -7,6 +7,7 @@ use super::{
 };
 use crate::{
     error::StudyError,
+    mean::column_means,
     outcome::{Watch, for_each_on},
     recordings::Recorded,
     run_folder::read_scenario,
@@ -104,20 +105,7 @@ pub(super) fn pointing(
         // The ends of the scale stop a dial and not a direction.
         let step: Vec<f64> = gradient.iter().map(|g| points * g / square).collect();
         let reach = points.abs() / square.sqrt();
-        let moved = |by: &[f64]| -> Result<Embedding, StudyError> {
-            let coordinates = own_style.coordinates().iter().zip(by);
-            Ok(Embedding::new(coordinates.map(|(w, s)| w + s).collect())?)
-        };
-        let size = step.len();
-        let mut styles = vec![own_style.clone(), moved(&step)?];
-        for coordinate in 0..size {
-            for side in [1.0, -1.0] {
-                let mut by = vec![0.0; size];
-                by[coordinate] = side * reach;
-                styles.push(moved(&by)?);
-            }
-        }
-        for embedding in styles {
+        for embedding in turned(own_style, &step, reach)? {
             rides.extend((0..options.worlds).map(|world| Ride {
                 fold,
                 embedding: embedding.clone(),
@@ -146,7 +134,7 @@ pub(super) fn pointing(
         );
         Ok(axes(&Drive::from_recording(meta, &done.recording)?))
     })?;
-    let mut driven = driven.chunks_exact(options.worlds).map(averaged);
+    let mut driven = driven.chunks_exact(options.worlds).map(column_means);
     let mut pointed = Vec::new();
     for judged in judged {
         let mut next = || driven.next().unwrap_or([None; AXES]);
@@ -175,6 +163,23 @@ pub(super) fn pointing(
     Ok((result, uncounted))
 }
 
+/// A style as it is, moved by a step of the dial, and by `reach` to both sides along each coordinate.
+fn turned(own_style: &Embedding, step: &[f64], reach: f64) -> Result<Vec<Embedding>, StudyError> {
+    let moved = |by: &[f64]| -> Result<Embedding, StudyError> {
+        let coordinates = own_style.coordinates().iter().zip(by);
+        Ok(Embedding::new(coordinates.map(|(w, s)| w + s).collect())?)
+    };
+    let mut styles = vec![own_style.clone(), moved(step)?];
+    for coordinate in 0..step.len() {
+        for side in [1.0, -1.0] {
+            let mut by = vec![0.0; step.len()];
+            by[coordinate] = side * reach;
+            styles.push(moved(&by)?);
+        }
+    }
+    Ok(styles)
+}
+
 /// Where a person's two drives stand, and the style of the ordinary one.
 fn placed<'f>(
     learning: &Learning<'_>,
@@ -198,16 +203,6 @@ fn placed<'f>(
     Ok((above, below, &ordinary.embedding))
 }
 
-/// Mean over the roads.
-fn averaged(roads: &[Change]) -> Change {
-    let mut means = [None; AXES];
-    for (axis, part) in means.iter_mut().enumerate() {
-        let known: Vec<f64> = roads.iter().filter_map(|r| r[axis]).collect();
-        *part = crate::mean::mean(&known);
-    }
-    means
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -223,6 +218,9 @@ mod tests {
             [Some(1.0), None, None, Some(3.0)],
             [Some(2.0), None, Some(5.0), None],
         ];
-        assert_eq!(averaged(&roads), [Some(1.5), None, Some(5.0), Some(3.0)]);
+        assert_eq!(
+            column_means(&roads),
+            [Some(1.5), None, Some(5.0), Some(3.0)]
+        );
     }
 }

@@ -1,6 +1,10 @@
 //! What a model that was learned elsewhere says of these people.
 
-use super::{Bench, folds::first_in, role_of};
+use super::{
+    Bench,
+    folds::{first_in, read_alone},
+    role_of,
+};
 use crate::{
     error::StudyError,
     outcome::{Watch, for_each_on},
@@ -8,7 +12,7 @@ use crate::{
     run_folder::read_model,
 };
 use maveric_domain::BeyondWhy;
-use maveric_model::{ModelError, Personalized, Support, personalize, style_space::LinearHead};
+use maveric_model::{Personalized, Support, style_space::LinearHead};
 use maveric_rehearsal::leave_out::{
     By, Drove, Missing, Shipped, ShippedPerson, Uncounted, people, shipped,
 };
@@ -25,17 +29,9 @@ pub(super) fn said_of(
     };
     let model = read_model(path)?;
     let axis = LinearHead::aggression(&model)?;
-    let fitted = for_each_on(
-        bench.options.jobs,
-        rows,
-        watch,
-        "styles",
-        |row| match personalize(&model, &row.drive, None) {
-            Ok(known) => Ok((known.readings > 0).then_some(known)),
-            Err(ModelError::DriveTooShort { .. }) => Ok(None),
-            Err(other) => Err(other.into()),
-        },
-    )?;
+    let fitted = for_each_on(bench.options.jobs, rows, watch, "styles", |row| {
+        Ok(read_alone(&model, &row.drive)?)
+    })?;
     let (ordinary, higher) = (
         role_of(bench.table.lower.first().copied())?,
         role_of(bench.table.higher)?,

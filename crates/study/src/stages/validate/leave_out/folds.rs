@@ -3,6 +3,7 @@
 use crate::{
     error::StudyError,
     outcome::{Watch, for_each_on},
+    stages::validate::examine::with_covariance,
     style_scale::StyleScale,
 };
 use maveric_domain::{AdbScore, ConditionId, Drive, ParticipantId};
@@ -10,10 +11,7 @@ use maveric_model::{
     HeadsKind, Model, ModelError, Personalized, TrainSettings, TrainingDrive, personalize,
     score_line, style_space::LinearHead, train,
 };
-use maveric_rehearsal::{
-    leave_out::{Drove, Line, Styles, people},
-    validation::Known,
-};
+use maveric_rehearsal::leave_out::{Drove, Line, Styles, people};
 use std::ops::ControlFlow;
 
 /// Drives, and by what each person's model is learned from those of the others.
@@ -69,12 +67,9 @@ impl Learning<'_> {
                 Err(ModelError::Cancelled { .. }) => return Err(StudyError::Interrupted),
                 other => other?.model,
             };
-            let read = |drive: &&Drive| match personalize(&model, drive, None) {
-                Ok(known) => Ok((known.readings > 0).then_some(known)),
-                Err(ModelError::DriveTooShort { .. }) => Ok(None),
-                Err(other) => Err(other),
-            };
-            let fitted = self.drives.iter().map(read).collect::<Result<_, _>>()?;
+            let drives = self.drives.iter();
+            let fitted = drives.map(|drive| read_alone(&model, drive));
+            let fitted = fitted.collect::<Result<_, _>>()?;
             Ok(Fold {
                 person: person.clone(),
                 model,
@@ -159,6 +154,15 @@ impl Learning<'_> {
     }
 }
 
+/// A drive as a model reads it without a score; none where it shows nothing.
+pub(super) fn read_alone(model: &Model, drive: &Drive) -> Result<Option<Personalized>, ModelError> {
+    match personalize(model, drive, None) {
+        Ok(known) => Ok((known.readings > 0).then_some(known)),
+        Err(ModelError::DriveTooShort { .. }) => Ok(None),
+        Err(other) => Err(other),
+    }
+}
+
 /// The place of somebody's first drive in a role.
 pub(super) fn first_in(drove: &[Drove], who: &ParticipantId, role: ConditionId) -> Option<usize> {
     let theirs = |d: &Drove| d.participant == *who && d.role == role;
@@ -167,11 +171,9 @@ pub(super) fn first_in(drove: &[Drove], who: &ParticipantId, role: ConditionId) 
 
 /// The styles of each model with their covariances; none where a drive shows nothing or leaves no covariance.
 pub(super) fn styles(folds: &[Fold]) -> Vec<Styles> {
-    let known = |k: &Personalized| -> Option<Known> {
-        let rows = k.covariance.as_ref()?.chunks_exact(k.embedding.size());
-        let rows = rows.map(<[f64]>::to_vec).collect();
-        Some((k.embedding.coordinates().to_vec(), rows))
+    let fold_styles = |fold: &Fold| {
+        let fitted = fold.fitted.iter();
+        fitted.map(|k| with_covariance(k.as_ref()?)).collect()
     };
-    let fold_styles = |fold: &Fold| fold.fitted.iter().map(|k| known(k.as_ref()?)).collect();
     folds.iter().map(fold_styles).collect()
 }

@@ -137,10 +137,7 @@ impl Words<'_> {
             &order.people,
         )
         .text("Person", |p| p.participant.as_str())
-        .right("Right", |p| {
-            p.right
-                .map_or(Cell::Missing, |r| Cell::text(if r { "yes" } else { "no" }))
-        })
+        .right("Right", |p| Cell::word(p.right, "yes", "no"))
         .right("Line", |p| Cell::number(p.line, 2))
         .right("SE", |p| Cell::number(p.line_se, 2))
         .right("Mean speed (m/s)", |p| Cell::number(p.speed_mps, 2))
@@ -324,9 +321,7 @@ impl Words<'_> {
             })
             .right("One of them beyond", |(_, _, beyond)| Cell::count(*beyond))
             .noted(text("shipped", "note", &values)?);
-        let word = |beyond: Option<bool>| {
-            beyond.map_or(Cell::Missing, |b| Cell::text(if b { "yes" } else { "no" }))
-        };
+        let word = |beyond| Cell::word(beyond, "yes", "no");
         let people = Table::of(
             self.name("people"),
             text("shipped", "people", &values)?,

@@ -5,7 +5,7 @@ use crate::{
 };
 use maveric_domain::Drive;
 use maveric_rehearsal::leave_out::By;
-use std::{path::Path, sync::atomic::AtomicBool};
+use std::path::Path;
 
 fn options(folder: &Path) -> Validate {
     Validate {
@@ -31,9 +31,7 @@ fn options(folder: &Path) -> Validate {
 }
 
 fn run(options: &Validate) -> Result<Outcome<InTurn>, StudyError> {
-    let cancel = AtomicBool::new(false);
-    let progress = |_: usize, _: usize, _: &str| {};
-    let outcome = crate::Stage::run(options, Watch::new(&progress, &cancel))?;
+    let outcome = crate::Stage::run(options, Watch::unwatched())?;
     Ok(outcome.map(|value| match value {
         Checked::InTurn(found) => found,
         Checked::DroveTwice(_) => panic!("nobody was asked to drive twice"),
