@@ -245,6 +245,15 @@ impl Model {
         &self.parts.training
     }
 
+    /// The same with these names of its training drives, in their order.
+    #[must_use]
+    pub fn with_names(mut self, names: Vec<DriveId>) -> Self {
+        for (training, name) in self.parts.training.iter_mut().zip(names) {
+            training.drive = name;
+        }
+        self
+    }
+
     /// The mean of the training embeddings: what is known of a driver not met yet.
     pub fn mean_embedding(&self) -> &Embedding {
         &self.mean_embedding

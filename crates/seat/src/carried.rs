@@ -10,7 +10,7 @@ use crate::{
     seat::{Seat, SeatSettings},
     sheet::Sheet,
     steps::{STOPPED, Step},
-    token,
+    token, unnamed,
 };
 use maveric_domain::design::{Crash, Redirect, SeatView};
 use maveric_seat_page::Fit;
@@ -62,8 +62,8 @@ pub struct Exported {
 /// Writes the seat's study as static files into `folder`; what people give is sent to `post`, or handed over by them as a file.
 ///
 /// # Errors
-/// [`SeatError::Protocol`] for a `post` that is no address over https, or a folder that holds something else; [`SeatError::Study`] if a file
-/// cannot be written.
+/// [`SeatError::Protocol`] for a `post` that is no address over https, or a folder that holds something else, or rides in somebody else's style
+/// where too few let theirs be lent; [`SeatError::Store`]; [`SeatError::Study`] if a file cannot be written.
 pub fn export(seat: &Seat, folder: &Path, post: Option<&str>) -> Result<Exported, SeatError> {
     let settings: &SeatSettings = &seat.settings;
     let refused = |problem: String, help: &str| SeatError::Protocol {
@@ -100,8 +100,15 @@ pub fn export(seat: &Seat, folder: &Path, post: Option<&str>) -> Result<Exported
             "name a new folder",
         ));
     }
+    seat.refuse_few_donors(false)?;
+    let steps_of_row = |row: usize| -> Result<Vec<Step>, SeatError> {
+        let steps = seat.steps_of(Whose::Nobody, &seat.order(row))?.into_iter();
+        steps
+            .map(|step| unnamed::step(seat.model.as_ref(), step))
+            .collect()
+    };
     let rows: Vec<Vec<Step>> = (0..seat.orders())
-        .map(|row| seat.steps_of(Whose::Nobody, &seat.order(row)))
+        .map(steps_of_row)
         .collect::<Result<_, _>>()?;
     let orders = rows.len();
     let study = Static {

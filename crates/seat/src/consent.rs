@@ -4,8 +4,9 @@ use crate::{
     books::Books, error::SeatError, listed::KeptSheet, person::Person, sheet::Sheet, steps::Step,
     token,
 };
-use maveric_domain::{DriveId, ParticipantId, Ride};
-use maveric_study::{StudyError, tables::collected::NotAgreed};
+use maveric_domain::{Design, DriveId, ParticipantId, Ride};
+use maveric_model::Model;
+use maveric_study::{StudyError, stages::steer::withheld_drives, tables::collected::NotAgreed};
 use std::collections::BTreeSet;
 
 /// The step at which somebody is asked to agree, and the text; none where nothing is agreed to.
@@ -50,6 +51,19 @@ pub(crate) fn withheld(b: &Books<'_>) -> Result<BTreeSet<DriveId>, SeatError> {
         }
     }
     Ok(withheld)
+}
+
+/// The drives of whoever is forgotten that a model of this study learned from.
+pub(crate) fn of_forgotten(
+    b: &Books<'_>,
+    design: &Design,
+    model: &Model,
+) -> Result<BTreeSet<DriveId>, SeatError> {
+    let ids = b.forgotten()?.into_iter();
+    let forgotten: BTreeSet<ParticipantId> =
+        ids.filter_map(|id| ParticipantId::new(id).ok()).collect();
+    let learned = model.training().iter().map(|training| &training.drive);
+    Ok(withheld_drives(&forgotten, design, learned))
 }
 
 impl Books<'_> {

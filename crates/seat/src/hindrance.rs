@@ -90,6 +90,8 @@ pub enum Hindrance {
         condition: ConditionId,
         /// Drives that the model learned from, but for those whose people do not let their style be lent.
         donors: usize,
+        /// Whether the model is this study's.
+        learned_here: bool,
     },
     /// A condition whose file of styles cannot be used.
     #[error("condition `{condition}`: {problem}")]
@@ -206,6 +208,12 @@ impl Hindrance {
             Self::NotByModel { .. } => {
                 "learn a model of two numbers or more from people who answered the scale of [style]".to_owned()
             }
+            Self::FewDonors {
+                learned_here: false,
+                ..
+            } => format!(
+                "name a model in [model] `file` that learned from {FEWEST_DONORS} drives or more, or give the condition another `car`"
+            ),
             Self::FewDonors { .. } => {
                 "learn a model from more people who tick that their style may be lent, or give the condition another `car`".to_owned()
             }

@@ -2,7 +2,7 @@
 
 use crate::{
     books::Books,
-    consent::lets_lend,
+    consent::{lets_lend, of_forgotten},
     error::SeatError,
     hindrance::Hindrance,
     lent::{by_hand, lent_to},
@@ -14,8 +14,10 @@ use maveric_domain::{
     DriveId, Embedding, Lent,
     design::{Car, FEWEST_DONORS},
 };
+use maveric_model::ModelError;
 use maveric_seat_page::{Fit, Lending, RideStyle};
 use maveric_study::StudyError;
+use std::collections::BTreeSet;
 
 /// What somebody may lend: nothing whose drive shows no habit, or is beyond what the model has met.
 fn lends(person: &Person, style: &Fit) -> Option<(DriveId, Embedding)> {
@@ -24,15 +26,39 @@ fn lends(person: &Person, style: &Fit) -> Option<(DriveId, Embedding)> {
     known.then_some((by_hand(person)?, embedding))
 }
 
+/// Those who are tested and lend theirs, with whoever is let in next: they count, whether they lend theirs or not.
+fn with_the_next<T: Clone>(mut tested: Vec<T>) -> Vec<T> {
+    let next = tested.first().cloned();
+    tested.extend(next);
+    tested
+}
+
 impl Seat {
-    /// Refuses to open where a condition lends somebody else's style and too few of the people learned from let theirs be lent, while those who
-    /// ride do not lend theirs yet.
-    pub(crate) fn refuse_few_lenders(&self) -> Result<(), SeatError> {
-        let Some(model) = self.model.as_ref().filter(|_| self.rides()) else {
-            return Ok(());
+    /// The conditions in which whoever is let in now would have somebody else's style, of too few who let theirs be lent.
+    ///
+    /// # Errors
+    /// [`SeatError::Store`].
+    pub fn few_donors(&self) -> Result<Vec<Hindrance>, SeatError> {
+        self.few_lenders(self.store.look(|b| self.tested(b, None))?)
+    }
+
+    /// Refuses to let somebody ride in such a condition; where no server is, nobody who is tested lends theirs.
+    pub(crate) fn refuse_few_donors(&self, with_server: bool) -> Result<(), SeatError> {
+        let few = if with_server {
+            self.few_donors()?
+        } else {
+            self.few_lenders(Vec::new())?
         };
-        let tested = self.store.look(|b| self.tested(b, None))?;
+        let refused = |few: &Hindrance| Err(SeatError::cannot(few.to_string(), &few.remedy()));
+        few.first().map_or(Ok(()), refused)
+    }
+
+    fn few_lenders(&self, tested: Vec<(DriveId, Embedding)>) -> Result<Vec<Hindrance>, SeatError> {
         let mut few = Vec::new();
+        let Some(model) = self.model.as_ref().filter(|_| self.rides()) else {
+            return Ok(few);
+        };
+        let tested = with_the_next(tested);
         for condition in self.settings.design.conditions() {
             let Some(Car::Matched(matched)) = &condition.car else {
                 continue;
@@ -43,13 +69,28 @@ impl Seat {
                 few.push(Hindrance::FewDonors {
                     condition: condition.id,
                     donors,
+                    learned_here: self.settings.design.model().is_none(),
                 });
             }
         }
-        if few.is_empty() {
-            return Ok(());
+        Ok(few)
+    }
+
+    /// Writes into the rides that wait for somebody else's style which may not be lent; gives whether that is new.
+    pub(crate) fn withhold(&self, steps: &mut [Step]) -> bool {
+        let mut is_new = false;
+        for step in steps {
+            if let Step::Ride {
+                style: RideStyle::Lent { withheld, .. },
+                ..
+            } = step
+                && *withheld != self.withheld
+            {
+                withheld.clone_from(&self.withheld);
+                is_new = true;
+            }
         }
-        Err(SeatError::Unfit(few))
+        is_new
     }
 
     /// What those who ride may lend: of whoever lets it be lent, but for the person themselves.
@@ -99,6 +140,10 @@ impl Seat {
         tested.extend(lends(person, &own));
         let drive = by_hand(person);
         let own_embedding = Embedding::new(own.embedding).map_err(StudyError::from)?;
+        // Somebody may have been forgotten since the seat was opened.
+        let mut withheld = self.withheld.clone();
+        withheld.extend(of_forgotten(b, &self.settings.design, model)?);
+        let mut nobodys = BTreeSet::new();
         let mut steps = person.steps.clone();
         for step in &mut steps {
             let Step::Ride {
@@ -118,7 +163,7 @@ impl Seat {
             let matched = condition.filter(|_| person.ended.is_none());
             let drawn = match matched.map(|c| (c.id, &c.car)) {
                 Some((id, Some(Car::Matched(matched)))) => {
-                    let lending = Lending::of(model, *matched, tested.clone(), &self.withheld);
+                    let lending = Lending::of(model, *matched, tested.clone(), &withheld);
                     let mut lending = lending.map_err(StudyError::from)?;
                     let before = others.iter().flat_map(lent_to);
                     before
@@ -126,18 +171,40 @@ impl Seat {
                         .for_each(|(_, lent, _)| lending.count(&lent.donor));
                     lending.lend((drive.as_ref(), &own_embedding), seed.0)
                 }
-                _ => style
-                    .place(model, &own_embedding, 0.0)
-                    .map(|placed| Some(placed.embedding).zip(placed.lent)),
+                _ => match style.place(model, &own_embedding, 0.0) {
+                    Err(ModelError::NoDonor) => Ok(None),
+                    placed => placed.map(|placed| Some(placed.embedding).zip(placed.lent)),
+                },
             };
-            if let Some((embedding, from)) = drawn.map_err(StudyError::from)? {
-                *style = RideStyle::Given(embedding);
-                *lent = Some(Lent {
-                    donor_shift_points: from.donor_shift_points / *stretch,
-                    ..from
-                });
-            }
+            let Some((embedding, from)) = drawn.map_err(StudyError::from)? else {
+                nobodys.extend(matched.map(|condition| condition.id));
+                continue;
+            };
+            *style = RideStyle::Given(embedding);
+            *lent = Some(Lent {
+                donor_shift_points: from.donor_shift_points / *stretch,
+                ..from
+            });
+        }
+        for id in nobodys {
+            let text =
+                format!("condition {id}: there is nobody whose style may be lent: skip its rides");
+            b.event(Some(&person.participant), &text)?;
         }
         b.set_steps(&person.participant, &steps)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::with_the_next;
+    use maveric_domain::design::Donors;
+
+    #[test]
+    fn the_eleventh_rides_in_the_style_of_one_of_ten_who_are_tested_and_the_tenth_does_not() {
+        let counted = |tested: usize| with_the_next(vec![(); tested]).len();
+        assert!(counted(Donors::FROM) > Donors::FROM);
+        assert!(counted(Donors::FROM - 1) <= Donors::FROM);
+        assert_eq!(counted(0), 0);
     }
 }

@@ -197,12 +197,14 @@ impl Seat {
     /// Lets somebody in as the experimenter says: their token. Their row of the square is the lowest that nobody has, of an order by hand where it has one.
     ///
     /// # Errors
-    /// [`SeatError::Protocol`] for an id that stands already or can be none, or an order in which a condition is missing or stands twice; [`SeatError::Store`], [`SeatError::Random`];
+    /// [`SeatError::Protocol`] for an id that stands already or can be none, or an order in which a condition is missing or stands twice,
+    /// or rides in somebody else's style where too few let theirs be lent; [`SeatError::Store`], [`SeatError::Random`];
     /// [`SeatError::Study`] if the table of people cannot be read.
     pub fn invite(&self, invitation: &Invitation) -> Result<String, SeatError> {
         let rides = self.rides();
         if rides {
             self.model_for_page()?;
+            self.refuse_few_donors(true)?;
         }
         let token = token::new()?;
         let person = self.store.within(|b| {

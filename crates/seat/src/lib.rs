@@ -59,6 +59,7 @@ mod store;
 mod streamed;
 mod tables;
 mod token;
+mod unnamed;
 mod wire;
 mod withdrawal;
 mod words;

@@ -15,12 +15,11 @@ use crate::{
     steps::{Step, Texts},
     store::Store,
     tables::{Given, Standing},
-    token,
+    token, unnamed,
     withdrawal::Withdrawal,
 };
 use maveric_domain::{Design, DriveId, Scale, SpeedUnit, design::ProtocolStep};
 use maveric_model::{Model, model_file};
-use maveric_seat_page::RideStyle;
 use maveric_simulator::Scenario;
 use std::{
     collections::{BTreeMap, BTreeSet},
@@ -119,8 +118,7 @@ impl Seat {
     /// Opens a seat whose state is kept in `path`.
     ///
     /// # Errors
-    /// [`SeatError::Unfit`] with all that keeps the seat from running the study, before anything is written, or where too few of those learned
-    /// from let their style be lent; [`SeatError::Store`] if the file
+    /// [`SeatError::Unfit`] with all that keeps the seat from running the study, before anything is written; [`SeatError::Store`] if the file
     /// cannot be opened; [`SeatError::Model`] for a model that is none; [`SeatError::Study`] if its tables cannot be read or made.
     pub fn open(path: &Path, mut settings: SeatSettings) -> Result<Self, SeatError> {
         if settings
@@ -137,6 +135,9 @@ impl Seat {
         if !hindrances.is_empty() {
             return Err(SeatError::Unfit(hindrances));
         }
+        if let Some(model) = &model {
+            settings.model = Some(unnamed::model(model)?);
+        }
         settings.files.begin()?;
         let store = Store::open(path)?;
         let mut withheld = BTreeSet::new();
@@ -145,6 +146,7 @@ impl Seat {
             withheld = store.look(consent::withheld)?;
             let is_learned = |id: &DriveId| model.training().iter().any(|t| t.drive == *id);
             withheld.retain(is_learned);
+            withheld.extend(store.look(|b| consent::of_forgotten(b, &settings.design, model))?);
         }
         let seat = Self {
             store,
@@ -164,9 +166,14 @@ impl Seat {
             asked: AtomicU64::new(0),
             written: Mutex::new(0),
         };
-        seat.refuse_few_lenders()?;
         *held(&seat.links) = seat.store.within(|b| {
-            let people = b.everybody()?;
+            let mut people = b.everybody()?;
+            // An older program withheld nobody's style.
+            for person in people.iter_mut().filter(|p| p.ended.is_none()) {
+                if seat.withhold(&mut person.steps) {
+                    b.set_steps(&person.participant, &person.steps)?;
+                }
+            }
             seat.find_rows(b, &people)?;
             let known = |p: &Person| (p.token.clone(), Arc::new(Known::from_person(p)));
             Ok::<_, SeatError>(Links {
@@ -229,7 +236,7 @@ impl Seat {
         self.model_refused.store(true, Ordering::Relaxed);
     }
 
-    /// The model for a page.
+    /// The model for a page, as [`unnamed::model`] has it.
     ///
     /// # Errors
     /// [`SeatError::Protocol`] if it learned from somebody who is forgotten.
@@ -287,15 +294,7 @@ impl Seat {
         });
         let texts = self.texts_in(language);
         let mut steps = plan::of_design(&s.design, &s.scales, texts, whose, riding)?;
-        for step in &mut steps {
-            if let Step::Ride {
-                style: RideStyle::Lent { withheld, .. },
-                ..
-            } = step
-            {
-                withheld.clone_from(&self.withheld);
-            }
-        }
+        self.withhold(&mut steps);
         Ok(steps)
     }
 

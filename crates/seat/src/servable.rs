@@ -94,6 +94,7 @@ pub(crate) fn hindrances(
                 .map(|donors| Hindrance::FewDonors {
                     condition: condition.id,
                     donors,
+                    learned_here: design.model().is_none(),
                 }),
         );
         if let Some(Err(error)) = model.map(|model| asked_of(model, condition)) {

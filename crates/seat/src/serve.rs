@@ -14,7 +14,7 @@ use crate::{
     seat::Seat,
     sheet::Sheet,
     steps::{self, Step},
-    token,
+    token, unnamed,
     wire::Wire,
     withdrawal::Withdrawal,
 };
@@ -263,6 +263,8 @@ fn state_of(seat: &Seat, token: &str) -> Answered<Response> {
         Ok((person, None, begun, aborted, between, redirect))
     })?;
     let rides = steps::coded_rides(&person.steps);
+    let on_page = person.steps.iter().map(|s| s.for_page(&rides));
+    let on_page = on_page.map(|step| unnamed::step(seat.model.as_ref(), step));
     Ok(json(&PageState {
         title: design.title(),
         synthetic: design.synthetic(),
@@ -270,7 +272,7 @@ fn state_of(seat: &Seat, token: &str) -> Answered<Response> {
         mph: seat.mph(),
         at: person.at,
         ended: ended.or(person.ended.as_deref()),
-        steps: person.steps.iter().map(|s| s.for_page(&rides)).collect(),
+        steps: on_page.collect::<Result<_, _>>()?,
         fit: person.style(),
         attempts: begun.last().map_or(0, |b| b.attempt),
         whole: begun.last().is_some_and(Begun::is_whole),

@@ -3,7 +3,8 @@
 
 use crate::{error::SeatError, escaped::plain};
 use maveric_domain::{
-    design::{Car, Protocol},
+    Design,
+    design::{Car, Donors, Protocol},
     nearest,
 };
 use maveric_study::{DesignFile, atomic_write::read_text};
@@ -24,7 +25,7 @@ const SHIPPED: [(&str, &str); 2] = [
 const ENGLISH: &str = "en";
 /// How the name of a sentence of the experimenter's page begins.
 const TO_EXPERIMENTER: &str = "lab_";
-/// What is said only where a condition has somebody else's style: no other study has to have it in a language of its own.
+/// What is said only where the style of somebody who takes part may be lent: no other study has to have it in a language of its own.
 const WHERE_STYLES_ARE_LENT: &str = "lend_sentence";
 
 /// What every language has to say.
@@ -34,6 +35,16 @@ static IN_ENGLISH: LazyLock<Sentences> = LazyLock::new(|| shipped(ENGLISH).unwra
 fn shipped(language: &str) -> Option<Sentences> {
     let (_, text) = SHIPPED.iter().find(|(known, _)| *known == language)?;
     toml::from_str(text).ok()
+}
+
+/// Whether the style of somebody who takes part may be lent: in a condition that lends, of those who ride or of those whom a model of this study learns from.
+fn may_lend(design: &Design) -> bool {
+    design.conditions().iter().any(|condition| {
+        let Some(Car::Matched(matched)) = &condition.car else {
+            return false;
+        };
+        matched.from == Donors::Tested || design.model().is_none()
+    })
 }
 
 /// The English sentence of this name, for whoever runs the study.
@@ -67,10 +78,7 @@ impl Words {
     /// be filled in; [`SeatError::Study`] for a file that cannot be read.
     pub fn of_study(study: &DesignFile, language: &str) -> Result<Self, SeatError> {
         let protocol = study.design.protocol();
-        let conditions = study.design.conditions().iter();
-        let lends = conditions
-            .filter_map(|condition| condition.car.as_ref())
-            .any(|car| matches!(car, Car::Matched(_)));
+        let lends = may_lend(&study.design);
         let file = protocol.words.as_ref();
         let file = file.map(|path| in_language(protocol, path, language));
         let applies =
@@ -82,7 +90,7 @@ impl Words {
         Self::for_language(language, Some((&file, &text)), lends)
     }
 
-    /// Those of a language, with those of a file in their place; `lends` says whether a condition has somebody else's style.
+    /// Those of a language, with those of a file in their place; `lends` says whether the style of somebody who takes part may be lent.
     fn for_language(
         language: &str,
         file: Option<(&Path, &str)>,
@@ -336,6 +344,25 @@ mod tests {
             Words::for_language("fr", file, false).unwrap().language,
             "fr"
         );
+    }
+
+    #[test]
+    fn a_style_may_be_lent_of_those_who_ride_or_are_learned_from_here_and_of_nobody_else() {
+        let may = |learned: &str, car: &str| {
+            let text = format!(
+                "[study]\ntitle = \"Two\"\n{learned}\n[style]\nscore = \"adb.total\"\n[baseline]\nid = \"own\"\n\
+                 [[condition]]\nid = \"other\"\ncar = {{ {car}, recorded = true }}\n"
+            );
+            may_lend(&Design::from_toml(&text).unwrap())
+        };
+        let here = "[people]\nlearn = { part = \"learn\" }";
+        let elsewhere = "[model]\nfile = \"lab.maveric\"";
+        let (tested, learned) = (
+            "other = \"matched\"",
+            "other = \"matched\", from = \"learned\"",
+        );
+        assert!(may(here, tested) && may(here, learned) && may(elsewhere, tested));
+        assert!(!may(elsewhere, learned) && !may(here, "mean = true"));
     }
 
     #[test]

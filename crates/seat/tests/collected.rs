@@ -10,7 +10,7 @@ mod support;
 
 use maveric_ingest::{IngestSettings, read_log};
 use maveric_model::{Model, model_file};
-use maveric_seat::{Seat, SeatError, SeatSettings};
+use maveric_seat::{Seat, SeatError, SeatSettings, carried};
 use maveric_study::tables::{
     Table,
     collected::{ConsentRow, EventRow, NoteRow, read_consents},
@@ -249,33 +249,65 @@ fn learned_from(folder: &Path, drives: &[&str]) -> Vec<u8> {
 }
 
 #[test]
-fn whoever_was_learned_from_and_did_not_tick_the_box_lends_nothing_and_too_few_who_did_are_refused()
+fn whoever_was_learned_from_and_did_not_tick_the_box_lends_nothing_and_no_page_is_told_their_names()
 {
     let folder = three_agreed();
     let asked = ["P001-own", "P002-own", "P003-own"];
     let enough = [&asked[..], &["S1-own", "S2-own", "S3-own", "S4-own"]].concat();
     let model = learned_from(folder.path(), &enough);
-    let server = Server::of(lends_with(folder.path(), Some(model)).unwrap(), |_| {});
+    let seat = lends_with(folder.path(), Some(model)).unwrap();
+    assert!(seat.few_donors().unwrap().is_empty());
+    let out = folder.path().join("page");
+    carried::export(&seat, &out, None).unwrap();
+    let study = fs::read_to_string(out.join("study.json")).unwrap();
+    let exported = model_file::from_bytes(&fs::read(out.join("model.maveric")).unwrap()).unwrap();
+    let names = exported.training().iter().map(|t| t.drive.to_string());
+    let numbers = (1..=enough.len()).map(|number| format!("D{number}"));
+    assert!(names.eq(numbers));
+    let server = Server::of(seat, |_| {});
     let token = opened(&server);
     let state = server.state(&token);
+    // The second and the third that the model learned from.
+    let told = r#""withheld":["D2","D3"]"#;
+    assert!(study.contains(told) && !study.contains("P002"), "{study}");
     let steps = state["steps"].as_array().unwrap().iter();
     let lent: Vec<_> = steps
         .filter(|step| step["style"]["lent"].is_object())
         .collect();
     assert_eq!(lent.len(), 1, "{state}");
     let withheld = &lent[0]["style"]["lent"]["withheld"];
-    assert_eq!(*withheld, json!(["P002-own", "P003-own"]));
-    drop(server);
-    let few = learned_from(folder.path(), &enough[..6]);
-    let refused = lends_with(folder.path(), Some(few)).err().unwrap();
-    let SeatError::Unfit(hindrances) = &refused else {
-        panic!("{refused}");
+    assert_eq!(*withheld, json!(["D2", "D3"]));
+}
+
+#[test]
+fn where_too_few_lend_theirs_the_seat_opens_and_nobody_new_is_let_in_or_rides_without_a_server() {
+    let folder = three_agreed();
+    let drives = |others: usize| {
+        let asked = (1..=3).map(|i| format!("P00{i}-own"));
+        let drives = asked.chain((0..others).map(|i| format!("S{i}-own")));
+        drives.collect::<Vec<_>>()
     };
-    let told = hindrances[0].with_remedy();
+    let seat = |others: usize| {
+        let drives = drives(others);
+        let drives: Vec<&str> = drives.iter().map(String::as_str).collect();
+        let model = learned_from(folder.path(), &drives);
+        lends_with(folder.path(), Some(model)).unwrap()
+    };
+    let out = folder.path().join("page");
+    let few = seat(3);
+    let told = few.few_donors().unwrap()[0].with_remedy();
     assert!(
         told.contains("4 drives that the model learned from may be lent") && told.contains("tick"),
         "{told}"
     );
+    assert!(matches!(few.let_in(), Err(SeatError::Protocol { .. })));
+    assert!(carried::export(&few, &out, None).is_err() && !out.exists());
+    // Whom it has can still be forgotten.
+    few.forget("P003").unwrap();
+    drop(few);
+    let enough = seat(4);
+    enough.let_in().unwrap();
+    carried::export(&enough, &out, None).unwrap();
 }
 
 #[test]

@@ -211,6 +211,9 @@ impl Seat {
         if let Some(line) = phase {
             tell!("{line}");
         }
+        for few in seat.few_donors().map_err(failure(OPENING))? {
+            tell!("nobody new is let in: {}", few.with_remedy());
+        }
         self.serve(seat, "/lab", made_up.as_deref())
     }
 

@@ -7,6 +7,7 @@ mod sweep;
 mod withheld;
 
 pub use attribute_scores::AttributeSummary;
+pub use withheld::drives as withheld_drives;
 
 use crate::{
     design::DesignFile,

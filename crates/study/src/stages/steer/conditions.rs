@@ -277,7 +277,11 @@ impl Steering<'_> {
         let mut warnings = Vec::new();
         for (id, lending) in &self.lending {
             let lenders = lending.lenders();
-            if lenders == 0 {
+            if lenders == 0 && self.model.training().is_empty() {
+                warnings.push(format!(
+                    "condition {id} left out: the model keeps no drives whose style could be lent"
+                ));
+            } else if lenders == 0 {
                 warnings.push(format!(
                     "condition {id} left out: there is nobody whose style may be lent (`style_lent` of {})",
                     consents_of_study().to_slash_lossy()

@@ -4,19 +4,15 @@ use crate::tables::collected::ConsentRow;
 use maveric_domain::{Design, DriveId, ParticipantId};
 use std::collections::BTreeSet;
 
-/// Whoever agreed to take part and did not tick that their style may be lent. Where nobody's row has an answer to that, the seat asked nobody, and
-/// nobody is left out.
+/// Whoever agreed to take part and did not tick that their style may be lent, also where they were not asked.
 pub(super) fn people(consents: &[ConsentRow]) -> BTreeSet<ParticipantId> {
-    if consents.iter().all(|row| row.style_lent.is_none()) {
-        return BTreeSet::new();
-    }
     let refused = consents.iter().filter(|row| row.style_lent != Some(true));
     refused.map(|row| row.participant.clone()).collect()
 }
 
 /// Those drives of a model of this study that are by one of these people; of a model that was learned elsewhere, which may know others by the
 /// same ids, none.
-pub(super) fn drives<'a>(
+pub fn drives<'a>(
     people: &BTreeSet<ParticipantId>,
     design: &Design,
     learned: impl IntoIterator<Item = &'a DriveId>,
@@ -69,7 +65,7 @@ mod tests {
     }
 
     #[test]
-    fn whoever_did_not_tick_lends_nothing_where_somebody_was_asked_and_everybody_lends_where_nobody_was()
+    fn whoever_agreed_and_did_not_tick_lends_nothing_and_whoever_ticked_or_was_to_agree_to_nothing_does()
      {
         let (ticked, left) = (row("P1", Some(true)), row("P2", Some(false)));
         let before = row("P3", None);
@@ -78,7 +74,8 @@ mod tests {
             ["P2", "P3"]
         );
         assert!(withheld(std::slice::from_ref(&ticked)).is_empty());
-        assert!(withheld(&[before]).is_empty() && withheld(&[]).is_empty());
+        assert_eq!(withheld(&[before]), ["P3"]);
+        assert!(withheld(&[]).is_empty());
     }
 
     #[test]
