@@ -303,6 +303,7 @@ impl<'a> Rows<'a> {
     ) -> Vec<CongruenceCurve> {
         let at = |sds: i8| model.own_mean + f64::from(sds) * model.own_sd;
         let all: [i8; 3] = [-1, 0, 1];
+        let ends = self.data.style_range();
         let nearest = |own: f64| {
             let apart = |sds: &i8| (at(*sds) - own).abs();
             all.into_iter().min_by(|a, b| apart(a).total_cmp(&apart(b)))
@@ -314,6 +315,12 @@ impl<'a> Rows<'a> {
             let met = moved.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), moved| {
                 (low.min(moved), high.max(moved))
             });
+            // Nobody's car has a score that the scale does not have.
+            let (lowest, highest) = ends.map_or(met, |(lowest, highest)| {
+                let own = at(sds) + distances.middle;
+                (lowest - own, highest - own)
+            });
+            let met = (met.0.max(lowest), met.1.min(highest));
             (!theirs.is_empty()).then(|| CongruenceCurve {
                 sds,
                 own: at(sds) + distances.middle,
@@ -702,5 +709,11 @@ mod tests {
             assert_eq!(curve.met, (-15.0, 15.0));
             assert!(curve.rating[2] < 0.0 && (2.0..6.0).contains(&curve.rating[0]));
         }
+        // No car has a score that the scale does not have.
+        let ranged = on_the_dial().replace("points = 15", "points = 15\n    range = [11, 55]");
+        let tables = liked(24, |own| 0.3 * (own - 30.0), 0.01);
+        let ends = row(&analysed_by(&ranged, tables)).curves[0].clone();
+        assert!((ends.met.0 - (11.0 - ends.own)).abs() < 1e-9, "{ends:?}");
+        assert!((ends.met.1 - 15.0).abs() < 1e-9, "{ends:?}");
     }
 }

@@ -562,7 +562,7 @@ pub struct CongruenceCurve {
     pub own: f64,
     /// People whose own style lies nearest to this one of the three.
     pub n: usize,
-    /// Least and greatest distance from their own style that these people met, with its sign.
+    /// Least and greatest distance from their own style that these people met, with its sign, within the scale.
     pub met: (f64, f64),
     /// The rating as it is keyed, at a distance of 0, by the distance and by its square; averaged over the periods.
     pub rating: [f64; 3],

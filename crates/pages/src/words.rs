@@ -2,20 +2,13 @@
 
 use maveric_analysis::{Contrast, ContrastTest, Correlation, OtherChoice, Panel, PrimaryOutcome};
 use maveric_domain::{ConditionId, Design, design::DeclaredTest};
+pub use maveric_report::markup::capital;
 use maveric_report::{
     apa,
     claims::{Claim, Quantity},
     markup,
 };
 use maveric_stats::{Adjustment, PERIOD, apa::Statements};
-
-/// A sentence with its first letter large.
-pub fn capital(text: &str) -> String {
-    let mut letters = text.chars();
-    letters.next().map_or_else(String::new, |first| {
-        first.to_uppercase().chain(letters).collect()
-    })
-}
 
 /// A title within a sentence: its first letter small, unless it is an abbreviation's (`NASA-TLX`).
 pub fn small(title: &str) -> String {

@@ -88,11 +88,9 @@ impl ConditionLook {
 
     /// One that no design describes: its id, in grey.
     pub(crate) fn unknown(id: ConditionId) -> Self {
-        let mut letters = id.as_str().chars();
-        let first = letters.next().map(|c| c.to_ascii_uppercase());
         Self {
             id,
-            label: first.into_iter().chain(letters).collect(),
+            label: crate::markup::capital(id.as_str()),
             colour: channels(MUTED),
             marker: Marker::Circle,
         }

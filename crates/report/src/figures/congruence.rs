@@ -166,7 +166,7 @@ pub fn congruence(input: &Congruence, context: &Context) -> Result<Figure, Repor
         .collect();
     let lines = input.panels.iter().flat_map(CongruencePanel::lines);
     let x = Scale::over(lines.flat_map(CongruenceLine::styles), 5);
-    let along = format!("{} of the car", markup::literal(&input.style));
+    let along = markup::capital(&markup::literal(&input.style)) + " of the car";
     draw_panels(plan, context, grid, &keys, |canvas, index, place| {
         paint(
             canvas,

@@ -263,10 +263,8 @@ pub(crate) fn draw(
         caption += " A question mark stands for a sign that the figure’s font lacks.";
     }
     if let Some(who) = stand_ins {
-        let (first, rest) = who.split_at(1);
         caption += " ";
-        caption += &first.to_uppercase();
-        caption += rest;
+        caption += &markup::capital(who);
         caption += ".";
     }
     if shown && context.beyond > 0 {

@@ -2,6 +2,7 @@
 
 use crate::texts;
 use maveric_domain::{ConditionId, design::ScoreName};
+use maveric_report::markup::capital;
 use minijinja::{Value, context};
 
 /// The score that the dial turns.
@@ -63,10 +64,7 @@ pub(super) fn study_text(wanted: &Wanted<'_>) -> String {
 }
 
 fn label(id: ConditionId) -> String {
-    let word = id.as_str().replace(['_', '-'], " ");
-    let mut letters = word.chars();
-    let first = letters.next().map(|c| c.to_ascii_uppercase());
-    first.into_iter().chain(letters).collect()
+    capital(&id.as_str().replace(['_', '-'], " "))
 }
 
 #[cfg(test)]
