@@ -1,5 +1,6 @@
 // A study with every kind of sheet, in German, gone through by scripted people: one answers all of it and is looked at, one is too young, one
-// misses the attention check, one feels sick in a ride, one takes everything back after the debriefing. Then `maveric run`, and its page says so.
+// misses the attention check, one feels sick in a ride, one leaves, one takes everything back after the debriefing; in one of the rides the car
+// has somebody else's style, and one lets theirs be lent. Then `maveric run`, and its page says so.
 //
 // usage: node instruments.mjs MAVERIC FOLDER   (CHROMIUM: the browser; SHOTS: a folder for pictures of each step)
 
@@ -19,7 +20,7 @@ const HIGHEST = 9;
 
 /// Somebody with a browser of their own; `answers` gives what they answer to an item of a sheet, by the sheet's place and the item's.
 class Somebody {
-  constructor(link, { size = { width: 480, height: 360 }, looked = false, age = 34, attention = 2, probe = 1 } = {}) { Object.assign(this, { link, size, looked, age, attention, probe, at: 0 }); }
+  constructor(link, { size = { width: 480, height: 360 }, looked = false, age = 34, attention = 2, probe = 1, lends = false, leavesAt = null } = {}) { Object.assign(this, { link, size, looked, age, attention, probe, lends, leavesAt, at: 0 }); }
 
   async open() {
     this.page = await (await browser.newContext({ viewport: this.size })).newPage();
@@ -90,6 +91,14 @@ class Somebody {
       if (kind === "sheet") { await this.answer(); continue; }
       await this.look(kind === "end" ? "end" : "page");
       if (kind === "end") return;
+      if (title === this.leavesAt) {
+        await this.page.getByRole("button", { name: "Studie verlassen" }).click();
+        await this.page.getByRole("button", { name: "darf behalten werden" }).click();
+        await this.page.waitForFunction(() => document.querySelector("#leave").hidden);
+        return;
+      }
+      const box = this.page.locator("main input[type=checkbox]");
+      if (this.lends && (await box.count()) === 1) await box.check();
       const drives = /^(Übungsfahrt|Ihre Fahrt|Mitfahrt \d+)$/.test(title);
       const shown = await this.page.locator("main h1").first().elementHandle();
       this.read = `${this.read ?? ""}\n${await this.page.locator("main").textContent()}`;
@@ -126,10 +135,12 @@ await narrow.look("other-computer");
 
 const plain = await somebody({});
 await plain.goThrough();
-const [first, careless] = [await somebody({ size: { width: 1000, height: 760 }, looked: true }), await somebody({ attention: 5 })];
+const [first, careless] = [await somebody({ size: { width: 1000, height: 760 }, looked: true, lends: true }), await somebody({ attention: 5 })];
 await Promise.all([first.goThrough(), careless.goThrough()]);
 const [sick, regretful] = [await somebody({ probe: HIGHEST }), await somebody({})];
 await Promise.all([sick.goThrough(), regretful.goThrough()]);
+const leaver = await somebody({ leavesAt: "Mitfahrt 2" });
+await leaver.goThrough();
 const levels = ["0 gar nicht", "1", "2", "3", "4 ein wenig", "5", "6", "7 deutlich", "8", "9 sehr · Mir ist nicht gut: anhalten"];
 check(first.probed.join() === levels.join(), `during a ride each level has its words, and the highest says that it stops: ${first.probed}`);
 check(first.read.includes("Worum es in dieser Studie ging"), "at the end everybody reads what the study was about");
@@ -154,10 +165,14 @@ const heldBack = rows("seat/not_admitted.csv").map((row) => `${row.rule}: ${row.
 check(heldBack.join() === "demographics.1 >= 18: 1,needs.width_px >= 480: 1", `each rule held back one person, and nothing else is kept of them: ${heldBack}`);
 const answers = rows("surveys/answers.csv");
 const ids = [...new Set(answers.map((row) => row.participant))].sort();
-check(ids.join() === "P003,P004,P005,P006", `answers are kept of those who took part and took nothing back: ${ids}`);
+check(ids.join() === "P003,P004,P005,P006,P008", `answers are kept of those who took part and took nothing back: ${ids}`);
 const moments = [...new Set(answers.map((row) => row.moment))].sort();
 check(["after", "post", "pre", "probe"].every((moment) => moments.includes(moment)), `each moment has its answers: ${moments}`);
 check(!readFileSync(join(folder, "surveys/answers.csv"), "utf8").includes("screen"), "no answer by which it was judged who takes part is kept");
+const agreed = rows("seat/consents.csv").map((row) => `${row.participant} ${row.style_lent}`).sort();
+check(agreed.join() === "P003 false,P004 true,P005 false,P006 false,P008 false", `who ticked the box lets their style be lent, and nobody else does: ${agreed}`);
+const lent = rows("seat/lent.csv");
+check(["P003", "P004", "P005"].every((who) => lent.some((row) => row.participant === who)) && lent.every((row) => !/^P0/.test(row.donor)), `who rode in somebody else's style, and that of nobody of this study: ${JSON.stringify(lent)}`);
 const stopped = rows("seat/stopped.csv");
 check(stopped.length === 1 && stopped[0].participant === "P006" && stopped[0].reason === "feeling >= 6", `one ride was stopped by what was answered: ${JSON.stringify(stopped)}`);
 check(answers.some((row) => row.participant === "P006" && row.moment === "probe" && row.answer === String(HIGHEST)), "the button that stopped it answered the question too");
@@ -172,5 +187,6 @@ check(existsSync(page), "maveric run ends with the study's page");
 const text = readFileSync(page, "utf8").replaceAll(/<style[\s\S]*?<\/style>|<script[\s\S]*?<\/script>|<[^>]+>/g, " ").replaceAll(/\s+/g, " ");
 for (const [what, pattern] of [
   ["who was asked and not admitted", /not admitted/i], ["the ride that was stopped", /stopped/i], ["the attention check", /attention/i], ["period", /period/i],
+  ["which text was agreed to, and by how many", /Versions of the consent/], ["that a car had somebody else's style", /somebody else’s style/i],
 ]) check(pattern.test(text), `the page says ${what}`);
 end();

@@ -277,6 +277,9 @@ car = { dial = "-1", recorded = true }
 [[condition]]
 id = "perpendicular"
 car = { across = true, recorded = true }
+[[condition]]
+id = "somebody"
+car = { other = "matched", recorded = true }
 [baseline]
 id = "own"
 [exclude]
