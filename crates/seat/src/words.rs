@@ -284,7 +284,9 @@ mod tests {
         let sources = Path::new(env!("CARGO_MANIFEST_DIR")).join("src");
         let sources: Vec<String> = std::fs::read_dir(sources)
             .unwrap()
-            .map(|entry| std::fs::read_to_string(entry.unwrap().path()).unwrap())
+            .map(|entry| entry.unwrap().path())
+            .filter(|path| path.extension().is_some_and(|e| e == "rs"))
+            .map(|path| std::fs::read_to_string(path).unwrap())
             .collect();
         for name in IN_ENGLISH.keys().filter(by_page) {
             let quoted = format!("\"{name}\"");
