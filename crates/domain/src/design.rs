@@ -166,6 +166,12 @@ impl Design {
         self.baseline.as_ref().map(|b| b.id)
     }
 
+    /// The label of a drive by hand in one's own style: the baseline's; without a baseline `own`.
+    pub fn own_drive_label(&self) -> &str {
+        let baseline = self.baseline.as_ref();
+        baseline.map_or("own", |baseline| baseline.id.as_str())
+    }
+
     /// Drives by hand that were asked to be different: learned from, never tested.
     pub fn roles(&self) -> &[Role] {
         &self.roles

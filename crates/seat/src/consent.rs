@@ -4,9 +4,8 @@ use crate::{
     books::Books, error::SeatError, listed::KeptSheet, person::Person, sheet::Sheet, steps::Step,
     token,
 };
-use maveric_domain::{Design, DriveId, ParticipantId, Ride};
-use maveric_model::Model;
-use maveric_study::{StudyError, stages::steer::withheld_drives, tables::collected::NotAgreed};
+use maveric_domain::{Design, DriveId, ParticipantId};
+use maveric_study::{stages::steer::withheld_drives, tables::collected::NotAgreed};
 use std::collections::BTreeSet;
 
 /// The step at which somebody is asked to agree, and the text; none where nothing is agreed to.
@@ -32,38 +31,22 @@ pub(crate) fn lets_lend(person: &Person, sheets: &[KeptSheet]) -> bool {
     sheet.and_then(|sheet| sheet.style_lent) == Some(true)
 }
 
-/// The drives by hand of a person, by their names.
-fn driven_by_hand(person: &Person) -> Result<Vec<DriveId>, SeatError> {
-    let who = ParticipantId::new(&*person.participant).map_err(StudyError::from)?;
-    let drives = person.steps.iter().filter_map(Step::drives);
-    let by_hand = drives.filter(|(_, by_hand)| *by_hand);
-    let name = |(ride, _): (Ride, bool)| DriveId::in_condition(&who, ride);
-    let names: Result<Vec<_>, _> = by_hand.map(name).collect();
-    Ok(names.map_err(StudyError::from)?)
-}
-
-/// The drives by hand of those people who do not let their style be lent.
-pub(crate) fn withheld(b: &Books<'_>) -> Result<BTreeSet<DriveId>, SeatError> {
-    let mut withheld = BTreeSet::new();
-    for person in b.everybody()? {
-        if !lets_lend(&person, &b.answers(&person.participant)?) {
-            withheld.extend(driven_by_hand(&person)?);
-        }
-    }
-    Ok(withheld)
-}
-
-/// The drives of whoever is forgotten that a model of this study learned from.
-pub(crate) fn of_forgotten(
+/// Those of the drives that a model of this study learned from that nobody may be driven by: of whoever does not let their style be lent, and of
+/// whoever is forgotten.
+pub(crate) fn withheld<'a>(
     b: &Books<'_>,
     design: &Design,
-    model: &Model,
+    learned: impl IntoIterator<Item = &'a DriveId>,
 ) -> Result<BTreeSet<DriveId>, SeatError> {
-    let ids = b.forgotten()?.into_iter();
-    let forgotten: BTreeSet<ParticipantId> =
-        ids.filter_map(|id| ParticipantId::new(id).ok()).collect();
-    let learned = model.training().iter().map(|training| &training.drive);
-    Ok(withheld_drives(&forgotten, design, learned))
+    let mut people = b.forgotten()?;
+    for person in b.everybody()? {
+        if !lets_lend(&person, &b.answers(&person.participant)?) {
+            people.push(person.participant);
+        }
+    }
+    let ids = people.into_iter();
+    let people = ids.filter_map(|id| ParticipantId::new(id).ok()).collect();
+    Ok(withheld_drives(&people, design, learned))
 }
 
 impl Books<'_> {
@@ -159,16 +142,8 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let store = Store::open(&folder.path().join("seat.db")).unwrap();
         let asked = || text(Some("Others may be driven in my style."));
-        let drive = |session: u32| Step::Drive {
-            condition: "own".parse().unwrap(),
-            occasion: maveric_domain::Occasion::new(session, 1).unwrap(),
-            seconds: 60.0,
-            seed: "1".to_owned(),
-            probe: None,
-        };
-        let steps = || vec![asked(), drive(1), drive(2)];
         let answered = |id: &str, body: Option<&str>| {
-            let person = Person::new(id.to_owned(), id.to_owned(), steps());
+            let person = Person::new(id.to_owned(), id.to_owned(), vec![asked()]);
             let kept = body.map(|body| checked(&asked(), body).unwrap());
             store
                 .within(|b| {
@@ -181,10 +156,20 @@ mod tests {
         answered("P002", Some(LEFT));
         answered("P003", Some(AGREED));
         answered("P004", None);
-        let withheld = store.look(withheld).unwrap();
-        let withheld: Vec<String> = withheld.iter().map(ToString::to_string).collect();
-        let both = |who: &str| [format!("{who}-own"), format!("{who}-own_s2_t1")];
-        assert_eq!(withheld, ["P002", "P003", "P004"].map(both).concat());
+        let people = (1..=6).map(|number| format!("P00{number}"));
+        let both = |who: String| [format!("{who}-own"), format!("{who}-own_s2_t1")];
+        let learned: Vec<DriveId> = people
+            .flat_map(both)
+            .map(|id| DriveId::new(id).unwrap())
+            .collect();
+        let design = "[study]\ntitle = \"Two\"\n[people]\nlearn = { part = \"learn\" }\n\
+                      [[condition]]\nid = \"faster\"\ncar = { dial = 15 }\n";
+        let design = Design::from_toml(design).unwrap();
+        let withheld = || store.look(|b| withheld(b, &design, &learned)).unwrap();
+        assert_eq!(withheld(), BTreeSet::from_iter(learned[2..8].to_vec()));
+        // Whoever is forgotten is driven by no more, and of somebody who is not among the seat's people nothing is known.
+        store.within(|b| b.forget("P001")).unwrap();
+        assert_eq!(withheld(), BTreeSet::from_iter(learned[..8].to_vec()));
     }
 
     #[test]

@@ -76,10 +76,7 @@ pub fn of_design(
     whose: Whose<'_>,
     riding: Option<Riding<'_>>,
 ) -> Result<Vec<Step>, SeatError> {
-    let baseline = design
-        .baseline_id()
-        .map_or_else(|| ConditionId::new("own"), Ok);
-    let baseline = baseline.map_err(|e| SeatError::Protocol {
+    let baseline = ConditionId::new(design.own_drive_label()).map_err(|e| SeatError::Protocol {
         problem: e.to_string(),
         help: None,
     })?;

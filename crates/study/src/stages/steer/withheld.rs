@@ -20,17 +20,14 @@ pub fn drives<'a>(
     if design.model().is_some() {
         return BTreeSet::new();
     }
-    let roles = design.roles().iter().map(|role| role.id);
-    let labels: Vec<String> = design
-        .baseline_id()
-        .into_iter()
+    let roles = design.roles().iter().map(|role| role.id.as_str());
+    let labels: Vec<&str> = std::iter::once(design.own_drive_label())
         .chain(roles)
-        .map(|label| label.to_string())
         .collect();
     // `P1-own`, or `P1-own_s2_t1`.
     let is_label = |rest: &str| {
         labels.iter().any(|label| {
-            let occasion = rest.strip_prefix(label.as_str());
+            let occasion = rest.strip_prefix(label);
             occasion.is_some_and(|occasion| occasion.is_empty() || occasion.starts_with("_s"))
         })
     };
@@ -82,18 +79,31 @@ mod tests {
     fn drives_that_this_study_learned_from_are_their_peoples_and_those_of_another_model_are_not() {
         let design = |learned: &str| {
             let text = format!(
-                "[study]\ntitle = \"Two\"\n{learned}\n[style]\nscore = \"adb.total\"\n[baseline]\nid = \"own\"\n\
+                "[study]\ntitle = \"Two\"\n{learned}\n[style]\nscore = \"adb.total\"\n\
                  [[condition]]\nid = \"other\"\ncar = {{ other = \"matched\" }}\n"
             );
             Design::from_toml(&text).unwrap()
         };
-        let ids = ["P1-own", "P1-own_s2_t1", "P1-2-own", "P10-own", "P2-own"];
+        let ids = [
+            "P1-own",
+            "P1-own_s2_t1",
+            "P1-by-hand",
+            "P1-2-own",
+            "P10-own",
+            "P2-own",
+        ];
         let learned = ids.map(|id| DriveId::new(id).unwrap());
         let refused = BTreeSet::from([ParticipantId::new("P1").unwrap()]);
         let here = design("[people]\nlearn = { part = \"learn\" }");
-        let found = drives(&refused, &here, &learned);
-        let found: Vec<&str> = found.iter().map(DriveId::as_str).collect();
-        assert_eq!(found, ["P1-own", "P1-own_s2_t1"]);
+        let of = |design: &Design| {
+            let kept_back = drives(&refused, design, &learned).into_iter();
+            let ids: Vec<String> = kept_back.map(|drive| drive.to_string()).collect();
+            ids
+        };
+        // Without a baseline the seat names a drive by hand `own`; with one as it is named.
+        assert_eq!(of(&here), ["P1-own", "P1-own_s2_t1"]);
+        let named = design("[people]\nlearn = { part = \"learn\" }\n[baseline]\nid = \"by-hand\"");
+        assert_eq!(of(&named), ["P1-by-hand"]);
         assert!(drives(&BTreeSet::new(), &here, &learned).is_empty());
         let elsewhere = design("[model]\nfile = \"lab.maveric\"");
         assert!(drives(&refused, &elsewhere, &learned).is_empty());
