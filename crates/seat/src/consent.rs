@@ -162,7 +162,7 @@ mod tests {
             .flat_map(both)
             .map(|id| DriveId::new(id).unwrap())
             .collect();
-        let design = "[study]\ntitle = \"Two\"\n[people]\nlearn = { part = \"learn\" }\n\
+        let design = "[study]\ntitle = \"Two\"\n[people]\nlearn = { part = \"learn\" }\n[style]\nscore = \"adb.total\"\n\
                       [[condition]]\nid = \"faster\"\ncar = { dial = 15 }\n";
         let design = Design::from_toml(design).unwrap();
         let withheld = || store.look(|b| withheld(b, &design, &learned)).unwrap();
