@@ -229,9 +229,8 @@ impl Effects {
         within("adb.aggressiveness", r, -1.0, 1.0, "-1 to 1")?;
         for (scale, models) in &self.answers {
             for (subscale, model) in models {
-                let key = |field: &str| format!("answers.{scale}.{subscale}.{field}");
                 let explained: f64 = model.loadings.values().map(|l| l * l).sum();
-                let key = key("loadings");
+                let key = format!("answers.{scale}.{subscale}.loadings");
                 let expected = "squares that add up to at most 1";
                 within(&key, explained, 0.0, 1.0 + 1e-9, expected)?;
             }
@@ -299,13 +298,8 @@ fn finite(name: &str, found: f64) -> Result<(), ParticipantError> {
 }
 
 fn not_negative(name: &str, found: f64) -> Result<(), ParticipantError> {
-    within(
-        name,
-        found,
-        0.0,
-        LARGEST,
-        "a number of ordinary size, not negative",
-    )
+    let expected = "a number of ordinary size, not negative";
+    within(name, found, 0.0, LARGEST, expected)
 }
 
 #[cfg(test)]

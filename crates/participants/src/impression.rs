@@ -1,7 +1,7 @@
 //! What a person makes of a drive.
 
 use crate::{
-    effects::{Effects, Loadings},
+    effects::Effects,
     person::Participant,
     response::{normal, stream},
 };
@@ -12,21 +12,14 @@ use std::collections::{BTreeMap, BTreeSet};
 /// estimate of preference is held against.
 pub fn preferred_shift(participant: &Participant, effects: &Effects, seed: u64) -> f64 {
     let draw = normal(&mut stream(seed, &[participant.id.as_str(), "preference"]));
-    let by_traits = weighted(participant, &effects.preference.effects);
+    let by_traits = participant.weighted(&effects.preference.effects);
     effects.preference.intercept + by_traits + effects.preference.own_sd * draw
 }
 
 fn homophily(participant: &Participant, effects: &Effects, seed: u64) -> f64 {
     let draw = normal(&mut stream(seed, &[participant.id.as_str(), "homophily"]));
-    let by_traits = weighted(participant, &effects.homophily.effects);
+    let by_traits = participant.weighted(&effects.homophily.effects);
     effects.homophily.mean + by_traits + effects.homophily.own_sd * draw
-}
-
-fn weighted(participant: &Participant, effects: &Loadings) -> f64 {
-    effects
-        .iter()
-        .map(|(name, effect)| effect * participant.latent(*name))
-        .sum()
 }
 
 /// One person in one condition.

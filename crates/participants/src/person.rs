@@ -1,5 +1,6 @@
 //! One synthetic person.
 
+use crate::effects::Loadings;
 use maveric_domain::{ConditionId, DomainError, LatentTraits, ParticipantId};
 use serde::{Deserialize, Serialize};
 use std::str::FromStr;
@@ -181,6 +182,14 @@ impl Participant {
             Trait::Openness => self.personality.openness,
             Trait::HighVelocity => self.high_velocity,
         }
+    }
+
+    /// Σ loading · trait.
+    pub(crate) fn weighted(&self, loadings: &Loadings) -> f64 {
+        loadings
+            .iter()
+            .map(|(name, loading)| loading * self.latent(*name))
+            .sum()
     }
 }
 

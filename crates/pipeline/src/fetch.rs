@@ -1,10 +1,20 @@
 //! Inputs that lie on object storage: fetched before a run, so that stages see files.
 
-#[cfg(feature = "object-store")]
 use std::collections::BTreeMap;
 use std::path::Path;
 
 use crate::{Pipeline, PipelineError, Place};
+
+/// What `[fetch]` of a pipeline names: the places of files and their URLs.
+pub(crate) type Places = BTreeMap<String, String>;
+
+/// Whether `path` is below the root and in one spelling, and `url` is one.
+pub(crate) fn is_allowed(path: &str, url: &str) -> bool {
+    crate::store::is_url(url)
+        && !path.starts_with('/')
+        && !path.starts_with("..")
+        && crate::paths::normalise(path).as_deref() == Some(path)
+}
 
 /// What was fetched, by the place at which it is seen: file → what its object was then.
 #[cfg(feature = "object-store")]

@@ -28,7 +28,6 @@
 //! the script of a shell (`["sh", "-c", SCRIPT]`) a value is quoted for the shell.
 //! Unknown keys are errors.
 
-mod code;
 mod commands;
 mod fan;
 pub(crate) mod keys;
@@ -37,14 +36,13 @@ mod schema;
 mod tables;
 mod value;
 
-pub use code::NewStage;
 pub use commands::{CommandFiles, Commands};
 pub use schema::schema;
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
-use crate::fetched_places::Places;
+use crate::fetch::Places;
 use crate::{PipelineError, Stage};
 use commands::add_what_is_there;
 use layers::{

@@ -1,12 +1,11 @@
 //! What was agreed to beside the text of the consent, and how many people did not agree.
 
 use crate::{
-    books::Books, error::SeatError, listed::KeptSheet, person::Person, sheet::Sheet, steps::Step,
-    token,
+    books::Books, error::SeatError, listed::KeptSheet, person::Person, steps::Step, token,
 };
 use maveric_domain::{Design, DriveId, ParticipantId, Ride};
 use maveric_model::Model;
-use maveric_study::{StudyError, stages::steer::withheld_drives, tables::collected::NotAgreed};
+use maveric_study::{stages::steer::withheld_drives, tables::collected::NotAgreed};
 use std::collections::BTreeSet;
 
 /// The step at which somebody is asked to agree, and the text; none where nothing is agreed to.
@@ -27,19 +26,17 @@ pub(crate) fn lets_lend(person: &Person, sheets: &[KeptSheet]) -> bool {
         return true;
     };
     let kept = sheets.iter().find(|kept| kept.step == at);
-    // Only what was checked was kept.
-    let sheet = kept.and_then(|kept| serde_json::from_str::<Sheet>(&kept.body).ok());
+    let sheet = kept.and_then(KeptSheet::sheet);
     sheet.and_then(|sheet| sheet.style_lent) == Some(true)
 }
 
 /// The drives by hand of a person, by their names.
 fn driven_by_hand(person: &Person) -> Result<Vec<DriveId>, SeatError> {
-    let who = ParticipantId::new(&*person.participant).map_err(StudyError::from)?;
+    let who = ParticipantId::new(&*person.participant)?;
     let drives = person.steps.iter().filter_map(Step::drives);
     let by_hand = drives.filter(|(_, by_hand)| *by_hand);
     let name = |(ride, _): (Ride, bool)| DriveId::in_condition(&who, ride);
-    let names: Result<Vec<_>, _> = by_hand.map(name).collect();
-    Ok(names.map_err(StudyError::from)?)
+    Ok(by_hand.map(name).collect::<Result<_, _>>()?)
 }
 
 /// The drives by hand of those people who do not let their style be lent.
@@ -73,27 +70,21 @@ impl Books<'_> {
         let Some((_, text)) = asked else {
             return Ok(false);
         };
-        self.ask(|c| {
-            c.execute(
-                "INSERT INTO not_agreed (text_sha256, people) VALUES (?1, 1) ON CONFLICT DO UPDATE SET people = people + 1",
-                [token::sha256(text)],
-            )
-        })?;
+        self.change(
+            "INSERT INTO not_agreed (text_sha256, people) VALUES (?1, 1) ON CONFLICT DO UPDATE SET people = people + 1",
+            [token::sha256(text)],
+        )?;
         Ok(true)
     }
 
     /// How many people did not agree, by the text.
     pub(crate) fn not_agreed(&self) -> Result<Vec<NotAgreed>, SeatError> {
-        self.ask(|c| {
-            let mut rows =
-                c.prepare("SELECT text_sha256, people FROM not_agreed ORDER BY text_sha256")?;
-            let read = |row: &rusqlite::Row<'_>| {
-                Ok(NotAgreed {
-                    text_sha256: row.get(0)?,
-                    people: row.get::<_, i64>(1)? as usize,
-                })
-            };
-            rows.query_map([], read)?.collect()
+        let question = "SELECT text_sha256, people FROM not_agreed ORDER BY text_sha256";
+        self.rows(question, [], |row| {
+            Ok(NotAgreed {
+                text_sha256: row.get(0)?,
+                people: row.get::<_, i64>(1)? as usize,
+            })
         })
     }
 }
@@ -101,7 +92,7 @@ impl Books<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{listed::Listed, store::Store};
+    use crate::{listed::Listed, sheet::Sheet, store::Store};
 
     fn text(lend: Option<&str>) -> Step {
         Step::Text {

@@ -45,11 +45,8 @@ pub(crate) fn page(
         .map(|(card, plot)| card_value(card, plot.as_ref(), &known))
         .collect();
     let provenance = &report.provenance;
-    let inputs: Vec<[String; 2]> = provenance
-        .inputs
-        .iter()
-        .map(|input| [input.path.clone(), input.hash.clone()])
-        .collect();
+    let inputs = provenance.inputs.iter();
+    let inputs = inputs.map(|input| [&input.path, &input.hash]);
     let mut used = vec![scripts::TABLES, scripts::PANELS];
     used.extend(report.ledger.is_some().then_some(scripts::LEDGER));
     let players = || shown.iter().filter_map(|live| live.player.as_ref());
@@ -92,7 +89,7 @@ pub(crate) fn page(
             seed => provenance.seed.map(|seed| seed.to_string()),
             command => &provenance.command,
             parameters => &provenance.parameters,
-            inputs => &inputs,
+            inputs => inputs.collect::<Vec<_>>(),
         },
     )?;
     let (explained, found) = explained(&filled, &report.glossary);

@@ -4,7 +4,6 @@ mod beside_ego;
 pub(crate) mod channels;
 pub(crate) mod choice;
 pub(crate) mod decisions;
-pub(crate) mod found;
 mod frames;
 pub(crate) mod metadata;
 pub(crate) mod read;
