@@ -8,42 +8,17 @@
 
 mod support;
 
-use support::TempStudy;
+use support::{TempStudy, argv};
 
 #[test]
 fn wrong_usage_is_status_2_and_help_has_an_example() {
     let study = TempStudy::new();
     assert_eq!(study.maveric(&["frobnicate"]).status, Some(2));
     assert_eq!(study.maveric(&["train"]).status, Some(2));
-    for command in [
-        "run",
-        "status",
-        "graph",
-        "verify",
-        "diff",
-        "trace",
-        "clean",
-        "init",
-        "generate",
-        "ingest",
-        "inspect",
-        "import",
-        "score",
-        "codebook",
-        "train",
-        "personalize",
-        "steer",
-        "simulate",
-        "measure",
-        "rate",
-        "evaluate",
-        "stats",
-        "report",
-        "export",
-        "completions",
-        "man",
-        "cite",
-    ] {
+    let commands = "run status graph verify diff trace clean init generate ingest inspect import \
+        score codebook train personalize steer simulate measure rate evaluate stats \
+        report export completions man cite";
+    for command in argv(commands) {
         let help = study.maveric(&[command, "--help"]).ok().stdout;
         assert!(help.contains("Example"), "{command}: {help}");
     }
@@ -53,36 +28,23 @@ fn wrong_usage_is_status_2_and_help_has_an_example() {
 fn a_stderr_that_nobody_reads_ends_no_command_half_way() {
     let study = TempStudy::new();
     study.write("t.toml", "name = 't'\n[[stage]]\nname = 'a'\ncmd = ['sh', '-c', 'echo x >&2; echo y > made']\noutputs = ['made']\n");
-    for (args, status) in [
-        (&["run", "t.toml"][..], 0),
-        (&["run", "t.toml", "--why", "nothing"][..], 1),
-        (&["train"][..], 2),
-        (&["frobnicate"][..], 2),
-        (&["ingest", "nowhere.mcap", "--out", "d"][..], 1),
-        (
-            &[
-                "stats",
-                "within",
-                "no.csv",
-                "--subject",
-                "s",
-                "--within",
-                "w",
-                "--value",
-                "v",
-            ][..],
-            1,
-        ),
-        (&["report", "nowhere", "--out", "r"][..], 1),
+    for (line, status) in [
+        ("run t.toml", 0),
+        ("run t.toml --why nothing", 1),
+        ("train", 2),
+        ("frobnicate", 2),
+        ("ingest nowhere.mcap --out d", 1),
+        ("stats within no.csv --subject s --within w --value v", 1),
+        ("report nowhere --out r", 1),
     ] {
         let (reader, writer) = std::io::pipe().unwrap();
         drop(reader);
         let ended = study
-            .command(args)
+            .command(&argv(line))
             .stderr(writer)
             .stdout(std::process::Stdio::null())
             .status();
-        assert_eq!(ended.unwrap().code(), Some(status), "{args:?}");
+        assert_eq!(ended.unwrap().code(), Some(status), "{line}");
     }
     assert!(study.path("made").exists());
 }
@@ -103,17 +65,8 @@ fn a_missing_file_an_empty_one_and_a_folder_are_named() {
         "nothing is written"
     );
     let compare = |data: &str| {
-        study.maveric(&[
-            "stats",
-            "compare",
-            data,
-            "--subject",
-            "s",
-            "--within",
-            "w",
-            "--value",
-            "v",
-        ])
+        let columns = argv("--subject s --within w --value v");
+        study.maveric(&[&["stats", "compare", data], &columns[..]].concat())
     };
     compare(folder.to_str().unwrap()).failed(1, &["is a folder"]);
     compare("nowhere.csv").failed(1, &["nowhere.csv"]);
@@ -137,17 +90,9 @@ fn an_unknown_column_gets_the_nearest_name() {
         "subject,condition,value\na,x,1\na,y,2\nb,x,2\nb,y,4\n",
     );
     study
-        .maveric(&[
-            "stats",
-            "within",
-            "d.csv",
-            "--subject",
-            "subjct",
-            "--within",
-            "condition",
-            "--value",
-            "value",
-        ])
+        .maveric(&argv(
+            "stats within d.csv --subject subjct --within condition --value value",
+        ))
         .failed(1, &["subjct", "did you mean `subject`"]);
 }
 
@@ -157,15 +102,9 @@ fn a_model_of_something_else_is_refused() {
     study.write("model.maveric", "{\"weights\": []}");
     study.write("conditions.csv", "participant,condition,w1\nP1,mimic,0.1\n");
     study
-        .maveric(&[
-            "simulate",
-            "--model",
-            "model.maveric",
-            "--conditions",
-            "conditions.csv",
-            "--out",
-            "av",
-        ])
+        .maveric(&argv(
+            "simulate --model model.maveric --conditions conditions.csv --out av",
+        ))
         .failed(1, &["model.maveric"]);
     assert!(!study.path("av").exists());
 }
@@ -178,19 +117,9 @@ fn json_is_one_object_on_stdout() {
         "s,w,v\na,x,1\na,y,2\na,z,4\nb,x,2\nb,y,4\nb,z,5\nc,x,1\nc,y,3\nc,z,2\n",
     );
     let ran = study
-        .maveric(&[
-            "stats",
-            "within",
-            "d.csv",
-            "--subject",
-            "s",
-            "--within",
-            "w",
-            "--value",
-            "v",
-            "--format",
-            "json",
-        ])
+        .maveric(&argv(
+            "stats within d.csv --subject s --within w --value v --format json",
+        ))
         .ok();
     let value: serde_json::Value = serde_json::from_str(&ran.stdout).unwrap();
     assert!(value["rm_anova"]["F"].as_f64().unwrap() > 0.0);
@@ -211,21 +140,14 @@ fn who_did_not_answer_is_said_and_listed() {
     study.write("surveys.csv", &surveys);
     study.write("participants.csv", "participant\nP1\nP2\n");
     let score = |surveys: &str| {
-        study.maveric(&[
-            "score",
-            "--surveys",
-            surveys,
-            "--participants",
-            "participants.csv",
-            "--out",
-            "scores.csv",
-        ])
+        let line = format!("score --surveys {surveys} --participants participants.csv");
+        study.maveric(&argv(&format!("{line} --out scores.csv")))
     };
     let ran = score("surveys.csv").ok();
     assert!(ran.stderr.contains("P2"), "{}", ran.stderr);
-    let listed = std::fs::read_to_string(study.path("scores_exclusions.csv")).unwrap();
+    let listed = study.read("scores_exclusions.csv");
     assert!(listed.contains("P2,questionnaires,"), "{listed}");
-    let scores = std::fs::read_to_string(study.path("scores.csv")).unwrap();
+    let scores = study.read("scores.csv");
     assert!(scores.contains("P1,pre,adb,total,33.0,11,11"), "{scores}");
     study.write("wrong.csv", surveys.replace(",11,3", ",11,9"));
     score("wrong.csv").failed(1, &["P1", "adb", "item 11", "9"]);
@@ -243,16 +165,15 @@ fn a_sample_of_two_and_a_half_people_is_refused() {
 #[test]
 fn both_kinds_of_heads_learn_the_same_bytes_again() {
     let study = TempStudy::new();
-    let make = "generate --out d --study1 4 --study2 1 --duration 90 --seed 3";
-    study.maveric(&make.split(' ').collect::<Vec<_>>()).ok();
-    let ingest = "ingest d/logs/study1 --out d/drives";
-    study.maveric(&ingest.split(' ').collect::<Vec<_>>()).ok();
+    let run = |line: &str| study.maveric(&argv(line)).ok();
+    run("generate --out d --study1 4 --study2 1 --duration 90 --seed 3");
+    run("ingest d/logs/study1 --out d/drives");
     for heads in ["linear", "paper"] {
         let train = |out: &str, threads: &str| {
-            let base = format!(
-                "train --heads {heads} --drives d/drives --out {out} --epochs 4 -j {threads}"
-            );
-            study.maveric(&base.split(' ').collect::<Vec<_>>()).ok();
+            let drives = "--drives d/drives --epochs 4";
+            run(&format!(
+                "train --heads {heads} {drives} --out {out} -j {threads}"
+            ));
         };
         train("one.maveric", "1");
         train("two.maveric", "2");
@@ -264,9 +185,7 @@ fn both_kinds_of_heads_learn_the_same_bytes_again() {
             assert!(read(one) == read(two), "{heads}: {two} differs");
         }
     }
-    let unknown = [
-        "train", "--heads", "deep", "--drives", "d/drives", "--out", "x",
-    ];
+    let unknown = argv("train --heads deep --drives d/drives --out x");
     study.maveric(&unknown).failed(2, &["deep", "linear"]);
 }
 
@@ -274,8 +193,7 @@ fn both_kinds_of_heads_learn_the_same_bytes_again() {
 fn generated_logs_are_watched_side_by_side() {
     let study = TempStudy::new();
     let generate = "generate --out g --study1 1 --study2 1 --duration 40 --scene S2P01";
-    let args: Vec<&str> = generate.split(' ').collect();
-    study.maveric(&args).ok();
+    study.maveric(&argv(generate)).ok();
     let [plain, scene] = [
         "g/logs/study1/S1P01-own.mcap",
         "g/logs/study2/S2P01-own.mcap",
@@ -292,12 +210,9 @@ fn generated_logs_are_watched_side_by_side() {
     assert_eq!(page.matches("<li class=\"pl-row").count(), 2);
     assert!(page.contains("Synthetic participants.") && page.contains("<b>S1P01-own</b>"));
     study
-        .maveric(&[
-            "inspect",
-            "study_data/scenarios/paper.toml",
-            "--watch",
-            "none.html",
-        ])
+        .maveric(&argv(
+            "inspect study_data/scenarios/paper.toml --watch none.html",
+        ))
         .failed(1, &["paper.toml"]);
     assert!(!study.path("none.html").exists());
 }
@@ -306,8 +221,8 @@ fn generated_logs_are_watched_side_by_side() {
 fn a_scene_of_nobody_is_refused_by_name() {
     let study = TempStudy::new();
     let generate = "generate --out g --study1 1 --study2 1 --duration 40 --scene P99";
-    let args: Vec<&str> = generate.split(' ').collect();
-    study.maveric(&args).failed(1, &["P99", "S1P01"]);
+    let ran = study.maveric(&argv(generate));
+    ran.failed(1, &["P99", "S1P01"]);
     assert!(!study.path("g").exists());
 }
 
@@ -326,13 +241,7 @@ fn outside_a_study_run_says_what_to_do_and_the_papers_study_runs_from_the_progra
     assert!(told.stdout.contains("pipelines/smoke.toml"));
     let plan = study.maveric_in("elsewhere", &["run", "-n"]).ok().stdout;
     assert!(plan.contains("report: stale"), "{plan}");
-    let first = [
-        "run",
-        "pipelines/smoke.toml",
-        "score",
-        "--set",
-        "duration=20",
-    ];
+    let first = argv("run pipelines/smoke.toml score --set duration=20");
     study.maveric_in("elsewhere", &first).ok();
     assert!(
         empty
@@ -365,7 +274,7 @@ fn an_installed_program_has_completions_a_manual_and_its_version() {
     }
     study.maveric(&["completions", "tcsh"]).failed(2, &["bash"]);
     study.maveric(&["man", "man"]).ok();
-    let page = std::fs::read_to_string(study.path("man/maveric-stats-within.1")).unwrap();
+    let page = study.read("man/maveric-stats-within.1");
     assert!(page.contains(".SH OPTIONS") && page.contains("\\-\\-subject"));
     assert!(study.path("man/maveric.1").is_file() && !study.path("man/maveric-man.1").exists());
     let version = study.maveric(&["--version"]).ok().stdout;

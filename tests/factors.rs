@@ -9,11 +9,12 @@
 mod support;
 
 use serde_json::Value;
-use std::{collections::BTreeMap, fmt::Write as _};
+use std::{collections::BTreeMap, fmt::Write as _, path::Path};
 use support::{
-    TempStudy,
-    own_logs::{change, only_scales, read, scale},
+    TempStudy, copy,
+    own_logs::{analysis, change, only_scales, scale},
     page::Page,
+    tells,
 };
 
 /// A nearly normal number about 0 that follows from its places: no generator, the same everywhere.
@@ -162,29 +163,13 @@ fn twelve(more: &str) -> TempStudy {
 }
 
 fn run(study: &TempStudy) -> Value {
-    study.maveric_in("mine", &["run"]).ok();
+    study.mine("run").ok();
     // To look at: what a person would see is not what a test can judge.
     if let Some(folder) = std::env::var_os("KEEP_STUDIES") {
         let name = std::thread::current().name().unwrap().to_owned();
-        copy(
-            &study.path("mine"),
-            &std::path::Path::new(&folder).join(name),
-        );
+        copy(&study.path("mine"), &Path::new(&folder).join(name));
     }
-    serde_json::from_str(&read(study, "mine/results/analysis.json")).unwrap()
-}
-
-fn copy(from: &std::path::Path, to: &std::path::Path) {
-    std::fs::create_dir_all(to).unwrap();
-    for entry in std::fs::read_dir(from).unwrap() {
-        let entry = entry.unwrap();
-        let to = to.join(entry.file_name());
-        if entry.path().is_dir() {
-            copy(&entry.path(), &to);
-        } else {
-            std::fs::copy(entry.path(), to).unwrap();
-        }
-    }
+    analysis(study)
 }
 
 fn panel<'a>(analysis: &'a Value, outcome: &str) -> &'a Value {
@@ -337,11 +322,8 @@ fn its_page_calls_factors_by_their_labels_and_draws_the_interaction() {
         }
         assert!(svg.contains("Synthetic participants"), "{name}");
     }
-    let results = read(&study, "mine/report/manuscript/results.md");
-    assert!(
-        results.contains("Declared contrasts of factors"),
-        "{results}"
-    );
+    let results = study.read("mine/report/manuscript/results.md");
+    tells(&results, &["Declared contrasts of factors"]);
     // Six conditions, and no contrast of conditions was declared: no bracket.
     let panels = study.path("mine/report/figures/difference-panels.svg");
     let svg = std::fs::read_to_string(panels).unwrap();
@@ -374,7 +356,7 @@ fn twelve_conditions_have_at_most_six_brackets_names_that_are_whole() {
 #[test]
 fn an_unknown_factor_level_or_label_is_refused_by_what_there_is_and_nothing_is_written() {
     let study = crossed(10);
-    let sound = read(&study, "mine/study.toml");
+    let sound = study.read("mine/study.toml");
     let wrong: BTreeMap<(&str, &str), &[&str]> = BTreeMap::from([
         (
             (
@@ -417,7 +399,7 @@ fn an_unknown_factor_level_or_label_is_refused_by_what_there_is_and_nothing_is_w
     for ((from, to), words) in wrong {
         assert!(sound.contains(from), "{from}");
         study.write("mine/study.toml", sound.replacen(from, to, 1));
-        study.maveric_in("mine", &["run"]).failed(1, words);
+        study.mine("run").failed(1, words);
         assert!(!study.path("mine/results").exists(), "{to}");
     }
     // Which levels there are between people, their table alone knows.
@@ -429,7 +411,7 @@ fn an_unknown_factor_level_or_label_is_refused_by_what_there_is_and_nothing_is_w
             1,
         ),
     );
-    let ran = study.maveric_in("mine", &["run"]);
+    let ran = study.mine("run");
     assert_eq!(ran.status, Some(1));
     for words in [
         "`[contrasts] factors` names `x` of `experience`",
@@ -440,5 +422,5 @@ fn an_unknown_factor_level_or_label_is_refused_by_what_there_is_and_nothing_is_w
     assert!(!study.path("mine/results/analysis.json").exists());
     assert!(!study.path("mine/report").exists());
     change(&study, "mine/study.toml", "\"x\"", "\"e\"");
-    study.maveric_in("mine", &["run"]).ok();
+    study.mine("run").ok();
 }

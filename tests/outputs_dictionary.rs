@@ -13,12 +13,8 @@ use maveric_study::tables::{
     dictionary::{FileEntry, entries, entry_at},
 };
 use serde_json::Value;
-use std::{
-    collections::BTreeSet,
-    path::{Path, PathBuf},
-    sync::OnceLock,
-};
-use support::{TempStudy, root};
+use std::{collections::BTreeSet, path::Path, sync::OnceLock};
+use support::{TempStudy, argv, files, root, tells};
 
 /// One run for all tests: making it takes most of their time.
 fn run() -> &'static TempStudy {
@@ -28,20 +24,6 @@ fn run() -> &'static TempStudy {
         study.maveric(&["run", "pipelines/smoke.toml"]).ok();
         study
     })
-}
-
-fn files(folder: &Path) -> Vec<PathBuf> {
-    let mut found = Vec::new();
-    for entry in std::fs::read_dir(folder).unwrap() {
-        let path = entry.unwrap().path();
-        if path.is_dir() {
-            found.extend(files(&path));
-        } else {
-            found.push(path);
-        }
-    }
-    found.sort();
-    found
 }
 
 const PAGE: &str = "docs/outputs.md";
@@ -223,9 +205,9 @@ fn a_manuscript_has_numbers_by_name_methods_results_and_references() {
         assert!(!text.contains("&lt;") && !text.contains("&amp;"), "{part}");
     }
     let bib = std::fs::read_to_string(manuscript.join("references.bib")).unwrap();
-    assert!(
-        bib.contains("author = {Jian, J.-Y. and Bisantz, A. M. and Drury, C. G.}"),
-        "{bib}"
+    tells(
+        &bib,
+        &["author = {Jian, J.-Y. and Bisantz, A. M. and Drury, C. G.}"],
     );
     // A document of Word is a zip archive.
     assert!(
@@ -288,15 +270,13 @@ fn tokens(text: &str) -> Vec<String> {
 
 #[test]
 fn every_number_of_a_manuscript_is_one_of_the_analysis() {
-    let text = |path: &str| std::fs::read_to_string(run().path(path)).unwrap();
-    let analysis: Value =
-        serde_json::from_str(&text("study_data/generated/smoke/analysis.json")).unwrap();
+    let analysis = run().json("study_data/generated/smoke/analysis.json");
     let mut all = Vec::new();
     numbers_in(&analysis, &mut all);
     // Sentences: as they are written. The levels of intervals stand in no result.
     let known: BTreeSet<String> = all.iter().flat_map(|value| written(*value)).collect();
     let levels = ["90", "95", ".001", "1"];
-    let results = text("reports/smoke/manuscript/results.md");
+    let results = run().read("reports/smoke/manuscript/results.md");
     let found = tokens(&results);
     assert!(found.len() > 200, "{} numbers", found.len());
     let unknown: Vec<&String> = found
@@ -367,10 +347,8 @@ fn every_number_of_a_manuscript_is_one_of_the_analysis() {
 
 #[test]
 fn every_test_stands_in_the_results_and_in_a_table_with_a_number_a_cell() {
-    let text = |path: &str| std::fs::read_to_string(run().path(path)).unwrap();
-    let analysis: Value =
-        serde_json::from_str(&text("study_data/generated/smoke/analysis.json")).unwrap();
-    let results = text("reports/smoke/manuscript/results.md");
+    let analysis = run().json("study_data/generated/smoke/analysis.json");
+    let results = run().read("reports/smoke/manuscript/results.md");
     let panels = analysis["panels"].as_array().unwrap();
     let omnibus = Table::read(&run().path("reports/smoke/tables/omnibus.csv")).unwrap();
     let heads = [
@@ -443,14 +421,8 @@ fn a_drive_as_csv_has_its_rows_and_names_no_lead_where_nobody_is_there() {
         .find(|p| p.extension().is_some_and(|e| e == "parquet"))
         .unwrap();
     let out = study.path("drive.csv");
-    study
-        .maveric(&[
-            "inspect",
-            drive.to_str().unwrap(),
-            "--csv",
-            out.to_str().unwrap(),
-        ])
-        .ok();
+    let [from, to] = [&drive, &out].map(|path| path.to_str().unwrap());
+    study.maveric(&["inspect", from, "--csv", to]).ok();
     let table = Table::read(&out).unwrap();
     assert_eq!(table.rows(), Table::read(&drive).unwrap().rows());
     let entry = entry_at("drives/study2/x.parquet").unwrap();
@@ -478,54 +450,30 @@ fn a_style_reaches_a_figure_of_one_test_and_a_page_and_a_wrong_one_is_refused() 
     study.write("two.csv", "x,y\n1,2\n2,3\n3,5\n4,4\n5,8\n6,7\n");
     let style = style.to_str().unwrap();
     let figure = |name: &str| {
-        study
-            .maveric(&[
-                "stats",
-                "correlate",
-                "two.csv",
-                "--x",
-                "x",
-                "--y",
-                "y",
-                "--figure",
-                name,
-                "--style",
-                style,
-            ])
-            .ok();
+        let correlate = argv("stats correlate two.csv --x x --y y");
+        let drawn = ["--figure", name, "--style", style];
+        study.maveric(&[&correlate[..], &drawn].concat()).ok();
         std::fs::read(study.path(name)).unwrap()
     };
     let svg = String::from_utf8(figure("a.svg")).unwrap();
     assert!(svg.contains("#123456") && !svg.contains("#222222"));
     assert!(svg.contains(">Age (years)</text>"), "{svg}");
     assert!(figure("a.pdf").starts_with(b"%PDF"));
-    let report = [
-        "report",
-        "study_data/generated/smoke",
-        "--out",
-        "reports/styled",
-        "--style",
-        style,
-    ];
-    study.maveric(&report).ok();
-    let page = std::fs::read_to_string(study.path("reports/styled/index.html")).unwrap();
+    let report = argv("report study_data/generated/smoke --out reports/styled --style");
+    study.maveric(&[&report[..], &[style]].concat()).ok();
+    let page = study.read("reports/styled/index.html");
     assert!(page.contains("#123456") && page.contains("Own style"));
     study.write("bad.toml", "[palette]\nink = \"dark\"\n");
     study
-        .maveric(&[
-            "report",
-            "study_data/generated/smoke",
-            "--out",
-            "reports/x",
-            "--style",
-            "bad.toml",
-        ])
+        .maveric(&argv(
+            "report study_data/generated/smoke --out reports/x --style bad.toml",
+        ))
         .failed(1, &["bad.toml", "palette.ink", "#rrggbb"]);
 }
 
 #[test]
 fn the_page_answers_first_and_folds_what_is_behind() {
-    let page = std::fs::read_to_string(run().path("reports/smoke/index.html")).unwrap();
+    let page = run().read("reports/smoke/index.html");
     let at = |what: &str| page.find(what).unwrap_or_else(|| panic!("no {what}"));
     for card in [
         "own-style",

@@ -22,11 +22,11 @@ use maveric_study::{
         embeddings::{read_embeddings, write_embeddings},
     },
 };
-use seat::{Script, Server, TAB};
+use seat::{Server, script::Script};
 use std::{fmt::Write as _, path::Path, rc::Rc};
 use support::{
-    TempStudy,
-    own_logs::{change, read},
+    TempStudy, argv,
+    own_logs::{analysis, change},
     page::Page,
 };
 
@@ -71,17 +71,9 @@ wording = [\"I was calm.\", \"I felt at ease.\"]\n[[subscales]]\nid = \"total\"\
 /// The study's folder, with a model that learned from six made-up people.
 fn learned(conditions: &str) -> TempStudy {
     let study = TempStudy::new();
-    let init = [
-        "init",
-        "mine",
-        "--conditions",
-        "a,b",
-        "--style",
-        "adb.total",
-        "--synthetic",
-    ];
+    let init = argv("init mine --conditions a,b --style adb.total --synthetic");
     study.maveric(&init).ok();
-    let text = read(&study, "mine/study.toml");
+    let text = study.read("mine/study.toml");
     let first = text.find("[[condition]]").unwrap();
     let baseline = "\n[baseline]\nid = \"own\"\nlabel = \"Own\"\n";
     let head = &text[..first];
@@ -104,11 +96,8 @@ fn learned(conditions: &str) -> TempStudy {
         &format!("\nitems = 11\nwording = [{asked}]\n"),
     );
     let generate = "generate --learn 6 --test 0 --duration 150 --seed 3 --design study.toml";
-    let words: Vec<&str> = generate.split(' ').collect();
-    study.maveric_in("mine", &words).ok();
-    study
-        .maveric_in("mine", &["run", "train", "--set", "epochs=2"])
-        .ok();
+    study.mine(generate).ok();
+    study.mine("run train --set epochs=2").ok();
     study
 }
 
@@ -154,25 +143,18 @@ fn the_papers_four_conditions_are_ridden_from_consent_to_page() {
     // A fifth stops in the first ride.
     for (speed, stops) in people.into_iter().chain([(30.0, unwell)]) {
         let person = Script {
-            model: Rc::clone(&model),
-            own: None,
             stops,
-            speed: Some(speed),
-            answers: |item, low, high| Some(i64::midpoint(low, high) + i64::from(item == 1)),
+            ..driver(&model, speed)
         };
-        let token = server.seat.let_in().unwrap();
-        assert_eq!(
-            server.post(&format!("/api/{token}/open/{TAB}"), "null").0,
-            200
-        );
+        let token = seat::opened(&server);
         while person.go_on(&server, &token) {}
         assert_eq!(server.state(&token)["ended"], "done");
     }
     drop(server);
     // Nobody's ride was in another style than the study's.
-    let notes = read(&study, "mine/seat/notes.csv");
+    let notes = study.read("mine/seat/notes.csv");
     assert!(!notes.contains("another style"), "{notes}");
-    let ran = study.maveric_in("mine", &["run", "--set", "epochs=2"]).ok();
+    let ran = study.mine("run --set epochs=2").ok();
     assert!(ran.stdout.contains("index.html"), "{}", ran.stdout);
 
     // What the pipeline makes of the same people, who were learned of without their answers while they waited.
@@ -180,8 +162,7 @@ fn the_papers_four_conditions_are_ridden_from_consent_to_page() {
     fits.retain(|row| !row.adb_used);
     write_embeddings(&folder.join("without.csv"), &fits).unwrap();
     let steer = "steer --model results/model.maveric --embeddings without.csv --out placed.csv --seed 5 --design study.toml";
-    let words: Vec<&str> = steer.split(' ').collect();
-    study.maveric_in("mine", &words).ok();
+    study.mine(steer).ok();
     let mut placed = read_conditions(&folder.join("placed.csv")).unwrap();
     placed.retain(|row| row.participant.as_str() != "P005");
     assert_eq!(placed.len(), 4 * speeds.len());
@@ -216,7 +197,7 @@ fn the_papers_four_conditions_are_ridden_from_consent_to_page() {
             assert!(angles.iter().any(|a| (a - angle).abs() < 1e-9), "{angle}");
         }
     }
-    let measured = read(&study, "mine/results/rating_scores.csv");
+    let measured = study.read("mine/results/rating_scores.csv");
     for condition in ["mimic", "aggressive", "cautious", "perpendicular"] {
         assert_eq!(
             measured
@@ -226,8 +207,7 @@ fn the_papers_four_conditions_are_ridden_from_consent_to_page() {
         );
     }
     // The ride that was stopped is counted, with its condition and the reason.
-    let analysis: serde_json::Value =
-        serde_json::from_str(&read(&study, "mine/results/analysis.json")).unwrap();
+    let analysis = analysis(&study);
     let stopped = serde_json::json!([{"rule": "stopped", "why": "`mimic` was stopped: unwell", "who": ["P005-mimic"]}]);
     assert_eq!(analysis["flow"]["drives"], stopped);
     Page::read(&study.path("mine/report/index.html")).says(&[
@@ -264,9 +244,7 @@ seed = 5
 
 /// Lets somebody in who answers the box below the consent, and goes through to the end.
 fn goes_through(server: &Server, person: &Script, style_lent: bool) {
-    let token = server.seat.let_in().unwrap();
-    let opened = server.post(&format!("/api/{token}/open/{TAB}"), "null");
-    assert_eq!(opened.0, 200);
+    let token = seat::opened(server);
     let state = server.state(&token);
     let asked = state["steps"][0]["lend"].as_str().unwrap();
     assert!(asked.contains("drive in my style"), "{asked}");
@@ -298,9 +276,7 @@ fn two_are_learned_from(study: &TempStudy, folder: &Path) {
     goes_through(&server, &driver(&model, 28.0), true);
     goes_through(&server, &driver(&model, 30.0), false);
     drop(server);
-    study
-        .maveric_in("mine", &["run", "train", "--set", "epochs=2"])
-        .ok();
+    study.mine("run train --set epochs=2").ok();
 }
 
 #[test]
@@ -354,14 +330,14 @@ fn somebody_elses_style_is_ridden_at_ones_own_score_and_whose_it_was_is_kept_for
         assert_eq!(tested, place >= 11, "{row:?}");
         assert!(!["P002-own", "P004-own"].contains(&donor), "{row:?}");
     }
-    let consents = read(&study, "mine/seat/consents.csv");
+    let consents = study.read("mine/seat/consents.csv");
     let lending = |answer: &str| consents.lines().filter(|l| l.ends_with(answer)).count();
     assert_eq!((lending(",true"), lending(",false")), (12, 2), "{consents}");
-    let notes = read(&study, "mine/seat/notes.csv");
+    let notes = study.read("mine/seat/notes.csv");
     assert!(!notes.contains("another style"), "{notes}");
     // The run knows what was ridden.
     drop(server);
-    study.maveric_in("mine", &["run", "--set", "epochs=2"]).ok();
+    study.mine("run --set epochs=2").ok();
     let placed = read_conditions(&folder.join("results/conditions.csv")).unwrap();
     let placed: Vec<_> = placed
         .iter()
@@ -384,8 +360,7 @@ fn somebody_elses_style_is_ridden_at_ones_own_score_and_whose_it_was_is_kept_for
         "2 I felt at ease. (left out)",
     ]);
     // All say the same of the two rides, and half of them rode in their own style first: half are right.
-    let analysis: serde_json::Value =
-        serde_json::from_str(&read(&study, "mine/results/analysis.json")).unwrap();
+    let analysis = analysis(&study);
     let which = &analysis["which"];
     assert_eq!(
         (&which["all"]["n"], &which["all"]["correct"]),
@@ -399,19 +374,17 @@ fn somebody_elses_style_is_ridden_at_ones_own_score_and_whose_it_was_is_kept_for
         (&without["items"][0], &without["n"][1]),
         (&2.into(), &12.into())
     );
-    let scores = read(&study, "mine/results/rating_scores.csv");
+    let scores = study.read("mine/results/rating_scores.csv");
     assert!(scores.contains(",calm,total_without_2,"), "{scores}");
-    let items = read(&study, "mine/results/rating_scores_item_means.csv");
+    let items = study.read("mine/results/rating_scores_item_means.csv");
     for row in ["calm,1,mine,12,", "calm,2,other,12,"] {
         assert!(items.contains(row), "{items}");
     }
     // What is given away names no donor by an id.
     study.write("mine/key.txt", "no key of anybody's, for a test alone");
     let export = "export --key key.txt --out given";
-    study
-        .maveric_in("mine", &export.split(' ').collect::<Vec<_>>())
-        .ok();
-    let given = read(&study, "mine/given/seat/lent.csv");
+    study.mine(export).ok();
+    let given = study.read("mine/given/seat/lent.csv");
     assert_eq!(given.lines().count(), 13);
     let ids = lent
         .iter()

@@ -11,7 +11,7 @@ mod support;
 
 use path_slash::PathExt as _;
 use std::collections::BTreeMap;
-use support::TempStudy;
+use support::{TempStudy, argv, tells};
 
 /// Mean velocity by participant and condition, from the measurements as CSV.
 fn velocities(csv: &str) -> BTreeMap<(String, String), f64> {
@@ -68,9 +68,7 @@ fn one_participant_is_watched(study: &TempStudy) {
     assert!(!has("d/av/logs/S2P01-mimic.mcap", b"/maveric/scene/cars"));
     assert!(has("d/av/logs/S2P01-mimic.mcap", b"/maveric/decisions"));
     let logs = "inspect d/logs/study2/S2P02-own.mcap d/av/logs/S2P02-mimic.mcap d/av/logs/S2P02-aggressive.mcap d/av/logs/S2P02-cautious.mcap d/av/logs/S2P02-perpendicular.mcap --watch d/again.html";
-    study
-        .maveric(&logs.split_whitespace().collect::<Vec<_>>())
-        .ok();
+    study.maveric(&argv(logs)).ok();
     let again = String::from_utf8(read("d/again.html")).unwrap();
     let data = |page: &str| {
         let rest = page.split_once("class=\"pl-data\">").unwrap().1;
@@ -82,11 +80,7 @@ fn one_participant_is_watched(study: &TempStudy) {
 #[test]
 fn the_car_drives_like_its_owner_and_the_dial_turns_the_right_way() {
     let study = TempStudy::new();
-    let run = |args: &str| {
-        study
-            .maveric(&args.split_whitespace().collect::<Vec<_>>())
-            .ok()
-    };
+    let run = |line: &str| study.maveric(&argv(line)).ok();
     run("generate --out d --study1 16 --study2 8 --duration 300 --seed 3");
     run("ingest d/logs/study1 --out d/drives/study1");
     run("ingest d/logs/study2 --out d/drives/study2");
@@ -105,7 +99,7 @@ fn the_car_drives_like_its_owner_and_the_dial_turns_the_right_way() {
     one_participant_is_watched(&study);
     run("measure --drives d/drives/study2 --drives d/av/drives --out d/measurements.csv");
 
-    let found = velocities(&std::fs::read_to_string(study.path("d/measurements.csv")).unwrap());
+    let found = velocities(&study.read("d/measurements.csv"));
     let people: Vec<&String> = found
         .keys()
         .filter(|k| k.1 == "own")
@@ -130,7 +124,7 @@ fn the_car_drives_like_its_owner_and_the_dial_turns_the_right_way() {
         "aggressive, mimic, cautious in that order: {found:?}"
     );
 
-    let rollouts = std::fs::read_to_string(study.path("d/av/rollouts.csv")).unwrap();
+    let rollouts = study.read("d/av/rollouts.csv");
     let at = rollouts
         .lines()
         .next()
@@ -149,7 +143,7 @@ fn the_car_drives_like_its_owner_and_the_dial_turns_the_right_way() {
 
 /// Whoever reads as no score of the scale keeps the own style and has no dial, unless asked for.
 fn nobody_whom_the_scale_does_not_have_is_turned(study: &TempStudy) {
-    let table = std::fs::read_to_string(study.path("d/embeddings.csv")).unwrap();
+    let table = study.read("d/embeddings.csv");
     let mut lines = table.lines();
     let head: Vec<&str> = lines.next().unwrap().split(',').collect();
     let moved = lines.map(|line| {
@@ -165,17 +159,11 @@ fn nobody_whom_the_scale_does_not_have_is_turned(study: &TempStudy) {
     let far = std::iter::once(head.join(",")).chain(moved);
     study.write("d/far.csv", far.collect::<Vec<_>>().join("\n") + "\n");
     let steered = |flags: &[&str]| {
-        let call = [
-            "steer",
-            "--model",
-            "d/model.maveric",
-            "--embeddings",
-            "d/far.csv",
-            "--out",
-            "d/far_conditions.csv",
-        ];
-        let ran = study.maveric(&[&call, flags].concat()).ok();
-        let table = std::fs::read_to_string(study.path("d/far_conditions.csv")).unwrap();
+        let call = "steer --model d/model.maveric --embeddings d/far.csv \
+                    --out d/far_conditions.csv";
+        let call = argv(call);
+        let ran = study.maveric(&[&call[..], flags].concat()).ok();
+        let table = study.read("d/far_conditions.csv");
         let theirs = table.lines().filter(|line| line.starts_with("S2P02,"));
         let theirs: Vec<String> = theirs
             .map(|line| line.split(',').nth(1).unwrap().to_owned())
@@ -207,7 +195,7 @@ fn nobody_whom_the_scale_does_not_have_is_turned(study: &TempStudy) {
     );
     assert_eq!((theirs, rows), (vec!["mimic".to_owned()], 1 + 7 * 3 + 1));
     let score = |line: &str| line.split(',').nth(2).unwrap().to_owned();
-    let swept = || std::fs::read_to_string(study.path("d/far_conditions.csv")).unwrap();
+    let swept = || study.read("d/far_conditions.csv");
     for line in swept().lines().skip(1) {
         // A number that cannot be is none.
         let theirs = line.starts_with("S2P02,");
@@ -217,21 +205,16 @@ fn nobody_whom_the_scale_does_not_have_is_turned(study: &TempStudy) {
     assert!(told.contains("turned all the same"), "{told}");
     assert_eq!((theirs.len(), rows), (3, 1 + 8 * 3));
     let driven = "simulate --model d/model.maveric --conditions d/far_conditions.csv --out d/far --duration 5";
-    let driven = study.maveric(&driven.split_whitespace().collect::<Vec<_>>());
+    let driven = study.maveric(&argv(driven));
     let told = driven.ok().stderr;
-    assert!(
-        told.contains("participant S2P02: reads as a score that the scale does not have")
-            && told.contains("the car drives all the same"),
-        "{told}"
+    tells(
+        &told,
+        &[
+            "participant S2P02: reads as a score that the scale does not have",
+            "the car drives all the same",
+        ],
     );
-    let openness = [
-        "--attribute",
-        "mini_ipip.openness",
-        "--scores",
-        "d/scores.csv",
-        "--points",
-        "0.2",
-    ];
+    let openness = argv("--attribute mini_ipip.openness --scores d/scores.csv --points 0.2");
     let (_, theirs, rows) = steered(&openness);
     assert_eq!((theirs.len(), rows), (1, 1 + 7 * 3 + 1));
 }
@@ -247,7 +230,7 @@ fn a_lent_style_has_the_riders_score(study: &TempStudy) {
         let car = format!("{{ other = \"matched\", from = \"{from}\" }}");
         study.write("d/lent.toml", paper.replace(was, &car));
         // The same eight again, and again, under other names: nobody's style is more than twice the same.
-        let table = std::fs::read_to_string(study.path("d/embeddings.csv")).unwrap();
+        let table = study.read("d/embeddings.csv");
         let own = |line: &&str| line.starts_with("S2P") && line.contains(",own,");
         let mut lines = table.lines();
         let mut rows = vec![lines.next().unwrap().to_owned()];
@@ -257,8 +240,8 @@ fn a_lent_style_has_the_riders_score(study: &TempStudy) {
         }
         study.write("d/lent.csv", rows.join("\n") + "\n");
         let call = "steer --design d/lent.toml --model d/model.maveric --embeddings d/lent.csv --out d/lent_conditions.csv";
-        let ran = study.maveric(&call.split(' ').collect::<Vec<_>>()).ok();
-        let table = std::fs::read_to_string(study.path("d/lent_conditions.csv")).unwrap();
+        let ran = study.maveric(&argv(call)).ok();
+        let table = study.read("d/lent_conditions.csv");
         let mut lines = table.lines();
         let head: Vec<&str> = lines.next().unwrap().split(',').collect();
         let row = |line: &str| {
@@ -312,15 +295,10 @@ fn a_lent_style_has_the_riders_score(study: &TempStudy) {
 fn sweeps_and_attributes(study: &TempStudy) {
     let steer = |args: &str| {
         let fixed = "steer --model d/model.maveric --embeddings d/embeddings.csv --out d/sweep.csv";
-        study.maveric(
-            &fixed
-                .split_whitespace()
-                .chain(args.split_whitespace())
-                .collect::<Vec<_>>(),
-        )
+        study.maveric(&[argv(fixed), argv(args)].concat())
     };
     let column = |name: &str| -> Vec<String> {
-        let text = std::fs::read_to_string(study.path("d/sweep.csv")).unwrap();
+        let text = study.read("d/sweep.csv");
         let mut lines = text.lines();
         let at = lines.next().unwrap().split(',').position(|h| h == name);
         let cell = |line: &str| line.split(',').nth(at.unwrap()).unwrap().to_owned();
@@ -347,9 +325,7 @@ fn sweeps_and_attributes(study: &TempStudy) {
     assert!(names[0].ends_with("-aggression-down10"), "{names:?}");
     let driven =
         "simulate --model d/model.maveric --conditions d/sweep.csv --out d/sweep --duration 20";
-    study
-        .maveric(&driven.split_whitespace().collect::<Vec<_>>())
-        .ok();
+    study.maveric(&argv(driven)).ok();
     for name in names {
         let path = format!("d/sweep/drives/{name}.parquet");
         assert!(study.path(&path).exists(), "{path}");

@@ -13,8 +13,8 @@ use maveric_study::tables::Table;
 use serde_json::Value;
 use std::{collections::BTreeSet, fmt::Write as _};
 use support::{
-    TempStudy,
-    own_logs::{PEOPLE, SCALES, TABLE, change, read, recorded, speed, table},
+    TempStudy, argv,
+    own_logs::{PEOPLE, SCALES, TABLE, analysis, change, panel, recorded, speed, table},
     page::Page,
 };
 
@@ -68,14 +68,9 @@ fn repeated() -> TempStudy {
     study
 }
 
-fn analysis(study: &TempStudy) -> Value {
-    serde_json::from_str(&read(study, "mine/results/analysis.json")).unwrap()
-}
-
 /// Mean difference of sporty and calm.
 fn difference(analysis: &Value, outcome: &str) -> f64 {
-    let mut panels = analysis["panels"].as_array().unwrap().iter();
-    let panel = panels.find(|panel| panel["outcome"] == outcome).unwrap();
+    let panel = panel(analysis, outcome).unwrap();
     assert_eq!(panel["n"], PEOPLE.len(), "{panel}");
     let contrast = &panel["contrasts"][0];
     let sign = if contrast["first"] == "sporty" {
@@ -89,7 +84,7 @@ fn difference(analysis: &Value, outcome: &str) -> f64 {
 #[test]
 fn rides_of_mapped_logs_are_averaged_within_the_first_session_and_each_is_left_out_alone() {
     let study = repeated();
-    study.maveric_in("mine", &["run"]).ok();
+    study.mine("run").ok();
     let drives = Table::read(&study.path("mine/results/drives/drives.csv")).unwrap();
     // A drive by hand and four rides a session.
     assert_eq!(drives.rows(), PEOPLE.len() * 2 * 5);
@@ -97,7 +92,7 @@ fn rides_of_mapped_logs_are_averaged_within_the_first_session_and_each_is_left_o
     let measured = Table::read(&study.path("mine/results/measurements.parquet")).unwrap();
     let trials = measured.numbers("trial").unwrap().into_iter().flatten();
     assert_eq!(trials.filter(|t| *t > 1.5).count(), PEOPLE.len() * 4);
-    let scores = read(&study, "mine/results/rating_scores.csv");
+    let scores = study.read("mine/results/rating_scores.csv");
     assert!(
         scores.starts_with("participant,moment,session,trial,scale,subscale,value,")
             && scores.contains("P01,calm,1,2,comfort,total,3")
@@ -122,10 +117,10 @@ fn rides_of_mapped_logs_are_averaged_within_the_first_session_and_each_is_left_o
         "\n[protocol]",
         "drives = { \"P01-calm\" = \"the camera failed\" }\n\n[protocol]",
     );
-    study.maveric_in("mine", &["run"]).ok();
+    study.mine("run").ok();
     let without = difference(&analysis(&study), "mean_velocity_mps");
     assert!((without - (27.0 - 1.0) / 4.0).abs() < 1e-6, "{without}");
-    let scores = read(&study, "mine/results/rating_scores.csv");
+    let scores = study.read("mine/results/rating_scores.csv");
     assert!(
         !scores.contains("P01,calm,1,1,") && scores.contains("P01,calm,1,2,"),
         "{scores}"
@@ -136,10 +131,8 @@ fn rides_of_mapped_logs_are_averaged_within_the_first_session_and_each_is_left_o
 fn what_is_given_away_says_of_which_session_and_ride_an_answer_is() {
     let study = repeated();
     study.write("mine/key.txt", "a secret of more than sixteen letters");
-    study
-        .maveric_in("mine", &["export", "--out", "given", "--key", "key.txt"])
-        .ok();
-    let answers = read(&study, "mine/given/surveys.csv");
+    study.mine("export --out given --key key.txt").ok();
+    let answers = study.read("mine/given/surveys.csv");
     assert!(
         answers.starts_with("participant,moment,session,trial,")
             && answers.contains(",calm,2,2,comfort,"),
@@ -159,8 +152,8 @@ fn what_is_given_away_says_of_which_session_and_ride_an_answer_is() {
 fn a_ride_too_many_is_left_out_by_name_and_a_number_that_is_none_is_refused_with_its_file() {
     let study = repeated();
     study.write("mine/logs/P01-calm-s1-t3.csv", table(100.0, 30.0, "calm"));
-    let ran = study.maveric_in("mine", &["run", "ingest"]).ok();
-    let told = read(&study, "mine/results/drives/exclusions.csv");
+    let ran = study.mine("run ingest").ok();
+    let told = study.read("mine/results/drives/exclusions.csv");
     assert!(
         told.contains("session 1, trial 3 of `calm`, expected sessions up to 2 and trials up to 2")
             && told.contains("protocol.rides_per_condition"),
@@ -168,12 +161,10 @@ fn a_ride_too_many_is_left_out_by_name_and_a_number_that_is_none_is_refused_with
         ran.stderr
     );
     study.write("mine/logs/P01-calm-s0-t1.csv", table(100.0, 30.0, "calm"));
-    study
-        .maveric_in("mine", &["ingest", "logs/P01-calm-s0-t1.csv", "--out", "d"])
-        .failed(
-            1,
-            &["P01-calm-s0-t1.csv", "session `0`", "a whole number from 1"],
-        );
+    study.mine("ingest logs/P01-calm-s0-t1.csv --out d").failed(
+        1,
+        &["P01-calm-s0-t1.csv", "session `0`", "a whole number from 1"],
+    );
 }
 
 #[test]
@@ -182,7 +173,7 @@ fn what_is_missing_is_named_with_its_session_and_trial() {
     std::fs::remove_file(study.path("mine/logs/P02-calm-s2-t1.csv")).unwrap();
     let missing = ["status", "--missing", "missing.csv"];
     study.maveric_in("mine", &missing).ok();
-    let text = read(&study, "mine/missing.csv");
+    let text = study.read("mine/missing.csv");
     assert!(
         text.starts_with("participant,moment,session,trial,")
             && text.contains("P02,calm,2,1,no log"),
@@ -203,8 +194,7 @@ fn made_up_people_come_twice_and_ride_twice_in_each_condition_each_time_in_anoth
     let misc = include_str!("../study_data/further_scales/misc.toml");
     study.write("mine/scales/misc.toml", misc);
     let generate = "generate --design mine/study.toml --duration 120 --learn 4 --test 3";
-    let words: Vec<&str> = generate.split(' ').collect();
-    study.maveric(&words).ok();
+    study.maveric(&argv(generate)).ok();
     let logs: BTreeSet<String> = std::fs::read_dir(study.path("mine/logs/study2"))
         .unwrap()
         .map(|entry| entry.unwrap().file_name().into_string().unwrap())
@@ -214,14 +204,10 @@ fn made_up_people_come_twice_and_ride_twice_in_each_condition_each_time_in_anoth
         logs.contains("S2P01-own.mcap") && logs.contains("S2P01-own_s2_t1.mcap"),
         "{logs:?}"
     );
-    study
-        .maveric_in(
-            "mine",
-            &["run", "--set", "epochs=2", "--set", "duration=120"],
-        )
-        .ok();
+    let run = "run --set epochs=2 --set duration=120";
+    study.mine(run).ok();
     // A style a person and condition, of the first session's drive; four rides in each.
-    let conditions = read(&study, "mine/results/conditions.csv");
+    let conditions = study.read("mine/results/conditions.csv");
     assert_eq!(conditions.lines().count(), 1 + 3 * 2);
     let rides = Table::read(&study.path("mine/results/av/drives/drives.csv")).unwrap();
     assert_eq!(rides.rows(), 3 * 2 * 4);
@@ -229,7 +215,7 @@ fn made_up_people_come_twice_and_ride_twice_in_each_condition_each_time_in_anoth
     let speeds = measured.numbers("mean_velocity_mps").unwrap();
     let speeds: BTreeSet<u64> = speeds.into_iter().flatten().map(f64::to_bits).collect();
     assert_eq!(speeds.len(), measured.rows(), "no two drives are the same");
-    let ratings = read(&study, "mine/results/ratings.csv");
+    let ratings = study.read("mine/results/ratings.csv");
     assert!(
         ratings.starts_with("participant,moment,session,trial,scale,item,answer,condition,at_s\n")
             && ratings.contains("S2P01,after,2,2,jian_trust,"),
@@ -249,9 +235,7 @@ fn made_up_people_come_twice_and_ride_twice_in_each_condition_each_time_in_anoth
     Page::read(&study.path("mine/report/index.html")).says(&["Trust", "Calm and Sporty"]);
     // What is given away says the same, under pseudonyms.
     study.write("mine/key.txt", "a secret of more than sixteen letters");
-    study
-        .maveric_in("mine", &["export", "--out", "given", "--key", "key.txt"])
-        .ok();
+    study.mine("export --out given --key key.txt").ok();
     let given = std::fs::read_dir(study.path("mine/given/logs")).unwrap();
     let given = given.map(|entry| entry.unwrap().file_name().into_string().unwrap());
     assert!(given.into_iter().any(|name| name.ends_with("_s2_t1.mcap")));

@@ -9,21 +9,23 @@
 mod support;
 
 use std::fmt::Write as _;
-use support::{Ran, TempStudy};
+use support::{Ran, TempStudy, argv, tells};
 
-const WITHIN: [&str; 6] = ["--subject", "s", "--within", "w", "--value", "v"];
+const WITHIN: &str = "--subject s --within w --value v";
 
-fn stats(study: &TempStudy, call: &[&str], table: &str) -> Ran {
+/// `maveric stats` of a table, as this line asks for it.
+fn stats(study: &TempStudy, line: &str, table: &str) -> Ran {
     study.write("d.csv", table);
-    study.maveric(&[&["stats", call[0], "d.csv"], &call[1..]].concat())
+    let words = argv(line);
+    study.maveric(&[&["stats", words[0], "d.csv"], &words[1..]].concat())
 }
 
 fn within(study: &TempStudy, command: &str, table: &str) -> Ran {
-    stats(study, &[&[command], &WITHIN[..]].concat(), table)
+    stats(study, &format!("{command} {WITHIN}"), table)
 }
 
-fn json(study: &TempStudy, call: &[&str], table: &str) -> serde_json::Value {
-    let ran = stats(study, &[call, &["--format", "json"]].concat(), table).ok();
+fn json(study: &TempStudy, line: &str, table: &str) -> serde_json::Value {
+    let ran = stats(study, &format!("{line} --format json"), table).ok();
     serde_json::from_str(&ran.stdout).unwrap()
 }
 
@@ -73,12 +75,12 @@ fn answers_with_yes_or_no_are_read_in_words_and_numbers_and_nothing_else() {
         let _ = write!(rows, "p{who},x,{x}\np{who},y,{y}\n");
     }
     rows += "p9,x,yes\np9,y,\n";
-    let found = json(&study, &[&["mcnemar"], &WITHIN[..]].concat(), &rows);
+    let found = json(&study, &format!("mcnemar {WITHIN}"), &rows);
     let test = &found["mcnemar"];
     assert_eq!((&test["only_a"], &test["only_b"]), (&4.into(), &0.into()));
     assert_eq!(found["n"], 5);
     assert_eq!(found["dropped"], serde_json::json!(["p9"]));
-    let q = json(&study, &[&["cochran-q"], &WITHIN[..]].concat(), &rows);
+    let q = json(&study, &format!("cochran-q {WITHIN}"), &rows);
     assert_eq!(q["cochran_q"]["Q"], 4.0);
     assert_eq!(q["pairs"]["x|y"]["p_holm"], test["p_mid"]);
     let said = within(&study, "mcnemar", &rows).ok().stdout;
@@ -100,12 +102,8 @@ fn a_subject_with_a_missing_cell_is_named_and_counted() {
         "s,w,v\nann,x,1\nann,y,2\nben,x,2\nben,y,4.5\ncem,x,3\ncem,y,\ndee,x,1\ndee,y,3\neva,y,3\n";
     let ran = within(&study, "within", table).ok();
     assert!(ran.stderr.contains("cem, eva"), "{}", ran.stderr);
-    assert!(
-        ran.stdout.contains("2 of 5 subjects (cem, eva)"),
-        "{}",
-        ran.stdout
-    );
-    let value = json(&study, &[&["within"], &WITHIN[..]].concat(), table);
+    tells(&ran.stdout, &["2 of 5 subjects (cem, eva)"]);
+    let value = json(&study, &format!("within {WITHIN}"), table);
     assert_eq!(value["n"], 3);
     assert_eq!(value["dropped"], serde_json::json!(["cem", "eva"]));
 }
@@ -114,7 +112,7 @@ fn a_subject_with_a_missing_cell_is_named_and_counted() {
 fn constant_data_have_reasons_and_no_numbers() {
     let study = TempStudy::new();
     let table = "s,w,v\na,x,2\na,y,2\na,z,2\nb,x,2\nb,y,2\nb,z,2\nc,x,2\nc,y,2\nc,z,2\n";
-    let value = json(&study, &[&["within"], &WITHIN[..]].concat(), table);
+    let value = json(&study, &format!("within {WITHIN}"), table);
     for (part, name) in [("rm_anova", "F"), ("friedman", "chi2"), ("mauchly", "W")] {
         assert!(value[part][name].is_null(), "{part}.{name}");
         let said = |key: &str| value["undefined"][key].is_string();
@@ -180,9 +178,8 @@ fn the_report_of_a_comparison_says_what_why_and_how_much() {
 fn the_correction_of_pairs_is_named_as_it_is() {
     let study = TempStudy::new();
     let table = "s,w,v\na,x,1\na,y,2\na,z,5\nb,x,2\nb,y,4\nb,z,5\nc,x,1\nc,y,3\nc,z,4\nd,x,2\nd,y,3\nd,z,6\n";
-    let call =
-        |more: &[&'static str]| json(&study, &[&["posthoc"], &WITHIN[..], more].concat(), table);
-    let said = call(&["--test", "t", "--adjust", "bonferroni"]);
+    let call = |more: &str| json(&study, &format!("posthoc {WITHIN} {more}"), table);
+    let said = call("--test t --adjust bonferroni");
     assert!(
         said["apa"]["x|y"]
             .as_str()
@@ -191,7 +188,7 @@ fn the_correction_of_pairs_is_named_as_it_is() {
         "{}",
         said["apa"]
     );
-    let said = call(&["--test", "nemenyi"]);
+    let said = call("--test nemenyi");
     assert!(
         said["apa"]["x|z"]
             .as_str()
@@ -202,6 +199,8 @@ fn the_correction_of_pairs_is_named_as_it_is() {
     );
 }
 
+/// A score of everybody in every condition.
+const SCORE: &str = "--subject id --within condition --value score";
 const SCORES: &str = "id,group,condition,score,speed\n\
     P1,a,slow,1,20\nP1,a,fast,4,22.5\nP1,a,other,2,21\n\
     P2,a,slow,2,24\nP2,a,fast,6,27\nP2,a,other,3,25\n\
@@ -213,77 +212,35 @@ const WIDE: &str = "id,phase,slow,fast,other\nP1,2,1,4,2\nP2,2,2,6,3\nP3,2,3,6.5
 #[test]
 fn a_wide_table_and_chosen_rows_give_what_the_long_table_gives() {
     let study = TempStudy::new();
-    let long = [
-        "compare",
-        "--subject",
-        "id",
-        "--within",
-        "condition",
-        "--value",
-        "score",
-    ];
-    let expected = json(&study, &long, SCORES);
-    let wide = ["compare", "--wide", "slow,fast,other", "--where", "phase=2"];
-    let numbered = json(&study, &wide, WIDE);
-    let named = json(&study, &[&wide[..], &["--subject", "id"]].concat(), WIDE);
+    let expected = json(&study, &format!("compare {SCORE}"), SCORES);
+    let wide = "compare --wide slow,fast,other --where phase=2";
+    let numbered = json(&study, wide, WIDE);
+    let named = json(&study, &format!("{wide} --subject id"), WIDE);
     for found in [&numbered, &named] {
         assert_eq!(found["omnibus"], expected["omnibus"]);
         assert_eq!(found["posthoc"]["pairs"], expected["posthoc"]["pairs"]);
     }
-    let call = ["compare", "--wide", "slow,fast,other", "--where", "phase=3"];
-    stats(&study, &call, WIDE).failed(1, &["`phase`", "`3`", "1, 2"]);
-    let call = [
-        "correlate",
-        "--x",
-        "slow",
-        "--y",
-        "fast",
-        "--wide",
-        "slow,fast",
-    ];
-    stats(&study, &call, WIDE).failed(1, &["`correlate`", "--wide"]);
+    let call = "compare --wide slow,fast,other --where phase=3";
+    stats(&study, call, WIDE).failed(1, &["`phase`", "`3`", "1, 2"]);
+    let call = "correlate --x slow --y fast --wide slow,fast";
+    stats(&study, call, WIDE).failed(1, &["`correlate`", "--wide"]);
 }
 
 #[test]
 fn a_bad_cell_is_named_by_its_row_in_the_file_whatever_rows_are_kept() {
     let study = TempStudy::new();
     let table = "id,phase,x,y\na,1,1,2\nb,2,1,2\nc,2,fast,3\n";
-    let call = [
-        "compare",
-        "--wide",
-        "x,y",
-        "--subject",
-        "id",
-        "--where",
-        "phase=2",
-    ];
-    stats(&study, &call, table).failed(1, &["row 3", "`x`", "fast"]);
+    let call = "compare --wide x,y --subject id --where phase=2";
+    stats(&study, call, table).failed(1, &["row 3", "`x`", "fast"]);
 }
 
 #[test]
 fn several_values_are_analysed_one_by_one_under_their_names() {
     let study = TempStudy::new();
-    let call = [
-        "rm-anova",
-        "--subject",
-        "id",
-        "--within",
-        "condition",
-        "--value",
-        "score,speed",
-    ];
-    let found = json(&study, &call, SCORES);
+    let call = "rm-anova --subject id --within condition --value";
+    let found = json(&study, &format!("{call} score,speed"), SCORES);
     for (value, other) in [("score", "speed"), ("speed", "score")] {
-        let alone = [
-            "rm-anova",
-            "--subject",
-            "id",
-            "--within",
-            "condition",
-            "--value",
-            value,
-        ];
-        let mut alone = json(&study, &alone, SCORES);
+        let mut alone = json(&study, &format!("{call} {value}"), SCORES);
         // Warnings are of the whole call.
         alone.as_object_mut().unwrap().remove("warnings");
         assert_eq!(found["value"][value], alone);
@@ -294,15 +251,6 @@ fn several_values_are_analysed_one_by_one_under_their_names() {
 #[test]
 fn a_refusal_says_what_shape_was_found_and_what_might_be_meant() {
     let study = TempStudy::new();
-    let call = [
-        "compare",
-        "--subject",
-        "id",
-        "--within",
-        "condition",
-        "--value",
-        "score",
-    ];
     let words = [
         "no column `condition`",
         "6 rows",
@@ -310,41 +258,23 @@ fn a_refusal_says_what_shape_was_found_and_what_might_be_meant() {
         "--wide",
         "--subject id",
     ];
-    stats(&study, &call, WIDE).failed(1, &words);
-    let call = [
-        "compare",
-        "--subject",
-        "group",
-        "--within",
-        "condition",
-        "--value",
-        "score",
-    ];
+    stats(&study, &format!("compare {SCORE}"), WIDE).failed(1, &words);
+    let call = "compare --subject group --within condition --value score";
     let words = [
         "subject `a`",
         "two values",
         "15 rows",
         "`id` (text, 5 different)",
     ];
-    stats(&study, &call, SCORES).failed(1, &words);
+    stats(&study, call, SCORES).failed(1, &words);
 }
 
 #[test]
 fn the_sentence_alone_and_the_tables_of_a_paper() {
     let study = TempStudy::new();
-    let call = [
-        "rm-anova",
-        "--subject",
-        "id",
-        "--within",
-        "condition",
-        "--value",
-        "score",
-    ];
-    let with = |flag| {
-        stats(&study, &[&call[..], &[flag]].concat(), SCORES)
-            .ok()
-            .stdout
+    let with = |flag: &str| {
+        let ran = stats(&study, &format!("rm-anova {SCORE} {flag}"), SCORES);
+        ran.ok().stdout
     };
     let said = with("--apa");
     assert!(
@@ -362,55 +292,38 @@ fn the_sentence_alone_and_the_tables_of_a_paper() {
         markdown.contains("| conditions | ") && markdown.contains("*F*(2, 8) = "),
         "{markdown}"
     );
-    let none = stats(
-        &study,
-        &["adjust", "--p", "score", "--apa"],
-        "score\n0.1\n0.2\n",
-    );
+    let none = stats(&study, "adjust --p score --apa", "score\n0.1\n0.2\n");
     none.failed(1, &["`adjust` has no sentence"]);
 }
 
 #[test]
 fn a_figure_is_drawn_where_there_is_something_to_draw_and_refused_by_name_elsewhere() {
     let study = TempStudy::new();
-    let within = [
-        "--subject",
-        "id",
-        "--within",
-        "condition",
-        "--value",
-        "score",
-    ];
     for call in [
-        &[&["within"], &within[..]].concat()[..],
-        &[&["compare"], &within[..]].concat(),
-        &[&["posthoc"], &within[..]].concat(),
-        &["correlate", "--x", "score", "--y", "speed"],
-        &["rmcorr", "--subject", "id", "--x", "score", "--y", "speed"],
+        format!("within {SCORE}"),
+        format!("compare {SCORE}"),
+        format!("posthoc {SCORE}"),
+        "correlate --x score --y speed".to_owned(),
+        "rmcorr --subject id --x score --y speed".to_owned(),
     ] {
-        stats(&study, &[call, &["--figure", "out/f.svg"]].concat(), SCORES).ok();
-        let drawn = std::fs::read_to_string(study.path("out/f.svg")).unwrap();
+        stats(&study, &format!("{call} --figure out/f.svg"), SCORES).ok();
+        let drawn = study.read("out/f.svg");
         assert!(
             drawn.starts_with("<svg") || drawn.starts_with("<?xml"),
-            "{call:?}"
+            "{call}"
         );
-        assert!(drawn.contains("font-face"), "{call:?}: no font inside");
+        assert!(drawn.contains("font-face"), "{call}: no font inside");
     }
-    let png = [&["compare"], &within[..], &["--figure", "f.png"]].concat();
-    stats(&study, &png, SCORES).ok();
+    let drawn = |name: &str| stats(&study, &format!("compare {SCORE} --figure {name}"), SCORES);
+    drawn("f.png").ok();
     assert_eq!(&std::fs::read(study.path("f.png")).unwrap()[1..4], b"PNG");
-    let pdf = [&["compare"], &within[..], &["--figure", "f.pdf"]].concat();
-    stats(&study, &pdf, SCORES).ok();
-    assert!(
-        std::fs::read(study.path("f.pdf"))
-            .unwrap()
-            .starts_with(b"%PDF")
-    );
-    let refused = ["normality", "--value", "score", "--figure", "n.svg"];
-    stats(&study, &refused, SCORES).failed(1, &["`normality` has nothing to draw"]);
+    drawn("f.pdf").ok();
+    let pdf = std::fs::read(study.path("f.pdf")).unwrap();
+    assert!(pdf.starts_with(b"%PDF"));
+    let refused = "normality --value score --figure n.svg";
+    stats(&study, refused, SCORES).failed(1, &["`normality` has nothing to draw"]);
     assert!(!study.path("n.svg").exists());
-    let ending = [&["compare"], &within[..], &["--figure", "f.gif"]].concat();
-    stats(&study, &ending, SCORES).failed(1, &["f.gif", ".svg, .png or .pdf"]);
+    drawn("f.gif").failed(1, &["f.gif", ".svg, .png or .pdf"]);
 }
 
 /// The lines of a help text that call the program.

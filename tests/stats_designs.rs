@@ -10,7 +10,7 @@ mod support;
 
 use serde_json::Value;
 use std::fmt::Write as _;
-use support::{Ran, TempStudy};
+use support::{Ran, TempStudy, argv, tells};
 
 /// Sixteen people in two vehicles, in two styles under two loads; with an age, a speed and an answer.
 fn table() -> String {
@@ -43,7 +43,7 @@ fn table() -> String {
 }
 
 fn call(study: &TempStudy, words: &str, more: &[&str]) -> Ran {
-    let words: Vec<&str> = words.split(' ').collect();
+    let words = argv(words);
     let whole = [&["stats", words[0], "d.csv"], &words[1..], more].concat();
     study.maveric(&whole)
 }
@@ -249,11 +249,7 @@ fn each_analysis_has_its_sentence_its_tables_and_its_figure() {
         let figure = call(&study, words, &["--figure", "f.svg"]);
         if drawn {
             figure.ok();
-            assert!(
-                std::fs::read_to_string(study.path("f.svg"))
-                    .unwrap()
-                    .contains("<svg")
-            );
+            assert!(study.read("f.svg").contains("<svg"));
             std::fs::remove_file(study.path("f.svg")).unwrap();
         } else {
             figure.failed(1, &["`bayes` has nothing to draw"]);
@@ -328,10 +324,7 @@ fn bayes_factors_say_of_which_pair_they_are_and_what_was_held_likely_before() {
     assert_eq!(found["prior"]["family"], "Cauchy");
     assert_eq!(found["prior"]["scale"], std::f64::consts::FRAC_1_SQRT_2);
     let text = call(&study, pairs, &[]).ok().stdout;
-    assert!(
-        text.contains(&format!("{pair}: BF")) && text.contains("Cauchy prior of the"),
-        "{text}"
-    );
+    tells(&text, &[&format!("{pair}: BF"), "Cauchy prior of the"]);
     let groups = "bayes --between vehicle --value score --where style=calm --where load=low";
     let text = call(&study, groups, &[]).ok().stdout;
     assert!(text.contains("8 + 8"), "{text}");
@@ -367,7 +360,7 @@ fn two_factors_are_drawn_as_lines_of_their_means_and_three_as_cells() {
         ),
     ] {
         call(&study, words, &["--figure", "f.svg"]).ok();
-        let svg = std::fs::read_to_string(study.path("f.svg")).unwrap();
+        let svg = study.read("f.svg");
         assert_eq!(svg.contains(">Means by factor<"), lines, "{words}");
         let emm = json(&study, words)["emm"].as_object().unwrap().clone();
         for (cell, mean) in emm

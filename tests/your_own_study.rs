@@ -8,82 +8,30 @@
 
 mod support;
 
-use std::path::{Path, PathBuf};
-use support::TempStudy;
-
-fn copy(from: &Path, to: &Path) {
-    std::fs::create_dir_all(to).unwrap();
-    for entry in std::fs::read_dir(from).unwrap() {
-        let (entry, target) = (
-            entry.as_ref().unwrap(),
-            to.join(entry.as_ref().unwrap().file_name()),
-        );
-        if entry.file_type().unwrap().is_dir() {
-            copy(&entry.path(), &target);
-        } else {
-            std::fs::copy(entry.path(), target).unwrap();
-        }
-    }
-}
-
-/// A folder made by `init` and filled with the sample.
-fn filled() -> TempStudy {
-    let study = TempStudy::new();
-    study.maveric(&["init", "mine"]).ok();
-    for part in ["logs", "surveys"] {
-        copy(
-            &study.path("study_data/sample").join(part),
-            &study.path("mine").join(part),
-        );
-    }
-    std::fs::copy(
-        study.path("study_data/sample/participants.csv"),
-        study.path("mine/participants.csv"),
-    )
-    .unwrap();
-    study
-}
-
-fn read(path: &Path) -> String {
-    std::fs::read_to_string(path).unwrap()
-}
-
-fn files(folder: &Path) -> Vec<PathBuf> {
-    let mut found = Vec::new();
-    for entry in std::fs::read_dir(folder).unwrap() {
-        let path = entry.unwrap().path();
-        if path.is_dir() {
-            found.extend(files(&path));
-        } else {
-            found.push(path);
-        }
-    }
-    found
-}
+use support::{TempStudy, argv, files, tells};
 
 #[test]
 fn from_logs_and_answers_to_the_report() {
-    let study = filled();
+    let study = TempStudy::of_sample();
     study
         .maveric(&["init", "mine"])
         .failed(1, &["mine", "not empty"]);
-    let settings = ["--set", "epochs=2", "--set", "duration=60", "-j", "2"];
-    let run = study
-        .maveric_in("mine", &[&["run"][..], &settings].concat())
-        .ok();
-    assert!(run.stdout.contains("index.html"), "{}", run.stdout);
-    let page = read(&study.path("mine/report/index.html"));
+    let run = "run --set epochs=2 --set duration=60 -j 2";
+    let ran = study.mine(run).ok();
+    assert!(ran.stdout.contains("index.html"), "{}", ran.stdout);
+    let page = study.read("mine/report/index.html");
     // The sample was made up, its logs say so, and so does the page.
     assert!(page.contains("ynthetic participants") && !page.contains("NaN"));
     assert!(page.contains("McDonald") && page.contains("Reliability"));
-    let answered = read(&study.path("mine/results/answers.csv"));
-    for moment in [",pre,adb,", ",mimic,jian_trust,", ",perpendicular,rosas,"] {
-        assert!(answered.contains(moment), "{moment}");
-    }
+    let answered = study.read("mine/results/answers.csv");
+    tells(
+        &answered,
+        &[",pre,adb,", ",mimic,jian_trust,", ",perpendicular,rosas,"],
+    );
     // Ratings are scored without what was asked before the drives.
-    let rated = read(&study.path("mine/results/rating_scores.csv"));
+    let rated = study.read("mine/results/rating_scores.csv");
     assert!(!rated.contains(",pre,") && rated.contains(",cautious,similarity,similarity,"));
-    let reliable = read(&study.path("mine/results/scores_reliabilities.csv"));
+    let reliable = study.read("mine/results/scores_reliabilities.csv");
     assert!(
         reliable
             .lines()
@@ -92,7 +40,7 @@ fn from_logs_and_answers_to_the_report() {
             .ends_with("omega,mean,sd,floor,ceiling"),
         "{reliable}"
     );
-    let items = read(&study.path("mine/results/scores_items.csv"));
+    let items = study.read("mine/results/scores_items.csv");
     assert_eq!(
         items
             .lines()
@@ -100,16 +48,14 @@ fn from_logs_and_answers_to_the_report() {
             .count(),
         4
     );
-    let again = study
-        .maveric_in("mine", &[&["run"][..], &settings].concat())
-        .ok();
+    let again = study.mine(run).ok();
     assert!(again.stdout.contains("nothing was run"), "{}", again.stdout);
 }
 
 #[test]
 fn who_is_in_one_file_and_not_in_the_other_is_listed_and_faults_are_named() {
-    let study = filled();
-    let people = read(&study.path("mine/participants.csv"));
+    let study = TempStudy::of_sample();
+    let people = study.read("mine/participants.csv");
     let first = people
         .lines()
         .nth(1)
@@ -132,17 +78,9 @@ fn who_is_in_one_file_and_not_in_the_other_is_listed_and_faults_are_named() {
         said.contains("8 participants") || said.contains("participants"),
         "{said}"
     );
-    let score = [
-        "score",
-        "--surveys",
-        "surveys.csv",
-        "--participants",
-        "people.csv",
-        "--out",
-        "scores.csv",
-    ];
+    let score = argv("score --surveys surveys.csv --participants people.csv --out scores.csv");
     let ran = study.maveric(&score).ok();
-    let listed = read(&study.path("scores_exclusions.csv"));
+    let listed = study.read("scores_exclusions.csv");
     for who in [
         "Ghost,questionnaires,participant Ghost answered no questionnaire",
         &format!("answers of {first}, who is not in the study, left out"),
@@ -153,7 +91,7 @@ fn who_is_in_one_file_and_not_in_the_other_is_listed_and_faults_are_named() {
         );
     }
 
-    let answers = read(&study.path("mine/surveys/answers.csv"));
+    let answers = study.read("mine/surveys/answers.csv");
     let first = answers.lines().nth(1).unwrap().split(',').next().unwrap();
     let column = |name: &str| {
         answers
@@ -179,7 +117,7 @@ fn who_is_in_one_file_and_not_in_the_other_is_listed_and_faults_are_named() {
         format!("{answers}{}\n", answers.lines().nth(1).unwrap()),
     );
     import("wrong.csv").failed(1, &[first, "answered twice", "row 1"]);
-    let scale = read(&study.path("study_data/scales/adb.toml"));
+    let scale = study.read("study_data/scales/adb.toml");
     study.write(
         "study_data/scales/adb.toml",
         scale.replace("min = 1\nmax = 5", "min = 5\nmax = 1"),
@@ -197,19 +135,14 @@ fn who_is_in_one_file_and_not_in_the_other_is_listed_and_faults_are_named() {
 
 #[test]
 fn what_is_given_away_names_nobody() {
-    let study = filled();
+    let study = TempStudy::of_sample();
     study
-        .maveric(&[
-            "import",
-            "mine/surveys/answers.csv",
-            "--from",
-            "otree",
-            "--out",
-            "long.csv",
-        ])
+        .maveric(&argv(
+            "import mine/surveys/answers.csv --from otree --out long.csv",
+        ))
         .ok();
     // A remark and an address that have no business in an export, and an exact age.
-    let people = read(&study.path("mine/participants.csv"));
+    let people = study.read("mine/participants.csv");
     let ids: Vec<&str> = people
         .lines()
         .skip(1)
@@ -228,19 +161,8 @@ fn what_is_given_away_names_nobody() {
     );
     study.write("key", "a secret of this test alone");
     let export = |key: &str, out: &str| {
-        study.maveric(&[
-            "export",
-            "--logs",
-            "mine/logs/study2",
-            "--participants",
-            "people.csv",
-            "--surveys",
-            "long.csv",
-            "--key",
-            key,
-            "--out",
-            out,
-        ])
+        let inputs = "--logs mine/logs/study2 --participants people.csv --surveys long.csv";
+        study.maveric(&argv(&format!("export {inputs} --key {key} --out {out}")))
     };
     export("key", "shared").ok();
     let written = files(&study.path("shared"));
@@ -257,24 +179,23 @@ fn what_is_given_away_names_nobody() {
             assert!(!inside && !name.contains(secret), "{secret} is in {name}");
         }
     }
-    assert!(read(&study.path("shared/participants.csv")).contains(",40-49,female,"));
+    assert!(
+        study
+            .read("shared/participants.csv")
+            .contains(",40-49,female,")
+    );
     // The wide table says what the long one does.
     study
-        .maveric(&[
-            "import",
-            "shared/surveys_wide.csv",
-            "--from",
-            "otree",
-            "--out",
-            "back.csv",
-        ])
+        .maveric(&argv(
+            "import shared/surveys_wide.csv --from otree --out back.csv",
+        ))
         .ok();
     assert_eq!(
-        read(&study.path("back.csv")).lines().count(),
-        read(&study.path("shared/surveys.csv")).lines().count()
+        study.read("back.csv").lines().count(),
+        study.read("shared/surveys.csv").lines().count()
     );
     let sorted = |path: &str| {
-        let text = read(&study.path(path));
+        let text = study.read(path);
         let mut lines: Vec<String> = text.lines().map(str::to_owned).collect();
         lines.sort();
         lines
@@ -286,7 +207,7 @@ fn what_is_given_away_names_nobody() {
         study
             .maveric(&["measure", "--drives", out, "--out", &format!("{out}.csv")])
             .ok();
-        let table = read(&study.path(&format!("{out}.csv")));
+        let table = study.read(&format!("{out}.csv"));
         let mut rows: Vec<String> = table
             .lines()
             .skip(1)
@@ -318,18 +239,18 @@ fn what_is_given_away_names_nobody() {
 fn the_codebook_has_every_item_of_every_scale() {
     let study = TempStudy::new();
     study.maveric(&["codebook", "--out", "book"]).ok();
-    let table = read(&study.path("book/codebook.csv"));
-    assert!(
-        table.contains(
-            "mini_ipip,conscientiousness,8,mini_ipip_8,likert,1,5,true,Often forget to put things back"
-        ),
-        "{table}"
+    let table = study.read("book/codebook.csv");
+    tells(
+        &table,
+        &[
+            "mini_ipip,conscientiousness,8,mini_ipip_8,likert,1,5,true,Often forget to put things back",
+        ],
     );
     assert!(
         table.contains("jian_trust,overall,1,jian_trust_1,likert,1,7,true,")
             && table.contains("jian_trust,distrust,1,jian_trust_1,likert,1,7,false,")
     );
-    let page = read(&study.path("book/codebook.md"));
+    let page = study.read("book/codebook.md");
     for scale in [
         "adb",
         "mdsi",

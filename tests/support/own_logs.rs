@@ -1,6 +1,7 @@
 //! Logs and answers of a laboratory's own, written by hand: tables in km/h, with a lane offset.
 
 use super::TempStudy;
+use serde_json::Value;
 use std::fmt::Write as _;
 
 /// How the tables are read, but for the names.
@@ -68,14 +69,20 @@ pub const PEOPLE: [&str; 4] = ["P01", "P02", "P03", "P04"];
 /// What they are asked: id, items, highest answer.
 pub const SCALES: [(&str, usize, usize); 2] = [("comfort", 3, 7), ("hurry", 2, 5)];
 
-/// A file of the study.
-pub fn read(study: &TempStudy, path: &str) -> String {
-    std::fs::read_to_string(study.path(path)).unwrap()
+/// The results of the study in `mine`.
+pub fn analysis(study: &TempStudy) -> Value {
+    study.json("mine/results/analysis.json")
+}
+
+/// What an analysis has of an outcome.
+pub fn panel<'a>(analysis: &'a Value, outcome: &str) -> Option<&'a Value> {
+    let mut panels = analysis["panels"].as_array().unwrap().iter();
+    panels.find(|panel| panel["outcome"] == outcome)
 }
 
 /// Changes a file of the study.
 pub fn change(study: &TempStudy, path: &str, from: &str, to: &str) {
-    let text = read(study, path);
+    let text = study.read(path);
     assert!(text.contains(from), "{path} has no {from}:\n{text}");
     study.write(path, text.replace(from, to));
 }
@@ -131,17 +138,14 @@ pub fn recorded_of(people: &[&str], conditions: &[&str]) -> TempStudy {
 }
 
 /// As far as the scores.
-pub const TO_THE_NUMBERS: [&str; 4] = ["run", "measure", "score", "score-ratings"];
+pub const TO_THE_NUMBERS: &str = "run measure score score-ratings";
 
 /// Participant and condition of every drive that can be measured.
 pub fn measured(study: &TempStudy) -> Vec<(String, String)> {
     study
-        .maveric_in(
-            "mine",
-            &["measure", "--drives", "results/drives", "--out", "m.csv"],
-        )
+        .mine("measure --drives results/drives --out m.csv")
         .ok();
-    let text = read(study, "mine/m.csv");
+    let text = study.read("mine/m.csv");
     let cells = |line: &str| {
         let cells: Vec<&str> = line.split(',').collect();
         (cells[1].to_owned(), cells[2].to_owned())

@@ -1,5 +1,6 @@
 //! What a reader sees of a page.
 
+use super::tells;
 use std::path::Path;
 
 /// The words of a page, without scripts, styles and the files that are shown whole.
@@ -43,9 +44,7 @@ impl Page {
     /// The page has each of these.
     #[track_caller]
     pub fn says(&self, words: &[&str]) -> &Self {
-        for word in words {
-            assert!(self.0.contains(word), "no `{word}` in: {}", self.0);
-        }
+        tells(&self.0, words);
         self
     }
 

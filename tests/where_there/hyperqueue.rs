@@ -1,7 +1,7 @@
 //! A real HyperQueue, where `hq` is on the PATH: the small study on two workers, one of which is killed while it works; and many
 //! tasks, as many as `MAVERIC_HQ_TASKS` says.
 
-use crate::support::{Ran, TempStudy};
+use crate::support::{Ran, TempStudy, files};
 use crate::where_there::{runs, trial};
 use libtest_mimic::Trial;
 use std::{
@@ -88,27 +88,21 @@ fn works(pid: u32) -> bool {
     processes.filter_map(parent).any(|p| p == pid)
 }
 
-/// Every file below a folder with its bytes, but for logs and what a run notes of itself.
-fn files(folder: &Path, root: &Path, found: &mut BTreeMap<String, Vec<u8>>) {
-    for entry in std::fs::read_dir(folder).unwrap() {
-        let path = entry.unwrap().path();
-        if path.is_dir() {
-            files(&path, root, found);
-        } else {
-            let name = path.strip_prefix(root).unwrap().display().to_string();
-            found.insert(name, std::fs::read(&path).unwrap());
-        }
-    }
+/// Every file below a folder with its bytes.
+fn contents(folder: &Path) -> BTreeMap<String, Vec<u8>> {
+    let name = |path: &Path| path.strip_prefix(folder).unwrap().display().to_string();
+    let paths = files(folder).into_iter();
+    paths
+        .map(|path| (name(&path), std::fs::read(&path).unwrap()))
+        .collect()
 }
 
+/// What the small study's run made, but for logs and what a run notes of itself.
 fn made(study: &TempStudy) -> BTreeMap<String, Vec<u8>> {
-    let mut found = BTreeMap::new();
-    for folder in ["study_data/generated/smoke", "reports/smoke"] {
-        let path = study.path(folder);
-        files(&path, &path, &mut found);
-    }
-    found.retain(|name, _| !name.contains(".logs/"));
-    found
+    let mut results = contents(&study.path("study_data/generated/smoke"));
+    results.extend(contents(&study.path("reports/smoke")));
+    results.retain(|name, _| !name.contains(".logs/"));
+    results
 }
 
 fn killed_at_work() {
@@ -164,8 +158,7 @@ fn many_tasks() {
         ran
     };
     run();
-    let mut made = BTreeMap::new();
-    files(&study.path("many"), &study.path("many"), &mut made);
+    let made = contents(&study.path("many"));
     let expected = (0..tasks).map(|i: u32| (i.to_string(), format!("{i}\n").into_bytes()));
     assert_eq!(made, expected.collect());
     let again = run();

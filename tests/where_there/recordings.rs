@@ -1,6 +1,6 @@
 //! Real recordings, where they stand beside the checkout.
 
-use crate::support::TempStudy;
+use crate::support::{Ran, TempStudy, argv, tells};
 use crate::where_there::{shared, trial};
 use libtest_mimic::Trial;
 
@@ -46,32 +46,29 @@ pub(crate) fn tests() -> Vec<Trial> {
     ]
 }
 
-fn openacc_goes_from_csv_to_the_table_of_errors() {
-    let data = shared("openacc_astazero").unwrap();
+/// A study in which a shipped pipeline ran on these recordings, with further settings; and what the run said.
+fn run_on(recordings: &str, pipeline: &str, settings: &str) -> (TempStudy, Ran) {
+    let data = std::fs::canonicalize(shared(recordings).unwrap()).unwrap();
+    let data = format!("data={}", data.display());
+    let settings = argv(settings);
     let study = TempStudy::new();
-    let data = format!("data={}", std::fs::canonicalize(data).unwrap().display());
-    let ran = study
-        .maveric(&[
-            "run",
-            "pipelines/openacc.toml",
-            "--set",
-            &data,
-            "--set",
-            "epochs=5",
-        ])
-        .ok();
+    let call = [&["run", pipeline, "--set", data.as_str()], &settings[..]].concat();
+    let ran = study.maveric(&call).ok();
+    (study, ran)
+}
+
+fn openacc_goes_from_csv_to_the_table_of_errors() {
+    let pipeline = "pipelines/openacc.toml";
+    let (study, ran) = run_on("openacc_astazero", pipeline, "--set epochs=5");
     assert!(ran.stdout.contains("IDM"), "{}", ran.stdout);
-    let following =
-        std::fs::read_to_string(study.path("study_data/generated/openacc/following.json")).unwrap();
+    let following = study.read("study_data/generated/openacc/following.json");
     assert!(following.contains("platoon10-f2"), "each driver is there");
-    let page = std::fs::read_to_string(study.path("reports/openacc/index.html")).unwrap();
+    let page = study.read("reports/openacc/index.html");
     assert!(
         !page.contains("ynthetic participants"),
         "these people are real"
     );
-    let training =
-        std::fs::read_to_string(study.path("study_data/generated/openacc/model_training.json"))
-            .unwrap();
+    let training = study.read("study_data/generated/openacc/model_training.json");
     assert!(
         training.contains("left_out"),
         "the losses without data are named"
@@ -79,14 +76,8 @@ fn openacc_goes_from_csv_to_the_table_of_errors() {
 }
 
 fn six_real_drivers_are_left_out_in_turn_and_the_test_part_stays_shut() {
-    let data = shared("UAH-DRIVESET-v1").unwrap();
-    let study = TempStudy::new();
-    let data = format!("data={}", std::fs::canonicalize(data).unwrap().display());
-    study
-        .maveric(&["run", "pipelines/uah.toml", "--set", &data])
-        .ok();
-    let read = |path: &str| std::fs::read_to_string(study.path(path)).unwrap();
-    let text = read("reports/uah/validation.json");
+    let (study, _) = run_on("UAH-DRIVESET-v1", "pipelines/uah.toml", "");
+    let text = study.read("reports/uah/validation.json");
     assert!(!text.contains("NaN"));
     let found: serde_json::Value = serde_json::from_str(&text).unwrap();
     let table = |id: &str| {
@@ -121,7 +112,7 @@ fn six_real_drivers_are_left_out_in_turn_and_the_test_part_stays_shut() {
             "errors"
         ]
     );
-    let looks = read("pipelines/uah_looks.csv");
+    let looks = study.read("pipelines/uah_looks.csv");
     assert!(
         looks.contains("D1 D2 D3 D4 D5 D6") && !looks.contains("secondary"),
         "{looks}"
@@ -129,34 +120,20 @@ fn six_real_drivers_are_left_out_in_turn_and_the_test_part_stays_shut() {
 }
 
 fn ngsim_pairs_in_feet_go_to_the_same_table() {
-    let data = shared("ngsim_i80_pairs").unwrap();
-    let study = TempStudy::new();
-    let data = format!("data={}", std::fs::canonicalize(data).unwrap().display());
-    let ran = study
-        .maveric(&[
-            "run",
-            "pipelines/ngsim.toml",
-            "--set",
-            &data,
-            "--set",
-            "epochs=2",
-            "--set",
-            "closed_loop_seeds=1",
-        ])
-        .ok();
-    for said in [
-        "network in closed loop",
-        "harmed by personalising",
-        "Gipps",
-        "driven by default",
-        "Shrunken is the own time gap",
-        "mean of network and IDM, both shrunken",
-    ] {
-        assert!(ran.stdout.contains(said), "{said}: {}", ran.stdout);
-    }
-    let text =
-        std::fs::read_to_string(study.path("study_data/generated/ngsim/following.json")).unwrap();
-    let found: serde_json::Value = serde_json::from_str(&text).unwrap();
+    let settings = "--set epochs=2 --set closed_loop_seeds=1";
+    let (study, ran) = run_on("ngsim_i80_pairs", "pipelines/ngsim.toml", settings);
+    tells(
+        &ran.stdout,
+        &[
+            "network in closed loop",
+            "harmed by personalising",
+            "Gipps",
+            "driven by default",
+            "Shrunken is the own time gap",
+            "mean of network and IDM, both shrunken",
+        ],
+    );
+    let found = study.json("study_data/generated/ngsim/following.json");
     let gaps = &found["drivers"][0]["series"]["gap_m"];
     // Recorded in feet: metres after reading, so dense traffic stays below 40.
     assert!(
@@ -203,28 +180,11 @@ fn people_are_judged_by_what_was_learned_from_others() {
             .maveric(&["ingest", group, "--mapping", mapping, "--out", &drives])
             .ok();
     }
-    let ran = study
-        .maveric(&[
-            "evaluate",
-            "--drives",
-            "judged_drives",
-            "--learn",
-            "learned_drives",
-            "--moving-above-mps",
-            "1",
-            "--closed-loop-seeds",
-            "1",
-            "--out",
-            "following.json",
-        ])
-        .ok();
-    assert!(
-        ran.stdout.contains("learned from 4 people"),
-        "{}",
-        ran.stdout
-    );
-    let text = std::fs::read_to_string(study.path("following.json")).unwrap();
-    let found: serde_json::Value = serde_json::from_str(&text).unwrap();
+    let evaluate = "evaluate --drives judged_drives --learn learned_drives \
+                    --moving-above-mps 1 --closed-loop-seeds 1 --out following.json";
+    let ran = study.maveric(&argv(evaluate)).ok();
+    tells(&ran.stdout, &["learned from 4 people"]);
+    let found = study.json("following.json");
     assert_eq!(found["drivers"].as_array().unwrap().len(), 2);
     assert_eq!(found["time_gap_shrinkage"]["people"], 4);
     assert!(
@@ -252,7 +212,7 @@ fn a_pose_recording_ingests_without_a_lead_vehicle() {
     study
         .maveric(&["ingest", log.to_str().unwrap(), "--out", "drives"])
         .ok();
-    let list = std::fs::read_to_string(study.path("drives/drives.csv")).unwrap();
+    let list = study.read("drives/drives.csv");
     assert_eq!(list.lines().count(), 2, "{list}");
 }
 

@@ -39,7 +39,7 @@ fn on_small_disk(study: &TempStudy, size: &str, command: &str) -> Option<(String
         .current_dir(study.path("."))
         .output();
     let output = unshared.ok().filter(|o| o.status.code() == Some(0))?;
-    let said = std::fs::read_to_string(study.path("err.txt")).unwrap();
+    let said = study.read("err.txt");
     Some((String::from_utf8_lossy(&output.stdout).into_owned(), said))
 }
 

@@ -18,9 +18,6 @@ use maveric_stats::{
 use std::collections::BTreeSet;
 
 /// The factors of an outcome that several were tested of; and why a declared contrast has no test.
-///
-/// # Errors
-/// [`AnalysisError::Stats`] for data that the tests of the whole would have refused.
 pub(crate) fn by_factor(
     design: &Design,
     columns: &DesignColumns<'_>,

@@ -234,12 +234,9 @@ impl<'a> Plan<'a> {
             }
             Err(why) => panel.reasons.push(why),
         }
-        panel
-            .reasons
-            .extend(self.period.reason().map(str::to_owned));
-        panel
-            .reasons
-            .extend(cut_drives(self.data, self.asked, self.people));
+        let reasons = &mut panel.reasons;
+        reasons.extend(self.period.reason().map(str::to_owned));
+        reasons.extend(cut_drives(self.data, self.asked, self.people));
         Ok(())
     }
 
@@ -280,17 +277,14 @@ impl<'a> Plan<'a> {
         });
         let from = panel.differences_from;
         for pair in contrasts {
-            let against = |b| pair.contains(&b);
-            panel.contrasts.push(match from.filter(|b| against(*b)) {
+            let contrast = match from.filter(|b| pair.contains(b)) {
                 Some(baseline) => {
                     from_zero(&panel.conditions, values, baseline, pair, expected(pair))?
                 }
                 None => Contrast::from_posthoc(&pairs, pair, expected(pair)),
-            });
-        }
-        let people: Vec<[usize; 3]> = panel.contrasts.iter().map(|c| counted(panel, c)).collect();
-        for (contrast, people) in panel.contrasts.iter_mut().zip(people) {
-            contrast.people = people;
+            };
+            let people = counted(panel, &contrast);
+            panel.contrasts.push(Contrast { people, ..contrast });
         }
         Ok(())
     }

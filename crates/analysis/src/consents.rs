@@ -74,12 +74,10 @@ pub(crate) fn versions(agreed: &[ConsentRow], not_agreed: &[NotAgreed]) -> Vec<C
         // Days written so stand in the order of time.
         let day = row.at.as_deref().and_then(|at| at.get(..DAY_LEN));
         if let Some(day) = day {
-            let is_earlier = version.first_day.as_deref().is_none_or(|first| day < first);
-            if is_earlier {
+            if version.first_day.as_deref().is_none_or(|first| day < first) {
                 version.first_day = Some(day.to_owned());
             }
-            let is_later = version.last_day.as_deref().is_none_or(|last| day > last);
-            if is_later {
+            if version.last_day.as_deref().is_none_or(|last| day > last) {
                 version.last_day = Some(day.to_owned());
             }
         }

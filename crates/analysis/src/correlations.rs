@@ -60,16 +60,13 @@ pub(crate) fn correlate_within(
     match rm_correlation(subjects, x, y) {
         Ok(within) => {
             let r = within.rm_corr;
-            let df = r.df.unwrap_or(0);
-            let method = "rm_corr".to_owned();
             Ok(Correlation {
-                method,
-                n: within.n,
-                df,
+                df: r.df.unwrap_or(0),
                 r: r.r,
                 p: r.p,
                 ci_low: r.ci_low,
                 ci_high: r.ci_high,
+                ..none("rm_corr", within.n)
             })
         }
         Err(StatsError::TooFew { .. }) => Ok(none("rm_corr", complete(x, y))),

@@ -6,7 +6,13 @@ use maveric_domain::{
 };
 
 /// Factors of a kind that a test can take.
-pub(crate) const MOST_FACTORS: usize = 2;
+const MOST_FACTORS: usize = 2;
+
+/// Why no test takes so many factors between people; none where one does.
+pub(crate) fn too_many_between(count: usize) -> Option<String> {
+    let reason = || format!("{count} factors between people: a test takes at most {MOST_FACTORS}");
+    (count > MOST_FACTORS).then(reason)
+}
 
 /// A factor within people: its name, and its level in each condition.
 pub(crate) type Within = (String, Vec<String>);

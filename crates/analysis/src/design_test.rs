@@ -3,7 +3,7 @@
 use crate::{
     AnalysisError,
     by_factor::by_factor,
-    crossed::{MOST_FACTORS, Within, factors_within},
+    crossed::{Within, factors_within, too_many_between},
     data::StudyData,
     outcomes::Asked,
     result::{ByFactor, Panel},
@@ -137,11 +137,8 @@ pub(crate) fn by_design(tested: &Tested) -> Result<Result<Compared, String>, Ana
     } else {
         data.design.factors()
     };
-    if between.len() > MOST_FACTORS {
-        return Ok(Err(format!(
-            "{} factors between people: a test takes at most {MOST_FACTORS}",
-            between.len()
-        )));
+    if let Some(why) = too_many_between(between.len()) {
+        return Ok(Err(why));
     }
     let one_condition = panel.conditions.len() < 2;
     if one_condition && between.is_empty() {

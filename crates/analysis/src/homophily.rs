@@ -12,14 +12,17 @@ use maveric_domain::{
 };
 use maveric_stats::{CorrelationMethod, adjust, proportion, simultaneous_interval};
 
+/// The scale that a member of the family names, and the factor of it, if one alone is meant.
+pub(crate) fn scale_and_factor(word: &str) -> (&str, Option<&str>) {
+    let parts = word.split_once('.');
+    parts.map_or((word, None), |(scale, factor)| (scale, Some(factor)))
+}
+
 /// Scores of each member of the family, once each, in the order declared.
 fn factors(data: &StudyData, family: &Homophily) -> Result<Vec<ScoreName>, AnalysisError> {
     let mut names: Vec<ScoreName> = Vec::new();
     for word in &family.factors {
-        let (scale, factor) = match word.split_once('.') {
-            Some((scale, factor)) => (scale, Some(factor)),
-            None => (word.as_str(), None),
-        };
+        let (scale, factor) = scale_and_factor(word);
         let known = data.pre_subscales(scale);
         if known.is_empty() {
             return Err(AnalysisError::UnansweredScale {
@@ -92,21 +95,15 @@ pub(crate) fn homophily(data: &StudyData) -> Result<Vec<HomophilyRow>, AnalysisE
             });
         }
     }
-    let tested: Vec<usize> = (0..rows.len())
-        .filter(|&i| rows[i].correlation.p.is_some())
-        .collect();
-    let p: Vec<f64> = tested
-        .iter()
-        .filter_map(|&i| rows[i].correlation.p)
-        .collect();
+    let p: Vec<f64> = rows.iter().filter_map(|row| row.correlation.p).collect();
     if !p.is_empty() {
         let adjusted = adjust(&p)?;
-        for (k, &i) in tested.iter().enumerate() {
-            rows[i].p_holm = adjusted.holm.get(k).copied();
-            rows[i].p_bh = adjusted.bh.get(k).copied();
-            let c = &rows[i].correlation;
+        let tested = rows.iter_mut().filter(|row| row.correlation.p.is_some());
+        for ((row, holm), bh) in tested.zip(adjusted.holm).zip(adjusted.bh) {
+            (row.p_holm, row.p_bh) = (Some(holm), Some(bh));
+            let c = &row.correlation;
             let ranks = c.method == "spearman";
-            rows[i].simultaneous =
+            row.simultaneous =
                 c.r.and_then(|r| simultaneous_interval(r, c.n, p.len(), ranks));
         }
     }

@@ -3,14 +3,11 @@
 use crate::{
     AnalysisError,
     data::StudyData,
-    pairs::values,
-    result::{Contrast, Judged, Panel, PrimaryOutcome},
+    pairs::{contrast, values},
+    result::{Judged, Panel, PrimaryOutcome},
     verdict::{FEWEST, Verdict, directed, equivalent, one_sided},
 };
-use maveric_domain::{
-    ConditionId,
-    design::{Claim, Hypothesis, Sign},
-};
+use maveric_domain::design::{Claim, Hypothesis, Sign};
 use maveric_stats::tost_of_estimate;
 
 /// Every hypothesis against the panel of its outcome over everybody.
@@ -71,7 +68,7 @@ fn judge(
         return Ok(judged);
     }
     let differences: Vec<f64> = pairs.iter().map(|[a, b]| a - b).collect();
-    let tested = contrast(panel, first, second);
+    let tested = contrast(panel, hypothesis.contrast);
     let model = tested
         .as_ref()
         .and_then(|c| Some((c.mean_difference?, c.se?, c.df?)));
@@ -138,22 +135,4 @@ fn rule(claim: &Claim, panel: &Panel, primary: Option<&PrimaryOutcome>) -> Strin
              outside"
         ),
     }
-}
-
-/// The contrast, first minus second, whichever way round it was declared.
-fn contrast(panel: &Panel, first: ConditionId, second: ConditionId) -> Option<Contrast> {
-    let turned = |c: &Contrast| Contrast {
-        mean_difference: c.mean_difference.map(|d| -d),
-        interval: c.interval.map(|(low, high)| (-high, -low)),
-        ..c.clone()
-    };
-    panel.contrasts.iter().find_map(|c| {
-        if (c.first, c.second) == (first, second) {
-            Some(c.clone())
-        } else if (c.first, c.second) == (second, first) {
-            Some(turned(c))
-        } else {
-            None
-        }
-    })
 }

@@ -6,7 +6,7 @@ use crate::{
     data::StudyData,
     design_test::Period,
     outcomes::Asked,
-    result::{ContrastTest, Panel},
+    result::{Contrast, ContrastTest, Panel},
 };
 use maveric_domain::{ConditionId, design::DeclaredTest};
 use maveric_stats::{ByDesign, ChosenTest, PosthocTest};
@@ -26,6 +26,30 @@ pub(crate) fn values(panel: &Panel, first: ConditionId, second: ConditionId) -> 
     complete
         .filter_map(|row| Some([value(row, first)?, value(row, second)?]))
         .collect()
+}
+
+/// The panel of everybody of an outcome.
+pub(crate) fn panel_of_everybody<'a>(panels: &'a [Panel], outcome: &str) -> Option<&'a Panel> {
+    let mut panels = panels.iter();
+    panels.find(|panel| panel.outcome == outcome && panel.group.is_none())
+}
+
+/// The contrast, first minus second, whichever way round it was declared.
+pub(crate) fn contrast(panel: &Panel, [first, second]: [ConditionId; 2]) -> Option<Contrast> {
+    let turned = |c: &Contrast| Contrast {
+        mean_difference: c.mean_difference.map(|d| -d),
+        interval: c.interval.map(|(low, high)| (-high, -low)),
+        ..c.clone()
+    };
+    panel.contrasts.iter().find_map(|c| {
+        if (c.first, c.second) == (first, second) {
+            Some(c.clone())
+        } else if (c.first, c.second) == (second, first) {
+            Some(turned(c))
+        } else {
+            None
+        }
+    })
 }
 
 /// Mean of first less second as it was measured.

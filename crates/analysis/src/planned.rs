@@ -1,6 +1,6 @@
 //! Which test a design calls for, before any data: what a preregistration says and what is run.
 
-use crate::crossed::{MOST_FACTORS, factors_within};
+use crate::crossed::{factors_within, too_many_between};
 use maveric_domain::{ConditionId, Design};
 use maveric_stats::{DesignPlan, DesignShape};
 
@@ -26,11 +26,8 @@ pub enum PlannedTest {
 pub fn planned(design: &Design) -> PlannedTest {
     let conditions: Vec<ConditionId> = design.conditions().iter().map(|c| c.id).collect();
     let (between, covariates) = (design.factors(), design.covariates());
-    if between.len() > MOST_FACTORS {
-        return PlannedTest::None(format!(
-            "{} factors between people: a test takes at most {MOST_FACTORS}",
-            between.len()
-        ));
+    if let Some(why) = too_many_between(between.len()) {
+        return PlannedTest::None(why);
     }
     match (conditions.len(), between.len(), covariates.is_empty()) {
         (..2, 0, _) => PlannedTest::None(

@@ -2,7 +2,8 @@
 
 use crate::{
     data::StudyData,
-    result::{Contrast, Panel, PrimaryOutcome},
+    pairs::{contrast, panel_of_everybody},
+    result::{Panel, PrimaryOutcome},
     verdict::{ALPHA, FEWEST, Verdict, significant},
 };
 use maveric_domain::ConditionId;
@@ -23,8 +24,7 @@ pub(crate) fn primary(data: &StudyData, panels: &[Panel]) -> Vec<PrimaryOutcome>
             continue;
         };
         let id = outcome.id();
-        let whole = |p: &&Panel| p.outcome == id && p.group.is_none();
-        let Some(panel) = panels.iter().find(whole) else {
+        let Some(panel) = panel_of_everybody(panels, &id) else {
             continue;
         };
         let contrast = contrast(panel, [first, second]);
@@ -34,9 +34,7 @@ pub(crate) fn primary(data: &StudyData, panels: &[Panel]) -> Vec<PrimaryOutcome>
             panel.n
         };
         let contrast = contrast.filter(|_| closed_by.is_none() && n >= FEWEST);
-        let p = contrast.and_then(|c| c.p);
-        let turned = |c: &Contrast| c.first == second;
-        let way = |c: &Contrast| if turned(c) { -1.0 } else { 1.0 };
+        let p = contrast.as_ref().and_then(|c| c.p);
         let verdict = if closed_by.is_some() {
             Verdict::NotTested
         } else {
@@ -50,15 +48,8 @@ pub(crate) fn primary(data: &StudyData, panels: &[Panel]) -> Vec<PrimaryOutcome>
             test,
             n,
             closed_by: closed_by.clone(),
-            mean_difference: contrast.and_then(|c| Some(way(c) * c.mean_difference?)),
-            interval: contrast.and_then(|c| {
-                let (low, high) = c.interval?;
-                Some(if turned(c) {
-                    (-high, -low)
-                } else {
-                    (low, high)
-                })
-            }),
+            mean_difference: contrast.as_ref().and_then(|c| c.mean_difference),
+            interval: contrast.and_then(|c| c.interval),
             p,
             verdict,
             outcome: id.clone(),
@@ -68,12 +59,4 @@ pub(crate) fn primary(data: &StudyData, panels: &[Panel]) -> Vec<PrimaryOutcome>
         }
     }
     rows
-}
-
-/// The contrast of two conditions, whichever way round it stands.
-fn contrast(panel: &Panel, pair: [ConditionId; 2]) -> Option<&Contrast> {
-    let contrasts = panel.contrasts.iter();
-    contrasts
-        .filter(|c| pair.contains(&c.first) && pair.contains(&c.second))
-        .find(|c| c.first != c.second)
 }

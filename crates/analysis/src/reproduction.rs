@@ -5,6 +5,7 @@ use crate::{
     data::StudyData,
     family::holm,
     outcomes::{Asked, outcomes},
+    pairs::panel_of_everybody,
     result::{Bias, Nearer, Panel, Reproduction},
     verdict::equivalent,
 };
@@ -74,11 +75,7 @@ pub(crate) fn reproduction(
 
 /// Whom the tests of a measure leave out.
 fn left_out<'a>(panels: &'a [Panel], asked: &Asked) -> &'a [String] {
-    let whole = |p: &&Panel| p.outcome == asked.id && p.group.is_none();
-    panels
-        .iter()
-        .find(whole)
-        .map_or(&[], |panel| &panel.dropped)
+    panel_of_everybody(panels, &asked.id).map_or(&[], |panel| &panel.dropped)
 }
 
 /// Mean of AV minus driver with its 90 % interval, against what counts as none; nothing for fewer than two people with both

@@ -7,6 +7,7 @@ use crate::{
     design_test::Purpose,
     other_choice::{OtherChoice, Sensitivity, SensitivityRow},
     outcomes::{Asked, outcomes},
+    pairs::panel_of_everybody,
     result::{Contrast, Panel, PrimaryOutcome},
     verdict::{Verdict, directed, significant},
 };
@@ -48,9 +49,7 @@ fn beside(
     primary: &[PrimaryOutcome],
 ) -> Option<Sensitivity> {
     let id = other.outcome.clone();
-    let decides = panels
-        .iter()
-        .find(|panel| panel.outcome == id && panel.group.is_none())?;
+    let decides = panel_of_everybody(panels, &id)?;
     let p = |contrast: &Contrast| {
         let pair = [contrast.first, contrast.second];
         let alone = primary.iter().any(|primary| primary.is_of(&id, pair));

@@ -42,6 +42,11 @@ impl Verdict {
         }
     }
 
+    /// Of fewer people than a test needs.
+    fn of_few(n: usize) -> Self {
+        if n == 0 { Self::NotAsked } else { Self::TooFew }
+    }
+
     /// Of several parts that all have to hold: fails where one does, shown where all are; too few where that is so of all that were asked.
     pub fn all(parts: impl IntoIterator<Item = Self>) -> Self {
         let parts: Vec<Self> = parts.into_iter().filter(|v| *v != Self::NotAsked).collect();
@@ -75,11 +80,7 @@ impl Verdict {
 /// A difference of an expected sign: shown below .05 on that side, fails below .05 on the other.
 pub fn directed(n: usize, difference: Option<f64>, p: Option<f64>, expected: Sign) -> Verdict {
     let (Some(difference), Some(p)) = (difference, p) else {
-        return if n == 0 {
-            Verdict::NotAsked
-        } else {
-            Verdict::TooFew
-        };
+        return Verdict::of_few(n);
     };
     match Sign::of(difference) {
         _ if n < FEWEST => Verdict::TooFew,
@@ -92,8 +93,7 @@ pub fn directed(n: usize, difference: Option<f64>, p: Option<f64>, expected: Sig
 /// A difference or correlation of any sign: shown with p below .05, else not shown.
 pub fn significant(n: usize, p: Option<f64>) -> Verdict {
     match p {
-        _ if n == 0 => Verdict::NotAsked,
-        _ if n < FEWEST => Verdict::TooFew,
+        _ if n < FEWEST => Verdict::of_few(n),
         Some(p) if p < ALPHA => Verdict::Shown,
         _ => Verdict::NotShown,
     }
@@ -103,8 +103,7 @@ pub fn significant(n: usize, p: Option<f64>) -> Verdict {
 /// An end that is infinite asks for one side only: `(0.8, f64::INFINITY)`.
 pub fn within(n: usize, interval: Option<(f64, f64)>, bounds: (f64, f64)) -> Verdict {
     match interval {
-        None if n == 0 => Verdict::NotAsked,
-        None => Verdict::TooFew,
+        None => Verdict::of_few(n),
         Some(_) if n < FEWEST => Verdict::TooFew,
         Some((low, high)) if low >= bounds.0 && high <= bounds.1 => Verdict::Shown,
         Some((low, high)) if high < bounds.0 || low > bounds.1 => Verdict::Fails,
@@ -122,12 +121,7 @@ pub fn equivalent(
     differences: &[f64],
 ) -> Result<(Verdict, Option<Tost>), AnalysisError> {
     if differences.len() < 2 {
-        let few = if differences.is_empty() {
-            Verdict::NotAsked
-        } else {
-            Verdict::TooFew
-        };
-        return Ok((few, None));
+        return Ok((Verdict::of_few(differences.len()), None));
     }
     let values: Vec<Option<f64>> = differences.iter().copied().map(Some).collect();
     let equivalence = equivalence_one(&values, 0.0, Bounds::Raw { low, high })?;

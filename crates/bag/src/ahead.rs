@@ -3,7 +3,7 @@
 
 use crate::{
     chunk::{Head, MOST_ROOM},
-    record::{HEAD, op},
+    record::{HEAD, head_of, op},
 };
 use std::{
     fs::File,
@@ -164,8 +164,7 @@ fn unpack(
     loop {
         let mut head = [0; HEAD];
         source.read(&mut head)?;
-        let [opcode, rest @ ..] = head;
-        let record = u64::from_le_bytes(rest);
+        let (opcode, record) = head_of(head);
         let body = offset + HEAD as u64;
         let next = body.checked_add(record).filter(|next| *next <= length)?;
         if matches!(opcode, 0 | op::DATA_END | op::FOOTER) {

@@ -179,21 +179,14 @@ impl Unpacker {
             Err(why) => return Verdict::Lost(why),
             Ok(fits) => fits && splitter.pass_over == 0,
         };
+        let broken = |why: &str| lost(if cut { "its end is missing" } else { why });
         let sized = splitter.total == head.uncompressed_size;
         let checked = head.crc != 0;
         if checked && splitter.crc.finalize() != head.crc {
-            return lost(if cut {
-                "its end is missing"
-            } else {
-                "its checksum does not match"
-            });
+            return broken("its checksum does not match");
         }
         if !fits {
-            return lost(if cut {
-                "its end is missing"
-            } else {
-                "its records do not fit together"
-            });
+            return broken("its records do not fit together");
         }
         if !checked && !sized {
             return lost("it does not unpack to the size that it claims");

@@ -45,7 +45,7 @@ impl From<Schema<'_>> for OwnedSchema {
 
 impl OwnedSchema {
     /// Whether another schema has the same text.
-    pub fn has_data(&self, other: &Self) -> bool {
+    pub(crate) fn has_data(&self, other: &Self) -> bool {
         Arc::ptr_eq(&self.data, &other.data) || self.data == other.data
     }
 }
@@ -142,7 +142,7 @@ pub fn plain_name(name: &str) -> String {
 }
 
 /// Whether two type names mean the same type.
-pub fn same_type(a: &str, b: &str) -> bool {
+pub(crate) fn same_type(a: &str, b: &str) -> bool {
     plain_name(a) == plain_name(b)
 }
 

@@ -74,12 +74,8 @@ pub fn columns_from(
 ) -> Result<Columns, BagError> {
     let name = Path::new("-");
     let mut bytes = Vec::new();
-    source
-        .read_to_end(&mut bytes)
-        .map_err(|source| BagError::Io {
-            path: name.to_owned(),
-            source,
-        })?;
+    let read = source.read_to_end(&mut bytes);
+    read.map_err(|e| BagError::io(name, e))?;
     let taker = |channel: &Channel, schema: Option<&OwnedSchema>| {
         Fields::for_channel(wanted, channel, schema)
     };
@@ -90,6 +86,7 @@ pub fn columns_from(
 }
 
 /// The wanted fields of one stream.
+#[derive(Default)]
 struct Fields {
     /// How its messages are decoded; none where nothing of it is wanted.
     codec: Option<Result<Codec, String>>,
@@ -115,12 +112,7 @@ impl Fields {
             codec: (!paths.is_empty()).then(|| Codec::compile(channel, schema, &paths)),
             each: paths.iter().any(|p| p.contains("[]")),
             places,
-            nth: Vec::new(),
-            time_ns: Vec::new(),
-            values: Vec::new(),
-            bad: 0,
-            row: Vec::new(),
-            mark: (0, 0),
+            ..Self::default()
         }
     }
 

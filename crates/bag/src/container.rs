@@ -1,9 +1,9 @@
 //! The container: record after record, over damage where that is wanted.
 
-mod found;
 mod resynchronise;
+mod visitor;
 
-pub use found::{Damage, Visitor, Walk, Walked};
+pub use visitor::{Damage, Visitor, Walk, Walked};
 
 use crate::{
     ahead::Ahead,
@@ -12,7 +12,7 @@ use crate::{
     record::{self, HEAD, Record, op},
 };
 use mcap::records::Record as Account;
-use resynchronise::{head_of, is_chunk, senseless};
+use resynchronise::{is_chunk, senseless};
 use std::{
     fs::File,
     io::{BufReader, Read, Seek, SeekFrom},
@@ -29,28 +29,22 @@ use std::{
 /// # Errors
 /// [`BagError::Damaged`] at the first damage without `recover`; [`BagError::Io`]; [`BagError::Cancelled`].
 pub fn walk(path: &Path, how: Walk<'_>, visitor: &mut impl Visitor) -> Result<Walked, BagError> {
-    let wrong = |source| BagError::Io {
-        path: path.to_owned(),
-        source,
-    };
+    let wrong = |e| BagError::io(path, e);
     let mut file = File::open(path).map_err(wrong)?;
     let length = file.metadata().map_err(wrong)?.len();
-    if let Some(mut ahead) = Ahead::start(path, length, how.hash) {
-        let damage = walk_with(path, file, length, Some(&mut ahead), how, visitor)?;
-        let hash = ahead.finish().map_err(wrong)?;
-        return Ok(Walked {
-            damage,
-            blake3: hash.map(|hash| hash.to_hex().to_string()),
-        });
-    }
-    let mut blake3 = None;
-    if how.hash {
+    let mut ahead = Ahead::start(path, length, how.hash);
+    let mut hash = None;
+    if how.hash && ahead.is_none() {
         let mut hasher = blake3::Hasher::new();
         hasher.update_reader(&mut file).map_err(wrong)?;
         file.rewind().map_err(wrong)?;
-        blake3 = Some(hasher.finalize().to_hex().to_string());
+        hash = Some(hasher.finalize());
     }
-    let damage = walk_with(path, file, length, None, how, visitor)?;
+    let damage = walk_with(path, file, length, ahead.as_mut(), how, visitor)?;
+    if let Some(ahead) = ahead {
+        hash = ahead.finish().map_err(wrong)?;
+    }
+    let blake3 = hash.map(|hash| hash.to_hex().to_string());
     Ok(Walked { damage, blake3 })
 }
 
@@ -66,10 +60,7 @@ pub fn walk_from(
 ) -> Result<Walked, BagError> {
     let length = source.seek(SeekFrom::End(0));
     let length = length.and_then(|length| source.rewind().map(|()| length));
-    let length = length.map_err(|source| BagError::Io {
-        path: path.to_owned(),
-        source,
-    })?;
+    let length = length.map_err(|e| BagError::io(path, e))?;
     let damage = walk_with(path, source, length, None, how, visitor)?;
     Ok(Walked {
         damage,
@@ -352,7 +343,7 @@ impl<R: Read + Seek> Walker<'_, R> {
         let mut head = [0; HEAD];
         let read = self.file.read_exact(&mut head);
         read.map_err(|e| self.io(e))?;
-        Ok(Some(head_of(head)))
+        Ok(Some(record::head_of(head)))
     }
 
     /// The first bytes of a record's content, as many as there are of those that tell what it is.
@@ -374,10 +365,7 @@ impl<R: Read + Seek> Walker<'_, R> {
     }
 
     fn io(&self, source: std::io::Error) -> BagError {
-        BagError::Io {
-            path: self.path.to_owned(),
-            source,
-        }
+        BagError::io(self.path, source)
     }
 
     /// Reads `length` bytes, of which the caller knows that the file has them.

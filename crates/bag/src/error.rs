@@ -1,7 +1,7 @@
 //! What can be wrong with a recording.
 
 use path_slash::PathExt as _;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// A recording that cannot be read, or not be written.
 #[derive(Debug, thiserror::Error)]
@@ -58,4 +58,12 @@ pub enum BagError {
         #[source]
         source: mcap::McapError,
     },
+}
+
+impl BagError {
+    /// Names the file in an operating-system error.
+    pub(crate) fn io(path: &Path, source: std::io::Error) -> Self {
+        let path = path.to_owned();
+        Self::Io { path, source }
+    }
 }

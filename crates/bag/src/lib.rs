@@ -19,7 +19,7 @@ mod writer;
 
 pub use caught::caught;
 pub use chunk::MOST_RECORD;
-pub use codec::{Codec, OwnedSchema, plain_name, same_type};
+pub use codec::{Codec, OwnedSchema, plain_name};
 pub use columns::{Column, Columns, columns_from, to_columns};
 pub use container::{Damage, Visitor, Walk, Walked, walk, walk_from};
 pub use error::BagError;

@@ -25,9 +25,7 @@ pub fn is_split(path: &Path) -> bool {
     }
     let files = numbered(path);
     if path.join(METADATA).is_file() {
-        return files
-            .iter()
-            .any(|f| f.1.extension().is_some_and(|e| e == "mcap"));
+        return !files.is_empty();
     }
     let folder = name_of(path);
     let named = |(number, file): &(Option<u64>, PathBuf)| {
@@ -52,12 +50,7 @@ pub fn parts_of(path: &Path) -> Result<Parts, BagError> {
     let listed = match std::fs::read_to_string(&metadata) {
         Ok(text) => listed(&text),
         Err(e) if e.kind() == std::io::ErrorKind::NotFound => Vec::new(),
-        Err(e) => {
-            return Err(BagError::Io {
-                path: metadata,
-                source: e,
-            });
-        }
+        Err(e) => return Err(BagError::io(&metadata, e)),
     };
     let there = numbered(path);
     if listed.is_empty() {

@@ -2,7 +2,7 @@
 
 use super::{
     caught::caught,
-    wanted::{Slots, Taken, Tree, name_number},
+    wanted::{Slots, Taken, Tree, all_matched, name_number},
 };
 use prost_reflect::{DescriptorPool, FieldDescriptor, Kind, MessageDescriptor};
 use std::collections::BTreeMap;
@@ -65,12 +65,7 @@ impl Plan {
         let tree = Tree::from_wanted(wanted);
         let mut matched = vec![false; wanted.len()];
         let root = node(&message, &tree, &mut matched);
-        let missing =
-            (0..wanted.len()).find(|&i| !matched[i] && !super::wanted::may_be_missing(wanted[i]));
-        if let Some(i) = missing {
-            let path = wanted[i].replace('|', "` or `");
-            return Err(format!("`{name}` in its schema has no number `{path}`"));
-        }
+        all_matched(name, wanted, &matched)?;
         let slots = Slots::from_wanted(wanted, &tree);
         Ok(Self { root, slots })
     }

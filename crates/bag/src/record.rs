@@ -15,6 +15,11 @@ pub(crate) mod op {
 /// Bytes before a record's content: opcode and length.
 pub(crate) const HEAD: usize = 9;
 
+/// Opcode and length of a record.
+pub(crate) fn head_of([opcode, length @ ..]: [u8; HEAD]) -> (u8, u64) {
+    (opcode, u64::from_le_bytes(length))
+}
+
 /// What a channel's bytes mean.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Schema<'a> {

@@ -52,8 +52,8 @@ fn records(bytes: &[u8]) -> impl Iterator<Item = Option<(u8, &[u8])>> {
     let mut rest = bytes;
     std::iter::from_fn(move || {
         let (head, behind) = rest.split_first_chunk::<HEAD>()?;
-        let [opcode, length @ ..] = *head;
-        let content = usize::try_from(u64::from_le_bytes(length)).ok();
+        let (opcode, length) = record::head_of(*head);
+        let content = usize::try_from(length).ok();
         let content = content.and_then(|length| behind.split_at_checked(length));
         rest = content.map_or(&[], |(_, next)| next);
         Some(content.map(|(content, _)| (opcode, content)))
@@ -105,10 +105,7 @@ pub fn begins_ns(path: &Path) -> Option<u64> {
 /// # Errors
 /// [`BagError::Io`]; [`BagError::Damaged`] if the attachment is not where the summary says, or not what its checksum says.
 pub fn attachment(path: &Path, name: &str) -> Result<Option<Vec<u8>>, BagError> {
-    let io = |source| BagError::Io {
-        path: path.to_owned(),
-        source,
-    };
+    let io = |e| BagError::io(path, e);
     let mut file = File::open(path).map_err(io)?;
     let length = file.metadata().map_err(io)?.len();
     let bytes = summary(&mut file).unwrap_or_default();

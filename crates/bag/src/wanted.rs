@@ -16,6 +16,30 @@ pub(crate) fn alternatives(path: &str) -> impl Iterator<Item = &str> {
     paths.filter(|p| !p.is_empty())
 }
 
+/// Whether a type has every wanted number that may not be missing: `matched` are those that its schema has.
+///
+/// # Errors
+/// A sentence that names the first that it lacks.
+pub(crate) fn all_matched(
+    type_name: &str,
+    wanted: &[&str],
+    matched: &[bool],
+) -> Result<(), String> {
+    let lacks = |(path, matched): &(&&str, &bool)| !**matched && !may_be_missing(path);
+    match wanted.iter().zip(matched).find(lacks) {
+        Some((path, _)) => Err(format!(
+            "`{type_name}` in its schema has no number `{}`",
+            in_words(path)
+        )),
+        None => Ok(()),
+    }
+}
+
+/// The alternatives of a path within quotes.
+fn in_words(path: &str) -> String {
+    path.replace('|', "` or `")
+}
+
 /// A name as a number, to compare it with others: of its part behind the last `/`, which may be a namespace's.
 pub fn name_number(name: &[u8]) -> f64 {
     let name = name.strip_suffix(&[0]).unwrap_or(name);
@@ -59,10 +83,8 @@ impl Tree {
 
     fn at(&mut self, path: &str) -> &mut Self {
         path.split('.').fold(self, |node, part| {
-            let (name, index) = match part.strip_suffix(']').and_then(|p| p.split_once('[')) {
-                Some((name, index)) => (name, Some(index)),
-                None => (part, None),
-            };
+            let indexed = part.strip_suffix(']').and_then(|p| p.split_once('['));
+            let (name, index) = indexed.map_or((part, None), |(name, i)| (name, Some(i)));
             let node = node.fields.entry(name.to_owned()).or_default();
             match index {
                 None => node,
@@ -123,17 +145,13 @@ impl Slots {
         each: &mut dyn FnMut(&[f64]),
     ) -> Result<(), String> {
         let n = self.names.len();
-        let missing = |values: &[f64], of_rows: bool| {
-            (0..n).find(|&i| {
-                self.in_rows[i] == of_rows && values[i].is_nan() && !may_be_missing(&self.names[i])
-            })
-        };
-        let check = |values: &[f64], of_rows: bool| match missing(values, of_rows) {
-            Some(i) => Err(format!(
-                "it has no number `{}`",
-                self.names[i].replace('|', "` or `")
-            )),
-            None => Ok(()),
+        let check = |values: &[f64], of_rows: bool| {
+            let lacks = |i: &usize| self.in_rows[*i] == of_rows && values[*i].is_nan();
+            let mut lacking = (0..n).filter(lacks).map(|i| &self.names[i]);
+            match lacking.find(|name| !may_be_missing(name)) {
+                Some(name) => Err(format!("it has no number `{}`", in_words(name))),
+                None => Ok(()),
+            }
         };
         check(&taken.outer, false)?;
         if taken.too_many {

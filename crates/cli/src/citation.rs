@@ -16,7 +16,6 @@ pub(crate) struct Entry {
 }
 
 impl Entry {
-    /// The entry as BibTeX.
     pub(crate) fn bibtex(&self) -> String {
         let mut text = format!("@{}{{{},\n", self.kind, self.key);
         for (name, value) in &self.fields {

@@ -18,11 +18,10 @@ pub(crate) mod verify;
 
 use crate::{
     diagnostics::{Failure, printable, tell},
-    interrupt,
     invocation::this_command,
     progress,
 };
-use clap::{CommandFactory as _, FromArgMatches as _, Parser, Subcommand};
+use clap::{CommandFactory as _, FromArgMatches, Parser, Subcommand};
 use maveric_study::outcome::Format;
 use maveric_study::{
     Files, Outcome, Stage, StudyError, Watch,
@@ -32,6 +31,7 @@ use maveric_study::{
     },
 };
 use std::{
+    ffi::OsString,
     io::Write as _,
     path::Path,
     sync::{LazyLock, Mutex, PoisonError},
@@ -65,11 +65,19 @@ pub(crate) struct Args {
 /// All commands and flags, put together once: that takes longer than to read many a command line.
 static PARSER: LazyLock<Mutex<clap::Command>> = LazyLock::new(|| Mutex::new(Args::command()));
 
-/// Reads a command line, the program's name its first word.
+/// Reads the words after the program's name.
 pub(crate) fn parsed<'w>(words: impl Iterator<Item = &'w str>) -> Result<Args, clap::Error> {
-    let mut parser = PARSER.lock().unwrap_or_else(PoisonError::into_inner);
+    read_words(&PARSER, std::iter::once("maveric").chain(words))
+}
+
+/// Reads words by a parser that was put together before.
+pub(crate) fn read_words<T: FromArgMatches>(
+    parser: &Mutex<clap::Command>,
+    words: impl IntoIterator<Item = impl Into<OsString> + Clone>,
+) -> Result<T, clap::Error> {
+    let mut parser = parser.lock().unwrap_or_else(PoisonError::into_inner);
     let matches = parser.try_get_matches_from_mut(words)?;
-    Args::from_arg_matches(&matches).map_err(|error| error.format(&mut parser))
+    T::from_arg_matches(&matches).map_err(|error| error.format(&mut parser))
 }
 
 /// The commands, in the order of the data.
@@ -123,7 +131,6 @@ pub(crate) fn styled(style: Option<&str>, command: Command) -> Result<(), Failur
     run(command)
 }
 
-/// Runs the command that was asked for.
 pub(crate) fn run(command: Command) -> Result<(), Failure> {
     match command {
         Command::Run(c) => c.run(),
@@ -206,7 +213,7 @@ impl<S: Stage> Runs for Of<S> {
             success = self.stage.is_success(&outcome.value);
             Ok(outcome)
         })?;
-        if success { Ok(()) } else { Err(Failure::Told) }
+        Failure::told_unless(success)
     }
 }
 
@@ -216,25 +223,25 @@ pub(crate) fn print_outcome<T: serde::Serialize>(
     doing: &'static str,
     work: impl FnOnce(Watch<'_>) -> Result<Outcome<T>, StudyError>,
 ) -> Result<(), Failure> {
-    let bar = progress::bar();
-    let show = |done: usize, total: usize, what: &str| {
-        bar.set_length(total as u64);
-        bar.set_position(done as u64);
-        bar.set_message(what.to_owned());
-    };
-    let outcome = work(Watch::new(&show, interrupt::flag())).map_err(Failure::study(doing));
-    bar.finish_and_clear();
-    let outcome = outcome?;
+    let outcome = progress::watched(work).map_err(Failure::study(doing))?;
     for warning in &outcome.warnings {
         tell!("warning: {warning}");
     }
+    print_as(format, &outcome, &outcome.summary)
+}
+
+/// Prints a result: its lines, or one JSON object.
+pub(crate) fn print_as(
+    format: Format,
+    result: &impl serde::Serialize,
+    lines: &[String],
+) -> Result<(), Failure> {
     match format {
-        Format::Text => print_lines(&outcome.summary),
-        Format::Json => print_json(&outcome),
+        Format::Text => print_lines(lines),
+        Format::Json => print_json(result),
     }
 }
 
-/// Prints lines on stdout.
 pub(crate) fn print_lines(lines: &[String]) -> Result<(), Failure> {
     let mut out = std::io::stdout().lock();
     for line in lines {
@@ -243,7 +250,6 @@ pub(crate) fn print_lines(lines: &[String]) -> Result<(), Failure> {
     Ok(())
 }
 
-/// Prints one JSON object on stdout.
 pub(crate) fn print_json(value: &impl serde::Serialize) -> Result<(), Failure> {
     let mut out = std::io::stdout().lock();
     serde_json::to_writer_pretty(&mut out, value).map_err(|e| Failure::output(e.into()))?;

@@ -140,6 +140,11 @@ impl Failure {
         }
     }
 
+    /// A failure that has been told, unless it was a success.
+    pub(crate) fn told_unless(success: bool) -> Result<(), Self> {
+        if success { Ok(()) } else { Err(Self::Told) }
+    }
+
     /// There is nothing to run in the folder one stands in.
     pub(crate) fn no_study() -> Self {
         Self::Failed(Failed {

@@ -19,8 +19,7 @@ pub use invocation::Invocation;
 /// It prints to the process's own streams, takes over Ctrl-C and may end the process when interrupted, so it is for a `main`; other
 /// programs call `maveric-study`.
 pub fn run(invocation: Invocation) -> u8 {
-    let words = invocation.words.iter().map(String::as_str);
-    let parsed = commands::parsed(std::iter::once("maveric").chain(words));
+    let parsed = commands::parsed(invocation.words.iter().map(String::as_str));
     invocation::begin(invocation);
     match parsed {
         Ok(args) => {

@@ -136,12 +136,12 @@ fn root(file: &Path) -> Result<PathBuf, Failure> {
     let doing = "could not find the project's folder";
     let absolute = std::path::absolute(file).map_err(|e| Failure::io(doing, e))?;
     let absolute = absolute.parent().unwrap_or(&absolute);
-    let root = if absolute.file_name().is_some_and(|n| n == "pipelines") {
-        absolute.parent().map(Path::to_owned)
-    } else {
-        None
-    };
-    root.map_or_else(std::env::current_dir, Ok)
+    let above = absolute
+        .parent()
+        .filter(|_| absolute.ends_with("pipelines"));
+    above
+        .map(Path::to_owned)
+        .map_or_else(std::env::current_dir, Ok)
         .map_err(|e| Failure::io(doing, e))
 }
 

@@ -12,10 +12,7 @@ pub(crate) const COMMANDS: Commands = Commands {
 };
 
 fn files(root: &Path, words: &[String]) -> Result<Option<CommandFiles>, String> {
-    let words = ["maveric"]
-        .into_iter()
-        .chain(words.iter().map(String::as_str));
-    let args = match parsed(words) {
+    let args = match parsed(words.iter().map(String::as_str)) {
         Ok(args) => args,
         // A pipeline refuses what is not a command at all by itself.
         Err(error) if error.kind() == clap::error::ErrorKind::InvalidSubcommand => return Ok(None),

@@ -6,7 +6,7 @@ pub mod reference_vehicle;
 
 use crate::{
     ConditionId,
-    error::DomainError,
+    error::{DomainError, as_long, at_least, finite, positive},
     ids::{DriveId, ParticipantId},
     occasion::{Occasion, Ride, first, is_first},
     recording::Recording,
@@ -16,7 +16,7 @@ use crate::{
 pub use lane_change::{Direction, LaneChange};
 pub use reference_vehicle::ReferenceTracker;
 use serde::{Deserialize, Serialize};
-use std::{num::NonZeroU32, str::FromStr};
+use std::{num::NonZeroU32, ops::Range, str::FromStr};
 
 /// Who or what drove.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
@@ -153,46 +153,99 @@ impl DriveMeta {
     }
 }
 
-/// The signals, column by column; every column has shape `(n,)`.
-///
-/// # Source
-/// Method section 2, names to the letter.
-#[derive(Debug, Clone, PartialEq, Default)]
-pub struct Rows {
-    /// Time since the start, in s.
-    pub time_s: Vec<f64>,
-    /// Rises by one after each hole too long to bridge.
-    pub segment: Vec<u32>,
-    /// Ego's position along the road, in m.
-    pub ego_x_m: Vec<f64>,
-    /// Ego's lateral position, in m.
-    pub ego_y_m: Vec<f64>,
-    /// v^(ev), in m/s.
-    pub ego_speed_mps: Vec<f64>,
-    /// Ego's lane, 0 the right (slow) one.
-    pub lane: Vec<u8>,
-    /// Whether there is a reference vehicle; where not, the lead columns hold free-road values.
-    pub lead_present: Vec<bool>,
-    /// Number of the reference vehicle within the recording.
-    pub lead_id: Vec<Option<u32>>,
-    /// d^(x), in m: a signed bumper-to-bumper distance.
-    pub lead_dx_m: Vec<f64>,
-    /// d^(y), in m.
-    pub lead_dy_m: Vec<f64>,
-    /// v^(lv), in m/s.
-    pub lead_speed_mps: Vec<f64>,
-    /// l^(ev): whether a lane change is being started (the second that ends at its start).
-    pub lane_change: Vec<bool>,
-    /// +1 while changing to the left, -1 to the right, 0 while keeping lane.
-    pub changing: Vec<i8>,
-    /// Whether the last row of a change completes it (only the row before its end is true).
-    pub change_completes: Vec<bool>,
-    /// Whether ego follows the reference vehicle; `following_distance_m` is `lead_dx_m` there.
-    pub following: Vec<bool>,
-    /// Gap to the vehicle behind in the lane to the left, in m; none within 200 m, or no such lane.
-    pub gap_behind_left_m: Vec<Option<f64>>,
-    /// Gap to the vehicle behind in the lane to the right, in m.
-    pub gap_behind_right_m: Vec<Option<f64>>,
+/// Declares the columns of a drive, a line each, and what is done with all of them.
+macro_rules! rows {
+    ($(#[$meta:meta])* pub struct $rows:ident { $( $(#[$doc:meta])* $column:ident: $type:ty, )* }) => {
+        $(#[$meta])*
+        pub struct $rows {
+            $( $(#[$doc])* pub $column: Vec<$type>, )*
+        }
+
+        impl $rows {
+            fn lengths(&self) -> impl Iterator<Item = (&'static str, usize)> {
+                [$((stringify!($column), self.$column.len())),*].into_iter()
+            }
+
+            fn slice(&self, range: Range<usize>) -> Self {
+                Self { $($column: self.$column[range.clone()].to_vec()),* }
+            }
+        }
+    };
+}
+
+rows! {
+    /// The signals, column by column; every column has shape `(n,)`.
+    ///
+    /// # Source
+    /// Method section 2, names to the letter.
+    #[derive(Debug, Clone, PartialEq, Default)]
+    pub struct Rows {
+        /// Time since the start, in s.
+        time_s: f64,
+        /// Rises by one after each hole too long to bridge.
+        segment: u32,
+        /// Ego's position along the road, in m.
+        ego_x_m: f64,
+        /// Ego's lateral position, in m.
+        ego_y_m: f64,
+        /// v^(ev), in m/s.
+        ego_speed_mps: f64,
+        /// Ego's lane, 0 the right (slow) one.
+        lane: u8,
+        /// Whether there is a reference vehicle; where not, the lead columns hold free-road values.
+        lead_present: bool,
+        /// Number of the reference vehicle within the recording.
+        lead_id: Option<u32>,
+        /// d^(x), in m: a signed bumper-to-bumper distance.
+        lead_dx_m: f64,
+        /// d^(y), in m.
+        lead_dy_m: f64,
+        /// v^(lv), in m/s.
+        lead_speed_mps: f64,
+        /// l^(ev): whether a lane change is being started (the second that ends at its start).
+        lane_change: bool,
+        /// +1 while changing to the left, -1 to the right, 0 while keeping lane.
+        changing: i8,
+        /// Whether the last row of a change completes it (only the row before its end is true).
+        change_completes: bool,
+        /// Whether ego follows the reference vehicle; `following_distance_m` is `lead_dx_m` there.
+        following: bool,
+        /// Gap to the vehicle behind in the lane to the left, in m; none within 200 m, or no such lane.
+        gap_behind_left_m: Option<f64>,
+        /// Gap to the vehicle behind in the lane to the right, in m.
+        gap_behind_right_m: Option<f64>,
+    }
+}
+
+/// Ego speed up to which a gap is no time gap, in m/s: at standstill there is none, not a large one.
+pub const STANDSTILL_MPS: f64 = 0.5;
+
+impl Rows {
+    /// Whether the reference vehicle is ahead in ego's own lane at `row`: further aside than half a lane is another.
+    fn lead_ahead(&self, row: usize, road: &Road) -> bool {
+        self.lead_present[row]
+            && self.lead_dx_m[row] > 0.0
+            && self.lead_dy_m[row].abs() < 0.5 * road.lane_width_m
+    }
+
+    /// How fast a column changes at each row, in its unit a second: a central difference over `half_span_s` on both sides, of rows
+    /// sampled `rate_hz` times a second, that never spans two segments.
+    pub fn slopes(&self, column: &[f64], half_span_s: f64, rate_hz: f64) -> Vec<f64> {
+        let n = self.time_s.len();
+        let half = ((half_span_s * rate_hz).round() as usize).max(1);
+        let slope = |row: usize| {
+            let same = |i: &usize| self.segment[*i] == self.segment[row];
+            let low = (row.saturating_sub(half)..=row).find(same).unwrap_or(row);
+            let high = (row..=(row + half).min(n - 1)).rfind(same).unwrap_or(row);
+            let span = self.time_s[high] - self.time_s[low];
+            if span > 0.0 {
+                (column[high] - column[low]) / span
+            } else {
+                0.0
+            }
+        };
+        (0..n).map(slope).collect()
+    }
 }
 
 /// A drive: whose it is and what happened, evenly sampled.
@@ -282,39 +335,11 @@ impl Drive {
         rows: Rows,
     ) -> Result<Self, DomainError> {
         let n = rows.time_s.len();
-        if n < 2 {
-            return Err(DomainError::TooShort {
-                what: "drive",
-                found: n,
-                expected: 2,
-            });
+        at_least("drive", n, 2)?;
+        for (column, found) in rows.lengths() {
+            as_long(column, found, n)?;
         }
-        let lengths = [
-            ("segment", rows.segment.len()),
-            ("ego_x_m", rows.ego_x_m.len()),
-            ("ego_y_m", rows.ego_y_m.len()),
-            ("ego_speed_mps", rows.ego_speed_mps.len()),
-            ("lane", rows.lane.len()),
-            ("lead_present", rows.lead_present.len()),
-            ("lead_id", rows.lead_id.len()),
-            ("lead_dx_m", rows.lead_dx_m.len()),
-            ("lead_dy_m", rows.lead_dy_m.len()),
-            ("lead_speed_mps", rows.lead_speed_mps.len()),
-            ("lane_change", rows.lane_change.len()),
-            ("changing", rows.changing.len()),
-            ("change_completes", rows.change_completes.len()),
-            ("following", rows.following.len()),
-            ("gap_behind_left_m", rows.gap_behind_left_m.len()),
-            ("gap_behind_right_m", rows.gap_behind_right_m.len()),
-        ];
-        if let Some(&(column, found)) = lengths.iter().find(|(_, found)| *found != n) {
-            return Err(DomainError::LengthMismatch {
-                column,
-                found,
-                expected: n,
-            });
-        }
-        let numbers = [
+        for (column, values) in [
             ("time_s", &rows.time_s),
             ("ego_x_m", &rows.ego_x_m),
             ("ego_y_m", &rows.ego_y_m),
@@ -322,23 +347,10 @@ impl Drive {
             ("lead_dx_m", &rows.lead_dx_m),
             ("lead_dy_m", &rows.lead_dy_m),
             ("lead_speed_mps", &rows.lead_speed_mps),
-        ];
-        for (column, values) in numbers {
-            if let Some(row) = values.iter().position(|v| !v.is_finite()) {
-                return Err(DomainError::NotFinite {
-                    column,
-                    row,
-                    found: values[row],
-                });
-            }
+        ] {
+            finite(column, values)?;
         }
-        if !(rate_hz.is_finite() && rate_hz > 0.0) {
-            return Err(DomainError::OutOfRange {
-                name: "rate_hz",
-                found: rate_hz,
-                expected: "a finite number above 0",
-            });
-        }
+        positive("rate_hz", rate_hz)?;
         Ok(Self {
             meta,
             road,
@@ -413,6 +425,17 @@ impl Drive {
         }
     }
 
+    /// Whether the reference vehicle is ahead in ego's own lane at `row`.
+    pub fn lead_ahead(&self, row: usize) -> bool {
+        self.rows.lead_ahead(row, &self.road)
+    }
+
+    /// Gap to the reference vehicle over ego speed at `row`, in s; none up to [`STANDSTILL_MPS`].
+    pub fn time_gap_s(&self, row: usize) -> Option<f64> {
+        let speed = self.rows.ego_speed_mps[row];
+        (speed > STANDSTILL_MPS).then(|| self.rows.lead_dx_m[row] / speed)
+    }
+
     /// What a planner would have been told at `row`; `None` past the end.
     pub fn situation(&self, row: usize) -> Option<Situation> {
         let reference = crate::scene::Reference {
@@ -434,41 +457,11 @@ impl Drive {
     /// [`DomainError::TooShort`] if fewer than two rows remain.
     pub fn slice(&self, start: usize, end: usize) -> Result<Self, DomainError> {
         let end = end.min(self.len());
-        if end < start + 2 {
-            return Err(DomainError::TooShort {
-                what: "drive",
-                found: end.saturating_sub(start),
-                expected: 2,
-            });
-        }
-        let r = &self.rows;
-        let range = start..end;
-        let rows = Rows {
-            time_s: r.time_s[range.clone()].to_vec(),
-            segment: r.segment[range.clone()].to_vec(),
-            ego_x_m: r.ego_x_m[range.clone()].to_vec(),
-            ego_y_m: r.ego_y_m[range.clone()].to_vec(),
-            ego_speed_mps: r.ego_speed_mps[range.clone()].to_vec(),
-            lane: r.lane[range.clone()].to_vec(),
-            lead_present: r.lead_present[range.clone()].to_vec(),
-            lead_id: r.lead_id[range.clone()].to_vec(),
-            lead_dx_m: r.lead_dx_m[range.clone()].to_vec(),
-            lead_dy_m: r.lead_dy_m[range.clone()].to_vec(),
-            lead_speed_mps: r.lead_speed_mps[range.clone()].to_vec(),
-            lane_change: r.lane_change[range.clone()].to_vec(),
-            changing: r.changing[range.clone()].to_vec(),
-            change_completes: r.change_completes[range.clone()].to_vec(),
-            following: r.following[range.clone()].to_vec(),
-            gap_behind_left_m: r.gap_behind_left_m[range.clone()].to_vec(),
-            gap_behind_right_m: r.gap_behind_right_m[range].to_vec(),
-        };
+        at_least("drive", end.saturating_sub(start), 2)?;
         Ok(Self {
             meta: self.meta.clone(),
-            road: self.road,
-            rate_hz: self.rate_hz,
-            rows,
-            lateral: self.lateral,
-            sees: self.sees,
+            rows: self.rows.slice(start..end),
+            ..*self
         })
     }
 }

@@ -1,6 +1,6 @@
 //! A point in style space.
 
-use crate::error::DomainError;
+use crate::error::{DomainError, at_least, finite};
 use serde::{Deserialize, Serialize};
 
 /// A style embedding: shape `(d,)`, without unit, whitened over the training drivers.
@@ -17,21 +17,9 @@ impl Embedding {
     /// # Errors
     /// [`DomainError::TooShort`] without coordinates, [`DomainError::NotFinite`] for NaN or infinity.
     pub fn new(coordinates: Vec<f64>) -> Result<Self, DomainError> {
-        if coordinates.is_empty() {
-            return Err(DomainError::TooShort {
-                what: "embedding",
-                found: 0,
-                expected: 1,
-            });
-        }
-        match coordinates.iter().position(|c| !c.is_finite()) {
-            Some(row) => Err(DomainError::NotFinite {
-                column: "embedding",
-                row,
-                found: coordinates[row],
-            }),
-            None => Ok(Self(coordinates)),
-        }
+        at_least("embedding", coordinates.len(), 1)?;
+        finite("embedding", &coordinates)?;
+        Ok(Self(coordinates))
     }
 
     /// Coordinates, shape `(d,)`.

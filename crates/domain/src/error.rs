@@ -103,3 +103,59 @@ pub enum DomainError {
         problem: String,
     },
 }
+
+/// Refuses fewer rows than `expected`.
+pub(crate) fn at_least(
+    what: &'static str,
+    found: usize,
+    expected: usize,
+) -> Result<(), DomainError> {
+    if found < expected {
+        return Err(DomainError::TooShort {
+            what,
+            found,
+            expected,
+        });
+    }
+    Ok(())
+}
+
+/// Refuses a column of another length than `expected`.
+pub(crate) fn as_long(
+    column: &'static str,
+    found: usize,
+    expected: usize,
+) -> Result<(), DomainError> {
+    if found != expected {
+        return Err(DomainError::LengthMismatch {
+            column,
+            found,
+            expected,
+        });
+    }
+    Ok(())
+}
+
+/// Refuses a column with a number that is NaN or infinite.
+pub(crate) fn finite(column: &'static str, values: &[f64]) -> Result<(), DomainError> {
+    match values.iter().position(|v| !v.is_finite()) {
+        Some(row) => Err(DomainError::NotFinite {
+            column,
+            row,
+            found: values[row],
+        }),
+        None => Ok(()),
+    }
+}
+
+/// Refuses what is no finite number above 0.
+pub(crate) fn positive(name: &'static str, found: f64) -> Result<(), DomainError> {
+    if found.is_finite() && found > 0.0 {
+        return Ok(());
+    }
+    Err(DomainError::OutOfRange {
+        name,
+        found,
+        expected: "a finite number above 0",
+    })
+}

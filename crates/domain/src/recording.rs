@@ -1,7 +1,7 @@
 //! Who was where, evenly sampled.
 
 use crate::{
-    error::DomainError,
+    error::{DomainError, as_long, at_least, finite, positive},
     ids::VehicleId,
     scene::{EgoState, Road, Scene, VehicleState},
     sees::Sees,
@@ -49,6 +49,13 @@ impl ObjectTrack {
             speed_mps: Vec::new(),
         }
     }
+
+    /// Adds the next row.
+    pub fn push(&mut self, state: &VehicleState) {
+        self.x_m.push(state.x_m);
+        self.y_m.push(state.y_m);
+        self.speed_mps.push(state.speed_mps);
+    }
 }
 
 /// Who was where, at an even rate, from a log or from a simulation.
@@ -65,33 +72,8 @@ pub struct Recording {
 }
 
 fn check_column(column: &'static str, values: &[f64], rows: usize) -> Result<(), DomainError> {
-    if values.len() != rows {
-        return Err(DomainError::LengthMismatch {
-            column,
-            found: values.len(),
-            expected: rows,
-        });
-    }
-    match values.iter().position(|v| !v.is_finite()) {
-        Some(row) => Err(DomainError::NotFinite {
-            column,
-            row,
-            found: values[row],
-        }),
-        None => Ok(()),
-    }
-}
-
-fn positive(name: &'static str, found: f64) -> Result<(), DomainError> {
-    if found.is_finite() && found > 0.0 {
-        Ok(())
-    } else {
-        Err(DomainError::OutOfRange {
-            name,
-            found,
-            expected: "a finite number above 0",
-        })
-    }
+    as_long(column, values.len(), rows)?;
+    finite(column, values)
 }
 
 fn not_negative(name: &'static str, found: f64) -> Result<(), DomainError> {
@@ -124,13 +106,7 @@ impl Recording {
         others: Vec<ObjectTrack>,
     ) -> Result<Self, DomainError> {
         let rows = time_s.len();
-        if rows < 2 {
-            return Err(DomainError::TooShort {
-                what: "recording",
-                found: rows,
-                expected: 2,
-            });
-        }
+        at_least("recording", rows, 2)?;
         positive("rate_hz", rate_hz)?;
         positive("lane_width_m", road.lane_width_m)?;
         positive("posted_speed_mps", road.posted_speed_mps)?;
@@ -140,13 +116,7 @@ impl Recording {
         check_column("ego.x_m", &ego.x_m, rows)?;
         check_column("ego.y_m", &ego.y_m, rows)?;
         check_column("ego.speed_mps", &ego.speed_mps, rows)?;
-        if segment.len() != rows {
-            return Err(DomainError::LengthMismatch {
-                column: "segment",
-                found: segment.len(),
-                expected: rows,
-            });
-        }
+        as_long("segment", segment.len(), rows)?;
         if let Some(row) = time_s.windows(2).position(|w| w[1] <= w[0]) {
             return Err(DomainError::OutOfRange {
                 name: "time_s",

@@ -206,7 +206,8 @@ impl Through<'_> {
     }
 }
 
-fn numbers(law: &Law) -> [f64; NUMBERS] {
+/// The numbers of a law, zeros behind them; the sixth of IDM is what it brakes by.
+pub(crate) fn numbers(law: &Law) -> [f64; NUMBERS] {
     match *law {
         Law::Newell(l) => [l.delay_s, l.distance_m, 0.0, 0.0, 0.0, 0.0],
         Law::Helly(l) => [

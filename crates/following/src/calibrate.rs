@@ -1,8 +1,8 @@
 //! Fitting a law to drives, by the gap of whole closed-loop runs.
 
 use crate::{
-    abreast::{gap_rmse_each, products},
-    error::FollowingError,
+    abreast::{gap_rmse_each, numbers, products},
+    error::{FollowingError, enough_drivers},
     law::{Gains, Gipps, Helly, Idm, Law, Newell},
     run::Stretch,
     search::{Cost, LAST_DIGITS, Minimum, SearchSettings, polish, search},
@@ -100,31 +100,14 @@ impl Family {
 
     /// The free numbers of a law of this family, as [`Family::law`] takes them.
     fn numbers(self, law: Law) -> Vec<f64> {
-        match law {
-            Law::Newell(l) => vec![l.delay_s, l.distance_m],
-            Law::Helly(l) => vec![
-                libm::log(l.gains.speed_per_s),
-                libm::log(l.gains.gap_per_s2),
-                l.standstill_gap_m,
-                l.time_gap_s,
-            ],
-            Law::Gipps(l) => vec![
-                l.desired_speed_mps,
-                l.reaction_s,
-                l.standstill_gap_m,
-                l.max_accel_mps2,
-                l.ego_braking_mps2,
-                l.lead_braking_mps2,
-            ],
-            Law::Idm(l) if matches!(self, Self::IdmTimeGap(_)) => vec![l.time_gap_s],
-            Law::Idm(l) => vec![
-                l.desired_speed_mps,
-                l.time_gap_s,
-                l.standstill_gap_m,
-                l.max_accel_mps2,
-                l.comfortable_braking_mps2,
-            ],
-        }
+        let all = numbers(&law);
+        let free = match self {
+            Self::IdmTimeGap(_) => &all[1..2],
+            _ => &all[..self.bounds().len()],
+        };
+        let logs = if matches!(self, Self::Helly) { 2 } else { 0 };
+        let number = |(k, x): (usize, &f64)| if k < logs { libm::log(*x) } else { *x };
+        free.iter().enumerate().map(number).collect()
     }
 
     /// Fits the free numbers to one or more stretches, every stretch the same weight. Same seed, same result.
@@ -188,12 +171,7 @@ struct GapError<'a> {
 
 impl<'a> GapError<'a> {
     fn new(family: Family, stretches: &'a [Stretch<'a>]) -> Result<Self, FollowingError> {
-        if stretches.is_empty() {
-            return Err(FollowingError::TooFewDrivers {
-                found: 0,
-                expected: 1,
-            });
-        }
+        enough_drivers(stretches.len(), 1)?;
         Ok(Self { family, stretches })
     }
 }

@@ -1,8 +1,13 @@
 //! What is driven by default in a recorded person's place, and the rule by which that was chosen, once.
 
 use crate::{
-    closed_loop_network::train_all, error::FollowingError, evaluation::drive,
-    method::FollowingMethod as M, peers, results::DriverEvaluation, run::FollowingRun,
+    closed_loop_network::train_all,
+    error::{FollowingError, enough_drivers},
+    evaluation::drive,
+    method::FollowingMethod as M,
+    peers,
+    results::DriverEvaluation,
+    run::FollowingRun,
     settings::FollowingSettings,
 };
 use serde::Serialize;
@@ -36,12 +41,7 @@ pub fn try_over_people(
                 .collect()
         };
         let (judged, learned) = (part(true), part(false));
-        if learned.len() < 2 {
-            return Err(FollowingError::TooFewDrivers {
-                found: learned.len(),
-                expected: 2,
-            });
-        }
+        enough_drivers(learned.len(), 2)?;
         let judged: Vec<FollowingRun> = judged
             .iter()
             .map(FollowingRun::fit_alone)

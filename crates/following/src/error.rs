@@ -143,3 +143,11 @@ pub enum FollowingError {
         expected: &'static str,
     },
 }
+
+/// Refuses fewer drivers than are needed.
+pub(crate) fn enough_drivers(found: usize, expected: usize) -> Result<(), FollowingError> {
+    if found < expected {
+        return Err(FollowingError::TooFewDrivers { found, expected });
+    }
+    Ok(())
+}

@@ -3,7 +3,7 @@
 use crate::{
     closed_loop::{ClosedLoop, simulate},
     closed_loop_network::{TrainedFor, study},
-    error::FollowingError,
+    error::{FollowingError, enough_drivers},
     keep_distance::KeepDistance,
     law::{Law, TIME_GAP_GAINS},
     method::FollowingMethod as M,
@@ -48,12 +48,7 @@ pub fn evaluate(
     settings: &FollowingSettings,
 ) -> Result<FollowingEvaluation, FollowingError> {
     settings.check()?;
-    if learned.len() < 2 {
-        return Err(FollowingError::TooFewDrivers {
-            found: learned.len(),
-            expected: 2,
-        });
-    }
+    enough_drivers(learned.len(), 2)?;
     for run in judged.iter().chain(learned) {
         run.long_enough()?;
     }

@@ -1,6 +1,6 @@
 //! How much of what was fitted to a person to believe.
 
-use crate::error::FollowingError;
+use crate::error::{FollowingError, enough_drivers};
 use serde::{Deserialize, Serialize};
 
 /// How much of what was fitted to a person to believe: own rows beside what people are like, by how far those who were
@@ -39,12 +39,7 @@ impl Shrinkage {
     /// [`FollowingError::TooFewDrivers`] below two people.
     pub fn estimate(halves: &[[Vec<f64>; 2]], seconds: &[f64]) -> Result<Self, FollowingError> {
         let people = halves.len();
-        if people < 2 {
-            return Err(FollowingError::TooFewDrivers {
-                found: people,
-                expected: 2,
-            });
-        }
+        enough_drivers(people, 2)?;
         let n = people as f64;
         let square =
             |a: &[f64], b: &[f64]| -> f64 { a.iter().zip(b).map(|(x, y)| (x - y) * (x - y)).sum() };

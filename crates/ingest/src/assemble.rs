@@ -91,28 +91,25 @@ fn on_the_target(
     if !target.centre_line.is_empty() {
         CentreLine::new(target.centre_line).straighten(drive);
     }
-    let mut warnings = synchronise(path, drive, target.max_gap_s);
+    let max_gap_s = target.max_gap_s;
+    let mut warnings = synchronise(path, drive, max_gap_s);
     warnings.extend(leave_out_impossible(path, drive)?);
     warnings.extend(join_speeds(path, drive));
     pair_rows::in_order(drive);
     warnings.extend(doubts(path, drive));
     let without = drive.ego.speed_mps.iter().filter(|v| v.is_nan()).count();
     if without > 0 {
-        fill_speeds(&mut drive.ego, target.max_gap_s);
+        fill_speeds(&mut drive.ego, max_gap_s);
         drive.ego.retain(|s| s.speed_mps.is_some());
         let what = "no speed was recorded: it is differentiated from the positions";
         warnings.push(Warning::new(path, WarningKind::Default, without, what));
     }
-    warnings.extend(fill_speeds_of_others(
-        path,
-        &mut drive.objects,
-        target.max_gap_s,
-    ));
+    warnings.extend(fill_speeds_of_others(path, &mut drive.objects, max_gap_s));
     if drive.ego_among_objects {
         warnings.extend(drop_ego(path, drive));
     }
     let lane_y_m = target.right_lane_centre_y_m;
-    place(drive, target.frame, lane_y_m, target.max_gap_s);
+    place(drive, target.frame, lane_y_m, max_gap_s);
     into_lanes(path, drive, &target.road, target.lane_shape)?;
     if target.frame == FrameKind::Map && !target.own_lane_only {
         warnings.extend(on_the_road(path, &drive.ego, &target.road)?);
@@ -182,11 +179,8 @@ fn keep_seen(
     rows: &mut Grid,
     target: &Target<'_>,
 ) -> Option<Warning> {
-    let seen = grid(
-        &seconds(&sightings.stamp_ns),
-        target.rate_hz,
-        target.max_gap_s,
-    );
+    let time_s = seconds(&sightings.stamp_ns);
+    let seen = grid(&time_s, target.rate_hz, target.max_gap_s);
     let before = rows.rows.len();
     rows.keep(&seen);
     let left_out = before - rows.rows.len();
@@ -198,24 +192,15 @@ fn keep_seen(
 }
 
 fn ego_track(ego: &EgoSamples, grid: &Grid, length_m: f64, target: &Target<'_>) -> EgoTrack {
-    let column =
-        |values: &[f64]| -> Vec<f64> { grid.rows.iter().map(|r| r.interpolated(values)).collect() };
+    let (rate_hz, max_gap_s) = (target.rate_hz, target.max_gap_s);
+    let rows = || grid.rows.iter();
+    let across = rows().map(|r| r.across(&ego.y_m, target.lane_steps));
     EgoTrack {
         length_m,
-        x_m: column(&ego.x_m),
-        y_m: if target.lane_steps {
-            grid.rows.iter().map(|r| r.held(&ego.y_m)).collect()
-        } else {
-            column(&ego.y_m)
-        },
+        x_m: rows().map(|r| r.interpolated(&ego.x_m)).collect(),
+        y_m: across.collect(),
         // Samples without a speed were left out above.
-        speed_mps: speeds(
-            &ego.stamp_ns,
-            &ego.speed_mps,
-            grid,
-            target.rate_hz,
-            target.max_gap_s,
-        ),
+        speed_mps: speeds(&ego.stamp_ns, &ego.speed_mps, grid, rate_hz, max_gap_s),
     }
 }
 

@@ -76,13 +76,7 @@ impl<'a> CentreLine<'a> {
 
     /// Moves ego and the others into the frame of the road. Samples that are not finite stay so.
     pub(crate) fn straighten(&self, drive: &mut RawDrive) {
-        let (ego, objects) = (&mut drive.ego, &mut drive.objects);
-        for (x, y) in ego.x_m.iter_mut().zip(&mut ego.y_m) {
-            (*x, *y) = self.place(*x, *y);
-        }
-        for (x, y) in objects.x_m.iter_mut().zip(&mut objects.y_m) {
-            (*x, *y) = self.place(*x, *y);
-        }
+        drive.move_all(|x_m, y_m| self.place(x_m, y_m));
     }
 }
 

@@ -72,17 +72,10 @@ pub fn write_drive_to(
     provenance: &Provenance,
 ) -> Result<(), IngestError> {
     let (meta, road) = (drive.meta(), drive.road());
-    let of_drive = meta_entries(
-        meta,
-        road,
-        drive.rate_hz(),
-        drive.has_lateral(),
-        drive.sees(),
-    );
-    let entries = [("version", VERSION.to_owned())]
-        .into_iter()
-        .chain(of_drive);
-    let entries = entries.map(|(k, v)| (k.to_owned(), v));
+    let (rate_hz, lateral) = (drive.rate_hz(), drive.has_lateral());
+    let of_drive = meta_entries(meta, road, rate_hz, lateral, drive.sees());
+    let version = [("version", VERSION.to_owned())].into_iter();
+    let entries = version.chain(of_drive).map(|(k, v)| (k.to_owned(), v));
     let entries = entries.chain(provenance.entries.iter().cloned());
     let entries = entries.map(|(k, v)| (format!("{PREFIX}{k}"), v)).collect();
     let failed = |reason: String| IngestError::WriteDrive {

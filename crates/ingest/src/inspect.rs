@@ -18,7 +18,7 @@ use crate::{
     raw::mcap::{
         choice::{Choice, choose},
         metadata,
-        read::{Collected, collect_all, damage_warnings, found as found_of},
+        read::{Collected, candidate, collect_all, damage_warnings},
         slots::Role,
     },
     read_log::{Format, format_of, read_recording, without_parts},
@@ -219,11 +219,8 @@ fn inspect_mcap(path: &Path, given: &IngestSettings) -> Result<LogSummary, Inges
         recover: true,
         ..given.clone()
     };
-    let what = match choose(
-        path,
-        topics,
-        &streams.iter().map(found_of).collect::<Vec<_>>(),
-    ) {
+    let candidates: Vec<_> = streams.iter().map(candidate).collect();
+    let what = match choose(path, topics, &candidates) {
         Ok(choice) => describe(&collected, &choice, damaged),
         Err(_) => String::new(),
     };
@@ -259,7 +256,7 @@ pub(super) fn seen_in_words(sees: Sees) -> String {
 
 /// From which channels a drive would be, and on which terms.
 fn describe(collected: &Collected, choice: &Choice, damaged: bool) -> String {
-    let stream = |i: usize| found_of(&collected.streams[i]);
+    let stream = |i: usize| candidate(&collected.streams[i]);
     let ego = stream(choice.ego);
     let speed = match ego.role {
         Ok(Some(Role::Pose | Role::Frames)) if choice.speed.is_none() => {

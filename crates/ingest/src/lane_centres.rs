@@ -5,7 +5,7 @@ use maveric_domain::Road;
 use std::{f64::consts::TAU, path::Path};
 
 /// Largest offset from a lane's centre that keeps a vehicle in its lane, in lane widths.
-const WITHIN_LANE: f64 = 0.49;
+pub(crate) const WITHIN_LANE: f64 = 0.49;
 /// Share of all samples that makes a lane a driven one: fewer are changes between two others.
 const LEAST_SHARE: f64 = 0.01;
 /// How well positions must gather around lanes of the given width, from 0 (evenly anywhere) to 1 (all on centres).
@@ -63,8 +63,7 @@ pub(crate) fn into_lanes(
         };
         lane as f64 * road.lane_width_m + offset.clamp(right, left)
     };
-    drive.ego.y_m.iter_mut().for_each(|y| *y = place(*y));
-    drive.objects.y_m.iter_mut().for_each(|y| *y = place(*y));
+    drive.move_all(|x, y| (x, place(y)));
     Ok(())
 }
 

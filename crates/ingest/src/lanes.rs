@@ -32,11 +32,8 @@ pub(crate) fn place(
             None => along_path(drive, max_gap_s),
         },
     }
-    if right_lane_centre_y_m == 0.0 {
-        return;
-    }
-    for y in drive.ego.y_m.iter_mut().chain(&mut drive.objects.y_m) {
-        *y -= right_lane_centre_y_m;
+    if right_lane_centre_y_m != 0.0 {
+        drive.move_all(|x, y| (x, y - right_lane_centre_y_m));
     }
 }
 
@@ -154,18 +151,9 @@ fn straight_line(ego: &EgoSamples) -> Option<Line> {
 }
 
 fn along_line(drive: &mut RawDrive, line: &Line) {
-    let (ego, objects) = (&mut drive.ego, &mut drive.objects);
-    for (x, y) in ego.x_m.iter_mut().zip(&mut ego.y_m) {
-        (*x, *y) = line.along(*x, *y);
-    }
-    let median = median(&mut ego.y_m.clone()).unwrap_or(0.0);
-    for y in &mut ego.y_m {
-        *y -= median;
-    }
-    for (x, y) in objects.x_m.iter_mut().zip(&mut objects.y_m) {
-        let (along, across) = line.along(*x, *y);
-        (*x, *y) = (along, across - median);
-    }
+    drive.move_all(|x, y| line.along(x, y));
+    let median = median(&mut drive.ego.y_m.clone()).unwrap_or(0.0);
+    drive.move_all(|x, y| (x, y - median));
 }
 
 fn along_path(drive: &mut RawDrive, max_gap_s: f64) {

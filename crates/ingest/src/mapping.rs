@@ -6,6 +6,7 @@ mod layout;
 mod mcap;
 pub(crate) mod names;
 mod recording_meta;
+mod refusal;
 mod sees;
 mod shipped_rigs;
 mod side;
@@ -21,6 +22,7 @@ use maveric_domain::{Road, nearest};
 pub use mcap::{McapMapping, MessageMapping, RigSigns, Tells, Topics, TwistFrame};
 pub use names::{Names, named_after};
 pub use recording_meta::RecordingMeta;
+use refusal::{positive, refuse};
 pub use sees::SeesMapping;
 use serde::{Deserialize, Serialize};
 pub(crate) use shipped_rigs::SHIPPED_RIGS;
@@ -32,6 +34,7 @@ pub use signals::{
 use std::path::Path;
 pub use table::{GapKind, TableMapping};
 pub(crate) use time_pattern::patterned;
+pub(crate) use units::FOOT_M;
 pub use units::{AngleUnit, LengthUnit, SpeedUnit, TimeUnit, Units};
 
 /// What a log means where it does not say so itself; read from TOML, where a misspelt key is an error.
@@ -182,54 +185,34 @@ impl Mapping {
 
     /// What is wrong with it; one that is read from a file has nothing.
     pub(crate) fn check(&self) -> Result<(), String> {
-        let positive = |name: &str, value: f64| {
-            if value.is_finite() && value > 0.0 {
-                Ok(())
-            } else {
-                Err(format!(
-                    "`{name}` is {value}, expected a finite number above 0"
-                ))
-            }
-        };
-        if let Some(rate) = self.rate_hz {
-            positive("rate_hz", rate)?;
-        }
-        if let Some(longest) = self.max_gap_s {
-            positive("max_gap_s", longest)?;
-        }
+        positive("rate_hz", self.rate_hz)?;
+        positive("max_gap_s", self.max_gap_s)?;
         if let Some(road) = &self.road {
-            positive("road.lanes", f64::from(road.lanes))?;
-            positive("road.lane_width_m", road.lane_width_m)?;
-            positive("road.posted_speed_mps", road.posted_speed_mps)?;
-            if !road.right_lane_centre_y_m.is_finite() {
-                return Err("`road.right_lane_centre_y_m` is not finite".to_owned());
-            }
+            positive("road.lanes", Some(f64::from(road.lanes)))?;
+            positive("road.lane_width_m", Some(road.lane_width_m))?;
+            positive("road.posted_speed_mps", Some(road.posted_speed_mps))?;
+            let centre_y_m = road.right_lane_centre_y_m;
+            let why = "`road.right_lane_centre_y_m` is not finite";
+            refuse(!centre_y_m.is_finite(), why)?;
         }
         if !self.centre_line.is_empty() {
             let finite = self.centre_line.iter().flatten().all(|v| v.is_finite());
             let way = |w: &[[f64; 2]]| libm::hypot(w[1][0] - w[0][0], w[1][1] - w[0][1]);
             let apart = self.centre_line.windows(2).all(|w| way(w) > 0.0);
-            if self.centre_line.len() < 2 || !finite || !apart {
-                return Err("`centre_line` is expected to have two or more finite points, no two alike in a row".to_owned());
-            }
-            if self
-                .table
-                .as_ref()
-                .is_some_and(|t| !t.layout.is_of_the_world())
-            {
-                return Err("`centre_line` needs positions in the world: layout `long`, `directions = \"along\"`, and a `heading` unless positions are of vehicles' centres".to_owned());
-            }
+            let why = "`centre_line` is expected to have two or more finite points, no two alike in a row";
+            refuse(self.centre_line.len() < 2 || !finite || !apart, why)?;
+            let table = self.table.as_ref();
+            let elsewhere = table.is_some_and(|t| !t.layout.is_of_the_world());
+            let why = "`centre_line` needs positions in the world: layout `long`, `directions = \"along\"`, and a `heading` unless positions are of vehicles' centres";
+            refuse(elsewhere, why)?;
         }
         self.check_lanes()?;
         if let Some(names) = &self.names {
             names.check()?;
-            let meta = self
-                .table
-                .as_ref()
-                .is_some_and(|t| t.layout.meta().is_some());
-            if names.parts.is_some() && (self.takes_folders() || meta) {
-                return Err("`names.parts` is for drives of one table or recording: leave it out where a drive is a folder, or a table has a file beside it".to_owned());
-            }
+            let table = self.table.as_ref();
+            let meta = table.is_some_and(|t| t.layout.meta().is_some());
+            let why = "`names.parts` is for drives of one table or recording: leave it out where a drive is a folder, or a table has a file beside it";
+            refuse(names.parts.is_some() && (self.takes_folders() || meta), why)?;
         }
         if let Some(mcap) = &self.mcap {
             mcap.check()?;
@@ -249,9 +232,9 @@ impl Mapping {
         let Some(road) = self.road else {
             return Err("`lane_edges_m` and `lanes_driven` need a `[road]`".to_owned());
         };
-        if !edges.is_empty() && (self.lanes_driven || road.right_lane_centre_y_m != 0.0) {
-            return Err("only one of `lane_edges_m`, `lanes_driven` and `road.right_lane_centre_y_m` says where lanes are".to_owned());
-        }
+        let twice = self.lanes_driven || road.right_lane_centre_y_m != 0.0;
+        let why = "only one of `lane_edges_m`, `lanes_driven` and `road.right_lane_centre_y_m` says where lanes are";
+        refuse(!edges.is_empty() && twice, why)?;
         let rising = edges.windows(2).all(|e| e[0] < e[1]) && edges.iter().all(|e| e.is_finite());
         if !edges.is_empty() && (!rising || edges.len() != usize::from(road.lanes) + 1) {
             return Err(format!(
@@ -261,12 +244,9 @@ impl Mapping {
             ));
         }
         let table = self.table.as_ref();
-        if table.is_some_and(|t| t.layout.numbers_lanes() || t.layout.meta().is_some())
-            || road.frame == FrameKind::Path
-        {
-            return Err("`lane_edges_m` and `lanes_driven` do nothing beside numbers or markings of lanes, or in the frame `path`: leave them out".to_owned());
-        }
-        Ok(())
+        let told = table.is_some_and(|t| t.layout.numbers_lanes() || t.layout.meta().is_some());
+        let why = "`lane_edges_m` and `lanes_driven` do nothing beside numbers or markings of lanes, or in the frame `path`: leave them out";
+        refuse(told || road.frame == FrameKind::Path, why)
     }
 
     /// How lanes lie across the road.
@@ -284,12 +264,9 @@ fn with_suggestion(error: &toml::de::Error) -> String {
     let text = error.to_string();
     let unknown = error.message().split_once("unknown ").map(|(_, what)| what);
     let mut words = unknown.unwrap_or_default().split('`').skip(1).step_by(2);
-    match words.next() {
-        Some(found) => match nearest(found, words) {
-            Some(meant) => format!("{}\ndid you mean `{meant}`?", text.trim_end()),
-            None => text,
-        },
-        _ => text,
+    match words.next().and_then(|found| nearest(found, words)) {
+        Some(meant) => format!("{}\ndid you mean `{meant}`?", text.trim_end()),
+        None => text,
     }
 }
 

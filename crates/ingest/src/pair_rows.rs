@@ -1,8 +1,7 @@
 //! What the rows of a follower and its leader leave to be worked out in the order of time.
 
 use crate::raw::{
-    EgoSample, EgoSamples, LEADER, ObjectSamples, PairRows, RawDrive,
-    leader::{Leaders, Sight},
+    EgoSample, EgoSamples, LEADER, ObjectSamples, PairRows, RawDrive, leader::Leaders,
 };
 
 /// Integrates ego's way and counts the leaders, where the rows say neither. Samples are sorted by time and have speeds.
@@ -20,14 +19,7 @@ pub(crate) fn in_order(drive: &mut RawDrive) {
     if unnumbered {
         let mut leaders = Leaders::default();
         for i in 0..drive.objects.len() {
-            let o = drive.objects.at(i);
-            let sight = Sight {
-                stamp_ns: o.stamp_ns,
-                x_m: o.x_m,
-                speed_mps: o.speed_mps,
-                length_m: o.length_m,
-            };
-            drive.objects.id[i] = LEADER + leaders.before(sight);
+            drive.objects.id[i] = LEADER + leaders.before(drive.objects.at(i));
         }
     }
 }

@@ -142,9 +142,6 @@ pub fn read_parquet(bytes: Vec<u8>, columns: Option<&[String]>) -> Result<Parque
 }
 
 /// The columns in their order: a name, and the type of one that holds neither numbers, words, dates nor yes and no.
-///
-/// # Errors
-/// As [`read_parquet`].
 pub(crate) fn parquet_columns(bytes: &[u8]) -> Result<Vec<(String, Option<String>)>, String> {
     caught(|| {
         let schema = ParquetReader::new(Cursor::new(bytes)).schema();

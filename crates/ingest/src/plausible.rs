@@ -3,14 +3,14 @@
 use crate::{
     error::IngestError,
     median::median,
-    quality::{Warning, WarningKind},
+    quality::{Warning, WarningKind, report},
     raw::{EgoSamples, RawDrive, Timed},
 };
 use maveric_domain::{EgoTrack, Road};
 use std::{ops::RangeInclusive, path::Path};
 
 /// Speeds beyond this are no car's, in m/s.
-const FASTEST_MPS: f64 = 90.0;
+pub(crate) const FASTEST_MPS: f64 = 90.0;
 /// Lengths of vehicles outside this are doubted, in m: a moped, a long truck.
 const LENGTHS_M: (f64, f64) = (1.5, 26.0);
 /// Slower than this a speed says little about units, in m/s.
@@ -134,11 +134,7 @@ pub(crate) fn along_x(path: &Path, ego: &EgoTrack) -> Result<(), IngestError> {
 /// Doubts about the units of a drive's samples, which are in the order of time.
 pub(crate) fn doubts(path: &Path, raw: &RawDrive) -> Vec<Warning> {
     let mut doubts = Vec::new();
-    let mut doubt = |count: usize, what: String| {
-        if count > 0 {
-            doubts.push(Warning::new(path, WarningKind::Unit, count, what));
-        }
-    };
+    let unit = WarningKind::Unit;
     let ego = &raw.ego;
     // Of a sample and the next; none where ego stands or its speed is missing.
     let ratio = |i: usize| {
@@ -163,12 +159,11 @@ pub(crate) fn doubts(path: &Path, raw: &RawDrive) -> Vec<Warning> {
     let odd = lengths.filter(|l| is_odd(*l)).count();
     if 2 * back > ego.len() {
         let what = "ego drives backwards most of the time: is the sign of its speed right?";
-        doubt(back, what.to_owned());
+        report(&mut doubts, path, unit, back, what);
     }
-    doubt(
-        odd,
-        format!("lengths of vehicles are not between {least} and {most} m: is their unit right?"),
-    );
+    let what =
+        format!("lengths of vehicles are not between {least} and {most} m: is their unit right?");
+    report(&mut doubts, path, unit, odd, &what);
     // Where most are borne out, so is the median.
     if count >= ENOUGH && 2 * borne_out <= count {
         let mut ratios: Vec<f64> = ratios().collect();
@@ -178,7 +173,7 @@ pub(crate) fn doubts(path: &Path, raw: &RawDrive) -> Vec<Warning> {
                 "ego's speed is {ratio:.2} times what its positions change a second: do the units of time, length \
                  and speed belong together?"
             );
-            doubt(count, what);
+            report(&mut doubts, path, unit, count, &what);
         }
     }
     doubts

@@ -99,3 +99,16 @@ impl fmt::Display for Warning {
         Ok(())
     }
 }
+
+/// Adds a warning if it happened at all.
+pub(crate) fn report(
+    warnings: &mut Vec<Warning>,
+    file: &Path,
+    kind: WarningKind,
+    count: usize,
+    what: &str,
+) {
+    if count > 0 {
+        warnings.push(Warning::new(file, kind, count, what));
+    }
+}

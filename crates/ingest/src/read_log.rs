@@ -73,11 +73,8 @@ pub fn read_log(path: &Path, settings: &IngestSettings) -> Result<Vec<Ingested>,
         [first, ..] if path.is_file() => first,
         _ => path,
     };
-    if let Some(part) = parts
-        .missing
-        .first()
-        .filter(|_| !settings.recover || parts.files.is_empty())
-    {
+    let has_to_be_whole = !settings.recover || parts.files.is_empty();
+    if let Some(part) = parts.missing.first().filter(|_| has_to_be_whole) {
         return Err(IngestError::MissingPart {
             path: path.to_owned(),
             part: part.clone(),
@@ -96,9 +93,6 @@ pub fn read_log(path: &Path, settings: &IngestSettings) -> Result<Vec<Ingested>,
 }
 
 /// The drive of a recording of which everything was collected.
-///
-/// # Errors
-/// As [`read_log`].
 pub(crate) fn read_recording(
     path: &Path,
     parts: &Parts,

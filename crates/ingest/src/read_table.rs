@@ -5,7 +5,7 @@ use crate::{
     error::IngestError,
     mapping::{FrameKind, Layout, Mapping, RoadMapping, TableMapping, names::meta_of},
     plausible::along_x,
-    quality::{Warning, WarningKind},
+    quality::{Warning, WarningKind, report},
     raw::table::{
         self, TableDrive, TableLog,
         open::{Kind, Table},
@@ -18,9 +18,6 @@ use std::path::{Path, PathBuf};
 /// Reads the drives of a table in one file or several parts by its mapping; of a folder if every signal has its own file.
 ///
 /// A vehicle of a table of many that is seen too rarely for a drive is left out by itself, with a warning.
-///
-/// # Errors
-/// As [`crate::read_log`].
 pub(crate) fn read_table(
     path: &Path,
     parts: &[PathBuf],
@@ -50,16 +47,11 @@ pub(crate) fn read_table(
         Layout::Long(long) => Some(long.columns.heading.is_some()),
         _ => None,
     };
+    let in_world = headed.unwrap_or(false);
     let mut left_out = LeftOut::default();
     let mut logs = Vec::new();
     for drive in drives {
-        match ingested(
-            path,
-            drive,
-            &from_columns,
-            settings,
-            headed.unwrap_or(false),
-        ) {
+        match ingested(path, drive, &from_columns, settings, in_world) {
             Ok(drive) => logs.push(Ingested {
                 sources: sources.clone(),
                 ..drive
@@ -79,9 +71,6 @@ pub(crate) fn read_table(
 }
 
 /// Makes the recording of one drive of a table; `headed` where its rows say headings in the world.
-///
-/// # Errors
-/// As [`crate::read_log`].
 fn ingested(
     path: &Path,
     drive: TableDrive,
@@ -157,16 +146,10 @@ impl LeftOut {
 
     fn warnings(&self, path: &Path) -> Vec<Warning> {
         let mut warnings = Vec::new();
-        if self.sparse > 0 {
-            let what =
-                "vehicles whose samples are all further apart than the longest gap are no drives";
-            warnings.push(Warning::new(
-                path,
-                WarningKind::MissingValue,
-                self.sparse,
-                what,
-            ));
-        }
+        let missing = WarningKind::MissingValue;
+        let what =
+            "vehicles whose samples are all further apart than the longest gap are no drives";
+        report(&mut warnings, path, missing, self.sparse, what);
         if let Some(why) = &self.why {
             let what = format!("vehicles whose rows make no drive are left out; the first: {why}");
             warnings.push(Warning::new(path, WarningKind::Unit, self.unusable, what));

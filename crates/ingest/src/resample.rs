@@ -29,9 +29,14 @@ impl Row {
         }
     }
 
-    /// The row's value of a label: that of the last sample before it, so that no row knows of what comes after it.
-    pub(crate) fn held(&self, values: &[f64]) -> f64 {
-        values[self.before]
+    /// The row's place across the road: where that moves in steps, as a label does, that of the last sample before it, so that no row
+    /// knows of what comes after it.
+    pub(crate) fn across(&self, y_m: &[f64], in_steps: bool) -> f64 {
+        if in_steps {
+            y_m[self.before]
+        } else {
+            self.interpolated(y_m)
+        }
     }
 }
 
@@ -271,12 +276,8 @@ impl Pattern {
 
     /// Whether samples `around` a row lie like this.
     fn is(&self, around: &[i64], at: i64) -> bool {
-        self.offsets_ns.len() == around.len()
-            && self
-                .offsets_ns
-                .iter()
-                .zip(around)
-                .all(|(o, t)| t - at == *o)
+        let same = |(offset, t): (&i64, &i64)| t - at == *offset;
+        self.offsets_ns.len() == around.len() && self.offsets_ns.iter().zip(around).all(same)
     }
 
     fn mean(&self, values: &[f64]) -> Option<f64> {
@@ -486,7 +487,7 @@ mod tests {
         let time = [0.0, 0.07, 0.1];
         let lanes = [0.0, 1.0, 2.0];
         let grid = grid(&time, 20.0, 0.5);
-        let held: Vec<f64> = grid.rows.iter().map(|r| r.held(&lanes)).collect();
+        let held: Vec<f64> = grid.rows.iter().map(|r| r.across(&lanes, true)).collect();
         assert_eq!(held, [0.0, 0.0, 2.0]);
     }
 

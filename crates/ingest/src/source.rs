@@ -1,6 +1,6 @@
 //! The files that were read for a drive.
 
-use crate::error::IngestError;
+use crate::{error::IngestError, folder::file_name};
 use std::{fs, path::Path};
 
 /// A file that was read for a drive.
@@ -14,11 +14,8 @@ pub struct Source {
 
 impl Source {
     pub(crate) fn new(path: &Path, blake3: String) -> Self {
-        let name = path.file_name().unwrap_or_default();
-        Self {
-            name: name.to_string_lossy().into_owned(),
-            blake3,
-        }
+        let name = file_name(path);
+        Self { name, blake3 }
     }
 
     /// Reads a file once: its bytes, and what it is remembered by.

@@ -2,7 +2,7 @@
 
 use crate::{
     error::IngestError,
-    folder::entries_of,
+    folder::{entries_of, file_name},
     mapping::{Mapping, Names},
 };
 use maveric_bag::{Parts, parts_of};
@@ -33,9 +33,6 @@ pub fn log_parts(path: &Path, mapping: Option<&Mapping>) -> Result<Vec<PathBuf>,
 
 /// The files of a recording in their order, and names of those that are not there: a folder as rosbag2 writes it, or files that the
 /// mapping's names say to be parts.
-///
-/// # Errors
-/// As [`log_parts`].
 pub(crate) fn parts(path: &Path, mapping: Option<&Mapping>) -> Result<Parts, IngestError> {
     let names = mapping.and_then(|m| m.names.as_ref());
     let Some((mapping, names)) = mapping
@@ -57,12 +54,7 @@ pub(crate) fn parts(path: &Path, mapping: Option<&Mapping>) -> Result<Parts, Ing
     }
     parts.sort();
     if let Some(same) = parts.windows(2).find(|w| w[0].0 == w[1].0) {
-        let other = same[0]
-            .1
-            .file_name()
-            .unwrap_or_default()
-            .to_string_lossy()
-            .into_owned();
+        let other = file_name(&same[0].1);
         let what =
             format!("it is the same part of a recording as {other}: expected each number once");
         return Err(IngestError::bad_table(&same[1].1, what));
@@ -110,13 +102,8 @@ type Recording = (String, OsString);
 fn part_of(file: &Path, names: &Names) -> (Recording, Option<u64>) {
     let stem = file.file_stem().unwrap_or_default().to_string_lossy();
     let (recording, number) = names.part(&stem);
-    (
-        (
-            recording.to_owned(),
-            file.extension().unwrap_or_default().to_owned(),
-        ),
-        number,
-    )
+    let extension = file.extension().unwrap_or_default().to_owned();
+    ((recording.to_owned(), extension), number)
 }
 
 fn ending(extension: &OsString) -> String {

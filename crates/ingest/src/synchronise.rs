@@ -3,7 +3,7 @@
 use crate::{
     clock::{by_receipt, separate_restarts},
     median::median,
-    quality::{Warning, WarningKind},
+    quality::{Warning, WarningKind, report},
     raw::{EgoSamples, RawDrive, Timed},
 };
 use std::path::Path;
@@ -94,30 +94,25 @@ fn order(path: &Path, who: &str, samples: &mut impl Timed, warnings: &mut Vec<Wa
     if samples.rises() && samples.all_finite() {
         return;
     }
-    let mut report = |kind, count: usize, what: String| {
-        if count > 0 {
-            warnings.push(Warning::new(path, kind, count, what));
-        }
-    };
     let before = samples.stamps().len();
     let finite = samples.finite();
     samples.keep(|i| finite[i]);
     let left_out = before - samples.stamps().len();
     let what = format!("samples of {who} with a value that is not finite are left out");
-    report(WarningKind::MissingValue, left_out, what);
+    report(warnings, path, WarningKind::MissingValue, left_out, &what);
 
     let backwards = samples.stamps().windows(2).filter(|w| w[1] < w[0]);
     let backwards = backwards.count();
     // Stable: of two samples at one time the first that came is kept.
     samples.sort();
     let what = format!("samples of {who} came out of order and were sorted");
-    report(WarningKind::OutOfOrder, backwards, what);
+    report(warnings, path, WarningKind::OutOfOrder, backwards, &what);
 
     let before = samples.stamps().len();
     samples.dedup();
     let left_out = before - samples.stamps().len();
     let what = format!("second samples of {who} at one time are left out");
-    report(WarningKind::DuplicateTime, left_out, what);
+    report(warnings, path, WarningKind::DuplicateTime, left_out, &what);
 }
 
 #[cfg(test)]

@@ -2,7 +2,7 @@
 
 use crate::{
     mapping::TableMapping,
-    quality::{Warning, WarningKind},
+    quality::{Warning, WarningKind, report},
     raw::ObjectSamples,
     resample::{Grid, grid, seconds, speeds},
     target::Target,
@@ -113,22 +113,13 @@ pub(crate) fn tracks(
         without_length += usize::from(samples.lengths_m.is_empty());
         stays(id, &samples, ego, target, &mut tracks);
     }
-    if without_length > 0 {
-        let what = format!("vehicles without dimensions are taken to be {CAR_LENGTH_M} m long");
-        warnings.push(Warning::new(
-            path,
-            WarningKind::Default,
-            without_length,
-            what,
-        ));
-    }
+    let what = format!("vehicles without dimensions are taken to be {CAR_LENGTH_M} m long");
+    report(warnings, path, WarningKind::Default, without_length, &what);
     let before = tracks.len();
     tracks.retain(|track| !comes_towards(track, target.rate_hz));
-    if tracks.len() < before {
-        let what = "vehicles that drive the other way are left out";
-        let count = before - tracks.len();
-        warnings.push(Warning::new(path, WarningKind::OtherLane, count, what));
-    }
+    let left_out = before - tracks.len();
+    let what = "vehicles that drive the other way are left out";
+    report(warnings, path, WarningKind::OtherLane, left_out, what);
     tracks.sort_by_key(|t| (t.first_row, t.id));
     tracks
 }
@@ -173,11 +164,8 @@ fn stays(
         }
         if let Some((track, _)) = &mut current {
             track.x_m.push(row.interpolated(&samples.x_m));
-            track.y_m.push(if target.lane_steps {
-                row.held(&samples.y_m)
-            } else {
-                row.interpolated(&samples.y_m)
-            });
+            let y_m = row.across(&samples.y_m, target.lane_steps);
+            track.y_m.push(y_m);
             track.speed_mps.push(speed_mps);
         }
     }

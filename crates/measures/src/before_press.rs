@@ -1,6 +1,6 @@
 //! What a ride was like before somebody pressed "uncomfortable", and at other moments of the same minute.
 
-use crate::objective::{cut_ins, derivatives, inverse_time_to_collision, lead_ahead};
+use crate::objective::{cut_ins, derivatives, inverse_time_to_collision};
 use maveric_domain::{Drive, press::PressMoment};
 
 /// From when on a press counts, in s: before, a person looks about.
@@ -120,7 +120,7 @@ impl<'a> Exposures<'a> {
             let values = signal.as_ref()?[window.clone()].iter().flatten();
             values.map(|v| size(*v)).reduce(f64::max)
         };
-        let ahead = || window.clone().filter(|row| lead_ahead(drive, *row));
+        let ahead = || window.clone().filter(|row| drive.lead_ahead(*row));
         let yes_or_no = |is: bool| f64::from(u8::from(is));
         let seen = drive.has_lateral() && !window.is_empty();
         PressMoment {
@@ -153,6 +153,12 @@ mod tests {
 
     fn steady(seconds: f64) -> Drive {
         Scripted::new(seconds).lead(400.0, 25.0).drive()
+    }
+
+    /// What a drive was like before its one press.
+    fn pressed(drive: &Drive, press_s: f64) -> PressMoment {
+        let moments = press_moments(drive, &[press_s]);
+        moments.into_iter().find(|m| m.pressed).unwrap()
     }
 
     fn times(moments: &[PressMoment], which: impl Fn(&PressMoment) -> bool) -> Vec<f64> {
@@ -206,15 +212,7 @@ mod tests {
         // Braking from 68 to 70 s.
         let brakes = |t: f64| 30.0 - 3.0 * (t - 68.0).clamp(0.0, 2.0);
         let drive = Scripted::new(120.0).speed(brakes).lead(400.0, 24.0).drive();
-        let braking = |press: f64| {
-            let moments = press_moments(&drive, &[press]);
-            moments
-                .iter()
-                .find(|m| m.pressed)
-                .unwrap()
-                .braking_mps2
-                .unwrap()
-        };
+        let braking = |press_s: f64| pressed(&drive, press_s).braking_mps2.unwrap();
         assert!((2.5..3.3).contains(&braking(71.0)), "{}", braking(71.0));
         assert!(braking(67.0) < 0.1 && braking(78.0) < 0.1);
         assert!(
@@ -229,11 +227,7 @@ mod tests {
             .lead(60.0, 29.0)
             .pass(70.0, 90.0)
             .drive();
-        let at = |press: f64| {
-            let moments = press_moments(&drive, &[press]);
-            moments.into_iter().find(|m| m.pressed).unwrap()
-        };
-        let (quiet, changing) = (at(50.0), at(73.0));
+        let (quiet, changing) = (pressed(&drive, 50.0), pressed(&drive, 73.0));
         assert_eq!(
             (quiet.lane_change, changing.lane_change),
             (Some(0.0), Some(1.0))
@@ -245,9 +239,7 @@ mod tests {
         assert!((gap - (60.0 - 49.5)).abs() < 0.1, "{gap}");
         let closing = quiet.inverse_time_to_collision_per_s.unwrap();
         assert!((closing - 1.0 / gap).abs() < 1e-2, "{closing}");
-        let opening = Scripted::new(120.0).lead(60.0, 33.0).drive();
-        let opening = press_moments(&opening, &[50.0]);
-        let opening = opening.iter().find(|m| m.pressed).unwrap();
+        let opening = pressed(&Scripted::new(120.0).lead(60.0, 33.0).drive(), 50.0);
         assert_eq!(opening.inverse_time_to_collision_per_s, Some(0.0));
         let alone = press_moments(&Scripted::new(120.0).drive(), &[50.0]);
         assert_eq!(alone[0].least_gap_m, None);
@@ -260,13 +252,9 @@ mod tests {
             rows.lead_dy_m[400..410].fill(1.8);
             rows.lead_dx_m[400..].fill(10.0);
         });
-        let cut_in = |press: f64| {
-            let moments = press_moments(&drive, &[press]);
-            moments.iter().find(|m| m.pressed).unwrap().cut_in
-        };
+        let cut_in = |press_s: f64| pressed(&drive, press_s).cut_in;
         assert_eq!((cut_in(42.0), cut_in(60.0)), (Some(1.0), Some(0.0)));
-        let blind = press_moments(&drive.without_lateral(), &[42.0]);
-        let blind = blind.iter().find(|m| m.pressed).unwrap();
+        let blind = pressed(&drive.without_lateral(), 42.0);
         assert_eq!((blind.cut_in, blind.lane_change), (None, None));
         assert!(blind.lateral_acceleration_mps2.is_none() && blind.braking_mps2.is_some());
     }

@@ -15,8 +15,6 @@ pub const FEATURES: usize = 5;
 const WINDOW_S: f64 = 5.0;
 /// Time gap from which ego is on free road, in s.
 const FREE_S: f64 = 6.0;
-/// Ego speed below which a gap is no time gap, in m/s.
-const STANDSTILL_MPS: f64 = 0.5;
 /// Neighbour by which densities are compared.
 const NEIGHBOUR: usize = 5;
 /// Least distance that counts as one, in spreads: two windows of one steady stretch are all but the same.
@@ -49,18 +47,9 @@ pub fn windows(drive: &Drive) -> Vec<Window> {
 fn window(drive: &Drive, range: Range<usize>) -> Window {
     let rows = drive.rows();
     let n = range.len() as f64;
-    let half = 0.5 * drive.road().lane_width_m;
     let gap = |row: usize| {
-        let speed = rows.ego_speed_mps[row];
-        let behind = rows.lead_present[row]
-            && rows.lead_dx_m[row] > 0.0
-            && rows.lead_dy_m[row].abs() < half
-            && speed > STANDSTILL_MPS;
-        if behind {
-            (rows.lead_dx_m[row] / speed).min(FREE_S)
-        } else {
-            FREE_S
-        }
+        let behind = drive.time_gap_s(row).filter(|_| drive.lead_ahead(row));
+        behind.map_or(FREE_S, |gap_s| gap_s.min(FREE_S))
     };
     let apart = ((0.5 * drive.rate_hz()).round() as usize).max(1);
     let step_s = apart as f64 / drive.rate_hz();

@@ -27,9 +27,6 @@ pub(crate) use time_to_collision::inverse_time_to_collision;
 
 use maveric_domain::{Drive, Measurement, SpeedUnit, design::Sign};
 
-/// Speed below which a gap has no time gap, in m/s: at standstill there is none, not a large one.
-const STANDSTILL_MPS: f64 = 0.5;
-
 /// One objective measure of a drive.
 ///
 /// # Example
@@ -187,16 +184,10 @@ pub fn measure(drive: &Drive) -> Vec<Measurement> {
 }
 
 /// Mean of the values; `None` without any.
-fn mean(values: &[f64]) -> Option<f64> {
-    (!values.is_empty()).then(|| values.iter().sum::<f64>() / values.len() as f64)
-}
-
-/// Whether the reference vehicle is ahead in ego's own lane at `row`.
-pub(crate) fn lead_ahead(drive: &Drive, row: usize) -> bool {
-    let rows = drive.rows();
-    rows.lead_present[row]
-        && rows.lead_dx_m[row] > 0.0
-        && rows.lead_dy_m[row].abs() < 0.5 * drive.road().lane_width_m
+fn mean(values: impl IntoIterator<Item = f64>) -> Option<f64> {
+    let mut n = 0_u32;
+    let sum: f64 = values.into_iter().inspect(|_| n += 1).sum();
+    (n > 0).then(|| sum / f64::from(n))
 }
 
 #[cfg(test)]

@@ -6,23 +6,21 @@
 mod linear;
 
 use crate::{
-    epochs::TrainingDrive,
+    epochs::{TrainingDrive, shuffled_drivers},
     error::ModelError,
     heads_kind::HeadsKind,
     held_out::{HeldOut, Said, cut},
     model::{Habits, Model},
     own_means::OwnMeans,
-    params::TrainSettings,
+    params::{TrainSettings, part},
     personalize::{NetworkRows, Personalizer},
     rows::{Row, RowWeights, rows_of},
     train::train,
 };
 use linear::LinearWindows;
-use maveric_domain::{Drive, DriveId, ParticipantId, stream_seed};
-use rand::{SeedableRng, seq::SliceRandom};
-use rand_pcg::Pcg64Mcg;
+use maveric_domain::{Drive, DriveId};
 use serde::{Deserialize, Serialize};
-use std::{collections::BTreeSet, ops::ControlFlow};
+use std::ops::ControlFlow;
 
 /// One way to predict a driver.
 #[derive(Debug, Clone, PartialEq)]
@@ -161,14 +159,7 @@ pub fn ablate(
     seed: u64,
     observe: &mut dyn FnMut(usize, usize) -> ControlFlow<()>,
 ) -> Result<Ablated, ModelError> {
-    let known = settings.known_fraction;
-    if !(known > 0.0 && known < 1.0) {
-        return Err(ModelError::BadSetting {
-            name: "known_fraction",
-            found: known,
-            expected: "above 0, below 1",
-        });
-    }
+    part("known_fraction", settings.known_fraction)?;
     let fold_of = folds(drives, settings.folds, seed)?;
     let trainings = variants.len() * settings.folds;
     let mut results = Vec::with_capacity(variants.len());
@@ -184,7 +175,7 @@ pub fn ablate(
             let judge = Judge::train(&variant.kind, &seen, seed)?;
             for ((drive, of_fold), result) in with_folds().zip(&mut of_each) {
                 if *of_fold == fold {
-                    *result = judge.held_out(drive.drive, known)?;
+                    *result = judge.held_out(drive.drive, settings.known_fraction)?;
                 }
             }
         }
@@ -205,24 +196,18 @@ pub fn ablate(
 
 /// The fold of each drive.
 fn folds(drives: &[TrainingDrive<'_>], folds: usize, seed: u64) -> Result<Vec<usize>, ModelError> {
-    let participant = |d: &TrainingDrive<'_>| d.drive.meta().participant.clone();
-    let drivers: BTreeSet<ParticipantId> = drives.iter().map(participant).collect();
-    let mut drivers: Vec<ParticipantId> = drivers.into_iter().collect();
+    let drivers = shuffled_drivers(drives, seed, &["cross-validate", "folds"]);
     if folds < 2 || folds > drivers.len() {
         return Err(ModelError::TooFewDrivers {
             drivers: drivers.len(),
             folds,
         });
     }
-    let shuffle = stream_seed(seed, &["cross-validate", "folds"]);
-    drivers.shuffle(&mut Pcg64Mcg::seed_from_u64(shuffle));
-    let place = |d| {
-        drivers
-            .iter()
-            .position(|p| *p == participant(d))
-            .unwrap_or(0)
+    let fold = |drive: &TrainingDrive<'_>| {
+        let driver = &drive.drive.meta().participant;
+        drivers.iter().position(|p| *p == driver).unwrap_or(0) % folds
     };
-    Ok(drives.iter().map(|d| place(d) % folds).collect())
+    Ok(drives.iter().map(fold).collect())
 }
 
 /// What has learned from the drivers of the other folds.

@@ -4,9 +4,11 @@ use crate::{
     error::{ModelError, ModelWarning},
     losses::LossTerms,
 };
-use maveric_domain::{AdbScore, Drive};
+use maveric_domain::{AdbScore, Drive, ParticipantId, stream_seed};
+use rand::{SeedableRng, seq::SliceRandom};
+use rand_pcg::Pcg64Mcg;
 use serde::{Deserialize, Serialize};
-use std::ops::ControlFlow;
+use std::{collections::BTreeSet, ops::ControlFlow};
 
 /// A drive to learn from, and its driver's ADB score where there is one.
 #[derive(Debug, Clone, Copy)]
@@ -45,6 +47,19 @@ pub(crate) fn check_drivers(
         });
     }
     Ok(())
+}
+
+/// The drivers of some drives, in an order that the seed and the stream decide.
+pub(crate) fn shuffled_drivers<'a>(
+    drives: &[TrainingDrive<'a>],
+    seed: u64,
+    stream: &[&str],
+) -> Vec<&'a ParticipantId> {
+    let drivers = drives.iter().map(|d| &d.drive.meta().participant);
+    let drivers: BTreeSet<&ParticipantId> = drivers.collect();
+    let mut drivers: Vec<&ParticipantId> = drivers.into_iter().collect();
+    drivers.shuffle(&mut Pcg64Mcg::seed_from_u64(stream_seed(seed, stream)));
+    drivers
 }
 
 /// One pass over the rows.

@@ -127,9 +127,7 @@ impl TrainSettings {
             gap_scale_m: (self.gap_scale_m > 0.0).then_some(self.gap_scale_m),
         }
     }
-}
 
-impl TrainSettings {
     /// Whether every setting is within its range.
     ///
     /// # Errors
@@ -204,6 +202,11 @@ pub(crate) fn check(
             expected,
         })
     }
+}
+
+/// Whether a share leaves something on both sides.
+pub(crate) fn part(name: &'static str, value: f64) -> Result<(), ModelError> {
+    check(name, value, value > 0.0 && value < 1.0, "above 0, below 1")
 }
 
 /// Whether a share of a drive is one.

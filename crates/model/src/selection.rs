@@ -2,7 +2,7 @@
 
 use crate::{
     dataset::Data,
-    epochs::{EpochReport, Observe, TrainingDrive, tell},
+    epochs::{EpochReport, Observe, TrainingDrive, shuffled_drivers, tell},
     error::ModelError,
     held_out::{HeldOut, Said, cut},
     losses::Sums,
@@ -14,12 +14,8 @@ use crate::{
     rows::{Row, rows_of},
     trainer::Trainer,
 };
-use maveric_domain::{ParticipantId, stream_seed};
-use rand::{SeedableRng, seq::SliceRandom};
-use rand_pcg::Pcg64Mcg;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
-use std::collections::BTreeSet;
 
 /// Share of the drive of somebody kept back, from its start, that they are known by; the rest judges.
 const KNOWN: f64 = 2.0 / 3.0;
@@ -52,19 +48,15 @@ pub(crate) fn select(
     seed: u64,
     observe: &mut Observe<'_>,
 ) -> Result<Option<Selection>, ModelError> {
-    let participant = |d: &&TrainingDrive<'_>| d.drive.meta().participant.clone();
-    let people: BTreeSet<ParticipantId> = drives.iter().map(|d| participant(&d)).collect();
-    let mut people: Vec<ParticipantId> = people.into_iter().collect();
+    let mut people = shuffled_drivers(drives, seed, &["train", "people kept back"]);
     if settings.validation_fraction <= 0.0 || people.len() < 3 {
         return Ok(None);
     }
-    let shuffle = stream_seed(seed, &["train", "people kept back"]);
-    people.shuffle(&mut Pcg64Mcg::seed_from_u64(shuffle));
     let kept = (settings.validation_fraction * people.len() as f64).round() as usize;
     people.truncate(kept.max(1));
     let (kept, seen): (Vec<_>, Vec<_>) = drives
         .iter()
-        .partition(|d| people.contains(&participant(d)));
+        .partition(|d| people.contains(&&d.drive.meta().participant));
     let seen: Vec<TrainingDrive<'_>> = seen.into_iter().copied().collect();
     let rows = |d: &&TrainingDrive<'_>| {
         rows_of(d.drive, &settings.row_settings(), settings.fit_fraction).ok()

@@ -19,7 +19,6 @@ fn tone(verdict: Verdict) -> Tone {
 }
 
 /// What is drawn on a card: rows, the value of no effect, and what the rule asks for.
-#[derive(Default)]
 pub(crate) struct Drawn {
     pub(crate) rows: Vec<IntervalRow>,
     pub(crate) nothing: Option<f64>,
@@ -38,13 +37,16 @@ impl Drawn {
             bounds: None,
         }
     }
+
+    /// The same with what the rule asks for.
+    pub(crate) fn within(self, bounds: impl Into<Option<(f64, f64)>>) -> Self {
+        let bounds = bounds.into();
+        Self { bounds, ..self }
+    }
 }
 
 /// The card of a finding: `question`, `answer`, `rule`, `value` with `floor` and `ceiling`, `axis` and `what` of its picture, `doubt` and
 /// `see` are texts of its table; without a value it has no number.
-///
-/// # Errors
-/// As [`Texts::say`].
 pub(crate) fn card(
     texts: &Texts,
     finding: &Finding,
@@ -94,9 +96,6 @@ pub(crate) fn card(
 }
 
 /// The same with the tests behind it.
-///
-/// # Errors
-/// As [`card`].
 pub(crate) fn tested_card(
     texts: &Texts,
     finding: &Finding,

@@ -32,9 +32,6 @@ pub(crate) struct Manuscript {
 
 impl Manuscript {
     /// The files below `manuscript/`, with the numbers and tables of the page.
-    ///
-    /// # Errors
-    /// [`ReportError::Template`] for a document that cannot be packed.
     pub(crate) fn files(&self, report: &Report) -> Result<Vec<RenderedFile>, ReportError> {
         let tables = report.all_sections().flat_map(|section| &section.tables);
         let named = numbers::numbers(&report.cards, tables);

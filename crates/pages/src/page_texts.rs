@@ -167,6 +167,20 @@ impl PageTexts {
         )
     }
 
+    /// The same; `None` without rows.
+    ///
+    /// # Errors
+    /// As [`PageTexts::table`].
+    pub(crate) fn table_if_any<R: Serialize>(
+        &self,
+        key: &str,
+        rows: impl IntoIterator<Item = R>,
+    ) -> Result<Option<Table>, ReportError> {
+        let rows: Vec<R> = rows.into_iter().collect();
+        let table = || self.table(key, &rows);
+        (!rows.is_empty()).then(table).transpose()
+    }
+
     /// A page with its head (`title`, `subtitle` and `method`), the words that it explains and the command that repeats it.
     ///
     /// # Errors

@@ -43,7 +43,7 @@ pub fn preregistration(design: &Design, sample_size: &[String]) -> Result<String
         title => design.title(),
         hypotheses => hypotheses.collect::<Vec<_>>(),
         conditions => conditions.collect::<Vec<_>>(),
-        dial => design.style().map_or("the style", |s| s.label.as_str()),
+        dial => crate::words::style(design),
         baseline => design.baseline().map(|b| context! { label => b.label.as_str(), id => b.id.to_string() }),
         learn => cells(&design.people().learn),
         test => cells(&design.people().test),

@@ -22,7 +22,7 @@ pub use people::{ParticipantGroup, Reliability};
 use crate::{
     page_texts::{METHODS, PageTexts, RESULTS, STUDY},
     texts::value,
-    words::{correlation_of_claim, in_words, of_group, omnibus, percent},
+    words::{self, correlation_of_claim, in_words, of_group, omnibus, percent},
 };
 use maveric_analysis::{Analysis, Panel};
 use maveric_domain::{
@@ -77,13 +77,11 @@ impl<'a> StudyPage<'a> {
     ) -> Result<Self, ReportError> {
         let at_0 = |c: &&Condition| c.dial() == Some(0.0);
         let conditions = design.conditions();
-        let labels: Vec<String> = conditions
-            .iter()
-            .map(|c| crate::words::label(design, c.id))
-            .collect();
+        let labels = conditions.iter().map(|c| words::label(design, c.id));
+        let labels: Vec<String> = labels.collect();
         let baseline = design.baseline();
         let values = context! {
-            style => style(design),
+            style => words::style(design),
             participants => analysis.participants,
             own => conditions.iter().find(at_0).map(|c| c.id.to_string()),
             across => conditions.iter().find(|c| c.car == Some(Car::Across)).map(|c| c.id.to_string()),
@@ -150,13 +148,8 @@ impl<'a> StudyPage<'a> {
     }
 
     fn label(&self, id: ConditionId) -> String {
-        crate::words::label(self.design, id)
+        words::label(self.design, id)
     }
-}
-
-/// What the dial turns.
-fn style(design: &Design) -> &str {
-    design.style().map_or("the style", |s| &s.label)
 }
 
 /// An outcome, and whose it is where people are divided.

@@ -75,9 +75,6 @@ enum Show {
 
 impl TableText {
     /// The table of these rows.
-    ///
-    /// # Errors
-    /// [`ReportError::Template`] naming the place, for a value that is not given or is not what the column shows.
     #[expect(
         clippy::needless_pass_by_value,
         reason = "rows are made for their table"

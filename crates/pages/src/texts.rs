@@ -19,18 +19,12 @@ pub(crate) fn failed(reason: String) -> ReportError {
 
 impl Texts {
     /// Reads a file that is compiled in.
-    ///
-    /// # Errors
-    /// [`ReportError::Template`] naming the file and its fault.
     pub(crate) fn read(file: &'static str, text: &str) -> Result<Self, ReportError> {
         let cards = toml::from_str(text).map_err(|e| failed(format!("{file}: {e}")))?;
         Ok(Self { file, cards })
     }
 
     /// One text with its values: the card's own, else that of the card that it is `like`; empty where there is neither.
-    ///
-    /// # Errors
-    /// [`ReportError::Template`] naming file, card and key, for a value that is not given.
     pub(crate) fn say(&self, card: &str, key: &str, values: &Value) -> Result<String, ReportError> {
         let texts = self.cards.get(card);
         let texts = texts.ok_or_else(|| failed(format!("{} has no `{card}`", self.file)))?;
@@ -44,9 +38,6 @@ impl Texts {
 }
 
 /// A document that is compiled in, with its values; a line that is a statement of the template alone leaves nothing behind.
-///
-/// # Errors
-/// [`ReportError::Template`] naming the file, for a value that is not given.
 pub(crate) fn document(file: &str, text: &str, values: Value) -> Result<String, ReportError> {
     let mut syntax = SyntaxConfig::builder();
     syntax.trim_blocks(true).lstrip_blocks(true);

@@ -195,6 +195,17 @@ pub fn label(design: &Design, id: ConditionId) -> String {
     markup::literal(&design.label(id))
 }
 
+/// The same of an id as a test names it; what is the id of nothing stays as it is.
+pub(crate) fn label_of_id(design: &Design, id: &str) -> String {
+    id.parse()
+        .map_or_else(|_| id.to_owned(), |id| label(design, id))
+}
+
+/// What the dial turns.
+pub(crate) fn style(design: &Design) -> &str {
+    design.style().map_or("the style", |style| &style.label)
+}
+
 /// A small number as a word.
 pub(crate) fn in_words(n: usize) -> String {
     const WORDS: [&str; 10] = [

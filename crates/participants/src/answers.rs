@@ -2,7 +2,7 @@
 
 use crate::{
     cohort::{Cohort, PlannedDrive},
-    coverage::covered_once,
+    coverage::covered,
     effects::{AdbModel, Effects},
     error::ParticipantError,
     item_model::ItemModel,
@@ -38,7 +38,7 @@ pub fn answer_before(
     seed: u64,
 ) -> Result<Vec<Answer>, ParticipantError> {
     effects.check()?;
-    check_coverage(scales, effects)?;
+    covered(scales, &effects.answers)?;
     let traits = TraitMixing::new(&cohort.settings)?;
     let mut models = Vec::new();
     for scale in scales.iter().filter(|s| s.id != ADB) {
@@ -71,20 +71,6 @@ pub fn answer_before(
         }
     }
     Ok(answers)
-}
-
-fn check_coverage(scales: &[Scale], effects: &Effects) -> Result<(), ParticipantError> {
-    for (id, models) in &effects.answers {
-        let Some(scale) = scales.iter().find(|s| s.id == *id) else {
-            let subscale = models.keys().next().cloned().unwrap_or_default();
-            return Err(ParticipantError::UnknownSubscale {
-                scale: id.clone(),
-                subscale,
-            });
-        };
-        covered_once(scale, models.keys())?;
-    }
-    Ok(())
 }
 
 /// The ADB scale: a total that follows aggressiveness, spread over the items.

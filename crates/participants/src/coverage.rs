@@ -2,10 +2,27 @@
 
 use crate::error::ParticipantError;
 use maveric_domain::{Scale, Subscale};
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
+
+/// Whether models (scale → subscale → model) are of scales that there are, and cover each item of these once.
+pub(crate) fn covered<M>(
+    scales: &[Scale],
+    models: &BTreeMap<String, BTreeMap<String, M>>,
+) -> Result<(), ParticipantError> {
+    for (id, models) in models {
+        let Some(scale) = scales.iter().find(|s| s.id == *id) else {
+            return Err(ParticipantError::UnknownSubscale {
+                scale: id.clone(),
+                subscale: models.keys().next().cloned().unwrap_or_default(),
+            });
+        };
+        covered_once(scale, models.keys())?;
+    }
+    Ok(())
+}
 
 /// Whether each item belongs to exactly one of the subscales named.
-pub(crate) fn covered_once<'a>(
+fn covered_once<'a>(
     scale: &Scale,
     subscales: impl Iterator<Item = &'a String>,
 ) -> Result<(), ParticipantError> {

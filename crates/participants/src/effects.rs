@@ -2,7 +2,7 @@
 
 use crate::{
     error::{ParticipantError, within},
-    person::Trait,
+    person::{Participant, Trait},
     presses::PressModel,
 };
 use maveric_domain::{Design, Scale};
@@ -11,6 +11,14 @@ use std::collections::BTreeMap;
 
 /// Loadings on latent traits, by name.
 pub type Loadings = BTreeMap<Trait, f64>;
+
+/// Σ loading · trait.
+pub(crate) fn weighted(participant: &Participant, loadings: &Loadings) -> f64 {
+    let terms = loadings.iter();
+    terms
+        .map(|(name, loading)| loading * participant.latent(*name))
+        .sum()
+}
 
 /// Sizes of everything that synthetic people answer and rate by; `study_data/effects.toml`.
 ///
@@ -229,9 +237,8 @@ impl Effects {
         within("adb.aggressiveness", r, -1.0, 1.0, "-1 to 1")?;
         for (scale, models) in &self.answers {
             for (subscale, model) in models {
-                let key = |field: &str| format!("answers.{scale}.{subscale}.{field}");
                 let explained: f64 = model.loadings.values().map(|l| l * l).sum();
-                let key = key("loadings");
+                let key = format!("answers.{scale}.{subscale}.loadings");
                 let expected = "squares that add up to at most 1";
                 within(&key, explained, 0.0, 1.0 + 1e-9, expected)?;
             }
@@ -299,13 +306,8 @@ fn finite(name: &str, found: f64) -> Result<(), ParticipantError> {
 }
 
 fn not_negative(name: &str, found: f64) -> Result<(), ParticipantError> {
-    within(
-        name,
-        found,
-        0.0,
-        LARGEST,
-        "a number of ordinary size, not negative",
-    )
+    let expected = "a number of ordinary size, not negative";
+    within(name, found, 0.0, LARGEST, expected)
 }
 
 #[cfg(test)]

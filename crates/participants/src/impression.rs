@@ -1,7 +1,7 @@
 //! What a person makes of a drive.
 
 use crate::{
-    effects::{Effects, Loadings},
+    effects::{Effects, weighted},
     person::Participant,
     response::{normal, stream},
 };
@@ -20,13 +20,6 @@ fn homophily(participant: &Participant, effects: &Effects, seed: u64) -> f64 {
     let draw = normal(&mut stream(seed, &[participant.id.as_str(), "homophily"]));
     let by_traits = weighted(participant, &effects.homophily.effects);
     effects.homophily.mean + by_traits + effects.homophily.own_sd * draw
-}
-
-fn weighted(participant: &Participant, effects: &Loadings) -> f64 {
-    effects
-        .iter()
-        .map(|(name, effect)| effect * participant.latent(*name))
-        .sum()
 }
 
 /// One person in one condition.

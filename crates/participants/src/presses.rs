@@ -1,7 +1,7 @@
 //! When people press "uncomfortable" on a ride.
 
 use crate::{
-    error::ParticipantError,
+    error::{ParticipantError, within},
     response::{normal, stream},
 };
 use maveric_domain::{
@@ -32,31 +32,23 @@ pub struct PressModel {
 
 impl PressModel {
     pub(crate) fn check(&self) -> Result<(), ParticipantError> {
-        let bad = |name: String, found, expected| ParticipantError::BadSetting {
-            name,
+        let bad = |name: &str, found, expected| ParticipantError::BadSetting {
+            name: name.to_owned(),
             found,
             expected,
         };
-        if !(self.per_minute > 0.0 && self.per_minute <= MOST_PER_MINUTE) {
-            let name = "presses.per_minute".to_owned();
-            return Err(bad(name, self.per_minute, "above 0, at most 59"));
+        let rate = self.per_minute;
+        if !(rate > 0.0 && rate <= MOST_PER_MINUTE) {
+            return Err(bad("presses.per_minute", rate, "above 0, at most 59"));
         }
-        if !(0.0..=10.0).contains(&self.person_sd) {
-            let name = "presses.person_sd".to_owned();
-            return Err(bad(name, self.person_sd, "0 to 10"));
-        }
+        within("presses.person_sd", self.person_sd, 0.0, 10.0, "0 to 10")?;
         for (cause, effect) in &self.causes {
             let name = format!("presses.causes.{cause}");
             if PRECURSORS.iter().all(|known| known.id != cause) {
-                return Err(bad(
-                    name,
-                    *effect,
-                    "a cause that is one of the columns of the moments of a press, such as braking_mps2",
-                ));
+                let expected = "a cause that is one of the columns of the moments of a press, such as braking_mps2";
+                return Err(bad(&name, *effect, expected));
             }
-            if !effect.is_finite() || effect.abs() > 100.0 {
-                return Err(bad(name, *effect, "-100 to 100"));
-            }
+            within(&name, *effect, -100.0, 100.0, "-100 to 100")?;
         }
         Ok(())
     }

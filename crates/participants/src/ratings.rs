@@ -1,7 +1,7 @@
 //! What people think of the car in each condition.
 
 use crate::{
-    coverage::{covered_once, subscale_of},
+    coverage::{covered, subscale_of},
     effects::{Effects, RatingModel},
     error::ParticipantError,
     impression::{Impression, Trial},
@@ -14,34 +14,26 @@ use std::{
     fmt,
 };
 
-/// What was left out of the ratings.
+/// Measures that one of the two drives lacks, or that do not vary: the person judged by the others.
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
-pub enum RatingWarning {
-    /// Measures that one of the two drives lacks, or that do not vary: the person judged by the others.
-    NotCompared {
-        /// Who.
-        participant: ParticipantId,
-        /// The one that they rated.
-        condition: ConditionId,
-        /// Code names of the measures.
-        measures: Vec<String>,
-    },
+pub struct RatingWarning {
+    /// Who.
+    pub participant: ParticipantId,
+    /// The one that they rated.
+    pub condition: ConditionId,
+    /// Code names of the measures.
+    pub measures: Vec<String>,
 }
 
 impl fmt::Display for RatingWarning {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::NotCompared {
-                participant,
-                condition,
-                measures,
-            } => write!(
-                f,
-                "participant {participant} ({condition}) was rated without {}",
-                measures.join(", ")
-            ),
-        }
+        let (participant, condition) = (&self.participant, self.condition);
+        let measures = self.measures.join(", ");
+        write!(
+            f,
+            "participant {participant} ({condition}) was rated without {measures}"
+        )
     }
 }
 
@@ -77,7 +69,7 @@ pub fn rate<R: Into<Ride> + Copy>(
     seed: u64,
 ) -> Result<Rated, ParticipantError> {
     effects.check()?;
-    check_scales(scales, effects)?;
+    covered(scales, &effects.ratings)?;
     check_measures(participant, own)?;
     let mut seen = BTreeSet::new();
     let mut sat_through = Vec::new();
@@ -122,13 +114,8 @@ pub fn rate<R: Into<Ride> + Copy>(
         };
         let before = sat_through.iter().find(before);
         let left = before.map(|(_, _, (impression, _))| impression);
-        trial.rate(
-            scales,
-            effects,
-            seed,
-            (impression, left, missing),
-            &mut rated,
-        );
+        let judged = (impression, left, missing.as_slice());
+        trial.rate(scales, effects, seed, judged, &mut rated);
     }
     Ok(rated)
 }
@@ -150,7 +137,7 @@ pub fn rate_trial(
     seed: u64,
 ) -> Result<Rated, ParticipantError> {
     effects.check()?;
-    check_scales(scales, effects)?;
+    covered(scales, &effects.ratings)?;
     check_measures(participant, own)?;
     check_measures(participant, values)?;
     let trial = Trial {
@@ -164,29 +151,9 @@ pub fn rate_trial(
     };
     let mut rated = Rated::default();
     let (impression, missing) = trial.impression(effects, seed);
-    trial.rate(
-        scales,
-        effects,
-        seed,
-        (&impression, None, &missing),
-        &mut rated,
-    );
+    let judged = (&impression, None, missing.as_slice());
+    trial.rate(scales, effects, seed, judged, &mut rated);
     Ok(rated)
-}
-
-fn check_scales(scales: &[Scale], effects: &Effects) -> Result<(), ParticipantError> {
-    for (id, models) in &effects.ratings {
-        match scales.iter().find(|s| s.id == *id) {
-            Some(scale) => covered_once(scale, models.keys())?,
-            None => {
-                return Err(ParticipantError::UnknownSubscale {
-                    scale: id.clone(),
-                    subscale: models.keys().next().cloned().unwrap_or_default(),
-                });
-            }
-        }
-    }
-    Ok(())
 }
 
 fn check_measures(
@@ -216,7 +183,7 @@ impl Trial<'_> {
         rated: &mut Rated,
     ) {
         if !missing.is_empty() {
-            rated.warnings.push(RatingWarning::NotCompared {
+            rated.warnings.push(RatingWarning {
                 participant: self.participant.id.clone(),
                 condition: self.ride.condition,
                 measures: missing.to_vec(),

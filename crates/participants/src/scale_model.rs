@@ -1,8 +1,7 @@
 //! The factors behind a scale: what traits explain of them, and how the rest hangs together.
 
 use crate::{
-    coverage::subscale_of,
-    effects::{FactorModel, Loadings},
+    effects::{FactorModel, Loadings, weighted},
     error::ParticipantError,
     item_model::ItemModel,
     linear::cholesky,
@@ -46,7 +45,7 @@ impl<'a> ScaleModel<'a> {
         for subscale in &scale.subscales {
             if let Some(model) = models.get(&subscale.id) {
                 factors.push(Factor {
-                    subscale: subscale_of(scale, &subscale.id)?,
+                    subscale,
                     item: ItemModel::from_norms(scale, subscale)?,
                     loadings: &model.loadings,
                 });
@@ -110,11 +109,7 @@ impl<'a> ScaleModel<'a> {
     /// The factors of one person, from a draw a factor.
     pub(crate) fn scores(&self, participant: &Participant, draws: &[f64]) -> Vec<f64> {
         let factor = |(factor, own): (&Factor<'_>, &Vec<f64>)| {
-            let traits: f64 = factor
-                .loadings
-                .iter()
-                .map(|(name, l)| l * participant.latent(*name))
-                .sum();
+            let traits = weighted(participant, factor.loadings);
             traits + own.iter().zip(draws).map(|(w, z)| w * z).sum::<f64>()
         };
         self.factors

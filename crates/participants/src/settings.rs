@@ -3,7 +3,7 @@
 use crate::{
     error::{ParticipantError, within},
     part::Part,
-    person::Population,
+    person::{Population, Trait},
 };
 use serde::{Deserialize, Serialize};
 
@@ -102,73 +102,55 @@ impl CohortSettings {
             ("study2_external", &self.study2_external),
         ] {
             let key = |field: &str| format!("{name}.{field}");
-            within(
-                &key("mean_age_years"),
-                group.mean_age_years,
-                18.0,
-                90.0,
-                "18 to 90 years",
-            )?;
-            within(
-                &key("sd_age_years"),
-                group.sd_age_years,
-                0.0,
-                30.0,
-                "0 to 30 years",
-            )?;
+            let (mean, sd) = (group.mean_age_years, group.sd_age_years);
+            within(&key("mean_age_years"), mean, 18.0, 90.0, "18 to 90 years")?;
+            within(&key("sd_age_years"), sd, 0.0, 30.0, "0 to 30 years")?;
             within(&key("female_share"), group.female_share, 0.0, 1.0, "0 to 1")?;
         }
-        within(
-            "professional_share",
-            self.professional_share,
-            0.0,
-            1.0,
-            "0 to 1",
-        )?;
-        within(
-            "role_aggressiveness",
-            self.role_aggressiveness,
-            0.0,
-            5.0,
-            "0 to 5",
-        )?;
+        let (share, level) = (self.professional_share, self.role_aggressiveness);
+        within("professional_share", share, 0.0, 1.0, "0 to 1")?;
+        within("role_aggressiveness", level, 0.0, 5.0, "0 to 5")?;
         within("role_sd", self.role_sd, 0.0, 2.0, "0 to 2")?;
-        for (name, r) in [
+        for (x, y, r) in self.correlations() {
+            let key = format!("{}_{}", x.as_str(), y.as_str());
+            within(&key, r, -1.0, 1.0, "-1 to 1")?;
+        }
+        let explained = self.high_velocity_aggressiveness.powi(2) + self.high_velocity_pace.powi(2);
+        let key = "high_velocity_aggressiveness² + high_velocity_pace²";
+        within(key, explained, 0.0, 1.0, "0 to 1")
+    }
+
+    /// The correlations among aggressiveness and the Big Five; the key of each is made of the names of its traits.
+    pub(crate) fn correlations(&self) -> [(Trait, Trait, f64); 8] {
+        use Trait::{
+            Aggressiveness, Agreeableness, Conscientiousness, Extraversion, Neuroticism, Openness,
+        };
+        [
             (
-                "conscientiousness_aggressiveness",
+                Conscientiousness,
+                Aggressiveness,
                 self.conscientiousness_aggressiveness,
             ),
             (
-                "agreeableness_aggressiveness",
+                Agreeableness,
+                Aggressiveness,
                 self.agreeableness_aggressiveness,
             ),
-            ("extraversion_openness", self.extraversion_openness),
+            (Extraversion, Openness, self.extraversion_openness),
+            (Extraversion, Agreeableness, self.extraversion_agreeableness),
+            (Extraversion, Neuroticism, self.extraversion_neuroticism),
+            (Agreeableness, Openness, self.agreeableness_openness),
             (
-                "extraversion_agreeableness",
-                self.extraversion_agreeableness,
-            ),
-            ("extraversion_neuroticism", self.extraversion_neuroticism),
-            ("agreeableness_openness", self.agreeableness_openness),
-            (
-                "agreeableness_conscientiousness",
+                Agreeableness,
+                Conscientiousness,
                 self.agreeableness_conscientiousness,
             ),
             (
-                "conscientiousness_neuroticism",
+                Conscientiousness,
+                Neuroticism,
                 self.conscientiousness_neuroticism,
             ),
-        ] {
-            within(name, r, -1.0, 1.0, "-1 to 1")?;
-        }
-        let explained = self.high_velocity_aggressiveness.powi(2) + self.high_velocity_pace.powi(2);
-        within(
-            "high_velocity_aggressiveness² + high_velocity_pace²",
-            explained,
-            0.0,
-            1.0,
-            "0 to 1",
-        )?;
-        Ok(())
+        ]
     }
 
     pub(crate) fn group(&self, part: Part, population: Population) -> &Group {

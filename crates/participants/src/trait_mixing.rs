@@ -36,36 +36,7 @@ impl TraitMixing {
             Agreeableness,
             Neuroticism,
         ];
-        let pairs = [
-            (
-                Conscientiousness,
-                Aggressiveness,
-                settings.conscientiousness_aggressiveness,
-            ),
-            (
-                Agreeableness,
-                Aggressiveness,
-                settings.agreeableness_aggressiveness,
-            ),
-            (Extraversion, Openness, settings.extraversion_openness),
-            (
-                Extraversion,
-                Agreeableness,
-                settings.extraversion_agreeableness,
-            ),
-            (Extraversion, Neuroticism, settings.extraversion_neuroticism),
-            (Agreeableness, Openness, settings.agreeableness_openness),
-            (
-                Agreeableness,
-                Conscientiousness,
-                settings.agreeableness_conscientiousness,
-            ),
-            (
-                Conscientiousness,
-                Neuroticism,
-                settings.conscientiousness_neuroticism,
-            ),
-        ];
+        let pairs = settings.correlations();
         let correlation = |x: Trait, y: Trait| {
             let pair = pairs
                 .iter()

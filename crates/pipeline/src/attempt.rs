@@ -70,13 +70,10 @@ pub(crate) enum News {
 
 /// Whether a stage must run.
 pub(crate) enum Examined {
-    Cannot(Failure),
-    UpToDate,
-    Stale {
-        now: Present,
-        past: Past,
-        reasons: Vec<Reason>,
-    },
+    /// It need not, or cannot.
+    Settled(Attempt),
+    /// There is room for its outputs.
+    Stale { now: Present, reasons: Vec<Reason> },
 }
 
 /// A run of a stage that ended well, to be entered into the ledger.
@@ -91,7 +88,7 @@ impl Workshop<'_> {
     /// Runs a stage whose upstream stages are done, unless it is up to date.
     ///
     /// # Errors
-    /// If files of ours cannot be read or written; a stage that fails is no error here.
+    /// If files of ours cannot be read or written, or the run was interrupted meanwhile; a stage that fails is no error here.
     pub(crate) fn attempt(
         &self,
         graph: &Graph<'_>,
@@ -99,31 +96,10 @@ impl Workshop<'_> {
         forced: bool,
         tell: &mut dyn FnMut(News),
     ) -> Result<Attempt, PipelineError> {
-        match self.attempt_or_stop(graph, stage, forced, tell) {
-            Err(PipelineError::Interrupted) => Ok(Attempt::Interrupted),
-            other => other,
-        }
-    }
-
-    fn attempt_or_stop(
-        &self,
-        graph: &Graph<'_>,
-        stage: &Stage,
-        forced: bool,
-        tell: &mut dyn FnMut(News),
-    ) -> Result<Attempt, PipelineError> {
-        let (now, past, reasons) = match self.examine(stage, forced)? {
-            Examined::Cannot(failure) => return Ok(Attempt::Failed(failure)),
-            Examined::UpToDate => return Ok(Attempt::UpToDate),
-            Examined::Stale { now, past, reasons } => (now, past, reasons),
+        let (now, reasons) = match self.examine(graph, stage, forced, tell)? {
+            Examined::Settled(attempt) => return Ok(attempt),
+            Examined::Stale { now, reasons } => (now, reasons),
         };
-        if let Some(failure) = self.make_room(graph, stage, &now.files, tell)? {
-            return Ok(Attempt::Failed(failure));
-        }
-        self.note_replaced(&past, &reasons);
-        if !forced && self.restore(stage, &now, tell)? {
-            return Ok(Attempt::Restored);
-        }
         tell(News::Started { reasons });
         let mut retry = 0;
         loop {
@@ -221,26 +197,44 @@ impl Workshop<'_> {
             })
     }
 
-    /// Holds a stage against the ledger and the files as they are.
-    pub(crate) fn examine(&self, stage: &Stage, forced: bool) -> Result<Examined, PipelineError> {
-        let hasher = &self.hasher;
-        let now = Present::look(stage, self.place, hasher)?;
+    /// Holds a stage against the ledger and the files as they are; of one that is stale, makes room for its outputs or takes them from
+    /// the cache.
+    pub(crate) fn examine(
+        &self,
+        graph: &Graph<'_>,
+        stage: &Stage,
+        forced: bool,
+        tell: &mut dyn FnMut(News),
+    ) -> Result<Examined, PipelineError> {
+        let now = self.look(stage)?;
         if !now.missing.is_empty() {
             let paths = now.missing.clone();
             let cause = FailureCause::InputsMissing { paths };
             let failure = self.failure(stage, &now.files, cause, Vec::new(), None);
-            return Ok(Examined::Cannot(failure));
+            return Ok(Examined::Settled(Attempt::Failed(failure)));
         }
         let past = Past::in_ledger(stage, self.ledger().get());
-        let mut reasons = past.reasons(stage, &now.made_from, hasher)?;
+        let mut reasons = past.reasons(stage, &now.made_from, &self.hasher)?;
         if forced {
             reasons.insert(0, Reason::Forced);
         }
-        Ok(if reasons.is_empty() {
-            Examined::UpToDate
+        if reasons.is_empty() {
+            return Ok(Examined::Settled(Attempt::UpToDate));
+        }
+        if let Some(failure) = self.make_room(graph, stage, &now.files, tell)? {
+            return Ok(Examined::Settled(Attempt::Failed(failure)));
+        }
+        self.note_replaced(&past, &reasons);
+        Ok(if !forced && self.restore(stage, &now, tell)? {
+            Examined::Settled(Attempt::Restored)
         } else {
-            Examined::Stale { now, past, reasons }
+            Examined::Stale { now, reasons }
         })
+    }
+
+    /// A stage as it is now.
+    pub(crate) fn look(&self, stage: &Stage) -> Result<Present, PipelineError> {
+        Present::look(stage, self.place, &self.hasher)
     }
 
     /// What the run has to say at its end: the settings of former results that it replaced.
@@ -251,7 +245,7 @@ impl Workshop<'_> {
     }
 
     /// Remembers which settings of the last run are no longer those of this one.
-    pub(crate) fn note_replaced(&self, past: &Past, reasons: &[Reason]) {
+    fn note_replaced(&self, past: &Past, reasons: &[Reason]) {
         let Some(record) = &past.record else { return };
         let overrides = self.pipeline.overrides();
         for reason in reasons {

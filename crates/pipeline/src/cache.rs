@@ -9,7 +9,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
 use std::path::Path;
 
-use crate::content::Hasher;
+use crate::content::{Hasher, add_texts};
 use crate::store::{Store, is_executable, set_mode};
 use crate::{PipelineError, Stage};
 
@@ -99,10 +99,8 @@ impl Cache {
     /// The name of a run of `stage` that was made from what has `digest`.
     fn key(stage: &Stage, digest: &str) -> String {
         let mut hasher = blake3::Hasher::new();
-        for part in std::iter::once(digest).chain(stage.outputs.iter().map(String::as_str)) {
-            hasher.update(&(part.len() as u64).to_le_bytes());
-            hasher.update(part.as_bytes());
-        }
+        add_texts(&mut hasher, [digest]);
+        add_texts(&mut hasher, stage.outputs.iter().map(String::as_str));
         hasher.finalize().to_hex().to_string()
     }
 

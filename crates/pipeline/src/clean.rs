@@ -3,7 +3,6 @@
 use std::collections::BTreeSet;
 use std::fs;
 use std::path::Path;
-use std::sync::atomic::AtomicBool;
 
 use crate::content::Hasher;
 use crate::ledger::{self, Ledger, Made, OpenLedger};
@@ -53,10 +52,9 @@ pub fn clean(
     if targets.is_empty() {
         keys.extend(gone(pipeline, ledger.get()));
     }
-    let never = AtomicBool::new(false);
     let cleaning = Cleaning {
         place,
-        hasher: Hasher::new(&place.root, place.hash_cache(), &never),
+        hasher: Hasher::of_place(place),
         force,
         dry_run,
     };
@@ -85,18 +83,17 @@ pub fn clean(
 }
 
 /// Runs of stages that the pipeline no longer has, or no longer has there.
-fn gone<'l>(pipeline: &Pipeline, ledger: &'l Ledger) -> impl Iterator<Item = String> + 'l {
+fn gone(pipeline: &Pipeline, ledger: &Ledger) -> Vec<String> {
     let stages = pipeline.stages().iter();
-    let stages: BTreeSet<String> = stages.map(|stage| stage.name.clone()).collect();
-    let variant = pipeline.variant().map(str::to_owned);
-    let has = move |stage: &str| stages.contains(stage);
-    let still = has.clone();
-    let runs = ledger.run.iter().filter(move |(_, record)| {
-        record.variant == variant && (!has(&record.stage) || record.set.is_empty())
+    let stages: BTreeSet<&str> = stages.map(|stage| stage.name.as_str()).collect();
+    let runs = ledger.run.iter().filter(|(_, record)| {
+        record.variant.as_deref() == pipeline.variant()
+            && (!stages.contains(&*record.stage) || record.set.is_empty())
     });
-    let left = ledger.left.iter().filter(move |(_, l)| !still(&l.stage));
-    runs.map(|(key, _)| key.clone())
-        .chain(left.map(|(key, _)| key.clone()))
+    let left = ledger.left.iter();
+    let left = left.filter(|(_, left)| !stages.contains(&*left.stage));
+    let keys = runs.map(|(key, _)| key).chain(left.map(|(key, _)| key));
+    keys.cloned().collect()
 }
 
 /// How what runs made is removed.

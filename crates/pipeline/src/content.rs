@@ -10,9 +10,9 @@ use std::time::{SystemTime, UNIX_EPOCH};
 
 use rayon::prelude::*;
 
-use crate::PipelineError;
 use crate::atomic_write::{Durability, atomic_write_bytes};
 use crate::shares::Shares;
+use crate::{PipelineError, Place};
 
 /// File systems stamp times in ticks of up to 10 ms: a file changed this lately could
 /// change again without looking changed, so its hash is not remembered.
@@ -21,6 +21,9 @@ const SETTLED_AFTER_NS: i64 = 25_000_000;
 const BLOCK: u64 = 4 << 20;
 /// From this size on, a file is hashed on several threads.
 const WORTH_THREADS: usize = 256 << 10;
+
+/// The flag of work that nobody interrupts.
+static NEVER: AtomicBool = AtomicBool::new(false);
 
 /// What tells an untouched file: if all of it is the same, the content is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
@@ -32,9 +35,7 @@ struct Look {
     inode: u64,
 }
 
-#[derive(Debug, Default, serde::Serialize, serde::Deserialize)]
-#[serde(transparent)]
-struct Cache(BTreeMap<String, (Look, String)>);
+type Cache = BTreeMap<String, (Look, String)>;
 
 /// Hashes contents below a root; shared by all workers of a run.
 pub(crate) struct Hasher<'a> {
@@ -62,13 +63,18 @@ impl<'a> Hasher<'a> {
         }
     }
 
+    /// For work in a place that nobody interrupts.
+    pub(crate) fn of_place(place: &'a Place) -> Self {
+        Self::new(&place.root, place.hash_cache(), &NEVER)
+    }
+
     /// Believes nothing that was remembered before: reads every file, once.
-    pub(crate) fn reading_all(root: &'a Path, cancel: &'a AtomicBool) -> Self {
+    pub(crate) fn reading_all(root: &'a Path) -> Self {
         Self {
             root,
             cache_file: PathBuf::new(),
             cache: Arc::default(),
-            cancel,
+            cancel: &NEVER,
             shares: Shares::default(),
         }
     }
@@ -90,7 +96,7 @@ impl<'a> Hasher<'a> {
     pub(crate) fn content(&self, path: &str) -> Result<Option<String>, PipelineError> {
         let full = self.root.join(path);
         match fs::metadata(&full) {
-            Ok(metadata) if metadata.is_dir() => self.directory(&full).map(Some),
+            Ok(metadata) if metadata.is_dir() => self.listing(&list(&full, "")?).map(Some),
             Ok(metadata) => self.file(&full, &metadata).map(Some),
             Err(error)
                 if matches!(
@@ -112,9 +118,7 @@ impl<'a> Hasher<'a> {
             let itself = full.symlink_metadata().is_ok();
             return Ok(itself.then(|| vec![String::new()]));
         }
-        let mut entries = Vec::new();
-        list(&full, "", &mut entries)?;
-        let mut names: Vec<String> = entries
+        let mut names: Vec<String> = list(&full, "")?
             .into_iter()
             .map(|entry| entry.within.trim_start_matches('/').to_owned())
             .collect();
@@ -129,8 +133,7 @@ impl<'a> Hasher<'a> {
         files: &[String],
     ) -> Result<String, PipelineError> {
         let full = self.root.join(path);
-        let mut entries = Vec::new();
-        list(&full, "", &mut entries)?;
+        let mut entries = list(&full, "")?;
         let is_one = |name: &str| files.binary_search_by(|f| (**f).cmp(name)).is_ok();
         entries.retain(|entry| is_one(entry.within.trim_start_matches('/')));
         self.listing(&entries)
@@ -144,14 +147,11 @@ impl<'a> Hasher<'a> {
         if metadata.is_file() {
             return Ok(Some(vec![(String::new(), self.file(&full, &metadata)?)]));
         }
-        let mut entries = Vec::new();
-        if metadata.is_dir() {
-            list(&full, "", &mut entries)?;
-        } else {
+        if !metadata.is_dir() {
             return Ok(None);
         }
         let mut files = Vec::new();
-        for entry in entries {
+        for entry in list(&full, "")? {
             match entry.kind {
                 FoundKind::File(full, metadata)
                     if metadata.is_file() && !full.is_symlink() && full.to_str().is_some() =>
@@ -175,12 +175,6 @@ impl<'a> Hasher<'a> {
         }
     }
 
-    fn directory(&self, full: &Path) -> Result<String, PipelineError> {
-        let mut entries = Vec::new();
-        list(full, "", &mut entries)?;
-        self.listing(&entries)
-    }
-
     fn listing(&self, entries: &[Found]) -> Result<String, PipelineError> {
         let remembered = |entry: &Found| match &entry.kind {
             FoundKind::Link(target) => Some(target.clone()),
@@ -200,10 +194,7 @@ impl<'a> Hasher<'a> {
             })?;
         let mut listing = blake3::Hasher::new();
         for (entry, content) in entries.iter().zip(contents.iter().flatten()) {
-            for part in [&entry.within, content] {
-                listing.update(&(part.len() as u64).to_le_bytes());
-                listing.update(part.as_bytes());
-            }
+            add_texts(&mut listing, [entry.within.as_str(), content.as_str()]);
         }
         let files = entries.len();
         let noun = if files == 1 { "file" } else { "files" };
@@ -215,7 +206,7 @@ impl<'a> Hasher<'a> {
             return Some("no regular file".to_owned()); // a pipe or a device has no content
         }
         let guard = self.cache.lock().ok()?;
-        let (seen, hash) = guard.0.0.get(self.key(full)?)?;
+        let (seen, hash) = guard.0.get(self.key(full)?)?;
         (*seen == Look::from_metadata(metadata)).then(|| hash.clone())
     }
 
@@ -227,7 +218,7 @@ impl<'a> Hasher<'a> {
         let settled = look.is_settled_at(SystemTime::now());
         let hash = self.read(full, look.size)?;
         if let (true, Some(key), Ok(mut guard)) = (settled, self.key(full), self.cache.lock()) {
-            guard.0.0.insert(key.to_owned(), (look, hash.clone()));
+            guard.0.insert(key.to_owned(), (look, hash.clone()));
             guard.1 = true;
         }
         Ok(hash)
@@ -274,6 +265,14 @@ impl<'a> Hasher<'a> {
     }
 }
 
+/// Adds texts to a hash, each with its length, so that none runs into the next.
+pub(crate) fn add_texts<'t>(hasher: &mut blake3::Hasher, texts: impl IntoIterator<Item = &'t str>) {
+    for text in texts {
+        hasher.update(&(text.len() as u64).to_le_bytes());
+        hasher.update(text.as_bytes());
+    }
+}
+
 /// One entry of a directory, with its name below the directory.
 struct Found {
     within: String,
@@ -287,8 +286,8 @@ enum FoundKind {
     Link(String),
 }
 
-/// Adds all files below `folder` in the order of their names.
-fn list(folder: &Path, prefix: &str, files: &mut Vec<Found>) -> Result<(), PipelineError> {
+/// All files below `folder` in the order of their names, which begin with `prefix`.
+fn list(folder: &Path, prefix: &str) -> Result<Vec<Found>, PipelineError> {
     let failed = || PipelineError::io("read the directory", folder);
     let entries = fs::read_dir(folder).map_err(failed())?;
     let mut names = Vec::new();
@@ -297,27 +296,27 @@ fn list(folder: &Path, prefix: &str, files: &mut Vec<Found>) -> Result<(), Pipel
         names.push((entry.file_name(), entry.file_type().map_err(failed())?));
     }
     names.sort_by(|a, b| a.0.cmp(&b.0));
+    let mut files = Vec::new();
     for (name, kind) in names {
         let full = folder.join(&name);
         let Some(text) = name.to_str() else {
             return Err(PipelineError::NameNotText { path: full });
         };
         let within = format!("{prefix}/{text}");
-        let reading = || PipelineError::io("read", &full);
         if kind.is_dir() {
-            list(&full, &within, files)?;
+            files.extend(list(&full, &within)?);
             continue;
         }
         let kind = match fs::metadata(&full) {
             Ok(metadata) if !metadata.is_dir() => FoundKind::File(full, metadata),
             _ => {
-                let target = fs::read_link(&full).map_err(reading())?;
+                let target = fs::read_link(&full).map_err(PipelineError::io("read", &full))?;
                 FoundKind::Link(target.to_string_lossy().into_owned())
             }
         };
         files.push(Found { within, kind });
     }
-    Ok(())
+    Ok(files)
 }
 
 /// Reads until the buffer is full or the file ends.
@@ -377,10 +376,8 @@ fn nanos_since_epoch(time: SystemTime) -> i64 {
 mod tests {
     use super::*;
 
-    static NO: AtomicBool = AtomicBool::new(false);
-
     fn content(root: &Path, path: &str) -> Option<String> {
-        let hasher = Hasher::new(root, root.join(".hashes"), &NO);
+        let hasher = Hasher::new(root, root.join(".hashes"), &NEVER);
         hasher.content(path).unwrap()
     }
 
@@ -407,12 +404,12 @@ mod tests {
         let root = folder.path();
         fs::write(root.join("f"), "one").unwrap();
         std::thread::sleep(std::time::Duration::from_millis(40));
-        let hasher = Hasher::new(root, root.join(".hashes"), &NO);
+        let hasher = Hasher::new(root, root.join(".hashes"), &NEVER);
         let one = hasher.content("f").unwrap();
         hasher.save();
         let cached: Cache =
             serde_json::from_slice(&fs::read(root.join(".hashes")).unwrap()).unwrap();
-        assert_eq!(cached.0.keys().collect::<Vec<_>>(), ["f"]);
+        assert_eq!(cached.keys().collect::<Vec<_>>(), ["f"]);
         assert_eq!(content(root, "f"), one);
         fs::write(root.join("f"), "two").unwrap();
         assert_ne!(content(root, "f"), one);
@@ -451,7 +448,7 @@ mod tests {
             .unwrap()
             .set_modified(ahead)
             .unwrap();
-        let hasher = Hasher::new(root, root.join(".hashes"), &NO);
+        let hasher = Hasher::new(root, root.join(".hashes"), &NEVER);
         hasher.content("f").unwrap();
         hasher.save();
         assert!(!root.join(".hashes").exists());

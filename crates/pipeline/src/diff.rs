@@ -5,7 +5,6 @@ mod numbers;
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
 use std::path::{Path, PathBuf};
-use std::sync::atomic::AtomicBool;
 
 use crate::content::Hasher;
 use crate::paths::with_ancestors;
@@ -202,7 +201,6 @@ fn outputs(
     first: &Path,
     second: &Path,
 ) -> Result<Vec<FileDifference>, PipelineError> {
-    let never = AtomicBool::new(false);
     let (a, b) = (templated_outputs(before), templated_outputs(now));
     let mut differences = Vec::new();
     for path in a.keys().chain(b.keys()).collect::<BTreeSet<_>>() {
@@ -218,7 +216,7 @@ fn outputs(
             continue;
         }
         let is_there = |root, path: &String, content| {
-            let content_now = Hasher::reading_all(root, &never).content(path)?;
+            let content_now = Hasher::reading_all(root).content(path)?;
             Ok::<_, PipelineError>(content_now.as_ref() == Some(content))
         };
         for (is_there, first) in [
@@ -232,12 +230,8 @@ fn outputs(
         }
         if !matches!(differences.last(), Some(FileDifference::Gone { path: gone, .. }) if gone == path)
         {
-            compare(
-                path,
-                &first.join(a_path),
-                &second.join(b_path),
-                &mut differences,
-            )?;
+            let (a, b) = (first.join(a_path), second.join(b_path));
+            compare(path, &a, &b, &mut differences)?;
         }
     }
     Ok(differences)

@@ -2,6 +2,9 @@
 
 use std::collections::BTreeMap;
 
+/// What `[fetch]` of a pipeline names: the places of files and their URLs.
+pub(crate) type Places = BTreeMap<String, String>;
+
 /// Whether `path` is below the root and in one spelling, and `url` is one.
 pub(crate) fn is_allowed(path: &str, url: &str) -> bool {
     crate::store::is_url(url)
@@ -9,6 +12,3 @@ pub(crate) fn is_allowed(path: &str, url: &str) -> bool {
         && !path.starts_with("..")
         && crate::paths::normalise(path).as_deref() == Some(path)
 }
-
-/// The places of all files of a pipeline and their URLs.
-pub(crate) type Places = BTreeMap<String, String>;

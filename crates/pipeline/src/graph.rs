@@ -4,8 +4,7 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use crate::error::{CycleStep, PipelineError, nearest};
 use crate::paths::{below, normalise, with_ancestors};
-use crate::place::{Place, Program};
-use crate::{Pipeline, Stage};
+use crate::{Pipeline, Place, Stage};
 
 /// A pipeline whose stages have an order: no circle, and one maker for each file.
 ///
@@ -60,25 +59,6 @@ impl<'p> Graph<'p> {
         self.order.iter().map(|&i| self.stage(i))
     }
 
-    /// The stage that makes `path`: it or a directory above it is among its outputs.
-    pub fn maker(&self, path: &str) -> Option<&'p Stage> {
-        let path = normalise(path)?;
-        let index = with_ancestors(&path).find_map(|above| self.makers.get(above))?;
-        Some(self.stage(*index))
-    }
-
-    /// The stages that `stage` waits for, each once, in the order of the file; empty for
-    /// an unknown name.
-    pub fn upstream(&self, stage: &str) -> Vec<&'p Stage> {
-        let index = self.pipeline.stages().iter().position(|s| s.name == stage);
-        let makers: BTreeSet<usize> = index
-            .into_iter()
-            .flat_map(|index| &self.needs[index])
-            .map(|need| need.maker)
-            .collect();
-        makers.into_iter().map(|i| self.stage(i)).collect()
-    }
-
     pub(crate) fn pipeline(&self) -> &'p Pipeline {
         self.pipeline
     }
@@ -93,6 +73,11 @@ impl<'p> Graph<'p> {
 
     pub(crate) fn needs(&self, index: usize) -> &[Need] {
         &self.needs[index]
+    }
+
+    /// The stages that a stage waits for.
+    pub(crate) fn makers(&self, index: usize) -> BTreeSet<usize> {
+        self.needs[index].iter().map(|need| need.maker).collect()
     }
 
     pub(crate) fn users(&self, index: usize) -> &BTreeSet<usize> {
@@ -140,25 +125,6 @@ impl<'p> Graph<'p> {
             }
         }
         Ok(wanted)
-    }
-
-    /// Refuses commands that our program does not have.
-    pub(crate) fn check_commands(&self, program: Option<&Program>) -> Result<(), PipelineError> {
-        let Some(program) = program else {
-            return Ok(());
-        };
-        for stage in self.pipeline.stages() {
-            let command = stage.command.get(1).map_or("", String::as_str);
-            if stage.command[0] == program.name && !program.versions.contains_key(command) {
-                return Err(PipelineError::UnknownCommand {
-                    stage: stage.name.clone(),
-                    program: program.name.clone(),
-                    command: command.to_owned(),
-                    nearest: nearest(command, program.versions.keys().map(String::as_str)),
-                });
-            }
-        }
-        Ok(())
     }
 
     /// Refuses wanted stages with an input that is not there and that nobody makes.
@@ -284,6 +250,16 @@ mod tests {
         stages.into_iter().map(|s| s.name.as_str()).collect()
     }
 
+    /// The stages that the one of this place in the file waits for.
+    fn before<'a>(graph: &Graph<'a>, place: usize) -> Vec<&'a str> {
+        names(
+            graph
+                .makers(place)
+                .into_iter()
+                .map(|maker| graph.stage(maker)),
+        )
+    }
+
     #[test]
     fn stages_run_after_what_they_need_and_otherwise_in_the_order_of_the_file() {
         let p = pipeline(&[
@@ -294,7 +270,7 @@ mod tests {
         ]);
         let graph = Graph::new(&p).unwrap();
         assert_eq!(names(graph.ordered()), ["z", "a", "b", "c"]);
-        assert_eq!(names(graph.upstream("c")), ["b", "a"]);
+        assert_eq!(before(&graph, 0), ["b", "a"]);
     }
 
     #[test]
@@ -305,10 +281,8 @@ mod tests {
             ("all", &["out"], &["all.txt"]),
         ]);
         let graph = Graph::new(&p).unwrap();
-        assert_eq!(names(graph.upstream("first")), ["drives"]);
-        assert_eq!(names(graph.upstream("all")), ["drives"]);
-        assert_eq!(graph.maker("./out/drives/two.csv").unwrap().name, "drives");
-        assert!(graph.maker("out").is_none());
+        assert_eq!(before(&graph, 1), ["drives"]);
+        assert_eq!(before(&graph, 2), ["drives"]);
     }
 
     #[test]

@@ -4,7 +4,7 @@
 //! a line does not, and a line that a killed run left half-written is known by its hash.
 
 use std::collections::BTreeMap;
-use std::fs::{self, File, OpenOptions};
+use std::fs::{self, File};
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
@@ -90,11 +90,9 @@ impl Journal {
         if let Some(folder) = path.parent() {
             fs::create_dir_all(folder).map_err(failed())?;
         }
-        let mut options = OpenOptions::new();
-        let file = options.create(true).write(true).truncate(true).open(path);
         let mut journal = Self {
             path: path.to_owned(),
-            file: file.map_err(failed())?,
+            file: File::create(path).map_err(failed())?,
             broken: false,
         };
         journal.append(&Entry::Onto {

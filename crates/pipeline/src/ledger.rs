@@ -157,6 +157,11 @@ impl Ledger {
         names.flatten().collect()
     }
 
+    /// The runs, the good ones first, then those that were begun.
+    pub(crate) fn keys(&self) -> impl Iterator<Item = &String> {
+        self.run.keys().chain(self.left.keys())
+    }
+
     /// What of each output a run made, or the beginning of one.
     pub(crate) fn made_by(&self, key: &str) -> BTreeMap<&str, Made<'_>> {
         let mut outputs = BTreeMap::new();

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use crate::content::Hasher;
+use crate::content::{Hasher, add_texts};
 use crate::place::Program;
 use crate::{PipelineError, Reason, Stage};
 
@@ -128,10 +128,7 @@ impl Manifest {
         for (kind, facts) in &self.0 {
             for (name, value) in facts {
                 hasher.update(&[*kind as u8]);
-                for part in [name, value] {
-                    hasher.update(&(part.len() as u64).to_le_bytes());
-                    hasher.update(part.as_bytes());
-                }
+                add_texts(&mut hasher, [name.as_str(), value.as_str()]);
             }
         }
         hasher.finalize().to_hex().to_string()

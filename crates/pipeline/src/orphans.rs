@@ -1,7 +1,6 @@
 //! What runs made and the pipeline no longer makes: rows that left a table, fewer shards, an output with another name.
 
 use std::collections::{BTreeMap, BTreeSet};
-use std::sync::atomic::AtomicBool;
 
 use crate::clean::{Cleaned, Cleaning};
 use crate::content::Hasher;
@@ -55,9 +54,8 @@ pub(crate) fn orphans(graph: &Graph<'_>, ledger: &Ledger) -> Vec<String> {
             && !paths.iter().any(is_used)
             && (paths.iter().any(is_read) || of_a_fan(stage))
     };
-    let runs: BTreeSet<&String> = ledger.run.keys().chain(ledger.left.keys()).collect();
-    let orphans = runs.into_iter().filter(|key| is_orphan(key));
-    orphans.cloned().collect()
+    let runs: BTreeSet<&String> = ledger.keys().filter(|key| is_orphan(key)).collect();
+    runs.into_iter().cloned().collect()
 }
 
 /// Whether a run was made as the pipeline is set now: the same variant, and the same `--set` of
@@ -128,13 +126,12 @@ pub(crate) fn remove(
     ledger: &mut OpenLedger,
     move_aside: bool,
 ) -> Result<Vec<Warning>, PipelineError> {
-    let never = AtomicBool::new(false);
     let mut cleaning: Option<Cleaning<'_>> = None;
     let mut warnings = once_made(graph, ledger.get(), place);
     for key in orphans(graph, ledger.get()) {
         let cleaning = cleaning.get_or_insert_with(|| Cleaning {
             place,
-            hasher: Hasher::new(&place.root, place.hash_cache(), &never),
+            hasher: Hasher::of_place(place),
             force: false,
             dry_run: false,
         });

@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
+use crate::error::nearest;
 use crate::paths::normalise;
 use crate::{Pipeline, PipelineError, Stage};
 
@@ -36,6 +37,24 @@ pub struct Program {
     pub leading: Vec<String>,
     /// Version of each command's numbers, by the command's name (the second word).
     pub versions: BTreeMap<String, String>,
+}
+
+impl Program {
+    /// Refuses commands that it does not have.
+    fn check(&self, pipeline: &Pipeline) -> Result<(), PipelineError> {
+        for stage in pipeline.stages() {
+            let command = stage.command.get(1).map_or("", String::as_str);
+            if stage.command[0] == self.name && !self.versions.contains_key(command) {
+                return Err(PipelineError::UnknownCommand {
+                    stage: stage.name.clone(),
+                    program: self.name.clone(),
+                    command: command.to_owned(),
+                    nearest: nearest(command, self.versions.keys().map(String::as_str)),
+                });
+            }
+        }
+        Ok(())
+    }
 }
 
 impl Place {
@@ -98,8 +117,11 @@ impl Place {
         self.log_dir.join(format!("{stage}.{}.out", &place[..8]))
     }
 
-    /// Refuses stages that would remove what the run needs, or be changed by its ledger.
+    /// Refuses stages that call a command which our program does not have, would remove what the run needs, or be changed by its ledger.
     pub(crate) fn check(&self, pipeline: &Pipeline) -> Result<(), PipelineError> {
+        if let Some(program) = &self.program {
+            program.check(pipeline)?;
+        }
         let kept = [self.ledger.as_path(), &self.log_dir].map(|path| (path, one_spelling(path)));
         let fixed = [self.root.as_path(), pipeline.path()].map(|path| (path, one_spelling(path)));
         for stage in pipeline.stages() {

@@ -3,7 +3,7 @@
 use path_slash::PathExt as _;
 use std::path::PathBuf;
 
-use crate::Reason;
+use crate::{Reason, own::shortened};
 
 /// What became of a stage.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
@@ -93,7 +93,7 @@ pub enum FailureCause {
     /// Files stand where it has its outputs that no run made.
     #[error(
         "{} in its outputs, made by no run: move {} away, or run with --move-aside, which puts {} beside with the date",
-        crate::own::shortened(paths),
+        shortened(paths),
         them(paths),
         them(paths)
     )]
@@ -273,15 +273,9 @@ fn counted(files: usize) -> String {
     }
 }
 
-fn names(stages: &[String]) -> String {
-    let shown: Vec<String> = stages.iter().take(3).map(|s| format!("`{s}`")).collect();
-    let more = stages.len() - shown.len();
-    let shown = shown.join(", ");
-    if more > 0 {
-        format!("{shown} and {more} more")
-    } else {
-        shown
-    }
+fn names(paths: &[String]) -> String {
+    let quoted: Vec<String> = paths.iter().map(|path| format!("`{path}`")).collect();
+    shortened(&quoted)
 }
 
 /// The standard output of a stage.

@@ -8,7 +8,7 @@ use std::time::Duration;
 
 use crate::attempt::{Attempt, News, Workshop};
 use crate::cache::Cache;
-use crate::cluster;
+use crate::cluster::{Follower, refuse_while_jobs_run};
 use crate::content::Hasher;
 use crate::ledger::{self, OpenLedger};
 use crate::lock::RunLock;
@@ -35,7 +35,6 @@ pub fn run(
     observe: &mut dyn FnMut(Event<'_>),
 ) -> Result<RunReport, PipelineError> {
     let graph = Graph::new(pipeline)?;
-    graph.check_commands(place.program.as_ref())?;
     place.check(pipeline)?;
     let wanted = graph.wanted(&options.targets)?;
     crate::fetch::fetch(pipeline, place)?;
@@ -60,7 +59,7 @@ pub fn run(
     };
     let mut schedule = Schedule::new(&graph, wanted);
     let result = match options.executor {
-        Executor::Local => cluster::refuse_while_jobs_run(place),
+        Executor::Local => refuse_while_jobs_run(place),
         _ => Ok(()),
     };
     let orphans_removed = result.and_then(|()| {
@@ -72,7 +71,8 @@ pub fn run(
         }
         match options.executor {
             Executor::Local => work(&workshop, &mut schedule, &forced, options, observe),
-            engine => cluster::run(engine, &workshop, &mut schedule, &forced, options, observe),
+            engine => Follower::new(engine, &workshop, &graph, &forced, options)?
+                .follow(&mut schedule, observe),
         }
     });
     if let Some(warning) = workshop.warning() {
@@ -111,12 +111,11 @@ fn work(
         while let Ok(index) = next() {
             // The receiver outlives the workers, so nothing told is lost.
             let mut tell = |news| drop(to_us.send(Message::News(index, news)));
-            let result = workshop.attempt(
-                graph,
-                graph.stage(index),
-                forced.contains(&index),
-                &mut tell,
-            );
+            let (stage, forced) = (graph.stage(index), forced.contains(&index));
+            let result = match workshop.attempt(graph, stage, forced, &mut tell) {
+                Err(PipelineError::Interrupted) => Ok(Attempt::Interrupted),
+                result => result,
+            };
             let _ = to_us.send(Message::Ended(index, result));
         }
     };
@@ -158,16 +157,16 @@ fn work(
             }
             match messages.recv_timeout(TICK) {
                 Ok(Message::News(index, news)) => schedule.hear(index, news, observe),
-                Ok(Message::Ended(index, Ok(attempt))) => {
+                Ok(Message::Ended(index, result)) => {
                     running -= 1;
                     in_use -= memory_of(index);
-                    schedule.settle(index, attempt, observe);
-                }
-                Ok(Message::Ended(index, Err(failed))) => {
-                    running -= 1;
-                    in_use -= memory_of(index);
-                    workshop.stop.store(true, Ordering::Relaxed);
-                    error.get_or_insert(failed);
+                    match result {
+                        Ok(attempt) => schedule.settle(index, attempt, observe),
+                        Err(failed) => {
+                            workshop.stop.store(true, Ordering::Relaxed);
+                            error.get_or_insert(failed);
+                        }
+                    }
                 }
                 Err(_) => {} // nothing new: look at the flag again
             }

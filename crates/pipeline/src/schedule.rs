@@ -39,18 +39,11 @@ impl<'g> Schedule<'g> {
             seconds: None,
             peak_memory: None,
         };
-        let makers = |i: usize| {
-            graph
-                .needs(i)
-                .iter()
-                .map(|n| n.maker)
-                .collect::<BTreeSet<_>>()
-        };
         let mut schedule = Self {
             graph,
             results: stages.iter().map(unknown).collect(),
             ready: BTreeSet::new(),
-            waiting: (0..stages.len()).map(|i| makers(i).len()).collect(),
+            waiting: (0..stages.len()).map(|i| graph.makers(i).len()).collect(),
             rank,
             wanted,
             failures: Vec::new(),

@@ -1,7 +1,6 @@
 //! Which stages are stale and why, without running any.
 
 use std::collections::BTreeSet;
-use std::sync::atomic::AtomicBool;
 
 use crate::check::{Past, Present};
 use crate::content::Hasher;
@@ -34,7 +33,6 @@ pub struct StageStatus {
 /// As [`plan`], except that a missing input is a [`Reason`] here.
 pub fn status(pipeline: &Pipeline, place: &Place) -> Result<Vec<StageStatus>, PipelineError> {
     let graph = Graph::new(pipeline)?;
-    graph.check_commands(place.program.as_ref())?;
     place.check(pipeline)?;
     let wanted = graph.wanted(&[])?;
     examine(&graph, place, &wanted, &BTreeSet::new())
@@ -54,7 +52,6 @@ pub fn plan(
     force: bool,
 ) -> Result<Vec<StageStatus>, PipelineError> {
     let graph = Graph::new(pipeline)?;
-    graph.check_commands(place.program.as_ref())?;
     place.check(pipeline)?;
     let wanted = graph.wanted(targets)?;
     graph.check_sources(&wanted, place)?;
@@ -105,8 +102,7 @@ fn examine(
     forced: &BTreeSet<usize>,
 ) -> Result<Vec<StageStatus>, PipelineError> {
     let ledger = Ledger::read(&place.ledger, graph.pipeline().name())?;
-    let never = AtomicBool::new(false);
-    let hasher = Hasher::new(&place.root, place.hash_cache(), &never);
+    let hasher = Hasher::of_place(place);
     let mut statuses: Vec<StageStatus> = Vec::new();
     let mut stale = BTreeSet::new();
     let orphans = crate::orphans::orphans(graph, &ledger);
@@ -166,10 +162,9 @@ fn refine(
         }
         _ => true,
     });
-    let makers: BTreeSet<usize> = needs.iter().map(|need| need.maker).collect();
     let mut families = BTreeSet::new();
-    for maker in makers.iter().filter(|maker| stale.contains(maker)) {
-        let stage = graph.stage(*maker).family.clone();
+    for &maker in graph.makers(index).intersection(stale) {
+        let stage = graph.stage(maker).family.clone();
         if families.insert(stage.clone()) {
             reasons.push(Reason::Upstream { stage });
         }

@@ -3,7 +3,6 @@
 use path_slash::PathExt as _;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
-use std::sync::atomic::AtomicBool;
 
 use crate::content::Hasher;
 use crate::error::nearest;
@@ -83,13 +82,8 @@ pub fn trace(ledger: &Ledger, place: &Place, path: &str) -> Result<Trace, Pipeli
     if first.is_empty() {
         return Err(not_made());
     }
-    let walk = Walk {
-        ledger,
-        makers: &makers,
-    };
-    let never = AtomicBool::new(false);
-    let hasher = Hasher::new(&place.root, place.hash_cache(), &never);
-    let order = walk.upstream(&first);
+    let hasher = Hasher::of_place(place);
+    let order = makers.upstream(ledger, &first);
     let mut sources: BTreeMap<(&str, &str), Vec<String>> = BTreeMap::new();
     let mut read: BTreeSet<&str> = BTreeSet::from([path.as_str()]);
     let mut stages = Vec::new();
@@ -177,31 +171,23 @@ impl Makers {
             .map(String::as_str)
             .collect()
     }
-}
 
-struct Walk<'a> {
-    ledger: &'a Ledger,
-    makers: &'a Makers,
-}
-
-impl<'a> Walk<'a> {
-    fn before(&self, stage: &str) -> BTreeSet<&'a str> {
-        let record = self.ledger.run.get(stage);
+    /// The runs that made what a run read.
+    fn before(&self, ledger: &Ledger, run: &str) -> BTreeSet<&str> {
+        let record = ledger.run.get(run);
         let inputs = record
             .into_iter()
             .flat_map(|r| r.made_from.facts(FactKind::Input));
-        inputs
-            .flat_map(|(path, _)| self.makers.of_path(path))
-            .collect()
+        inputs.flat_map(|(path, _)| self.of_path(path)).collect()
     }
 
-    /// The stages and all before them, each after those that use it.
-    fn upstream(&self, first: &BTreeSet<&'a str>) -> Vec<&'a str> {
+    /// The runs and all before them, each after those that use it.
+    fn upstream<'a>(&'a self, ledger: &Ledger, first: &BTreeSet<&'a str>) -> Vec<&'a str> {
         let mut before_each: BTreeMap<&str, BTreeSet<&str>> = BTreeMap::new();
         let mut open: Vec<&'a str> = first.iter().copied().collect();
         while let Some(stage) = open.pop() {
             if !before_each.contains_key(stage) {
-                let before = self.before(stage);
+                let before = self.before(ledger, stage);
                 open.extend(before.iter().copied());
                 before_each.insert(stage, before);
             }
@@ -240,13 +226,9 @@ impl Trace {
             let row = stage.row.as_ref().map_or_else(String::new, |row| {
                 format!(" (row on line {} of {})", row.line, row.table)
             });
-            let mut versions = String::new();
-            for (command, version) in &stage.versions {
-                versions.push_str(", ");
-                versions.push_str(command);
-                versions.push_str(" version ");
-                versions.push_str(version);
-            }
+            let version =
+                |(command, version): (&String, &String)| format!(", {command} version {version}");
+            let versions: String = stage.versions.iter().map(version).collect();
             lines.push(format!("<- stage {}{row}{versions}", stage.stage));
             lines.push(format!("     {}", stage.command));
             let changed = |output: &&TracedFile| output.state != FileState::Same;

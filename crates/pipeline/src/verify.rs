@@ -1,7 +1,6 @@
 //! Whether the files are still what the ledger says.
 
 use std::collections::BTreeSet;
-use std::sync::atomic::AtomicBool;
 
 use crate::content::Hasher;
 use crate::{FactKind, Graph, Ledger, Pipeline, PipelineError, Place};
@@ -75,8 +74,7 @@ impl FileState {
 /// If the ledger or a file cannot be read.
 pub fn verify(pipeline: &Pipeline, place: &Place) -> Result<Verification, PipelineError> {
     let ledger = Ledger::read(&place.ledger, pipeline.name())?;
-    let never = AtomicBool::new(false);
-    let hasher = Hasher::reading_all(&place.root, &never);
+    let hasher = Hasher::reading_all(&place.root);
     let mut compared = BTreeSet::new();
     let mut findings = Vec::new();
     let recorded = pipeline

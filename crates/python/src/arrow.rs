@@ -18,7 +18,6 @@ pub(crate) enum Cells {
 /// Names and cells of a table's columns.
 pub(crate) type Given = Vec<(String, Cells)>;
 
-/// The table of these columns.
 pub(crate) fn table_of(columns: Given) -> TableBuilder {
     let mut table = TableBuilder::default();
     for (name, cells) in columns {

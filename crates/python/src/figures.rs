@@ -127,7 +127,6 @@ macro_rules! kinds {
     };
 }
 
-/// The figures.
 const KINDS: [(&str, Draw); 29] = kinds![
     ablation,
     aggression_line,

@@ -98,9 +98,6 @@ pub(crate) fn enough(condition: ConditionId, people: usize) -> Result<(), Rehear
 }
 
 /// A donor for each person of a study among all the others, by the rule of a run: as evenly as can be, by the seed.
-///
-/// # Errors
-/// As [`enough`].
 pub(crate) fn lend<'a>(
     (condition, matched): (ConditionId, Matched),
     places: &[Place<'a>],

@@ -28,7 +28,7 @@ pub fn single(cell: &Cell) -> Finding {
 }
 
 /// Would studies of this size show what is there? Each declared hypothesis has to be shown in more than [`POWER`] of them; without any, of
-/// each part of the analysis the test that most studies found.
+/// each part of the analysis the test that most studies found, which flatters.
 pub fn power(cell: &Cell) -> Finding {
     let part = |key: &str, share: Option<&Proportion>| {
         // A question that no study could judge is as one of too few.

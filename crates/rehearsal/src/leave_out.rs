@@ -16,8 +16,12 @@ pub use order::{Asked, By, Mean, Order, PersonOrder, ReadOrder, order};
 pub use retest::{Repeated, Retest, retest};
 pub use shipped::{Shipped, ShippedPerson, shipped};
 
-use crate::validation::{Known, mean};
+use crate::{
+    error::RehearsalError,
+    validation::{Known, mean},
+};
 use maveric_domain::{ConditionId, DriveId, ParticipantId};
+use maveric_stats::{Proportion, proportion_exact};
 use serde::Serialize;
 use std::fmt;
 
@@ -92,6 +96,20 @@ pub enum Missing {
     Change,
 }
 
+impl Uncounted {
+    fn new(participant: &ParticipantId, why: Missing) -> Self {
+        let participant = participant.clone();
+        Self { participant, why }
+    }
+}
+
+impl Missing {
+    fn reading(drive: &Drove, by: By) -> Self {
+        let drive = drive.drive.clone();
+        Self::Reading { drive, by }
+    }
+}
+
 impl fmt::Display for Missing {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
@@ -132,6 +150,12 @@ fn driven(drives: &[Drove], who: &ParticipantId, role: ConditionId) -> Vec<usize
     let theirs = |(_, d): &(usize, &Drove)| d.participant == *who && d.role == role;
     let places = drives.iter().enumerate().filter(theirs);
     places.map(|(place, _)| place).collect()
+}
+
+/// A share with Clopper and Pearson's 95 % interval; none of nobody.
+fn share(hits: usize, n: usize) -> Result<Option<Proportion>, RehearsalError> {
+    let share = (n > 0).then(|| proportion_exact(hits, n, 0.95));
+    Ok(share.transpose()?)
 }
 
 /// Standard errors to either side of an interval that a true difference lies in about 95 times of 100.

@@ -23,7 +23,7 @@ pub use population::{
     CarSetting, DerivedMeasure, DrawnMeasure, Drives, LineModel, MeasureModel, PopulationModel,
     Round, Step,
 };
-pub use power::{Judge, POWER};
+pub use power::POWER;
 pub use rates::{ALPHA, Cell, FamilyRate, HypothesisRate, TestRate, n_for};
 pub use unknown_car::UnknownCar;
 pub use world::{Rehearsed, World};

@@ -92,16 +92,10 @@ pub struct Studied {
 /// Every test of a study and every declared hypothesis, always in the same order.
 pub fn found_in(a: &Analysis) -> Studied {
     Studied {
-        tests: tests_in(a),
+        tests: alone(a).into_iter().chain(in_families(a)).collect(),
         judged: a.hypotheses.clone(),
         findings: a.findings.iter().map(|f| (f.question, f.verdict)).collect(),
     }
-}
-
-fn tests_in(a: &Analysis) -> Vec<Found> {
-    let mut tests = alone(a);
-    tests.extend(in_families(a));
-    tests
 }
 
 fn r_and_p(c: &Correlation) -> (Option<f64>, Option<f64>) {

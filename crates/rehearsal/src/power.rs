@@ -8,25 +8,7 @@ use crate::{
 /// Share of studies that should find what is there.
 pub const POWER: f64 = 0.8;
 
-/// What says whether there is power enough.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub enum Judge {
-    /// The design's hypotheses: each study shows them or does not, by their own rules.
-    Hypotheses,
-    /// A design without any: of each part of the analysis the test that most studies found, which flatters.
-    BestTests,
-}
-
 impl Cell {
-    /// What a verdict on its power rests on.
-    pub fn judge(&self) -> Judge {
-        if self.hypotheses.is_empty() {
-            Judge::BestTests
-        } else {
-            Judge::Hypotheses
-        }
-    }
-
     /// The tests of each part of the analysis that has any.
     pub fn by_part(&self) -> Vec<(Part, Vec<&TestRate>)> {
         let tests_in = |part: Part| self.tests.iter().filter(move |t| t.part == part);
@@ -106,10 +88,8 @@ mod tests {
     fn a_declared_hypothesis_of_little_power_fails_however_often_another_test_finds_something() {
         let cell = cell(&[21]);
         let asked = power(&cell);
-        assert_eq!(
-            (cell.judge(), asked.verdict),
-            (Judge::Hypotheses, Verdict::Fails)
-        );
+        assert_eq!(asked.verdict, Verdict::Fails);
+        assert_eq!(asked.parts[0].of, "Sporty is faster");
         assert!((asked.parts[0].estimate.unwrap() - 0.21).abs() < 1e-12);
     }
 
@@ -132,10 +112,9 @@ mod tests {
 
     #[test]
     fn without_hypotheses_the_best_test_of_each_part_is_asked_and_said_to_be_that() {
-        let cell = cell(&[]);
-        assert_eq!(
-            (cell.judge(), power(&cell).verdict),
-            (Judge::BestTests, Verdict::Shown)
-        );
+        let asked = power(&cell(&[]));
+        assert_eq!(asked.verdict, Verdict::Shown);
+        let best = "Outcomes over the conditions: panel.mean_velocity_mps.omnibus";
+        assert_eq!(asked.parts[0].of, best);
     }
 }

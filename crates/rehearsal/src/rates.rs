@@ -1,6 +1,9 @@
 //! How often each test says yes, over many studies.
 
-use crate::outcomes::{Found, Part, Studied};
+use crate::{
+    outcomes::{Found, Part, Studied},
+    validation::mean,
+};
 use maveric_analysis::{Judged, Question, Verdict};
 use maveric_domain::ConditionId;
 use maveric_stats::{Proportion, proportion};
@@ -146,8 +149,7 @@ impl Cell {
                 rejected,
                 rate: share(rejected, p.len()),
                 holm: share(holm.iter().filter(|p| **p < ALPHA).count(), holm.len()),
-                mean_estimate: (!estimates.is_empty())
-                    .then(|| estimates.iter().sum::<f64>() / estimates.len() as f64),
+                mean_estimate: mean(&estimates),
                 mean_when_significant: {
                     let yes = |f: &&&Found| f.p.is_some_and(|p| p < ALPHA);
                     let seen: Vec<f64> = results
@@ -155,7 +157,7 @@ impl Cell {
                         .filter(yes)
                         .filter_map(|f| f.estimate)
                         .collect();
-                    (!seen.is_empty()).then(|| seen.iter().sum::<f64>() / seen.len() as f64)
+                    mean(&seen)
                 },
                 above_zero: share(
                     estimates.iter().filter(|e| **e > 0.0).count(),

@@ -2,7 +2,7 @@
 
 use crate::{
     error::SeatError,
-    markup::{form_field, html, to_lab},
+    markup::{form_field, html, html_with_way_back, to_lab},
     request::{Answered, Refused, Shared, with_help},
     seat::Seat,
     steps::Act,
@@ -47,17 +47,12 @@ async fn asks_to_stop(State(shared): State<Shared>) -> Answered<Response> {
         more => words.plain("lab_more_on", &[("n", &more.to_string())]),
     };
     let say = |name| words.plain(name, &[]);
-    Ok(html(
-        words,
-        &format!(
-            "<h1>{}</h1><p>{who} {}</p><form method=\"post\" action=\"/lab/stop\"><button>{}</button></form>\
-             <p><a href=\"/lab\">{}</a></p>",
-            say("lab_close_title"),
-            say("lab_links_go_on"),
-            say("lab_close_it"),
-            say("back")
-        ),
-    ))
+    let body = format!(
+        "<p>{who} {}</p><form method=\"post\" action=\"/lab/stop\"><button>{}</button></form>",
+        say("lab_links_go_on"),
+        say("lab_close_it")
+    );
+    Ok(html_with_way_back(words, &say("lab_close_title"), &body))
 }
 
 async fn stop(State(shared): State<Shared>) -> Response {
@@ -76,17 +71,13 @@ async fn stop(State(shared): State<Shared>) -> Response {
 async fn asks_to_forget(State(shared): State<Shared>, Path(participant): Path<String>) -> Response {
     let words = shared.words();
     let say = |name| words.plain(name, &[("who", &participant)]);
-    html(
-        words,
-        &format!(
-            "<h1>{}</h1><p>{} {}</p><form method=\"post\"><button>{}</button></form><p><a href=\"/lab\">{}</a></p>",
-            say("lab_forget_title"),
-            say("lab_forget_what"),
-            say("lasting"),
-            say("lab_forget_it"),
-            say("back")
-        ),
-    )
+    let body = format!(
+        "<p>{} {}</p><form method=\"post\"><button>{}</button></form>",
+        say("lab_forget_what"),
+        say("lasting"),
+        say("lab_forget_it")
+    );
+    html_with_way_back(words, &say("lab_forget_title"), &body)
 }
 
 async fn forget(
@@ -102,15 +93,8 @@ async fn forget(
     shared.refusals.forget(&participant);
     let words = shared.words();
     let say = |name| words.plain(name, &[("who", &participant)]);
-    Ok(html(
-        words,
-        &format!(
-            "<h1>{}</h1><p>{}</p><p><a href=\"/lab\">{}</a></p>",
-            say("lab_forgotten"),
-            say("lasting"),
-            say("back")
-        ),
-    ))
+    let body = format!("<p>{}</p>", say("lasting"));
+    Ok(html_with_way_back(words, &say("lab_forgotten"), &body))
 }
 
 async fn asks_to_leave_out(
@@ -139,18 +123,13 @@ async fn asks_to_leave_out(
             say(help)
         )
     });
-    html(
-        words,
-        &format!(
-            "<h1>{}</h1><p>{}</p><form method=\"post\"><label>{} <input name=\"reason\" maxlength=\"{LONGEST_REASON}\" size=\"60\" required></label>{}</form>\
-             <p><a href=\"/lab\">{}</a></p>",
-            say("lab_step_title"),
-            say("lab_step_help"),
-            say("lab_reason"),
-            buttons.concat(),
-            say("back")
-        ),
-    )
+    let body = format!(
+        "<p>{}</p><form method=\"post\">{}{}</form>",
+        say("lab_step_help"),
+        reason_field(&say("lab_reason")),
+        buttons.concat()
+    );
+    html_with_way_back(words, &say("lab_step_title"), &body)
 }
 
 async fn leave_out(
@@ -181,6 +160,13 @@ async fn leave_out(
     Ok(to_lab())
 }
 
+/// Where a reason is typed, which no form goes without.
+fn reason_field(label: &str) -> String {
+    format!(
+        "<label>{label} <input name=\"reason\" maxlength=\"{LONGEST_REASON}\" size=\"60\" required></label>"
+    )
+}
+
 /// The reason that was given, as far as one is kept.
 fn reason_of(body: &Bytes) -> String {
     let reason = form_field(body, "reason").unwrap_or_default();
@@ -209,21 +195,13 @@ async fn asks_to_exclude(
             say("lab_counts")
         ),
         None => format!(
-            "<p>{}</p><form method=\"post\"><label>{} <input name=\"reason\" maxlength=\"{LONGEST_REASON}\" size=\"60\" required></label> \
-             <button>{}</button></form>",
+            "<p>{}</p><form method=\"post\">{} <button>{}</button></form>",
             say("lab_exclude_what"),
-            say("lab_reason"),
+            reason_field(&say("lab_reason")),
             say("lab_exclude_it")
         ),
     };
-    Ok(html(
-        words,
-        &format!(
-            "<h1>{}</h1>{form}<p><a href=\"/lab\">{}</a></p>",
-            say("lab_exclude_title"),
-            say("back")
-        ),
-    ))
+    Ok(html_with_way_back(words, &say("lab_exclude_title"), &form))
 }
 
 async fn exclude(

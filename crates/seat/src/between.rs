@@ -5,7 +5,6 @@ use crate::{
     withdrawal::today,
 };
 use chrono::{DateTime, Days, NaiveDate};
-use rusqlite::OptionalExtension as _;
 use serde::Serialize;
 use std::num::NonZeroU32;
 
@@ -59,12 +58,9 @@ impl Between {
 impl Books<'_> {
     /// When somebody came to the step at which they are, in s since 1970.
     fn since(&self, token: &str) -> Result<i64, SeatError> {
-        self.ask(|c| {
-            c.prepare_cached("SELECT since FROM person WHERE token = ?1")?
-                .query_row([token], |row| row.get::<_, Option<i64>>(0))
-                .optional()
-        })
-        .map(|since| since.flatten().unwrap_or_default())
+        let question = "SELECT since FROM person WHERE token = ?1";
+        let since = self.row(question, [token], |row| row.get::<_, Option<i64>>(0))?;
+        Ok(since.flatten().unwrap_or_default())
     }
 }
 

@@ -10,7 +10,7 @@ use crate::{
 };
 use maveric_domain::nearest;
 use maveric_study::forget::is_about;
-use rusqlite::{Connection, OptionalExtension as _, params};
+use rusqlite::{Connection, OptionalExtension as _, Params, Row, params};
 use std::{collections::BTreeSet, path::Path};
 
 /// What is asked within one transaction.
@@ -36,9 +36,37 @@ impl Books<'_> {
         &self,
         question: impl FnOnce(&Connection) -> rusqlite::Result<T>,
     ) -> Result<T, SeatError> {
-        question(self.connection).map_err(|source| SeatError::Store {
-            path: self.path.to_owned(),
-            source,
+        question(self.connection).map_err(|source| SeatError::store(self.path, source))
+    }
+
+    /// Changes what is kept.
+    pub(crate) fn change(&self, statement: &str, values: impl Params) -> Result<(), SeatError> {
+        self.ask(|c| c.execute(statement, values)).map(drop)
+    }
+
+    /// The rows that answer a question.
+    pub(crate) fn rows<T, C: FromIterator<T>>(
+        &self,
+        question: &str,
+        values: impl Params,
+        read: impl FnMut(&Row<'_>) -> rusqlite::Result<T>,
+    ) -> Result<C, SeatError> {
+        self.ask(|c| {
+            let mut rows = c.prepare_cached(question)?;
+            rows.query_map(values, read)?.collect()
+        })
+    }
+
+    /// The first row that answers a question, if there is one.
+    pub(crate) fn row<T>(
+        &self,
+        question: &str,
+        values: impl Params,
+        read: impl FnOnce(&Row<'_>) -> rusqlite::Result<T>,
+    ) -> Result<Option<T>, SeatError> {
+        self.ask(|c| {
+            let mut row = c.prepare_cached(question)?;
+            row.query_row(values, read).optional()
         })
     }
 
@@ -46,13 +74,10 @@ impl Books<'_> {
     pub(crate) fn add(&self, person: &Person) -> Result<(), SeatError> {
         // Steps are made of what was checked.
         let steps = serde_json::to_string(&person.steps).unwrap_or_default();
-        self.ask(|c| {
-            c.execute(
-                "INSERT INTO person (token, participant, steps, at, ended, fit, row, made, since) VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?8)",
-                params![person.token, person.participant, steps, whole(person.at), person.ended, person.fit, person.row.map(whole), now()],
-            )
-        })
-        .map(drop)
+        self.change(
+            "INSERT INTO person (token, participant, steps, at, ended, fit, row, made, since) VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?8)",
+            params![person.token, person.participant, steps, whole(person.at), person.ended, person.fit, person.row.map(whole), now()],
+        )
     }
 
     /// Lets in somebody with all that they gave.
@@ -81,20 +106,13 @@ impl Books<'_> {
 
     /// The person of a token.
     pub(crate) fn person(&self, token: &str) -> Result<Option<Person>, SeatError> {
-        self.ask(|c| {
-            c.prepare_cached(&format!("{PERSON} WHERE token = ?1"))?
-                .query_row([token], Person::read)
-                .optional()
-        })
+        self.row(&format!("{PERSON} WHERE token = ?1"), [token], Person::read)
     }
 
     /// The person of an id.
     pub(crate) fn called(&self, participant: &str) -> Result<Person, SeatError> {
-        let person = self.ask(|c| {
-            c.prepare_cached(&format!("{PERSON} WHERE participant = ?1"))?
-                .query_row([participant], Person::read)
-                .optional()
-        })?;
+        let question = format!("{PERSON} WHERE participant = ?1");
+        let person = self.row(&question, [participant], Person::read)?;
         let ids = self.ids()?;
         person.ok_or_else(|| SeatError::Nobody {
             participant: participant.to_owned(),
@@ -104,24 +122,18 @@ impl Books<'_> {
 
     /// The ids of everybody, in the order in which they were let in.
     pub(crate) fn ids(&self) -> Result<Vec<String>, SeatError> {
-        self.ask(|c| {
-            let mut rows = c.prepare_cached("SELECT participant FROM person ORDER BY rowid")?;
-            rows.query_map([], |row| row.get(0))?.collect()
-        })
+        let question = "SELECT participant FROM person ORDER BY rowid";
+        self.rows(question, [], |row| row.get(0))
     }
 
     /// Everybody, in the order in which they were let in.
     pub(crate) fn everybody(&self) -> Result<Vec<Person>, SeatError> {
-        self.ask(|c| {
-            let mut rows = c.prepare_cached(&format!("{PERSON} ORDER BY rowid"))?;
-            rows.query_map([], Person::read)?.collect()
-        })
+        self.rows(&format!("{PERSON} ORDER BY rowid"), [], Person::read)
     }
 
     /// Takes the page for itself: what another tab sends from now on is refused.
     pub(crate) fn claim(&self, token: &str, tab: &str) -> Result<(), SeatError> {
-        self.ask(|c| c.execute("UPDATE person SET tab = ?2 WHERE token = ?1", [token, tab]))
-            .map(drop)
+        self.change("UPDATE person SET tab = ?2 WHERE token = ?1", [token, tab])
     }
 
     /// Whether this tab is the one that was opened last.
@@ -140,14 +152,11 @@ impl Books<'_> {
     }
 
     /// Goes from step `from` to `to`; nothing where somebody is elsewhere.
-    fn go_to(&self, person: &Person, from: usize, to: usize) -> Result<(), SeatError> {
-        self.ask(|c| {
-            c.execute(
-                "UPDATE person SET at = ?3, since = ?4 WHERE token = ?1 AND at = ?2",
-                params![person.token, whole(from), whole(to), now()],
-            )
-        })
-        .map(drop)
+    pub(crate) fn go_to(&self, person: &Person, from: usize, to: usize) -> Result<(), SeatError> {
+        self.change(
+            "UPDATE person SET at = ?3, since = ?4 WHERE token = ?1 AND at = ?2",
+            params![person.token, whole(from), whole(to), now()],
+        )
     }
 
     /// Goes from a step at which somebody stopped to what they are told then, or to the end: nothing is driven any more.
@@ -156,11 +165,6 @@ impl Books<'_> {
         let aftercare = person.steps.iter().position(is_aftercare);
         let end = person.steps.len().saturating_sub(1);
         self.go_to(person, from, aftercare.unwrap_or(end))
-    }
-
-    /// Goes back to a step that is done once more.
-    pub(crate) fn go_back(&self, person: &Person, to: usize) -> Result<(), SeatError> {
-        self.go_to(person, person.at, to)
     }
 
     /// Keeps the answers of a step and goes on.
@@ -176,42 +180,34 @@ impl Books<'_> {
         step: usize,
         body: &str,
     ) -> Result<(), SeatError> {
-        self.ask(|c| {
-            c.execute(
-                "INSERT OR IGNORE INTO answer (participant, step, body, given) VALUES (?1, ?2, ?3, ?4)",
-                params![person.participant, whole(step), body, now()],
-            )
-        })
-        .map(drop)
+        self.change(
+            "INSERT OR IGNORE INTO answer (participant, step, body, given) VALUES (?1, ?2, ?3, ?4)",
+            params![person.participant, whole(step), body, now()],
+        )
     }
 
     /// Every sheet of a person, in the order of the steps.
     pub(crate) fn answers(&self, participant: &str) -> Result<Vec<KeptSheet>, SeatError> {
-        self.ask(|c| {
-            let mut rows = c.prepare_cached(
-                "SELECT step, body, given, listed FROM answer WHERE participant = ?1 ORDER BY step",
-            )?;
-            let read = |row: &rusqlite::Row<'_>| {
+        self.rows(
+            "SELECT step, body, given, listed FROM answer WHERE participant = ?1 ORDER BY step",
+            [participant],
+            |row| {
                 Ok(KeptSheet {
                     step: row.get::<_, i64>(0)? as usize,
                     body: row.get(1)?,
                     given: row.get(2)?,
                     listed: Listed::read(row.get(3)?),
                 })
-            };
-            rows.query_map([participant], read)?.collect()
-        })
+            },
+        )
     }
 
     /// Says what stands of a person in the study's table of people.
     pub(crate) fn list_person(&self, participant: &str, listed: Listed) -> Result<(), SeatError> {
-        self.ask(|c| {
-            c.execute(
-                "UPDATE person SET listed = ?2 WHERE participant = ?1",
-                params![participant, listed.number()],
-            )
-        })
-        .map(drop)
+        self.change(
+            "UPDATE person SET listed = ?2 WHERE participant = ?1",
+            params![participant, listed.number()],
+        )
     }
 
     /// Says what stands of a sheet in the study's table of answers.
@@ -220,24 +216,18 @@ impl Books<'_> {
         (participant, step): (&str, usize),
         listed: Listed,
     ) -> Result<(), SeatError> {
-        self.ask(|c| {
-            c.execute(
-                "UPDATE answer SET listed = ?3 WHERE participant = ?1 AND step = ?2",
-                params![participant, whole(step), listed.number()],
-            )
-        })
-        .map(drop)
+        self.change(
+            "UPDATE answer SET listed = ?3 WHERE participant = ?1 AND step = ?2",
+            params![participant, whole(step), listed.number()],
+        )
     }
 
     /// Keeps a person's style.
     pub(crate) fn fit(&self, person: &Person, fit: &str) -> Result<(), SeatError> {
-        self.ask(|c| {
-            c.execute(
-                "UPDATE person SET fit = ?2 WHERE token = ?1",
-                [&*person.token, fit],
-            )
-        })
-        .map(drop)
+        self.change(
+            "UPDATE person SET fit = ?2 WHERE token = ?1",
+            [&*person.token, fit],
+        )
     }
 
     /// Keeps a person's steps anew.
@@ -255,27 +245,18 @@ impl Books<'_> {
 
     /// Ends a person's part, as [`Person::ended`] says; how it ended before stays.
     pub(crate) fn ended(&self, person: &Person, how: &str) -> Result<(), SeatError> {
-        self.ask(|c| {
-            c.execute(
-                "UPDATE person SET ended = ?2, since = ?3 WHERE token = ?1 AND ended IS NULL",
-                params![person.token, how, now()],
-            )
-        })
-        .map(drop)
+        self.change(
+            "UPDATE person SET ended = ?2, since = ?3 WHERE token = ?1 AND ended IS NULL",
+            params![person.token, how, now()],
+        )
     }
 
     /// Takes away all that is kept of a person, and every note that names them, but the id, which nobody gets again, and the digest of their link, so that it says what
     /// became of it and no file of theirs is taken in again. Gives their token, if they had one here.
     pub(crate) fn forget(&self, participant: &str) -> Result<Option<String>, SeatError> {
         self.without_donor(participant)?;
-        let token: Option<String> = self.ask(|c| {
-            c.query_row(
-                "SELECT token FROM person WHERE participant = ?1",
-                [participant],
-                |row| row.get(0),
-            )
-            .optional()
-        })?;
+        let question = "SELECT token FROM person WHERE participant = ?1";
+        let token: Option<String> = self.row(question, [participant], |row| row.get(0))?;
         self.ask(|c| {
             for table in [
                 "person", "answer", "drive", "piece", "event", "left_out", "repeated", "decided",
@@ -302,26 +283,20 @@ impl Books<'_> {
 
     /// The ids that are not given again.
     pub(crate) fn forgotten(&self) -> Result<Vec<String>, SeatError> {
-        self.ask(|c| {
-            let mut rows = c.prepare("SELECT participant FROM forgotten ORDER BY participant")?;
-            rows.query_map([], |row| row.get(0))?.collect()
-        })
+        let question = "SELECT participant FROM forgotten ORDER BY participant";
+        self.rows(question, [], |row| row.get(0))
     }
 
     /// Those of whom something may be left, since the seat was stopped on the way.
     pub(crate) fn not_swept(&self) -> Result<Vec<String>, SeatError> {
-        self.ask(|c| {
-            let mut rows = c.prepare("SELECT participant FROM forgotten WHERE swept = 0")?;
-            rows.query_map([], |row| row.get(0))?.collect()
-        })
+        let question = "SELECT participant FROM forgotten WHERE swept = 0";
+        self.rows(question, [], |row| row.get(0))
     }
 
     /// The digests of the links of who is forgotten.
     pub(crate) fn links_forgotten(&self) -> Result<BTreeSet<String>, SeatError> {
-        self.ask(|c| {
-            let mut rows = c.prepare("SELECT link FROM forgotten WHERE link IS NOT NULL")?;
-            rows.query_map([], |row| row.get(0))?.collect()
-        })
+        let question = "SELECT link FROM forgotten WHERE link IS NOT NULL";
+        self.rows(question, [], |row| row.get(0))
     }
 
     /// Whether this was the link of somebody who was forgotten.
@@ -335,23 +310,15 @@ impl Books<'_> {
 
     /// What happened, the newest first, with whom it happened to: at most so many.
     pub(crate) fn events(&self, most: u32) -> Result<Vec<(Option<String>, String)>, SeatError> {
-        self.ask(|c| {
-            let mut rows = c.prepare_cached(
-                "SELECT participant, what FROM event ORDER BY rowid DESC LIMIT ?1",
-            )?;
-            rows.query_map([most], |row| Ok((row.get(0)?, row.get(1)?)))?
-                .collect()
-        })
+        let question = "SELECT participant, what FROM event ORDER BY rowid DESC LIMIT ?1";
+        self.rows(question, [most], |row| Ok((row.get(0)?, row.get(1)?)))
     }
 
     /// Writes down what happened.
     pub(crate) fn event(&self, participant: Option<&str>, what: &str) -> Result<(), SeatError> {
-        self.ask(|c| {
-            c.execute(
-                "INSERT INTO event VALUES (?1, ?2, ?3)",
-                params![now(), participant, what],
-            )
-        })
-        .map(drop)
+        self.change(
+            "INSERT INTO event VALUES (?1, ?2, ?3)",
+            params![now(), participant, what],
+        )
     }
 }

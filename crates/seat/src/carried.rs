@@ -66,33 +66,28 @@ pub struct Exported {
 /// where too few let theirs be lent; [`SeatError::Store`]; [`SeatError::Study`] if a file cannot be written.
 pub fn export(seat: &Seat, folder: &Path, post: Option<&str>) -> Result<Exported, SeatError> {
     let settings: &SeatSettings = &seat.settings;
-    let refused = |problem: String, help: &str| SeatError::Protocol {
-        problem,
-        help: Some(help.to_owned()),
-    };
     let origin = match post.map(|post| (post, url::Url::parse(post))) {
         None => None,
         Some((_, Ok(url))) if url.scheme() == "https" || local(&url) => {
             Some(url.origin().ascii_serialization())
         }
         Some((post, _)) => {
-            return Err(refused(
+            return Err(SeatError::cannot(
                 format!("`{post}` is no address to send answers to"),
                 "expected https://…: answers do not travel in the clear",
             ));
         }
     };
     if !settings.in_others.is_empty() {
-        return Err(refused(
-            "[protocol] `languages` lets people choose, and static files speak one language"
-                .to_owned(),
+        return Err(SeatError::cannot(
+            "[protocol] `languages` lets people choose, and static files speak one language",
             "write `language` alone, and export once a language",
         ));
     }
     let holds = |name: &str| folder.join(name).exists();
     let empty = std::fs::read_dir(folder).map_or(true, |mut found| found.next().is_none());
     if !empty && !holds(STUDY) {
-        return Err(refused(
+        return Err(SeatError::cannot(
             format!(
                 "{} holds something else than a study of the seat",
                 folder.to_slash_lossy()
@@ -102,8 +97,9 @@ pub fn export(seat: &Seat, folder: &Path, post: Option<&str>) -> Result<Exported
     }
     seat.refuse_few_donors(false)?;
     let steps_of_row = |row: usize| -> Result<Vec<Step>, SeatError> {
-        let steps = seat.steps_of(Whose::Nobody, &seat.order(row))?.into_iter();
+        let steps = seat.steps_of(None, Whose::Nobody, &seat.order(row))?;
         steps
+            .into_iter()
             .map(|step| unnamed::step(seat.model.as_ref(), step))
             .collect()
     };
@@ -124,7 +120,8 @@ pub fn export(seat: &Seat, folder: &Path, post: Option<&str>) -> Result<Exported
         redirect: settings.design.protocol().redirect.as_ref(),
         rows,
     };
-    let study = serde_json::to_vec(&study).map_err(|e| refused(e.to_string(), "report this"))?;
+    let study =
+        serde_json::to_vec(&study).map_err(|e| SeatError::cannot(e.to_string(), "report this"))?;
     let mut files = vec![
         (
             "index.html",
@@ -271,10 +268,7 @@ fn bad(path: &Path, line: usize, problem: impl Into<String>) -> SeatError {
 
 /// The lines of a file, each with its number.
 fn lines_of(path: &Path) -> Result<Vec<(usize, Line)>, SeatError> {
-    let io = |source| SeatError::Io {
-        path: path.to_owned(),
-        source,
-    };
+    let io = |source| SeatError::io(path, source);
     let size = std::fs::metadata(path).map_err(io)?.len();
     if size > LARGEST {
         let problem = format!("the file has {size} bytes, expected at most {LARGEST}");
@@ -376,7 +370,7 @@ pub fn take_in(seat: &Seat, path: &Path) -> Result<TakenIn, SeatError> {
     if let Some(problem) = unwanted(seat, &token, row)? {
         return Err(bad(path, 1, problem));
     }
-    let steps = seat.steps_of(Whose::Link(&token), &seat.order(row))?;
+    let steps = seat.steps_of(None, Whose::Link(&token), &seat.order(row))?;
     let rest: Vec<(usize, Line)> = lines.collect();
     if let [(number, Line::NotAdmitted { not_admitted, step })] = rest[..] {
         let why = hold_back(seat, &token, &steps, (step, not_admitted))?;
@@ -401,7 +395,7 @@ pub fn take_in(seat: &Seat, path: &Path) -> Result<TakenIn, SeatError> {
             seat.stop_drive(&person, (step, found), &reason)?;
             continue;
         }
-        let whole = found.drives().is_some() && seat.finish_drive(&person, step, found)?;
+        let whole = found.drives().is_some() && seat.write_drive(&person, (step, found), None)?;
         if !whole && given.ended == "left" {
             seat.keep_unfinished(&person, step)?;
         }

@@ -12,10 +12,7 @@ use crate::{
 };
 use maveric_domain::{ParticipantId, Ride};
 use maveric_seat_page::Chunk;
-use maveric_study::{
-    StudyError,
-    tables::collected::{ConsentRow, EventRow, LentRow, NoteRow, Stopped},
-};
+use maveric_study::tables::collected::{ConsentRow, EventRow, LentRow, NoteRow, Stopped};
 use rusqlite::params;
 use std::collections::BTreeSet;
 
@@ -58,7 +55,7 @@ impl Books<'_> {
             .collect();
         let (mut collected, mut stopped) = (Collected::default(), Vec::new());
         for (person, sheets) in given.iter().filter(stays) {
-            let who = ParticipantId::new(&*person.participant).map_err(StudyError::from)?;
+            let who = ParticipantId::new(&*person.participant)?;
             stopped.extend(self.left_out_with(person, &who)?);
             // What was decided after the end is not in the rows of before.
             let is_final = final_rows.contains(&person.participant)
@@ -94,10 +91,7 @@ impl Books<'_> {
             let note = text.strip_prefix(NOTE);
             collected.notes.push(NoteRow {
                 at: written(given),
-                participant: about
-                    .map(ParticipantId::new)
-                    .transpose()
-                    .map_err(StudyError::from)?,
+                participant: about.map(ParticipantId::new).transpose()?,
                 by: if note.is_some() {
                     "experimenter"
                 } else {
@@ -112,11 +106,9 @@ impl Books<'_> {
 
     /// Every event of the seat, the oldest first: when, about whom, what.
     fn all_events(&self) -> Result<Vec<(i64, Option<String>, String)>, SeatError> {
-        self.ask(|c| {
-            let mut rows =
-                c.prepare("SELECT given, participant, what FROM event ORDER BY rowid")?;
-            rows.query_map([], |row| Ok((row.get(0)?, row.get(1)?, row.get(2)?)))?
-                .collect()
+        let question = "SELECT given, participant, what FROM event ORDER BY rowid";
+        self.rows(question, [], |row| {
+            Ok((row.get(0)?, row.get(1)?, row.get(2)?))
         })
     }
 
@@ -129,19 +121,20 @@ impl Books<'_> {
         let left_out = self.left_out(&person.participant)?;
         let repeated = self.repeated(&person.participant)?;
         let decided = self.decided(&person.participant)?;
+        let row_of = |step: usize, page: &str, moment: Option<String>, what: &str| EventRow {
+            participant: who.clone(),
+            step: step + 1,
+            page: page.to_owned(),
+            moment,
+            attempt: None,
+            time_s: None,
+            what: what.to_owned(),
+            value: None,
+            at: None,
+        };
         for (step, found) in person.steps.iter().enumerate() {
             let (page, moment) = place(found);
-            let row = |what: &str| EventRow {
-                participant: who.clone(),
-                step: step + 1,
-                page: page.clone(),
-                moment: moment.clone(),
-                attempt: None,
-                time_s: None,
-                what: what.to_owned(),
-                value: None,
-                at: None,
-            };
+            let row = |what: &str| row_of(step, &page, moment.clone(), what);
             if let Step::Language {
                 chosen: Some(language),
                 ..
@@ -150,8 +143,7 @@ impl Books<'_> {
                 events.push(row(language));
             }
             for kept in sheets.iter().filter(|kept| kept.step == step) {
-                // Only what was checked was kept.
-                let sheet = serde_json::from_str::<Sheet>(&kept.body).ok();
+                let sheet = kept.sheet();
                 if let (
                     Step::Aftercare {
                         again: Some(asked), ..
@@ -176,17 +168,12 @@ impl Books<'_> {
                 });
             }
             self.driven(person, (step, found), &row, events)?;
-            for again in repeated.iter().filter(|again| again.step == step) {
+            let done = repeated.iter().chain(&decided);
+            for done in done.filter(|done| done.step == step) {
                 events.push(EventRow {
-                    attempt: Some(again.attempt),
-                    at: written(again.given),
-                    ..row(&again.what)
-                });
-            }
-            for decided in decided.iter().filter(|decided| decided.step == step) {
-                events.push(EventRow {
-                    at: written(decided.given),
-                    ..row(&decided.what)
+                    attempt: done.attempt,
+                    at: written(done.given),
+                    ..row(&done.what)
                 });
             }
             for left in left_out.iter().filter(|left| left.step == step) {
@@ -201,17 +188,8 @@ impl Books<'_> {
             }
         }
         if let Some(how) = &person.ended {
-            events.push(EventRow {
-                participant: who.clone(),
-                step: person.at.min(person.steps.len().saturating_sub(1)) + 1,
-                page: END.to_owned(),
-                moment: None,
-                attempt: None,
-                time_s: None,
-                what: how.clone(),
-                value: None,
-                at: None,
-            });
+            let last = person.at.min(person.steps.len().saturating_sub(1));
+            events.push(row_of(last, END, None, how));
         }
         Ok(())
     }
@@ -347,7 +325,7 @@ fn consents_of<'a>(
     who: &'a ParticipantId,
 ) -> impl Iterator<Item = ConsentRow> + 'a {
     sheets.iter().filter_map(|kept| {
-        let sheet = serde_json::from_str::<Sheet>(&kept.body).ok()?;
+        let sheet = kept.sheet()?;
         Some(ConsentRow {
             participant: who.clone(),
             step: kept.step + 1,

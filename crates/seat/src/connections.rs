@@ -1,6 +1,6 @@
 //! Connections, and how long and how many may be unfinished: whoever asks nothing, or slowly, keeps nobody else from being served.
 
-use crate::wire::Wire;
+use crate::{held::held, wire::Wire};
 use axum::Router;
 use hyper::{
     Request,
@@ -16,7 +16,7 @@ use std::{
     collections::BTreeMap,
     net::IpAddr,
     sync::{
-        Arc, Mutex, MutexGuard, PoisonError,
+        Arc, Mutex,
         atomic::{AtomicU8, Ordering},
     },
     time::{Duration, Instant},
@@ -89,15 +89,10 @@ struct Connections {
 }
 
 impl Connections {
-    fn held(&self) -> MutexGuard<'_, BTreeMap<u64, Open>> {
-        // What is guarded is changed in one go.
-        self.open.lock().unwrap_or_else(PoisonError::into_inner)
-    }
-
     /// Makes room for one more from this address: the oldest that asked nothing go, or of all the oldest that waits; none that streams
     /// but for their own number.
     fn make_room(&self, from: IpAddr, most: usize) {
-        let mut open = self.held();
+        let mut open = held(&self.open);
         let idle = |o: &Open| o.from == from && o.stage.at() == NEW && o.since.elapsed() >= A_WHILE;
         hang_up_all_but(&mut open, MOST_NEW, idle);
         hang_up_all_but(&mut open, MOST_STREAMING, |o| o.stage.at() == STREAMING);
@@ -158,7 +153,7 @@ pub(crate) async fn accept(listener: TcpListener, wire: Wire, router: Router) {
         let stage = Stage::default();
         let (router, wire) = (router.clone(), wire.clone());
         let (theirs, closed) = (stage.clone(), Arc::clone(&connections));
-        let mut open = connections.held();
+        let mut open = held(&connections.open);
         let task = tokio::spawn(async move {
             match wire {
                 #[cfg(feature = "tls")]
@@ -169,7 +164,7 @@ pub(crate) async fn accept(listener: TcpListener, wire: Wire, router: Router) {
                 }
                 Wire::Here | Wire::BehindProxy => serve(stream, theirs, router).await,
             }
-            closed.held().remove(&id);
+            held(&closed.open).remove(&id);
         });
         let task = task.abort_handle();
         let since = Instant::now();
@@ -220,13 +215,13 @@ mod tests {
                 stage: Stage(Arc::new(AtomicU8::new(*stage))),
                 task: tokio::spawn(std::future::pending::<()>()).abort_handle(),
             };
-            connections.held().insert(id, open);
+            held(&connections.open).insert(id, open);
         }
         connections
     }
 
     fn left(connections: &Connections) -> Vec<u64> {
-        connections.held().keys().copied().collect()
+        held(&connections.open).keys().copied().collect()
     }
 
     #[test]

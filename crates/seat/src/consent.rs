@@ -1,8 +1,7 @@
 //! What was agreed to beside the text of the consent, and how many people did not agree.
 
 use crate::{
-    books::Books, error::SeatError, listed::KeptSheet, person::Person, sheet::Sheet, steps::Step,
-    token,
+    books::Books, error::SeatError, listed::KeptSheet, person::Person, steps::Step, token,
 };
 use maveric_domain::{Design, DriveId, ParticipantId};
 use maveric_study::{stages::steer::withheld_drives, tables::collected::NotAgreed};
@@ -26,8 +25,7 @@ pub(crate) fn lets_lend(person: &Person, sheets: &[KeptSheet]) -> bool {
         return true;
     };
     let kept = sheets.iter().find(|kept| kept.step == at);
-    // Only what was checked was kept.
-    let sheet = kept.and_then(|kept| serde_json::from_str::<Sheet>(&kept.body).ok());
+    let sheet = kept.and_then(KeptSheet::sheet);
     sheet.and_then(|sheet| sheet.style_lent) == Some(true)
 }
 
@@ -56,27 +54,21 @@ impl Books<'_> {
         let Some((_, text)) = asked else {
             return Ok(false);
         };
-        self.ask(|c| {
-            c.execute(
-                "INSERT INTO not_agreed (text_sha256, people) VALUES (?1, 1) ON CONFLICT DO UPDATE SET people = people + 1",
-                [token::sha256(text)],
-            )
-        })?;
+        self.change(
+            "INSERT INTO not_agreed (text_sha256, people) VALUES (?1, 1) ON CONFLICT DO UPDATE SET people = people + 1",
+            [token::sha256(text)],
+        )?;
         Ok(true)
     }
 
     /// How many people did not agree, by the text.
     pub(crate) fn not_agreed(&self) -> Result<Vec<NotAgreed>, SeatError> {
-        self.ask(|c| {
-            let mut rows =
-                c.prepare("SELECT text_sha256, people FROM not_agreed ORDER BY text_sha256")?;
-            let read = |row: &rusqlite::Row<'_>| {
-                Ok(NotAgreed {
-                    text_sha256: row.get(0)?,
-                    people: row.get::<_, i64>(1)? as usize,
-                })
-            };
-            rows.query_map([], read)?.collect()
+        let question = "SELECT text_sha256, people FROM not_agreed ORDER BY text_sha256";
+        self.rows(question, [], |row| {
+            Ok(NotAgreed {
+                text_sha256: row.get(0)?,
+                people: row.get::<_, i64>(1)? as usize,
+            })
         })
     }
 }
@@ -84,7 +76,7 @@ impl Books<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{listed::Listed, store::Store};
+    use crate::{listed::Listed, sheet::Sheet, store::Store};
 
     fn text(lend: Option<&str>) -> Step {
         Step::Text {

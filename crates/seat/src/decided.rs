@@ -29,16 +29,14 @@ impl Done {
 impl Books<'_> {
     /// What was decided of somebody, the oldest first.
     pub(crate) fn decided(&self, participant: &str) -> Result<Vec<Done>, SeatError> {
-        self.done_with("decided", participant)
+        self.done_with(("decided", "NULL"), participant)
     }
 
     fn decide(&self, participant: &str, step: usize, what: &str) -> Result<(), SeatError> {
-        self.ask(|c| {
-            c.execute(
-                "INSERT INTO decided VALUES (?1, ?2, ?3, ?4)",
-                params![participant, whole(step), what, now()],
-            )
-        })?;
+        self.change(
+            "INSERT INTO decided VALUES (?1, ?2, ?3, ?4)",
+            params![participant, whole(step), what, now()],
+        )?;
         self.event(Some(participant), &format!("step {}: {what}", step + 1))
     }
 

@@ -86,10 +86,7 @@ fn model(cache: &Path, jobs: usize, watch: Watch<'_>) -> Result<Vec<u8>, SeatErr
     {
         return Ok(bytes);
     }
-    std::fs::create_dir_all(cache).map_err(|source| SeatError::Io {
-        path: cache.to_owned(),
-        source,
-    })?;
+    std::fs::create_dir_all(cache).map_err(|source| SeatError::io(cache, source))?;
     let work = cache.join(format!("work-{}", std::process::id()));
     let trained = train_in(&work, jobs, watch);
     // What was made on the way is of no further use, whether it came to a model or not.

@@ -55,13 +55,12 @@ pub(crate) fn most_bytes_of_step(ticks: u64) -> u64 {
 impl Books<'_> {
     /// The drives begun at a step, in order.
     pub(crate) fn begun(&self, participant: &str, step: usize) -> Result<Vec<Begun>, SeatError> {
-        self.ask(|c| {
-            let mut rows = c.prepare_cached(
-                "SELECT attempt, ticks, end IS NOT NULL, bytes,
-                    attempt <= (SELECT COALESCE(MAX(attempt), 0) FROM repeated WHERE participant = ?1 AND step = ?2)
-                 FROM drive WHERE participant = ?1 AND step = ?2 ORDER BY attempt",
-            )?;
-            let read = |row: &rusqlite::Row<'_>| {
+        self.rows(
+            "SELECT attempt, ticks, end IS NOT NULL, bytes,
+                attempt <= (SELECT COALESCE(MAX(attempt), 0) FROM repeated WHERE participant = ?1 AND step = ?2)
+             FROM drive WHERE participant = ?1 AND step = ?2 ORDER BY attempt",
+            params![participant, whole(step)],
+            |row| {
                 Ok(Begun {
                     attempt: row.get(0)?,
                     ticks: row.get::<_, i64>(1)?.cast_unsigned(),
@@ -69,9 +68,8 @@ impl Books<'_> {
                     bytes: row.get::<_, i64>(3)?.cast_unsigned(),
                     set_aside: row.get(4)?,
                 })
-            };
-            rows.query_map(params![participant, whole(step)], read)?.collect()
-        })
+            },
+        )
     }
 
     /// The record of the drive by hand that somebody's style is learned of; none before it has ended.
@@ -88,14 +86,11 @@ impl Books<'_> {
 
     /// The step and attempt that somebody drove last.
     pub(crate) fn last_drive(&self, participant: &str) -> Result<Option<(usize, u32)>, SeatError> {
-        self.ask(|c| {
-            c.query_row(
-                "SELECT step, attempt FROM drive WHERE participant = ?1 ORDER BY step DESC, attempt DESC LIMIT 1",
-                [participant],
-                |row| Ok((row.get::<_, i64>(0)? as usize, row.get(1)?)),
-            )
-            .optional()
-        })
+        self.row(
+            "SELECT step, attempt FROM drive WHERE participant = ?1 ORDER BY step DESC, attempt DESC LIMIT 1",
+            [participant],
+            |row| Ok((row.get::<_, i64>(0)? as usize, row.get(1)?)),
+        )
     }
 
     /// Begins a drive; the same header again changes nothing.
@@ -105,13 +100,10 @@ impl Books<'_> {
         (step, attempt): (usize, u32),
         header: &str,
     ) -> Result<(), SeatError> {
-        self.ask(|c| {
-            c.execute(
-                "INSERT OR IGNORE INTO drive (participant, step, attempt, header, begun) VALUES (?1, ?2, ?3, ?4, ?5)",
-                params![participant, whole(step), attempt, header, now()],
-            )
-        })
-        .map(drop)
+        self.change(
+            "INSERT OR IGNORE INTO drive (participant, step, attempt, header, begun) VALUES (?1, ?2, ?3, ?4, ?5)",
+            params![participant, whole(step), attempt, header, now()],
+        )
     }
 
     /// Keeps pieces that follow on one another, `(from_tick, ticks, line)`. Gives the step up to which all is kept; none where a piece is
@@ -155,13 +147,10 @@ impl Books<'_> {
         (step, attempt): (usize, u32),
         end: &str,
     ) -> Result<(), SeatError> {
-        self.ask(|c| {
-            c.execute(
-                "UPDATE drive SET end = ?4 WHERE participant = ?1 AND step = ?2 AND attempt = ?3 AND end IS NULL",
-                params![participant, whole(step), attempt, end],
-            )
-        })
-        .map(drop)
+        self.change(
+            "UPDATE drive SET end = ?4 WHERE participant = ?1 AND step = ?2 AND attempt = ?3 AND end IS NULL",
+            params![participant, whole(step), attempt, end],
+        )
     }
 
     /// The record of a drive, as lines.

@@ -2,6 +2,7 @@
 
 use crate::{
     error::SeatError,
+    held::held,
     markup::{form_field, html, to_lab},
     request::{Refused, Shared},
     token,
@@ -13,11 +14,7 @@ use axum::{
     http::{HeaderMap, StatusCode, header},
     response::{IntoResponse, Response},
 };
-use std::{
-    collections::VecDeque,
-    sync::{MutexGuard, PoisonError},
-    time::Duration,
-};
+use std::time::Duration;
 
 /// Name of the cookie.
 const COOKIE: &str = "lab";
@@ -27,11 +24,6 @@ const WRONG_TAKES: Duration = Duration::from_millis(500);
 const MOST_COOKIES: usize = 200;
 
 impl Shared {
-    fn cookies(&self) -> MutexGuard<'_, VecDeque<String>> {
-        // What is guarded is changed in one go.
-        self.entered.lock().unwrap_or_else(PoisonError::into_inner)
-    }
-
     /// Whether somebody gave the password. A cookie that nobody was given is a guess, and takes as long as one.
     pub(crate) async fn entered(&self, headers: &HeaderMap) -> bool {
         let cookies = headers.get_all(header::COOKIE).iter();
@@ -40,7 +32,10 @@ impl Shared {
             .flat_map(|all| all.split("; "))
             .filter_map(|c| c.strip_prefix(COOKIE)?.strip_prefix('='))
             .collect();
-        let known = |value: &&str| self.cookies().iter().any(|c| token::same_secret(value, c));
+        let known = |value: &&str| {
+            let cookies = held(&self.entered);
+            cookies.iter().any(|c| token::same_secret(value, c))
+        };
         if given.iter().any(known) {
             return true;
         }
@@ -67,7 +62,7 @@ impl Shared {
     /// A cookie for somebody who gave the password.
     fn cookie(&self) -> Result<String, SeatError> {
         let value = token::new()?;
-        let mut cookies = self.cookies();
+        let mut cookies = held(&self.entered);
         if cookies.len() == MOST_COOKIES {
             cookies.pop_front();
         }

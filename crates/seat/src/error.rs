@@ -2,54 +2,44 @@
 
 use crate::hindrance::Hindrance;
 use maveric_bag::BagError;
+use maveric_domain::DomainError;
 use maveric_model::ModelError;
 use maveric_seat_page::SeatPageError;
 use maveric_study::StudyError;
 use path_slash::PathExt as _;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// Why the seat cannot go on.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
+#[expect(missing_docs, reason = "the messages say what the fields are")]
 pub enum SeatError {
     /// The file of people and answers.
     #[error("{}: {source}", path.to_slash_lossy())]
     Store {
-        /// The file.
         path: PathBuf,
-        /// What SQLite says.
         source: rusqlite::Error,
     },
     /// A file of people and answers that another version wrote.
     #[error("{}: found version {found} of the seat's state, expected {expected}", path.to_slash_lossy())]
     Version {
-        /// The file.
         path: PathBuf,
-        /// Its version.
         found: i64,
-        /// Ours.
         expected: i64,
     },
     /// A file of people and answers that another program has open.
     #[error("{}: another seat has it open", path.to_slash_lossy())]
-    InUse {
-        /// The file.
-        path: PathBuf,
-    },
+    InUse { path: PathBuf },
     /// Somebody who is to be forgotten and whom nothing knows.
     #[error("nobody is called `{participant}` here")]
     Nobody {
-        /// The id that was given.
         participant: String,
-        /// The id that is nearest to it.
         nearest: Option<String>,
     },
     /// A file that cannot be read or written.
     #[error("{}: {source}", path.to_slash_lossy())]
     Io {
-        /// The file.
         path: PathBuf,
-        /// What the system says.
         source: std::io::Error,
     },
     /// An address that cannot be served.
@@ -57,23 +47,15 @@ pub enum SeatError {
     Address {
         /// Host and port, as given.
         address: String,
-        /// Why not.
         problem: String,
     },
     /// A certificate or its key that cannot be used.
     #[error("{}: {problem}", path.to_slash_lossy())]
-    Certificate {
-        /// The file.
-        path: PathBuf,
-        /// Why not.
-        problem: String,
-    },
+    Certificate { path: PathBuf, problem: String },
     /// A record that cannot be driven again.
     #[error("{}: {source}", path.to_slash_lossy())]
     Record {
-        /// The file.
         path: PathBuf,
-        /// What is wrong with it.
         source: SeatPageError,
     },
     /// A log that cannot be read.
@@ -85,11 +67,9 @@ pub enum SeatError {
     /// A file that somebody handed back.
     #[error("{}, line {line}: {problem}", path.to_slash_lossy())]
     Carried {
-        /// The file.
         path: PathBuf,
         /// Counted from 1.
         line: usize,
-        /// What is wrong with it.
         problem: String,
     },
     /// A model that is none.
@@ -101,23 +81,15 @@ pub enum SeatError {
     /// Something that the seat cannot do.
     #[error("{problem}")]
     Protocol {
-        /// What is wrong.
         problem: String,
-        /// What to do.
         help: Option<String>,
     },
     /// Work that stopped in the middle.
     #[error("work on a request did not end: {problem}")]
-    Unfinished {
-        /// Why.
-        problem: String,
-    },
+    Unfinished { problem: String },
     /// The system gives no random numbers.
     #[error("no random numbers for links: {problem}")]
-    Random {
-        /// What the system says.
-        problem: String,
-    },
+    Random { problem: String },
     /// The study's files.
     #[error(transparent)]
     Study(#[from] StudyError),
@@ -135,12 +107,34 @@ impl From<Hindrance> for SeatError {
     }
 }
 
+impl From<DomainError> for SeatError {
+    fn from(error: DomainError) -> Self {
+        Self::Study(error.into())
+    }
+}
+
 impl SeatError {
     /// Something that cannot be done, and what can.
     pub(crate) fn cannot(problem: impl Into<String>, help: &str) -> Self {
         Self::Protocol {
             problem: problem.into(),
             help: Some(help.to_owned()),
+        }
+    }
+
+    /// A file that cannot be read or written.
+    pub(crate) fn io(path: &Path, source: std::io::Error) -> Self {
+        Self::Io {
+            path: path.to_owned(),
+            source,
+        }
+    }
+
+    /// What SQLite says of the file of people and answers.
+    pub(crate) fn store(path: &Path, source: rusqlite::Error) -> Self {
+        Self::Store {
+            path: path.to_owned(),
+            source,
         }
     }
 

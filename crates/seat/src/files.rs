@@ -14,7 +14,7 @@ use maveric_ingest::{Beside, write_mcap_with};
 use maveric_model::Model;
 use maveric_seat_page::{Record, Replayed};
 use maveric_study::{
-    DesignFile, StudyError,
+    DesignFile,
     atomic_write::{atomic_write, atomic_write_bytes, if_there, read_text},
     forget::{Forgotten, forget_person},
     tables::{
@@ -78,10 +78,7 @@ impl Files {
         let Some(place) = &mut self.0 else {
             return Ok(());
         };
-        let io = |source| SeatError::Io {
-            path: place.records.clone(),
-            source,
-        };
+        let io = |source| SeatError::io(&place.records, source);
         std::fs::create_dir_all(&place.records).map_err(io)?;
         #[cfg(unix)]
         {
@@ -234,8 +231,7 @@ impl Files {
         let Some(place) = &self.0 else {
             return Ok(());
         };
-        let participant =
-            ParticipantId::new(participant).map_err(maveric_study::StudyError::from)?;
+        let participant = ParticipantId::new(participant)?;
         let turns = turned.iter().map(|&(time_s, points)| Turn {
             participant: participant.clone(),
             time_s,
@@ -252,7 +248,7 @@ impl Files {
         let Some(place) = &self.0 else {
             return Ok(None);
         };
-        let id = ParticipantId::new(participant).map_err(StudyError::from)?;
+        let id = ParticipantId::new(participant)?;
         Ok(Some(forget_person(&place.study, &id)?))
     }
 
@@ -289,65 +285,51 @@ impl Files {
 
     /// Writes what was collected beside answers and drives.
     pub(crate) fn collected(&self, collected: &Collected) -> Result<(), SeatError> {
-        if let Some(place) = &self.0 {
-            write_rows(
-                TableName::Events,
-                &place.records.join(EVENTS),
-                &collected.events,
-            )?;
-            write_rows(
-                TableName::Consents,
-                &place.records.join(CONSENTS),
-                &collected.consents,
-            )?;
-            let stopped = place.study.resolve(Path::new(STOPPED));
-            if !collected.stopped.is_empty() || stopped.is_file() {
-                write_rows(TableName::Stopped, &stopped, &collected.stopped)?;
-            }
-            self.lent(&collected.lent)?;
-            write_rows(
-                TableName::Notes,
-                &place.records.join(NOTES),
-                &collected.notes,
-            )?;
+        let Some(place) = &self.0 else {
+            return Ok(());
+        };
+        let records = |name: &str| place.records.join(name);
+        write_rows(TableName::Events, &records(EVENTS), &collected.events)?;
+        write_rows(TableName::Consents, &records(CONSENTS), &collected.consents)?;
+        let stopped = place.study.resolve(Path::new(STOPPED));
+        if !collected.stopped.is_empty() || stopped.is_file() {
+            write_rows(TableName::Stopped, &stopped, &collected.stopped)?;
+        }
+        self.lent(&collected.lent)?;
+        write_rows(TableName::Notes, &records(NOTES), &collected.notes)?;
+        Ok(())
+    }
+
+    /// Writes how many people each rule of the screening held back, and how many did not agree to each version of the consent, once
+    /// there is somebody.
+    pub(crate) fn held_back(
+        &self,
+        not_admitted: &[NotAdmitted],
+        not_agreed: &[NotAgreed],
+    ) -> Result<(), SeatError> {
+        let Some(place) = &self.0 else {
+            return Ok(());
+        };
+        let path = |name: &str| place.study.resolve(Path::new(name));
+        if !not_admitted.is_empty() {
+            write_rows(TableName::NotAdmitted, &path(NOT_ADMITTED), not_admitted)?;
+        }
+        if !not_agreed.is_empty() {
+            write_rows(TableName::NotAgreed, &path(NOT_AGREED), not_agreed)?;
         }
         Ok(())
     }
 
-    /// Writes how many people each rule of the screening held back, once it held somebody back.
-    pub(crate) fn not_admitted(&self, rows: &[NotAdmitted]) -> Result<(), SeatError> {
-        match self.0.as_ref().filter(|_| !rows.is_empty()) {
-            Some(place) => {
-                let path = place.study.resolve(Path::new(NOT_ADMITTED));
-                Ok(write_rows(TableName::NotAdmitted, &path, rows)?)
-            }
-            None => Ok(()),
-        }
-    }
-
-    /// Writes how many people did not agree to each version of the consent, once somebody did not.
-    pub(crate) fn not_agreed(&self, rows: &[NotAgreed]) -> Result<(), SeatError> {
-        match self.0.as_ref().filter(|_| !rows.is_empty()) {
-            Some(place) => {
-                let path = place.study.resolve(Path::new(NOT_AGREED));
-                Ok(write_rows(TableName::NotAgreed, &path, rows)?)
-            }
-            None => Ok(()),
-        }
-    }
-
     /// Writes whose style was lent to whom, once somebody's was.
     pub(crate) fn lent(&self, rows: &[LentRow]) -> Result<(), SeatError> {
-        match &self.0 {
-            Some(place) => {
-                let path = place.study.resolve(Path::new(LENT));
-                if rows.is_empty() && !path.is_file() {
-                    return Ok(());
-                }
-                Ok(write_lent(&path, rows)?)
-            }
-            None => Ok(()),
+        let Some(place) = &self.0 else {
+            return Ok(());
+        };
+        let path = place.study.resolve(Path::new(LENT));
+        if !rows.is_empty() || path.is_file() {
+            write_lent(&path, rows)?;
         }
+        Ok(())
     }
 
     /// Adds people and answers to the study's tables that are not in them yet; what stands there then.

@@ -12,33 +12,18 @@ use crate::{
 };
 use maveric_domain::{DriveId, Embedding, ParticipantId};
 use maveric_seat_page::{Event, Record, Replayed, RideStyle, fit, replay};
-use maveric_study::{StudyError, beyond_in_words};
+use maveric_study::beyond_in_words;
 use std::fmt;
 
 /// Embeddings of the page and of a processor that fuses its sums agree to this.
 const SAME_STYLE: f64 = 1e-5;
 
 impl Seat {
-    /// Writes the drive of `step` and those that were cut short before it; false, and nothing done, while none has ended.
-    ///
-    /// What cannot be driven again is kept as it came, said on the experimenter's page, and holds nobody up.
-    ///
-    /// # Errors
-    /// [`SeatError::Store`]; [`SeatError::Study`] if a file cannot be written.
-    pub(crate) fn finish_drive(
-        &self,
-        person: &Person,
-        step: usize,
-        found: &Step,
-    ) -> Result<bool, SeatError> {
-        self.write_drive(person, (step, found), None)
-    }
-
     /// Writes what somebody drove of a step at which they stopped, since they felt unwell: nothing is learned of it, and nothing is driven
     /// after it.
     ///
     /// # Errors
-    /// As [`Seat::finish_drive`].
+    /// As [`Seat::write_drive`].
     pub(crate) fn stop_drive(
         &self,
         person: &Person,
@@ -59,7 +44,7 @@ impl Seat {
     /// Writes what somebody drove of a step at which they left and let it be kept, cut short as it is: nothing is learned of it.
     ///
     /// # Errors
-    /// As [`Seat::finish_drive`].
+    /// As [`Seat::write_drive`].
     pub(crate) fn keep_unfinished(&self, person: &Person, step: usize) -> Result<(), SeatError> {
         match person.steps.get(step) {
             Some(found) => {
@@ -70,10 +55,13 @@ impl Seat {
         }
     }
 
-    /// Writes the drive of `step` that ended, or where `left` says why there is no more the last as it is, and those before it.
+    /// Writes the drive of `step` that ended, or where `left` says why there is no more the last as it is, and those that were cut short
+    /// before it; false, and nothing done, while there is none.
+    ///
+    /// What cannot be driven again is kept as it came, said on the experimenter's page, and holds nobody up.
     ///
     /// # Errors
-    /// As [`Seat::finish_drive`].
+    /// [`SeatError::Store`]; [`SeatError::Study`] if a file cannot be written.
     pub(crate) fn write_drive(
         &self,
         person: &Person,
@@ -96,10 +84,13 @@ impl Seat {
             return Ok(true);
         };
         let (who, files) = (&person.participant, &self.settings.files);
-        let participant = ParticipantId::new(who.as_str()).map_err(StudyError::from)?;
-        let name = DriveId::in_condition(&participant, ride).map_err(StudyError::from)?;
+        let participant = ParticipantId::new(who.as_str())?;
+        let name = DriveId::in_condition(&participant, ride)?;
         let name = name.as_str();
-        let mut outcome = Outcome::default();
+        let mut outcome = Outcome {
+            name: name.to_owned(),
+            ..Outcome::default()
+        };
         for (place, cut) in begun.iter().enumerate().filter(|(at, _)| *at != whole) {
             files.record(name, Some(cut.kept_as()), &lines[place])?;
         }
@@ -107,7 +98,7 @@ impl Seat {
         files.record(name, None, lines)?;
         let driven = Record::from_lines(lines).and_then(|record| Ok((replay(&record)?, record)));
         match driven {
-            Err(error) => outcome.tell(format!("{name}: cannot be driven again: {error}")),
+            Err(error) => outcome.tell(&format!("cannot be driven again: {error}")),
             Ok((again, record)) => {
                 let pictures = Pictures::from_record(&record);
                 let cut = left.map(|why| {
@@ -118,7 +109,7 @@ impl Seat {
                 let remarks = [crash_note(&record), gone_note(&record), mark(person, found)];
                 let remarks: Vec<String> = remarks.into_iter().flatten().collect();
                 for text in &remarks {
-                    outcome.tell(format!("{name}: {text}"));
+                    outcome.tell(text);
                 }
                 let notes: Vec<String> = cut
                     .into_iter()
@@ -128,32 +119,31 @@ impl Seat {
                 let note = (!notes.is_empty()).then(|| notes.join("; "));
                 let kept = (&record, lines.as_str(), note.as_deref());
                 files.log(name, (who, ride), kept, &again)?;
-                outcome.tell(format!("{name}: {pictures}"));
+                outcome.tell(&pictures.to_string());
                 if ended.is_some() && !again.same() {
-                    let text = "the page came through other states than its record gives here";
-                    outcome.tell(format!("{name}: {text}"));
+                    outcome.tell("the page came through other states than its record gives here");
                 }
                 outcome.probes = probes_of(found, &record);
                 if let Some(text) = self.shows_another(person, found, &record)? {
-                    outcome.tell(format!("{name}: {text}"));
+                    outcome.tell(text);
                 }
                 if let Step::Ride {
                     turns: Some(step), ..
                 } = found
                 {
                     let turned: Vec<(f64, f64)> = events(&record, "dial")
-                        .filter_map(|e| Some((e.tick as f64 / 100.0, e.points?)))
+                        .filter_map(|e| Some((e.tick as f64 / TICKS_PER_S, e.points?)))
                         .collect();
-                    let seconds = record.ticks() as f64 / 100.0;
+                    let seconds = record.ticks() as f64 / TICKS_PER_S;
                     files.turns((name, who), &turned, step.abs(), seconds)?;
                 }
                 if let Some(apart) = self.style_apart(person, found, &record) {
-                    outcome.tell(format!(
-                        "{name}: the page drove another style than the study's for this person, {apart:.2e} apart"
+                    outcome.tell(&format!(
+                        "the page drove another style than the study's for this person, {apart:.2e} apart"
                     ));
                 }
                 if found.is_learned_of() && left.is_none() {
-                    self.learn(person, name, (&record, &again), &mut outcome);
+                    self.learn(person, (&record, &again), &mut outcome);
                 }
             }
         }
@@ -197,14 +187,14 @@ impl Seat {
         person: &Person,
         found: &Step,
         record: &Record,
-    ) -> Result<Option<String>, SeatError> {
+    ) -> Result<Option<&'static str>, SeatError> {
         if !matches!(found, Step::Ride { style, .. } if *style == RideStyle::Replay) {
             return Ok(None);
         }
         let driven = self.store.look(|b| b.own_drive(person))?;
         let driven = driven.and_then(|lines| Record::from_lines(&lines).ok());
         let same = driven.is_some_and(|driven| record.shows(&driven));
-        Ok((!same).then(|| "the page showed another drive than the person's own".to_owned()))
+        Ok((!same).then_some("the page showed another drive than the person's own"))
     }
 
     /// Keeps what came of a drive and goes on, both or neither. Who was forgotten meanwhile has nothing kept, and what was written of
@@ -241,23 +231,17 @@ impl Seat {
     }
 
     /// Learns of a drive by hand: what was driven counts, and what the page learned is held against it.
-    fn learn(
-        &self,
-        person: &Person,
-        name: &str,
-        (record, again): (&Record, &Replayed),
-        outcome: &mut Outcome,
-    ) {
+    fn learn(&self, person: &Person, (record, again): (&Record, &Replayed), outcome: &mut Outcome) {
         let Some(model) = &self.model else {
             return;
         };
         let learned = match fit(model, &again.rollout.recording, record.header.driven_by) {
             Ok(learned) => on_the_scale(learned),
-            Err(error) => return outcome.tell(format!("{name}: no style learned: {error}")),
+            Err(error) => return outcome.tell(&format!("no style learned: {error}")),
         };
         if let Some(why) = &learned.beyond {
-            outcome.tell(format!(
-                "{name}: beyond what the model has learned from: {}; rides go on, marked",
+            outcome.tell(&format!(
+                "beyond what the model has learned from: {}; rides go on, marked",
                 beyond_in_words(why)
             ));
         }
@@ -267,8 +251,8 @@ impl Seat {
         };
         let apart = apart(&page.embedding, &learned.embedding);
         if apart > SAME_STYLE {
-            outcome.tell(format!(
-                "{name}: the page learned another style than its record gives here, {apart:.2e} apart; the record's is kept"
+            outcome.tell(&format!(
+                "the page learned another style than its record gives here, {apart:.2e} apart; the record's is kept"
             ));
         }
     }
@@ -350,6 +334,8 @@ fn gone_note(record: &Record) -> Option<String> {
 /// What came of a drive, beside its files.
 #[derive(Default)]
 struct Outcome {
+    /// The drive's name.
+    name: String,
     /// What whoever runs the study is told.
     told: Vec<String>,
     /// The style that was learned.
@@ -359,8 +345,8 @@ struct Outcome {
 }
 
 impl Outcome {
-    fn tell(&mut self, text: String) {
-        self.told.push(text);
+    fn tell(&mut self, text: &str) {
+        self.told.push(format!("{}: {text}", self.name));
     }
 }
 
@@ -378,7 +364,7 @@ impl Pictures {
     fn from_record(record: &Record) -> Self {
         let frames = || record.chunks.iter().map(|c| c.frames);
         Self {
-            seconds: record.ticks() as f64 / 100.0,
+            seconds: record.ticks() as f64 / TICKS_PER_S,
             drawn: frames().map(|f| u64::from(f.drawn)).sum(),
             late: frames().map(|f| u64::from(f.late)).sum(),
             left_out: frames().map(|f| u64::from(f.dropped_steps)).sum(),

@@ -2,8 +2,9 @@
 
 use crate::{
     connections::Stage,
+    held::held,
     origin,
-    request::{Refused, Shared, Why},
+    request::{Refused, Shared, Why, refusal},
     wire::Wire,
 };
 use axum::{
@@ -13,7 +14,7 @@ use axum::{
     middleware::Next,
     response::{IntoResponse, Response},
 };
-use std::{sync::PoisonError, time::Duration};
+use std::time::Duration;
 
 /// Largest body of a drive, in bytes: some minutes of inputs that a page kept while the network was gone; and of anything else.
 const LARGEST_DRIVE: usize = 2 << 20;
@@ -79,9 +80,7 @@ fn token_of(path: &str) -> Option<&str> {
 }
 
 fn refused(status: StatusCode, why: &str) -> Response {
-    let mut response = (status, why.to_owned()).into_response();
-    response.extensions_mut().insert(Why(why.to_owned()));
-    response
+    refusal(status, why.to_owned(), why.to_owned())
 }
 
 async fn answered(shared: &Shared, request: Request, next: Next, stage: &Stage) -> Response {
@@ -132,8 +131,7 @@ struct Unanswered {
 
 impl Unanswered {
     fn one_more(shared: &Shared, token: &str) -> Option<Self> {
-        let counts = shared.unanswered.lock();
-        let mut counts = counts.unwrap_or_else(PoisonError::into_inner);
+        let mut counts = held(&shared.unanswered);
         let count = counts.entry(token.to_owned()).or_default();
         if *count == MOST_UNANSWERED {
             return None;
@@ -148,8 +146,7 @@ impl Unanswered {
 
 impl Drop for Unanswered {
     fn drop(&mut self) {
-        let counts = self.shared.unanswered.lock();
-        let mut counts = counts.unwrap_or_else(PoisonError::into_inner);
+        let mut counts = held(&self.shared.unanswered);
         if let Some(count) = counts.get_mut(&self.token) {
             *count -= 1;
             if *count == 0 {

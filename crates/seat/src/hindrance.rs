@@ -12,21 +12,16 @@ pub(crate) const MOST_PROBE_ANSWERS: usize = 21;
 /// One thing that a study lacks, or that the seat cannot do.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
+#[expect(missing_docs, reason = "the messages say what the fields are")]
 pub enum Hindrance {
     /// Answers that another program is to export, where the seat writes its own.
     #[error("`files.software` is `{software:?}`, and the seat writes its answers as a plain table")]
-    Software {
-        /// What the design says.
-        software: Software,
-    },
+    Software { software: Software },
     /// A scale that no file has.
     #[error("[protocol] asks scale `{scale}`, and there are {}", known.join(", "))]
     UnknownScale {
-        /// Its id.
         scale: String,
-        /// The ids that there are.
         known: Vec<String>,
-        /// The nearest of them.
         nearest: Option<String>,
     },
     /// A scale whose items nobody could read.
@@ -34,11 +29,8 @@ pub enum Hindrance {
         "[protocol] asks scale `{scale}`, whose file has wording for {worded} of {items} items"
     )]
     NoWording {
-        /// Its id.
         scale: String,
-        /// Items with a text.
         worded: usize,
-        /// Items that the scale has.
         items: usize,
     },
     /// A scale without the study's language.
@@ -46,19 +38,13 @@ pub enum Hindrance {
         "[protocol] asks scale `{scale}` in `{language}`, and its file has it in {}", languages.join(", ")
     )]
     NoTranslation {
-        /// Its id.
         scale: String,
-        /// The study's language.
         language: String,
-        /// Those of the file.
         languages: Vec<String>,
     },
     /// The score that the style is learned by is never asked.
     #[error("the style is learned by `{score}`, and [protocol] does not ask scale `{}` before the drives", score.scale)]
-    StyleNotAsked {
-        /// The score of the style.
-        score: ScoreName,
-    },
+    StyleNotAsked { score: ScoreName },
     /// Somebody is to be learned from and drives nowhere by hand.
     #[error("people are learned from, and [protocol] `steps` has no `drive`")]
     NoDrive,
@@ -69,24 +55,15 @@ pub enum Hindrance {
     #[error(
         "condition `{condition}` shows people somebody else's style or their own drive, and they are not told so before: found no `protocol.debrief`, expected a text that says it afterwards"
     )]
-    NoDebriefing {
-        /// The condition's id.
-        condition: ConditionId,
-    },
+    NoDebriefing { condition: ConditionId },
     /// A condition that asks of the model what it does not have.
     #[error("condition `{condition}` cannot be driven by the model: {why}")]
-    NotByModel {
-        /// The condition's id.
-        condition: ConditionId,
-        /// What the model says.
-        why: String,
-    },
+    NotByModel { condition: ConditionId, why: String },
     /// A condition in which somebody else's style is lent, and too few who could lend theirs.
     #[error(
         "condition `{condition}` lends somebody else's style: {donors} drives that the model learned from may be lent, expected {FEWEST_DONORS} or more"
     )]
     FewDonors {
-        /// The condition's id.
         condition: ConditionId,
         /// Drives that the model learned from, but for those whose people do not let their style be lent.
         donors: usize,
@@ -96,58 +73,35 @@ pub enum Hindrance {
     /// A condition whose file of styles cannot be used.
     #[error("condition `{condition}`: {problem}")]
     Styles {
-        /// The condition's id.
         condition: ConditionId,
-        /// What is wrong with the file.
         problem: String,
-        /// What to do.
         remedy: String,
     },
     /// A condition whose drives the program would make again.
     #[error(
         "condition `{condition}`: its drives would be simulated again by `maveric run`, expected those of the seat"
     )]
-    SimulatedAgain {
-        /// The condition's id.
-        condition: ConditionId,
-    },
+    SimulatedAgain { condition: ConditionId },
     /// A condition that the seat cannot drive.
     #[error("condition `{condition}`: {problem}")]
     Car {
-        /// The condition's id.
         condition: ConditionId,
-        /// Which car it has.
         problem: &'static str,
     },
     /// A scale of more than one item that is to be asked on the way.
     #[error("[protocol] `probe` asks scale `{scale}`, which has {items} items, expected one")]
-    ProbeItems {
-        /// Its id.
-        scale: String,
-        /// How many items the scale has.
-        items: u32,
-    },
+    ProbeItems { scale: String, items: u32 },
     /// A scale that is to be asked on the way, and whose answer would have to be written.
     #[error(
         "[protocol] `probe` asks scale `{scale}`, whose item is a `{}`, expected one that is answered by pressing a button",
         kind.name()
     )]
-    ProbeKind {
-        /// Its id.
-        scale: String,
-        /// How its item is answered.
-        kind: Kind,
-    },
+    ProbeKind { scale: String, kind: Kind },
     /// A scale that is to be asked on the way with more buttons than one can choose from while riding.
     #[error(
         "[protocol] `probe` asks scale `{scale}`, whose item has {answers} answers, expected {MOST_PROBE_ANSWERS} at most: each is a button over the road"
     )]
-    ProbeAnswers {
-        /// Its id.
-        scale: String,
-        /// How many its item has.
-        answers: usize,
-    },
+    ProbeAnswers { scale: String, answers: usize },
     /// A rule on an item that is not asked, or on an answer that it does not have.
     #[error("[protocol] `{key}`: `{rule}`: {problem}")]
     Rule {
@@ -155,7 +109,6 @@ pub enum Hindrance {
         key: &'static str,
         /// The rule, as the design has it.
         rule: String,
-        /// What would be possible.
         problem: String,
     },
     /// A consent that names a day which the study does not have.

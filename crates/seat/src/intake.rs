@@ -83,15 +83,11 @@ fn take(
             .keep(who, place, &parts.pieces)?
             .ok_or(Refused::OtherTab)?;
         let begun = b.begun(who, step)?;
-        let bytes = begun
-            .iter()
-            .filter(|b| b.attempt == attempt)
-            .map(|b| b.bytes)
-            .sum::<u64>();
+        let of_attempt = begun.iter().filter(|b| b.attempt == attempt);
+        let bytes: u64 = of_attempt.map(|b| b.bytes).sum();
+        let of_step: u64 = begun.iter().map(|b| b.bytes).sum();
         let ticks = found.world().map_or(0, |(_, s)| most_ticks(s));
-        if bytes > most_bytes(kept)
-            || begun.iter().map(|b| b.bytes).sum::<u64>() > most_bytes_of_step(ticks)
-        {
+        if bytes > most_bytes(kept) || of_step > most_bytes_of_step(ticks) {
             return Err(Refused::NotThis(format!(
                 "{bytes} bytes for {kept} steps: more than a drive can have"
             )));

@@ -5,7 +5,7 @@ use crate::{
     escaped::plain,
     let_in::Invitation,
     live::{self, DISK, HAPPENED, PEOPLE, REFUSED},
-    markup::{form_field, html, to_lab},
+    markup::{form_field, html, html_with_way_back, to_lab},
     request::{Answered, Refused, Shared, with_help},
     streamed,
 };
@@ -154,15 +154,7 @@ async fn from_above(
     let drawn = drawn
         .await?
         .unwrap_or_else(|error| format!("<p>{}</p>", plain(&error.to_string())));
-    let words = shared.words();
-    let mut page = html(
-        words,
-        &format!(
-            "<h1>{}</h1>{drawn}<p><a href=\"/lab\">{}</a></p>",
-            plain(&participant),
-            words.plain("back", &[])
-        ),
-    );
+    let mut page = html_with_way_back(shared.words(), &plain(&participant), &drawn);
     page.headers_mut()
         .insert(header::REFRESH, HeaderValue::from_static("2"));
     Ok(page)

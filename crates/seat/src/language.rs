@@ -20,7 +20,7 @@ impl Seat {
         }
         let order = self.order_of(&person)?;
         let whose = Whose::Person(&person.participant);
-        let mut steps = self.steps_in(Some(wanted), whose, &order)?;
+        let mut steps = self.steps_of(Some(wanted), whose, &order)?;
         // What was made longer before stays so.
         for (new, old) in steps.iter_mut().zip(&person.steps) {
             if let (Some(seconds), Some((_, kept))) = (new.seconds_mut(), old.world()) {

@@ -14,6 +14,8 @@ use rusqlite::params;
 pub(crate) struct Done {
     /// The step that it is about, or at which somebody was then.
     pub(crate) step: usize,
+    /// The last attempt that was set aside by it, with those before it; none where none was.
+    pub(crate) attempt: Option<u32>,
     /// Such as `skipped: the wheel came loose` or `extended by 5 min: the lead was late`.
     pub(crate) what: String,
     /// In s since 1970.
@@ -31,24 +33,25 @@ impl Books<'_> {
 
     /// The steps of somebody that were left out.
     pub(crate) fn left_out(&self, participant: &str) -> Result<Vec<Done>, SeatError> {
-        self.done_with("left_out", participant)
+        self.done_with(("left_out", "NULL"), participant)
     }
 
-    /// What a table has of somebody, the oldest first.
-    pub(crate) fn done_with(&self, table: &str, participant: &str) -> Result<Vec<Done>, SeatError> {
-        self.ask(|c| {
-            let question = format!(
-                "SELECT step, what, given FROM {table} WHERE participant = ?1 ORDER BY rowid"
-            );
-            let mut rows = c.prepare_cached(&question)?;
-            let read = |row: &rusqlite::Row<'_>| {
-                Ok(Done {
-                    step: row.get::<_, i64>(0)? as usize,
-                    what: row.get(1)?,
-                    given: row.get(2)?,
-                })
-            };
-            rows.query_map([participant], read)?.collect()
+    /// What a table has of somebody, the oldest first; `attempt` is its column of [`Done::attempt`].
+    pub(crate) fn done_with(
+        &self,
+        (table, attempt): (&str, &str),
+        participant: &str,
+    ) -> Result<Vec<Done>, SeatError> {
+        let question = format!(
+            "SELECT step, {attempt}, what, given FROM {table} WHERE participant = ?1 ORDER BY rowid"
+        );
+        self.rows(&question, [participant], |row| {
+            Ok(Done {
+                step: row.get::<_, i64>(0)? as usize,
+                attempt: row.get(1)?,
+                what: row.get(2)?,
+                given: row.get(3)?,
+            })
         })
     }
 
@@ -61,13 +64,10 @@ impl Books<'_> {
     }
 
     fn leave_out(&self, participant: &str, step: usize, what: &str) -> Result<(), SeatError> {
-        self.ask(|c| {
-            c.execute(
-                "INSERT INTO left_out VALUES (?1, ?2, ?3, ?4)",
-                params![participant, whole(step), what, now()],
-            )
-        })
-        .map(drop)
+        self.change(
+            "INSERT INTO left_out VALUES (?1, ?2, ?3, ?4)",
+            params![participant, whole(step), what, now()],
+        )
     }
 }
 

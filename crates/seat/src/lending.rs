@@ -139,7 +139,7 @@ impl Seat {
         // Counted among those who drove, and never lent to themselves.
         tested.extend(lends(person, &own));
         let drive = by_hand(person);
-        let own_embedding = Embedding::new(own.embedding).map_err(StudyError::from)?;
+        let own_embedding = Embedding::new(own.embedding)?;
         // Somebody may have been forgotten since the seat was opened.
         let learned = model.training().iter().map(|training| &training.drive);
         let withheld = withheld(b, &self.settings.design, learned)?;

@@ -3,7 +3,7 @@
 use crate::{books::Books, error::SeatError, listed::Listed, person::Person, steps::Step};
 use maveric_domain::{ConditionId, DriveId, Embedding, Lent, Occasion, ParticipantId};
 use maveric_seat_page::RideStyle;
-use maveric_study::{StudyError, tables::collected::LentRow};
+use maveric_study::tables::collected::LentRow;
 
 /// In the place of a donor who was forgotten.
 const FORGOTTEN: &str = "forgotten";
@@ -32,7 +32,7 @@ pub(crate) fn lent_to(person: &Person) -> impl Iterator<Item = (ConditionId, &Le
 
 /// The styles that were lent to somebody, as rows.
 pub(crate) fn rows_of(person: &Person) -> Result<Vec<LentRow>, SeatError> {
-    let participant = ParticipantId::new(&*person.participant).map_err(StudyError::from)?;
+    let participant = ParticipantId::new(&*person.participant)?;
     let row = |(condition, lent, embedding): (ConditionId, &Lent, &Embedding)| LentRow {
         participant: participant.clone(),
         condition,
@@ -66,7 +66,7 @@ impl Books<'_> {
                 } = step
                     && lent.donor == gone
                 {
-                    lent.donor = DriveId::new(FORGOTTEN).map_err(StudyError::from)?;
+                    lent.donor = DriveId::new(FORGOTTEN)?;
                     changed = true;
                 }
             }

@@ -29,12 +29,11 @@ pub struct Invitation {
 impl Books<'_> {
     /// The lowest row of `first` and every `apart`-th after it that nobody has. As [`Person::has_place`]: who left has none.
     fn free_row(&self, first: usize, apart: usize) -> Result<usize, SeatError> {
-        let held: BTreeSet<usize> = self.ask(|c| {
-            let question = "SELECT row FROM person WHERE row IS NOT NULL AND (ended IS NULL OR ended = 'done')";
-            let mut rows = c.prepare_cached(question)?;
-            rows.query_map([], |row| Ok(row.get::<_, i64>(0)? as usize))?
-                .collect()
-        })?;
+        let held: BTreeSet<usize> = self.rows(
+            "SELECT row FROM person WHERE row IS NOT NULL AND (ended IS NULL OR ended = 'done')",
+            [],
+            |row| Ok(row.get::<_, i64>(0)? as usize),
+        )?;
         let mut row = first;
         while held.contains(&row) {
             row += apart;
@@ -43,13 +42,10 @@ impl Books<'_> {
     }
 
     fn give_row(&self, person: &Person, row: usize) -> Result<(), SeatError> {
-        self.ask(|c| {
-            c.execute(
-                "UPDATE person SET row = ?2 WHERE token = ?1",
-                params![person.token, whole(row)],
-            )
-        })
-        .map(drop)
+        self.change(
+            "UPDATE person SET row = ?2 WHERE token = ?1",
+            params![person.token, whole(row)],
+        )
     }
 }
 
@@ -70,12 +66,8 @@ impl Seat {
         }
         for person in people.iter().filter(|p| p.row.is_none() && p.has_place()) {
             // What the study has no longer is in no row.
-            let order = self.order_by_hand(&person.rides().join(" "));
-            if let Some(row) = order
-                .ok()
-                .map(|order| self.row_of(b, &order))
-                .transpose()?
-                .flatten()
+            if let Ok(order) = self.order_by_hand(&person.rides().join(" "))
+                && let Some(row) = self.row_of(b, &order)?
             {
                 b.give_row(person, row)?;
             }
@@ -216,7 +208,7 @@ impl Seat {
                 let row = b.free_row(0, 1)?;
                 (Some(row), self.order(row))
             };
-            let steps = self.steps_of(Whose::Person(&participant), &order)?;
+            let steps = self.steps_of(None, Whose::Person(&participant), &order)?;
             let person = Person {
                 row: row.filter(|_| rides),
                 ..Person::new(token.clone(), participant, steps)

@@ -25,6 +25,7 @@ pub mod files;
 mod finished;
 mod forget;
 mod guard;
+mod held;
 mod hindrance;
 mod intake;
 mod known;

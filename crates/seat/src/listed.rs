@@ -1,5 +1,7 @@
 //! What stands of people and their answers in the study's tables.
 
+use crate::sheet::Sheet;
+
 /// What stands of a row in the study's tables.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Listed {
@@ -37,4 +39,11 @@ pub(crate) struct KeptSheet {
     /// When it was given, in s since 1970.
     pub(crate) given: i64,
     pub(crate) listed: Listed,
+}
+
+impl KeptSheet {
+    /// What was answered: only what was checked was kept.
+    pub(crate) fn sheet(&self) -> Option<Sheet> {
+        serde_json::from_str(&self.body).ok()
+    }
 }

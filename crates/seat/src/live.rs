@@ -43,18 +43,17 @@ struct Whereabouts {
 impl Books<'_> {
     /// Where everybody is, in the order in which they were let in.
     fn whereabouts(&self) -> Result<Vec<Whereabouts>, SeatError> {
-        self.ask(|c| {
-            let mut rows = c.prepare_cached(
-                "SELECT p.token, p.at, p.ended, p.since, p.fit, d.ticks,
-                    (SELECT line FROM piece WHERE participant = d.participant AND step = d.step AND attempt = d.attempt
-                     ORDER BY from_tick DESC LIMIT 1),
-                    COALESCE((SELECT what LIKE 'excluded: %' FROM decided WHERE participant = p.participant
-                        AND (what LIKE 'excluded: %' OR what LIKE 'counts again: %') ORDER BY rowid DESC LIMIT 1), 0)
-                 FROM person p LEFT JOIN drive d ON p.ended IS NULL AND d.participant = p.participant AND d.step = p.at
-                    AND d.attempt = (SELECT MAX(attempt) FROM drive WHERE participant = p.participant AND step = p.at)
-                 ORDER BY p.rowid",
-            )?;
-            let read = |row: &rusqlite::Row<'_>| {
+        self.rows(
+            "SELECT p.token, p.at, p.ended, p.since, p.fit, d.ticks,
+                (SELECT line FROM piece WHERE participant = d.participant AND step = d.step AND attempt = d.attempt
+                 ORDER BY from_tick DESC LIMIT 1),
+                COALESCE((SELECT what LIKE 'excluded: %' FROM decided WHERE participant = p.participant
+                    AND (what LIKE 'excluded: %' OR what LIKE 'counts again: %') ORDER BY rowid DESC LIMIT 1), 0)
+             FROM person p LEFT JOIN drive d ON p.ended IS NULL AND d.participant = p.participant AND d.step = p.at
+                AND d.attempt = (SELECT MAX(attempt) FROM drive WHERE participant = p.participant AND step = p.at)
+             ORDER BY p.rowid",
+            [],
+            |row| {
                 let ticks: Option<i64> = row.get(5)?;
                 let piece = row.get(6)?;
                 Ok(Whereabouts {
@@ -66,9 +65,8 @@ impl Books<'_> {
                     driven: ticks.map(|ticks| (ticks.cast_unsigned(), piece)),
                     excluded: row.get(7)?,
                 })
-            };
-            rows.query_map([], read)?.collect()
-        })
+            },
+        )
     }
 
     /// How many people have not ended.

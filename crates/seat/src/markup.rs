@@ -18,6 +18,13 @@ pub(crate) fn html(words: &Words, body: &str) -> Response {
     ([(header::CONTENT_TYPE, "text/html; charset=utf-8")], page).into_response()
 }
 
+/// The same under a heading, with the way back to the experimenter's page.
+pub(crate) fn html_with_way_back(words: &Words, heading: &str, body: &str) -> Response {
+    let back = words.plain("back", &[]);
+    let body = format!("<h1>{heading}</h1>{body}<p><a href=\"/lab\">{back}</a></p>");
+    html(words, &body)
+}
+
 /// A field of a form, as browsers encode it.
 pub(crate) fn form_field(body: &[u8], name: &str) -> Option<String> {
     let text = std::str::from_utf8(body).ok()?;

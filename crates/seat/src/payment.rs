@@ -11,8 +11,7 @@ use crate::{
     token,
 };
 use maveric_domain::{ParticipantId, design::Redirect};
-use maveric_study::{DesignFile, StudyError, tables::collected::PaymentRow};
-use rusqlite::{OptionalExtension as _, params};
+use maveric_study::{DesignFile, tables::collected::PaymentRow};
 use serde::Serialize;
 use std::path::Path;
 
@@ -31,16 +30,13 @@ fn possible(id: &str) -> bool {
 impl Books<'_> {
     /// The digest of an id by the study's key, which is made up once.
     fn platform_digest(&self, id: &str) -> Result<String, SeatError> {
-        let kept = self.ask(|c| {
-            c.prepare_cached("SELECT value FROM secret WHERE name = ?1")?
-                .query_row([KEY], |row| row.get::<_, String>(0))
-                .optional()
-        })?;
+        let question = "SELECT value FROM secret WHERE name = ?1";
+        let kept: Option<String> = self.row(question, [KEY], |row| row.get(0))?;
         let key = if let Some(key) = kept {
             key
         } else {
             let key = token::new()? + &token::new()?;
-            self.ask(|c| c.execute("INSERT INTO secret VALUES (?1, ?2)", params![KEY, key]))?;
+            self.change("INSERT INTO secret VALUES (?1, ?2)", [KEY, key.as_str()])?;
             key
         };
         let key = blake3::derive_key("maveric seat ids of a platform v1", key.as_bytes());
@@ -50,11 +46,8 @@ impl Books<'_> {
 
     /// The link of who came with this digest before.
     fn joined(&self, digest: &str) -> Result<Option<String>, SeatError> {
-        self.ask(|c| {
-            c.prepare_cached("SELECT token FROM platform WHERE id = ?1")?
-                .query_row([digest], |row| row.get(0))
-                .optional()
-        })
+        let question = "SELECT token FROM platform WHERE id = ?1";
+        self.row(question, [digest], |row| row.get(0))
     }
 
     /// How somebody's part ended, as it is paid: none while it goes on.
@@ -116,9 +109,9 @@ impl Seat {
                 token
             } else {
                 let token = self.invite(&Invitation::default())?;
-                self.store.within(|b| {
-                    b.ask(|c| c.execute("INSERT INTO platform VALUES (?1, ?2)", [&digest, &token]))
-                })?;
+                let statement = "INSERT INTO platform VALUES (?1, ?2)";
+                self.store
+                    .within(|b| b.change(statement, [&digest, &token]))?;
                 token
             };
             // Of who is forgotten since, nothing is written down again.
@@ -133,7 +126,7 @@ impl Seat {
 impl Files {
     /// Writes down whom a platform pays, once.
     fn comes(&self, participant: &str, id: &str) -> Result<(), SeatError> {
-        let participant = ParticipantId::new(participant).map_err(StudyError::from)?;
+        let participant = ParticipantId::new(participant)?;
         let mut rows = self.payment()?;
         if rows.iter().any(|row| row.participant == participant) {
             return Ok(());

@@ -65,15 +65,11 @@ impl Person {
         matches!(self.ended.as_deref(), None | Some("done"))
     }
 
-    /// Whether they were not admitted.
-    pub(crate) fn was_refused(&self) -> bool {
-        self.ended.as_deref() == Some(NOT_ADMITTED)
-    }
-
     /// Whether they take part: nobody does before they were judged.
     pub(crate) fn is_admitted(&self) -> bool {
         let ahead = self.steps.iter().skip(self.at);
-        !self.was_refused() && !ahead.into_iter().any(|step| step.rules().is_some())
+        self.ended.as_deref() != Some(NOT_ADMITTED)
+            && !ahead.into_iter().any(|step| step.rules().is_some())
     }
 
     /// The conditions that they ride, in their order: that of each round of rides.

@@ -16,7 +16,7 @@ use maveric_domain::{
     stream_seed,
 };
 use maveric_seat_page::{RideStyle, Seed};
-use maveric_study::{StudyError, tables::embeddings::style_of};
+use maveric_study::tables::embeddings::style_of;
 use std::{collections::BTreeMap, path::PathBuf};
 
 /// The files of styles that conditions name, by the path that the design has.
@@ -76,10 +76,7 @@ pub fn of_design(
     whose: Whose<'_>,
     riding: Option<Riding<'_>>,
 ) -> Result<Vec<Step>, SeatError> {
-    let baseline = ConditionId::new(design.own_drive_label()).map_err(|e| SeatError::Protocol {
-        problem: e.to_string(),
-        help: None,
-    })?;
+    let baseline = ConditionId::new(design.own_drive_label())?;
     let language = texts.words.language.as_str();
     let probe = moments::probe(design.protocol(), scales, language)?;
     let planning = Planning {
@@ -132,11 +129,16 @@ impl Planning<'_> {
     /// Everything of one session, by its first ride.
     fn session(&self, occasion: Occasion, steps: &mut Vec<Step>) -> Result<(), SeatError> {
         let protocol = self.design.protocol();
-        let sessions = Sessions::from_protocol(protocol);
-        let session = occasion.session.get();
-        steps.extend(sessions.before(occasion));
+        if occasion != Occasion::FIRST {
+            let sessions = protocol.sessions.as_ref();
+            steps.push(Step::Between {
+                session: occasion.session,
+                days: sessions.map_or([0, 0], |s| s.days_between),
+            });
+        }
+        let (session, last) = (occasion.session.get(), protocol.session_count());
         let parts = protocol.steps.iter().copied();
-        for part in parts.filter(|part| sessions.have(*part, session)) {
+        for part in parts.filter(|part| has_part(session, last, *part)) {
             self.part(part, occasion, steps)?;
         }
         Ok(())
@@ -149,16 +151,13 @@ impl Planning<'_> {
         occasion: Occasion,
         steps: &mut Vec<Step>,
     ) -> Result<(), SeatError> {
-        let (protocol, scales) = (self.design.protocol(), self.scales);
-        let language = self.texts.words.language.as_str();
+        let protocol = self.design.protocol();
         match part {
-            ProtocolStep::Screen => steps.extend(moments::screen(protocol, scales, language)?),
-            ProtocolStep::Consent => steps.extend(self.consent()?),
-            ProtocolStep::Before => {
-                for id in &protocol.before {
-                    steps.push(sheet(scales, id, Moment::Pre, language)?);
-                }
+            ProtocolStep::Screen => {
+                steps.extend(moments::screen(protocol, self.scales, self.language())?);
             }
+            ProtocolStep::Consent => steps.extend(self.consent()?),
+            ProtocolStep::Before => self.sheets(&protocol.before, Moment::Pre, steps)?,
             ProtocolStep::Controls => steps.push(Step::Controls),
             ProtocolStep::Practice => steps.push(Step::Practice {
                 seconds: protocol.practice.at_most_s,
@@ -183,26 +182,107 @@ impl Planning<'_> {
             }
             ProtocolStep::Rides => {
                 if let Some(riding) = self.riding {
-                    let questions = (scales, language, self.probe.as_ref());
-                    let whose = (self.whose, occasion.session.get());
-                    rides(self.design, questions, whose, riding, steps)?;
+                    self.rides(riding, occasion.session.get(), steps)?;
                 }
             }
             ProtocolStep::Which => {
                 if let Some((pair, riding)) = protocol.which.zip(self.riding) {
-                    steps.push(which(self.design, (scales, language), pair, riding.order)?);
+                    steps.push(self.which(pair, riding.order)?);
                 }
             }
             ProtocolStep::Break => steps.push(Step::Break {
                 seconds: protocol.break_s,
             }),
-            ProtocolStep::Post => {
-                for id in &protocol.post {
-                    steps.push(sheet(scales, id, Moment::Post, language)?);
-                }
-            }
+            ProtocolStep::Post => self.sheets(&protocol.post, Moment::Post, steps)?,
         }
         Ok(())
+    }
+
+    /// Which of two rides was in the own style: the numbers that these rides had for the person stand in what is asked.
+    fn which(&self, pair: [ConditionId; 2], order: &[usize]) -> Result<Step, Hindrance> {
+        let mut step = sheet(self.scales, WHICH, Moment::Post, self.language())?;
+        let conditions = self.design.conditions();
+        let is_one = |place: &usize| pair.contains(&conditions[*place].id);
+        let numbers = (1..).zip(order).filter(|(_, place)| is_one(place));
+        let numbers: Vec<String> = numbers.map(|(number, _)| number.to_string()).collect();
+        if let (
+            Step::Scale {
+                instruction: Some(text),
+                ..
+            },
+            [earlier, later],
+        ) = (&mut step, numbers.as_slice())
+        {
+            *text = text.replace("{earlier}", earlier).replace("{later}", later);
+        }
+        Ok(step)
+    }
+
+    /// The rides of a session, each with what is asked after it.
+    fn rides(
+        &self,
+        riding: Riding<'_>,
+        session: u32,
+        steps: &mut Vec<Step>,
+    ) -> Result<(), SeatError> {
+        let (design, whose) = (self.design, self.whose);
+        let (protocol, conditions) = (design.protocol(), design.conditions());
+        let trials = 1..=protocol.rides_per_condition;
+        let ridden = trials.flat_map(|trial| riding.order.iter().map(move |place| (trial, *place)));
+        let shown_again = conditions.iter().any(|c| c.car == Some(Car::Replay));
+        let a_session = riding.order.len() * protocol.rides_per_condition as usize;
+        for (number, (trial, place)) in (1..).zip(ridden) {
+            let condition = &conditions[place];
+            let ride = Ride {
+                condition: condition.id,
+                // Both are counted from 1.
+                occasion: Occasion::new(session, trial).unwrap_or_default(),
+            };
+            if ridden_elsewhere(design) {
+                steps.push(Step::Elsewhere {
+                    condition: condition.id,
+                    occasion: ride.occasion,
+                    number,
+                });
+            } else {
+                let (style, points, turns) = driven(design, condition, whose, riding.styles)?;
+                let among_all = (session as usize - 1) * a_session + number;
+                // The world of the drive, where that is shown again.
+                let among_all = if shown_again { 0 } else { among_all };
+                steps.push(Step::Ride {
+                    condition: condition.id,
+                    occasion: ride.occasion,
+                    number,
+                    seconds: protocol.ride_s,
+                    seed: world(protocol, whose, (among_all, ride)),
+                    style,
+                    points,
+                    stretch: riding.stretch,
+                    turns,
+                    lent: None,
+                    probe: self.probe.clone(),
+                });
+            }
+            self.sheets(&protocol.after, Moment::After(ride), steps)?;
+        }
+        Ok(())
+    }
+
+    /// Scales that are asked at a moment.
+    fn sheets(
+        &self,
+        ids: &[String],
+        moment: Moment,
+        steps: &mut Vec<Step>,
+    ) -> Result<(), Hindrance> {
+        for id in ids {
+            steps.push(sheet(self.scales, id, moment, self.language())?);
+        }
+        Ok(())
+    }
+
+    fn language(&self) -> &str {
+        &self.texts.words.language
     }
 
     /// What is agreed to; none where the study has no text.
@@ -272,70 +352,19 @@ impl Planning<'_> {
     }
 }
 
-/// The sessions of a person: the first has everything that comes before the drives, the last what is asked at the end.
-struct Sessions {
-    last: u32,
-    days: [u32; 2],
-}
-
-impl Sessions {
-    fn from_protocol(protocol: &Protocol) -> Self {
-        Self {
-            last: protocol.session_count(),
-            days: protocol
-                .sessions
-                .as_ref()
-                .map_or([0, 0], |s| s.days_between),
-        }
+/// Whether a session has a part of the protocol: the first has everything that comes before the drives, the last what is asked at the end.
+fn has_part(session: u32, last: u32, part: ProtocolStep) -> bool {
+    match part {
+        ProtocolStep::Screen
+        | ProtocolStep::Consent
+        | ProtocolStep::Before
+        | ProtocolStep::Practice => session == 1,
+        ProtocolStep::Controls
+        | ProtocolStep::Drive
+        | ProtocolStep::Rides
+        | ProtocolStep::Break => true,
+        ProtocolStep::Which | ProtocolStep::Post => session == last,
     }
-
-    /// What comes before a session that is not the first.
-    fn before(&self, occasion: Occasion) -> Option<Step> {
-        let again = occasion != Occasion::FIRST;
-        again.then_some(Step::Between {
-            session: occasion.session,
-            days: self.days,
-        })
-    }
-
-    /// Whether a session has a part of the protocol.
-    fn have(&self, step: ProtocolStep, session: u32) -> bool {
-        match step {
-            ProtocolStep::Screen
-            | ProtocolStep::Consent
-            | ProtocolStep::Before
-            | ProtocolStep::Practice => session == 1,
-            ProtocolStep::Controls
-            | ProtocolStep::Drive
-            | ProtocolStep::Rides
-            | ProtocolStep::Break => true,
-            ProtocolStep::Which | ProtocolStep::Post => session == self.last,
-        }
-    }
-}
-
-/// Which of two rides was in the own style: the numbers that these rides had for the person stand in what is asked.
-fn which(
-    design: &Design,
-    (scales, language): (&[Scale], &str),
-    pair: [ConditionId; 2],
-    order: &[usize],
-) -> Result<Step, Hindrance> {
-    let mut step = sheet(scales, WHICH, Moment::Post, language)?;
-    let is_one = |place: &usize| pair.contains(&design.conditions()[*place].id);
-    let numbers = (1..).zip(order).filter(|(_, place)| is_one(place));
-    let numbers: Vec<String> = numbers.map(|(number, _)| number.to_string()).collect();
-    if let (
-        Step::Scale {
-            instruction: Some(text),
-            ..
-        },
-        [earlier, later],
-    ) = (&mut step, numbers.as_slice())
-    {
-        *text = text.replace("{earlier}", earlier).replace("{later}", later);
-    }
-    Ok(step)
 }
 
 /// Root of the world of a ride by its number through all sessions, or of the drive by hand, which is 0 in each.
@@ -354,70 +383,6 @@ fn world(protocol: &Protocol, whose: Whose<'_>, (ride, what): (usize, Ride)) -> 
         named.extend(["session", &session]);
     }
     stream_seed(protocol.seed, &named).to_string()
-}
-
-fn rides(
-    design: &Design,
-    (scales, language, probe): (&[Scale], &str, Option<&AskedProbe>),
-    (whose, session): (Whose<'_>, u32),
-    riding: Riding<'_>,
-    steps: &mut Vec<Step>,
-) -> Result<(), SeatError> {
-    let protocol: &Protocol = design.protocol();
-    let conditions = design.conditions();
-    let trials = 1..=protocol.rides_per_condition;
-    let ridden = trials.flat_map(|trial| riding.order.iter().map(move |place| (trial, *place)));
-    let shown_again = conditions.iter().any(|c| c.car == Some(Car::Replay));
-    let a_session = riding.order.len() * protocol.rides_per_condition as usize;
-    for (number, (trial, place)) in (1..).zip(ridden) {
-        let condition = &conditions[place];
-        let ride = Ride {
-            condition: condition.id,
-            // Both are counted from 1.
-            occasion: Occasion::new(session, trial).unwrap_or_default(),
-        };
-        if ridden_elsewhere(design) {
-            steps.push(Step::Elsewhere {
-                condition: condition.id,
-                occasion: ride.occasion,
-                number,
-            });
-            after(protocol, (scales, language), ride, steps)?;
-            continue;
-        }
-        let (style, points, turns) = driven(design, condition, whose, riding.styles)?;
-        let among_all = (session as usize - 1) * a_session + number;
-        // The world of the drive, where that is shown again.
-        let among_all = if shown_again { 0 } else { among_all };
-        steps.push(Step::Ride {
-            condition: condition.id,
-            occasion: ride.occasion,
-            number,
-            seconds: protocol.ride_s,
-            seed: world(protocol, whose, (among_all, ride)),
-            style,
-            points,
-            stretch: riding.stretch,
-            turns,
-            lent: None,
-            probe: probe.cloned(),
-        });
-        after(protocol, (scales, language), ride, steps)?;
-    }
-    Ok(())
-}
-
-/// What is asked after a ride.
-fn after(
-    protocol: &Protocol,
-    (scales, language): (&[Scale], &str),
-    ride: Ride,
-    steps: &mut Vec<Step>,
-) -> Result<(), Hindrance> {
-    for id in &protocol.after {
-        steps.push(sheet(scales, id, Moment::After(ride), language)?);
-    }
-    Ok(())
 }
 
 /// Whether every ride is in a car that is not the seat's: no condition has a car of ours.
@@ -440,41 +405,33 @@ fn driven(
         points * style.aggression.factor()
     });
     let root = design.protocol().seed;
-    Ok(match car(condition)? {
-        Car::Dial(points) => (RideStyle::Own, *points, None),
-        Car::Free => (RideStyle::Own, 0.0, Some(step)),
-        Car::Replay => (RideStyle::Replay, 0.0, None),
-        Car::Mean => (RideStyle::Mean, 0.0, None),
-        Car::Across => (
-            RideStyle::Across(whose.place(root, condition.id)),
-            0.0,
-            None,
-        ),
-        Car::Matched(matched) => {
-            let (apart_sd, seed) = (matched.apart_sd, whose.place(root, condition.id));
-            let lent = RideStyle::Lent {
-                apart_sd,
-                seed,
-                // Who these are the seat says, which has asked them.
-                withheld: std::collections::BTreeSet::new(),
-            };
-            (lent, 0.0, None)
-        }
+    let style = match car(condition)? {
+        Car::Dial(points) => return Ok((RideStyle::Own, *points, None)),
+        Car::Free => return Ok((RideStyle::Own, 0.0, Some(step))),
+        Car::Replay => RideStyle::Replay,
+        Car::Mean => RideStyle::Mean,
+        Car::Across => RideStyle::Across(whose.place(root, condition.id)),
+        Car::Matched(matched) => RideStyle::Lent {
+            apart_sd: matched.apart_sd,
+            seed: whose.place(root, condition.id),
+            // Who these are the seat says, which has asked them.
+            withheld: std::collections::BTreeSet::new(),
+        },
         Car::Embedding(file) => {
             let rows = styles.get(file).map_or(&[][..], Vec::as_slice);
             let id = match whose {
-                Whose::Person(id) => Some(ParticipantId::new(id).map_err(StudyError::from)?),
+                Whose::Person(id) => Some(ParticipantId::new(id)?),
                 Whose::Link(_) | Whose::Nobody => None,
             };
-            let style = style_of(rows, file, id.as_ref())?.clone();
-            (RideStyle::Given(style), 0.0, None)
+            RideStyle::Given(style_of(rows, file, id.as_ref())?.clone())
         }
         _ => {
             return Err(
                 Hindrance::no_car(condition.id, "the seat does not drive its `car`").into(),
             );
         }
-    })
+    };
+    Ok((style, 0.0, None))
 }
 
 /// The car of a condition, if the seat may drive it.

@@ -1,8 +1,8 @@
 //! What the server refused or could not keep, for whoever runs the study: held in memory, since a full disk keeps nothing.
 
-use crate::books;
+use crate::{books, held::held};
 use std::{
-    sync::{Mutex, MutexGuard, PoisonError},
+    sync::Mutex,
     time::{Duration, Instant},
 };
 
@@ -60,17 +60,12 @@ impl Refusals {
         }
     }
 
-    fn held(&self) -> MutexGuard<'_, List> {
-        // What is guarded is changed in one go.
-        self.list.lock().unwrap_or_else(PoisonError::into_inner)
-    }
-
     /// Takes one down; tells of it when it is new, and now and then while it goes on. `ours` is a failure of the server's: it is told
     /// however much others sent that was refused.
     pub(crate) fn add(&self, participant: Option<String>, why: &str, ours: bool) {
         let why: String = why.chars().take(LONGEST).collect();
         let now = Instant::now();
-        let mut list = self.held();
+        let mut list = held(&self.list);
         let lately = |told: Option<Instant>| told.is_some_and(|t| t.elapsed() < TOLD_EVERY);
         if !lately(list.since) {
             (list.since, list.told) = (Some(now), 0);
@@ -102,14 +97,14 @@ impl Refusals {
 
     /// Takes out what was refused to somebody who is forgotten.
     pub(crate) fn forget(&self, participant: &str) {
-        self.held()
+        held(&self.list)
             .all
             .retain(|r| r.participant.as_deref() != Some(participant));
     }
 
     /// All, the newest first.
     pub(crate) fn newest_first(&self) -> Vec<Refusal> {
-        self.held().all.iter().rev().cloned().collect()
+        held(&self.list).all.iter().rev().cloned().collect()
     }
 }
 

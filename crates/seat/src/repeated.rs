@@ -3,44 +3,19 @@
 use crate::{
     books::{Books, now, whole},
     error::SeatError,
-    left_out::{said_why, there},
+    left_out::{Done, said_why, there},
     listed::Listed,
     person::Person,
     seat::Seat,
     steps::Step,
 };
 use maveric_domain::{DriveId, ParticipantId};
-use maveric_study::StudyError;
 use rusqlite::params;
-
-/// Attempts at a step that were set aside, and why.
-pub(crate) struct Repeated {
-    pub(crate) step: usize,
-    /// The last of them; those before it are set aside, too.
-    pub(crate) attempt: u32,
-    /// Such as `repeated: the wheel came loose`.
-    pub(crate) what: String,
-    /// In s since 1970.
-    pub(crate) given: i64,
-}
 
 impl Books<'_> {
     /// What somebody drove once more.
-    pub(crate) fn repeated(&self, participant: &str) -> Result<Vec<Repeated>, SeatError> {
-        self.ask(|c| {
-            let mut rows = c.prepare_cached(
-                "SELECT step, attempt, what, given FROM repeated WHERE participant = ?1 ORDER BY step, attempt",
-            )?;
-            let read = |row: &rusqlite::Row<'_>| {
-                Ok(Repeated {
-                    step: row.get::<_, i64>(0)? as usize,
-                    attempt: row.get(1)?,
-                    what: row.get(2)?,
-                    given: row.get(3)?,
-                })
-            };
-            rows.query_map([participant], read)?.collect()
-        })
+    pub(crate) fn repeated(&self, participant: &str) -> Result<Vec<Done>, SeatError> {
+        self.done_with(("repeated", "attempt"), participant)
     }
 
     fn set_aside(
@@ -49,22 +24,17 @@ impl Books<'_> {
         (step, attempt): (usize, u32),
         what: &str,
     ) -> Result<(), SeatError> {
-        self.ask(|c| {
-            c.execute(
-                "INSERT INTO repeated VALUES (?1, ?2, ?3, ?4, ?5)",
-                params![participant, whole(step), attempt, what, now()],
-            )?;
-            // What was answered on the way is in the record of what was driven.
-            c.execute(
-                "DELETE FROM answer WHERE participant = ?1 AND step = ?2",
-                params![participant, whole(step)],
-            )
-        })
-        .map(drop)
+        self.change(
+            "INSERT INTO repeated VALUES (?1, ?2, ?3, ?4, ?5)",
+            params![participant, whole(step), attempt, what, now()],
+        )?;
+        // What was answered on the way is in the record of what was driven.
+        self.change(
+            "DELETE FROM answer WHERE participant = ?1 AND step = ?2",
+            params![participant, whole(step)],
+        )
     }
-}
 
-impl Books<'_> {
     /// Whether somebody is at a step that they drive once more.
     pub(crate) fn repeats(&self, person: &Person) -> Result<bool, SeatError> {
         let begun = self.begun(&person.participant, person.at)?;
@@ -145,12 +115,12 @@ impl Seat {
             })?;
             b.set_aside(participant, (step, attempt), &what)?;
             b.event(Some(participant), &format!("step {}: {what}", step + 1))?;
-            b.go_back(&person, step)?;
+            b.go_to(&person, person.at, step)?;
             let Some((ride, _)) = person.steps.get(step).and_then(Step::drives) else {
                 return Ok(());
             };
-            let id = ParticipantId::new(participant).map_err(StudyError::from)?;
-            let name = DriveId::in_condition(&id, ride).map_err(StudyError::from)?;
+            let id = ParticipantId::new(participant)?;
+            let name = DriveId::in_condition(&id, ride)?;
             for begun in b.begun(participant, step)? {
                 let lines = b.record(participant, (step, begun.attempt))?;
                 let files = &self.settings.files;

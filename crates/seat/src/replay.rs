@@ -27,10 +27,7 @@ pub struct Repeated {
 /// # Errors
 /// [`SeatError::Io`], [`SeatError::Record`] naming the file and the line; [`SeatError::Log`], [`SeatError::NoRecord`].
 pub fn repeat(path: &Path) -> Result<Repeated, SeatError> {
-    let io = |source| SeatError::Io {
-        path: path.to_owned(),
-        source,
-    };
+    let io = |source| SeatError::io(path, source);
     let mut bytes = std::fs::read(path).map_err(io)?;
     if bytes.starts_with(MAGIC) {
         let record = attachment(path, RECORD)?;

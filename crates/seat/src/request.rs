@@ -95,22 +95,24 @@ impl IntoResponse for Refused {
                 "this study is open in another tab".to_owned(),
             ),
             Self::TooLate(why) => (StatusCode::FORBIDDEN, "too-late", why),
-            Self::Failed(error) => return failed(&error),
+            Self::Failed(error) => {
+                // What went wrong here may pass, and is the experimenter's to read, not the person's.
+                let shown = "this could not be kept; please tell whoever runs the study";
+                let status = StatusCode::INTERNAL_SERVER_ERROR;
+                return refusal(status, shown.to_owned(), error.to_string());
+            }
         };
-        let why = Why(shown.clone());
-        let mut response = (status, shown).into_response();
+        let mut response = refusal(status, shown.clone(), shown);
         let lasting = HeaderValue::from_static(lasting);
         response.headers_mut().insert(LASTING, lasting);
-        response.extensions_mut().insert(why);
         response
     }
 }
 
-/// What went wrong here may pass, and is the experimenter's to read, not the person's.
-fn failed(error: &SeatError) -> Response {
-    let shown = "this could not be kept; please tell whoever runs the study";
-    let mut response = (StatusCode::INTERNAL_SERVER_ERROR, shown).into_response();
-    response.extensions_mut().insert(Why(error.to_string()));
+/// A refusal as it is shown, with why on its way to whoever runs the study.
+pub(crate) fn refusal(status: StatusCode, shown: String, why: String) -> Response {
+    let mut response = (status, shown).into_response();
+    response.extensions_mut().insert(Why(why));
     response
 }
 

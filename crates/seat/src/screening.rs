@@ -29,26 +29,20 @@ impl Books<'_> {
 
     /// Counts somebody whom a rule held back.
     pub(crate) fn hold_back(&self, rule: &str) -> Result<(), SeatError> {
-        self.ask(|c| {
-            c.execute(
-                "INSERT INTO not_admitted (rule, people) VALUES (?1, 1) ON CONFLICT DO UPDATE SET people = people + 1",
-                params![rule],
-            )
-        })
-        .map(drop)
+        self.change(
+            "INSERT INTO not_admitted (rule, people) VALUES (?1, 1) ON CONFLICT DO UPDATE SET people = people + 1",
+            params![rule],
+        )
     }
 
     /// How many people each rule held back.
     pub(crate) fn not_admitted(&self) -> Result<Vec<NotAdmitted>, SeatError> {
-        self.ask(|c| {
-            let mut rows = c.prepare("SELECT rule, people FROM not_admitted ORDER BY rule")?;
-            let read = |row: &rusqlite::Row<'_>| {
-                Ok(NotAdmitted {
-                    rule: row.get(0)?,
-                    people: row.get::<_, i64>(1)? as usize,
-                })
-            };
-            rows.query_map([], read)?.collect()
+        let question = "SELECT rule, people FROM not_admitted ORDER BY rule";
+        self.rows(question, [], |row| {
+            Ok(NotAdmitted {
+                rule: row.get(0)?,
+                people: row.get::<_, i64>(1)? as usize,
+            })
         })
     }
 

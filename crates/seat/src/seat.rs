@@ -6,6 +6,7 @@ use crate::{
     consent,
     error::SeatError,
     files::Files,
+    held::held,
     hindrance::Hindrance,
     known::Known,
     listed::Listed,
@@ -25,7 +26,7 @@ use std::{
     collections::{BTreeMap, BTreeSet},
     path::Path,
     sync::{
-        Arc, Mutex, MutexGuard, PoisonError,
+        Arc, Mutex,
         atomic::{AtomicBool, AtomicU64, Ordering},
     },
 };
@@ -82,11 +83,6 @@ pub struct Seat {
     written: Mutex<u64>,
 }
 
-fn held<T>(lock: &Mutex<T>) -> MutexGuard<'_, T> {
-    // What is guarded is written in one go, or made anew.
-    lock.lock().unwrap_or_else(PoisonError::into_inner)
-}
-
 impl SeatSettings {
     /// All that keeps the seat from running the study; nothing is opened or written.
     ///
@@ -126,10 +122,10 @@ impl Seat {
             .as_ref()
             .is_some_and(|p| p.trim().is_empty())
         {
-            return Err(SeatError::Protocol {
-                problem: "the password of the experimenter's page is empty".to_owned(),
-                help: Some("give one, or leave it out: then one is made up and printed".to_owned()),
-            });
+            return Err(SeatError::cannot(
+                "the password of the experimenter's page is empty",
+                "give one, or leave it out: then one is made up and printed",
+            ));
         }
         let (model, styles, hindrances) = settings.examined()?;
         if !hindrances.is_empty() {
@@ -239,13 +235,10 @@ impl Seat {
     /// [`SeatError::Protocol`] if it learned from somebody who is forgotten.
     pub(crate) fn model_for_page(&self) -> Result<Vec<u8>, SeatError> {
         if self.model_refused.load(Ordering::Relaxed) {
-            return Err(SeatError::Protocol {
-                problem: "the model that rides learned from somebody who is forgotten".to_owned(),
-                help: Some(
-                    "close the seat, learn it anew (`maveric run train`), and open the seat again"
-                        .to_owned(),
-                ),
-            });
+            return Err(SeatError::cannot(
+                "the model that rides learned from somebody who is forgotten",
+                "close the seat, learn it anew (`maveric run train`), and open the seat again",
+            ));
         }
         Ok(self.settings.model.clone().unwrap_or_default())
     }
@@ -253,11 +246,8 @@ impl Seat {
     /// Whether people ride, or drive by hand alone so that a model can learn from them.
     pub fn rides(&self) -> bool {
         let can_ride = self.model.is_some() || !self.settings.design.needs_a_model();
-        can_ride && self.asks(ProtocolStep::Rides)
-    }
-
-    fn asks(&self, step: ProtocolStep) -> bool {
-        self.settings.design.protocol().steps.contains(&step)
+        let steps = &self.settings.design.protocol().steps;
+        can_ride && steps.contains(&ProtocolStep::Rides)
     }
 
     /// What is said in a language; in the study's where nobody chose, or it is not spoken any more.
@@ -267,17 +257,8 @@ impl Seat {
         chosen.unwrap_or(&self.settings.texts)
     }
 
-    /// The steps of `whose`, who rides in this order of the conditions.
+    /// The steps of `whose`, who rides in this order of the conditions, in a language as [`Seat::texts_in`] takes it.
     pub(crate) fn steps_of(
-        &self,
-        whose: Whose<'_>,
-        order: &[usize],
-    ) -> Result<Vec<Step>, SeatError> {
-        self.steps_in(None, whose, order)
-    }
-
-    /// As [`Seat::steps_of`], in a language.
-    pub(crate) fn steps_in(
         &self,
         language: Option<&str>,
         whose: Whose<'_>,
@@ -326,25 +307,26 @@ impl Seat {
         let answered = self.asked.load(Ordering::SeqCst);
         let (given, not_admitted, not_agreed) = self.store.look(|b| {
             let people = b.everybody()?.into_iter().filter(Person::is_admitted);
-            let with_answers = |p: Person| Ok((b.answers(&p.participant)?, p));
+            let with_answers = |person: Person| {
+                let answers = b.answers(&person.participant)?;
+                Ok((person, answers))
+            };
             let given: Vec<_> = people.map(with_answers).collect::<Result<_, SeatError>>()?;
             Ok::<_, SeatError>((given, b.not_admitted()?, b.not_agreed()?))
         })?;
-        let given = given.into_iter().map(|(answers, person)| (person, answers));
-        let given: Vec<_> = given.collect();
-        self.settings.files.not_admitted(&not_admitted)?;
-        self.settings.files.not_agreed(&not_agreed)?;
-        self.store.look(|b| self.settings.files.ended(b))?;
+        let files = &self.settings.files;
+        files.held_back(&not_admitted, &not_agreed)?;
+        self.store.look(|b| files.ended(b))?;
         if !given.is_empty() {
-            let listed = self.settings.files.write(&given)?;
+            let listed = files.write(&given)?;
             self.store
                 .within(|b| self.keep_listed(b, &given, &listed))?;
-            let before = self.settings.files.events();
+            let before = files.events();
             let people = (&given[..], &listed);
             let collected = self
                 .store
                 .look(|b| b.collected(people, &before, unfinished))?;
-            self.settings.files.collected(&collected)?;
+            files.collected(&collected)?;
         }
         *written = answered;
         Ok(())

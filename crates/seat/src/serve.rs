@@ -406,7 +406,7 @@ async fn done(
             }
             Step::Between { .. } if step == person.at => seat.comes_again(&person)?,
             Step::Drive { .. } | Step::Ride { .. }
-                if step == person.at && !seat.finish_drive(&person, step, &found)? =>
+                if step == person.at && !seat.write_drive(&person, (step, &found), None)? =>
             {
                 return Err(Refused::NotThis("this drive has not ended".to_owned()));
             }

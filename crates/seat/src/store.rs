@@ -1,12 +1,12 @@
 //! People, answers and drives in one SQLite file that one program at a time has open.
 
-use crate::{books::Books, error::SeatError, token};
+use crate::{books::Books, error::SeatError, held::held, token};
 use rusqlite::{Connection, TransactionBehavior};
 use std::{
     ffi::OsString,
     fs::{File, OpenOptions},
     path::{Path, PathBuf},
-    sync::{Mutex, MutexGuard, PoisonError},
+    sync::Mutex,
     time::Duration,
 };
 
@@ -89,10 +89,7 @@ impl Store {
         for ending in ["", "-wal", "-shm"] {
             owners_alone(&beside(path, ending), ending.is_empty())?;
         }
-        let bad = |source| SeatError::Store {
-            path: path.to_owned(),
-            source,
-        };
+        let bad = |source| SeatError::store(path, source);
         let mut connection = Connection::open(path).map_err(bad)?;
         connection.set_prepared_statement_cache_capacity(READY);
         let version = prepare(&mut connection).map_err(bad)?;
@@ -137,11 +134,8 @@ impl Store {
         behaviour: TransactionBehavior,
         work: impl FnOnce(&Books<'_>) -> Result<T, E>,
     ) -> Result<T, E> {
-        let bad = |source| SeatError::Store {
-            path: self.path.clone(),
-            source,
-        };
-        let mut connection = self.connection();
+        let bad = |source| SeatError::store(&self.path, source);
+        let mut connection = held(&self.connection);
         let transaction = connection.transaction_with_behavior(behaviour);
         let transaction = transaction.map_err(bad)?;
         let done = work(&Books {
@@ -157,29 +151,19 @@ impl Store {
     /// # Errors
     /// [`SeatError::Store`].
     pub(crate) fn sweep(&self) -> Result<(), SeatError> {
-        let connection = self.connection();
+        let connection = held(&self.connection);
         let swept = connection
             .execute_batch("VACUUM")
             .and_then(|()| empty_log(&connection))
             .and_then(|()| connection.execute("UPDATE forgotten SET swept = 1", []))
             .and_then(|_| empty_log(&connection));
-        swept.map_err(|source| SeatError::Store {
-            path: self.path.clone(),
-            source,
-        })
+        swept.map_err(|source| SeatError::store(&self.path, source))
     }
 
     /// Whether a file is this one, or lies beside it for it.
     pub(crate) fn has(&self, path: &Path) -> bool {
         let name = |path: &Path| path.file_name().map(|n| n.to_string_lossy().into_owned());
         name(path).is_some_and(|n| n.starts_with(&name(&self.path).unwrap_or(n.clone())))
-    }
-
-    fn connection(&self) -> MutexGuard<'_, Connection> {
-        // A panic while the file was open leaves a transaction that is rolled back.
-        self.connection
-            .lock()
-            .unwrap_or_else(PoisonError::into_inner)
     }
 }
 
@@ -249,10 +233,7 @@ fn beside(path: &Path, ending: &str) -> PathBuf {
 /// Keeps other seats from the same file as long as what is given back lives.
 fn alone(path: &Path) -> Result<File, SeatError> {
     let lock = beside(path, "-lock");
-    let io = |source| SeatError::Io {
-        path: lock.clone(),
-        source,
-    };
+    let io = |source| SeatError::io(&lock, source);
     owners_alone(&lock, true)?;
     let file = File::open(&lock).map_err(io)?;
     let begun = std::time::Instant::now();
@@ -277,10 +258,7 @@ fn owners_alone(path: &Path, makes: bool) -> Result<(), SeatError> {
     if !makes && !path.exists() {
         return Ok(());
     }
-    let io = |source| SeatError::Io {
-        path: path.to_owned(),
-        source,
-    };
+    let io = |source| SeatError::io(path, source);
     let mut options = OpenOptions::new();
     options.append(true).create(makes);
     #[cfg(unix)]

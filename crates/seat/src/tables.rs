@@ -78,12 +78,8 @@ pub(crate) fn write_answers(
             continue;
         }
         for kept in sheets {
-            let Some((scale, moment)) = person.steps.get(kept.step).and_then(scale_and_moment)
-            else {
-                continue;
-            };
-            // Only what was checked was kept.
-            let Ok(sheet) = serde_json::from_str::<Sheet>(&kept.body) else {
+            let asked = person.steps.get(kept.step).and_then(scale_and_moment);
+            let Some(((scale, moment), sheet)) = asked.zip(kept.sheet()) else {
                 continue;
             };
             let who = &person.participant;
@@ -212,17 +208,9 @@ pub(crate) fn write_people(
 ) -> Result<(), SeatError> {
     let known = people_in(path)?;
     let mut columns = vec!["participant"];
-    for column in design
-        .people()
-        .columns()
-        .into_iter()
-        .chain(["order"])
-        .chain(design.tested_columns())
-    {
-        if !columns.contains(&column) {
-            columns.push(column);
-        }
-    }
+    columns.extend(design.people().columns());
+    columns.push("order");
+    columns.extend(design.tested_columns());
     let table = path.is_file() && !made;
     let mut rows: Vec<Row> = Vec::new();
     for (person, _) in given {
@@ -250,7 +238,7 @@ fn row(design: &Design, person: &Person) -> Row {
     row
 }
 
-/// Writes a table: what stands there with every column that it has, then `added`.
+/// Writes a table: what stands there with every column that it has and those that are wanted, each once; then `added`.
 fn merge(path: &Path, wanted: &[&str], added: &[Row]) -> Result<(), SeatError> {
     let standing = path.is_file().then(|| Table::read(path)).transpose()?;
     let mut columns = standing.as_ref().map_or_else(Vec::new, Table::columns);

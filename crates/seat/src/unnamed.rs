@@ -4,13 +4,11 @@ use crate::{error::SeatError, steps::Step};
 use maveric_domain::DriveId;
 use maveric_model::{Model, model_file};
 use maveric_seat_page::RideStyle;
-use maveric_study::StudyError;
 
 /// The names that the drives of a model have on a page, in their order.
 fn numbers(model: &Model) -> Result<Vec<DriveId>, SeatError> {
     let numbers = (1..=model.training().len()).map(|number| DriveId::new(format!("D{number}")));
-    let numbers: Result<Vec<_>, _> = numbers.collect();
-    Ok(numbers.map_err(StudyError::from)?)
+    Ok(numbers.collect::<Result<_, _>>()?)
 }
 
 /// The file of a model with numbers in the place of the names.

@@ -96,16 +96,12 @@ impl Words {
         file: Option<(&Path, &str)>,
         lends: bool,
     ) -> Result<Self, SeatError> {
-        let refused = |problem: String, help: String| SeatError::Protocol {
-            problem,
-            help: Some(help),
-        };
         let name = file.map_or_else(String::new, |(file, _)| file.to_slash_lossy().into_owned());
         let replacements = file.map(|(_, text)| toml::from_str::<Sentences>(text));
         let replacements = replacements.transpose();
         let replacements = replacements.map_err(|e| {
-            let help = "expected lines such as begin = \"Start\"".to_owned();
-            refused(format!("{name}: {}", e.message()), help)
+            let help = "expected lines such as begin = \"Start\"";
+            SeatError::cannot(format!("{name}: {}", e.message()), help)
         })?;
         let replacements = replacements.unwrap_or_default();
         for (key, sentence) in &replacements {
@@ -115,15 +111,15 @@ impl Words {
                     || "leave it out".to_owned(),
                     |near| format!("did you mean `{near}`?"),
                 );
-                return Err(refused(
+                return Err(SeatError::cannot(
                     format!("{name}: `{key}` is no sentence of the seat"),
-                    help,
+                    &help,
                 ));
             };
             if let Some(part) = parts(sentence).difference(&parts(english)).next() {
-                return Err(refused(
+                return Err(SeatError::cannot(
                     format!("{name}: `{key}` names {{{part}}}, which nothing fills in"),
-                    format!("the sentence is: {english}"),
+                    &format!("the sentence is: {english}"),
                 ));
             }
         }
@@ -140,13 +136,13 @@ impl Words {
         if !speaks && !lacking.is_empty() {
             let (all, lack) = (IN_ENGLISH.len(), lacking.len());
             let shipped = SHIPPED.map(|(language, _)| language).join(", ");
-            return Err(refused(
+            return Err(SeatError::cannot(
                 format!(
                     "[protocol] language is `{language}`, which the seat does not speak: {lack} of its {all} sentences are missing ({}{})",
                     lacking[..lack.min(5)].join(", "),
                     if lack > 5 { ", …" } else { "" }
                 ),
-                format!(
+                &format!(
                     "write them into a file, and `words` = its name into [protocol]; the seat speaks {shipped}"
                 ),
             ));

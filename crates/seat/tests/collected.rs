@@ -10,14 +10,14 @@ mod support;
 
 use maveric_ingest::{IngestSettings, read_log};
 use maveric_model::{Model, model_file};
-use maveric_seat::{Seat, SeatError, SeatSettings, carried};
+use maveric_seat::{SeatError, carried};
 use maveric_study::tables::{
     Table,
     collected::{ConsentRow, EventRow, NoteRow, read_consents},
 };
 use serde_json::json;
 use std::{fs, path::Path};
-use support::*;
+use support::{script::*, *};
 
 fn rows<T: serde::de::DeserializeOwned>(folder: &Path, name: &str) -> Vec<T> {
     let path = folder.join("seat").join(name);
@@ -107,29 +107,19 @@ fn pages_presses_practice_consent_and_notes_reach_tables_and_go_with_the_person(
 
 #[test]
 fn what_was_driven_before_somebody_left_is_a_log_where_it_is_kept() {
-    let folder = folder();
-    let server = Server::open(folder.path());
-    let token = opened(&server);
-    let step = loop {
-        let state = server.state(&token);
-        let at = state["at"].as_u64().unwrap();
-        let step = state["steps"][at as usize].clone();
-        if step["kind"] == "drive" {
-            break (at, step);
-        }
-        assert!(go_on(&server, &token));
-    };
-    let (lines, _) = driven(&step.1);
-    let path = format!("/api/{token}/drive/{}/1/{TAB}", step.0);
-    let (status, reply) = server.post(&path, &(lines[..6].join("\n") + "\n"));
+    let (folder, server, token) = one_person();
+    let (at, step) = until(&server, &token, "drive");
+    let (lines, _) = driven(&step);
+    let path = format!("/api/{token}/drive/{at}/1/{TAB}");
+    let (status, reply) = server.post(&path, &piece(&lines[..6]));
     assert!(status == 200 && reply.ends_with("\r\n\r\n500"), "{reply}");
     let leave = format!("/api/{token}/leave");
     assert_eq!(server.post(&leave, r#"{"keep":true}"#).0, 200);
     let log = folder.path().join("logs/seat/P001-own.mcap");
-    let read = read_log(&log, &IngestSettings::default()).unwrap();
-    let time_s = read[0].recording.time_s();
+    let drives = read_log(&log, &IngestSettings::default()).unwrap();
+    let time_s = drives[0].recording.time_s();
     assert!((time_s[time_s.len() - 1] - time_s[0] - 5.0).abs() < 0.2);
-    let said = fs::read_to_string(folder.path().join("seat/notes.csv")).unwrap();
+    let said = read(folder.path(), "seat/notes.csv");
     assert!(said.contains("P001-own"), "{said}");
     let events: Vec<EventRow> = rows(folder.path(), "events.csv");
     let drive: Vec<&str> = events
@@ -197,20 +187,11 @@ drive_s = 20
 ride_s = 10
 "#;
 
-/// The seat of that study with this model; nobody rides without.
-fn lends_with(folder: &Path, model: Option<Vec<u8>>) -> Result<Seat, SeatError> {
-    let settings = SeatSettings {
-        model,
-        ..settings(folder)
-    };
-    Seat::open(&folder.join("seat/seat.db"), settings)
-}
-
 /// That study, in which one person ticked the box, one left it, and one had none.
 fn three_agreed() -> tempfile::TempDir {
     let folder = folder_of(LEARNS_AND_LENDS);
     fs::write(folder.path().join("debrief.md"), "It was another's.").unwrap();
-    let server = Server::of(lends_with(folder.path(), None).unwrap(), |_| {});
+    let server = Server::of(open_with(folder.path(), None).unwrap(), |_| {});
     let answers = [
         r#","style_lent":true"#,
         r#","style_lent":false"#,
@@ -255,7 +236,7 @@ fn whoever_was_learned_from_and_did_not_tick_the_box_lends_nothing_and_no_page_i
     let asked = ["P001-own", "P002-own", "P003-own"];
     let enough = [&asked[..], &["S1-own", "S2-own", "S3-own", "S4-own"]].concat();
     let model = learned_from(folder.path(), &enough);
-    let seat = lends_with(folder.path(), Some(model)).unwrap();
+    let seat = open_with(folder.path(), Some(model)).unwrap();
     assert!(seat.few_donors().unwrap().is_empty());
     let out = folder.path().join("page");
     carried::export(&seat, &out, None).unwrap();
@@ -291,7 +272,7 @@ fn where_too_few_lend_theirs_the_seat_opens_and_nobody_new_is_let_in_or_rides_wi
         let drives = drives(others);
         let drives: Vec<&str> = drives.iter().map(String::as_str).collect();
         let model = learned_from(folder.path(), &drives);
-        lends_with(folder.path(), Some(model)).unwrap()
+        open_with(folder.path(), Some(model)).unwrap()
     };
     let out = folder.path().join("page");
     let few = seat(3);
@@ -313,7 +294,7 @@ fn where_too_few_lend_theirs_the_seat_opens_and_nobody_new_is_let_in_or_rides_wi
 #[test]
 fn whoever_is_learned_from_is_asked_for_their_style_and_is_forgotten_with_the_answer() {
     let folder = three_agreed();
-    let seat = lends_with(folder.path(), None).unwrap();
+    let seat = open_with(folder.path(), None).unwrap();
     let path = folder.path().join("seat/consents.csv");
     let kept = || -> Vec<(String, Option<bool>)> {
         let rows = read_consents(&path).unwrap().into_iter();

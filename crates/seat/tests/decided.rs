@@ -8,27 +8,12 @@ mod support;
 use maveric_domain::{DrivenBy, Seconds};
 use maveric_seat_page::{Frames, Input, SeatDrive};
 use maveric_simulator::Scenario;
-use serde_json::Value;
 use std::{fs, path::Path};
-use support::{STUDY, Server, TAB, entered, folder, folder_of, go_on, opened};
-
-/// Goes on until the step is of this kind; its number from 0, and the step.
-fn until(server: &Server, token: &str, kind: &str) -> (u64, Value) {
-    loop {
-        let state = server.state(token);
-        let at = state["at"].as_u64().unwrap();
-        let step = &state["steps"][at as usize];
-        if step["kind"] == kind {
-            return (at, step.clone());
-        }
-        assert!(go_on(server, token), "no step is {kind}");
-    }
-}
-
-fn posts(server: &Server, path: &str, body: &str) -> (u16, String) {
-    let cookie = entered(server);
-    server.ask("POST", path, body, &[("Cookie", &cookie)])
-}
+use support::{
+    STUDY, Server, TAB, folder_of, lab, lab_post, one_person, open, opened, replies,
+    script::{finish, go_on, here, piece, until},
+    tells,
+};
 
 fn text(folder: &Path, name: &str) -> String {
     fs::read_to_string(folder.join(name)).unwrap_or_default()
@@ -36,14 +21,12 @@ fn text(folder: &Path, name: &str) -> String {
 
 #[test]
 fn a_ride_is_driven_longer_for_a_reason_before_it_begins_and_within_what_a_drive_can_be() {
-    let folder = folder();
-    let server = Server::open(folder.path());
-    let token = opened(&server);
+    let (folder, server, token) = one_person();
     let (ride, step) = until(&server, &token, "ride");
     assert_eq!(step["seconds"], 10.0);
     let extends = |minutes: &str, reason: &str| {
         let body = format!("act=extend&minutes={minutes}&reason={reason}");
-        posts(&server, &format!("/lab/step/P001/{ride}"), &body)
+        lab_post(&server, &format!("/lab/step/P001/{ride}"), &body)
     };
     for (minutes, reason, said) in [
         ("1", "+", "say why"),
@@ -53,16 +36,14 @@ fn a_ride_is_driven_longer_for_a_reason_before_it_begins_and_within_what_a_drive
         ("NaN", "late", "more than 0"),
         ("120", "late", "at most 119.8"),
     ] {
-        let (status, reply) = extends(minutes, reason);
-        assert!(status == 400 && reply.contains(said), "{minutes}: {reply}");
+        replies(extends(minutes, reason), 400, said);
     }
     let seconds = |step: u64| server.state(&token)["steps"][step as usize]["seconds"].clone();
     assert_eq!(seconds(ride), 10.0);
     assert_eq!(extends("0.5", "late").0, 303);
     assert_eq!(seconds(ride), 40.0);
     // Your page says the length that it has now.
-    let cookie = entered(&server);
-    let (_, lab) = server.ask("GET", "/lab", "", &[("Cookie", &cookie)]);
+    let lab = lab(&server);
     assert!(lab.contains("extended by 0.5 min: late"), "{lab}");
     assert!(go_on(&server, &token), "it is driven as long as it is now");
     let (next, _) = until(&server, &token, "ride");
@@ -79,8 +60,11 @@ fn a_ride_is_driven_longer_for_a_reason_before_it_begins_and_within_what_a_drive
     let (status, reply) = server.post(&path, &(head + "\n"));
     assert_eq!(status, 200, "{reply}");
     let body = "act=extend&minutes=1&reason=late";
-    let (status, reply) = posts(&server, &format!("/lab/step/P001/{next}"), body);
-    assert!(status == 400 && reply.contains("has begun"), "{reply}");
+    replies(
+        lab_post(&server, &format!("/lab/step/P001/{next}"), body),
+        400,
+        "has begun",
+    );
     server.seat.write_files().unwrap();
     drop(server);
     let server = Server::open(folder.path());
@@ -94,21 +78,18 @@ fn a_ride_is_driven_longer_for_a_reason_before_it_begins_and_within_what_a_drive
 
 #[test]
 fn who_is_marked_is_out_of_the_analysis_by_name_until_it_is_taken_back() {
-    let folder = folder();
-    let server = Server::open(folder.path());
-    let token = opened(&server);
+    let (folder, server, token) = one_person();
     while go_on(&server, &token) {}
     let stopped = || text(folder.path(), "seat/stopped.csv");
     let exclude = |who: &str, reason: &str| {
-        posts(
+        lab_post(
             &server,
             &format!("/lab/exclude/{who}"),
             &format!("reason={reason}"),
         )
     };
     assert_eq!(stopped(), "");
-    let (status, reply) = exclude("P001", "+");
-    assert!(status == 400 && reply.contains("say why"), "{reply}");
+    replies(exclude("P001", "+"), 400, "say why");
     let (status, reply) = exclude("P009", "asleep");
     assert!(status == 404 || status == 400, "{reply}");
     // Nobody is left out without the password.
@@ -125,11 +106,7 @@ fn who_is_marked_is_out_of_the_analysis_by_name_until_it_is_taken_back() {
     }
     assert_eq!(rows.lines().count(), 4, "{rows}");
     assert!(text(folder.path(), "seat/events.csv").contains("excluded: fell asleep"));
-    let (status, reply) = exclude("P001", "again");
-    assert!(
-        status == 400 && reply.contains("left out already"),
-        "{reply}"
-    );
+    replies(exclude("P001", "again"), 400, "left out already");
     assert_eq!(exclude("P001", "").0, 303);
     assert_eq!(stopped().lines().count(), 1, "{}", stopped());
     // Both stand in the record.
@@ -141,9 +118,7 @@ fn who_is_marked_is_out_of_the_analysis_by_name_until_it_is_taken_back() {
 
 #[test]
 fn a_crash_ends_a_drive_which_counts_as_far_as_it_went_and_is_said() {
-    let folder = folder();
-    let server = Server::open(folder.path());
-    let token = opened(&server);
+    let (folder, server, token) = one_person();
     assert_eq!(server.state(&token)["crash"], "ends");
     let (at, step) = until(&server, &token, "drive");
     let seconds = step["seconds"].as_f64().unwrap();
@@ -158,20 +133,15 @@ fn a_crash_ends_a_drive_which_counts_as_far_as_it_went_and_is_said() {
     lines.push(serde_json::to_string(&drive.chunk(Frames::default())).unwrap());
     lines.push(serde_json::to_string(&drive.finish().unwrap().end).unwrap());
     let path = format!("/api/{token}/drive/{at}/1/{TAB}");
-    assert_eq!(server.post(&path, &(lines.join("\n") + "\n")).0, 200);
+    assert_eq!(server.post(&path, &piece(&lines)).0, 200);
     let (status, reply) = server.post(&format!("/api/{token}/done/{at}"), "null");
     assert_eq!(status, 200, "{reply}");
-    let state = server.state(&token);
-    assert_eq!(
-        state["steps"][state["at"].as_u64().unwrap() as usize]["kind"],
-        "ride"
-    );
+    assert_eq!(here(&server, &token).1["kind"], "ride");
     assert!(folder.path().join("logs/seat/P001-own.mcap").is_file());
-    let cookie = entered(&server);
-    let (_, lab) = server.ask("GET", "/lab", "", &[("Cookie", &cookie)]);
-    assert!(
-        lab.contains("P001-own: the car hit another vehicle after 7 s, and the drive ended there"),
-        "{lab}"
+    let lab = lab(&server);
+    tells(
+        &lab,
+        &["P001-own: the car hit another vehicle after 7 s, and the drive ended there"],
     );
     // What was driven without one is said nothing of.
     while go_on(&server, &token) {}
@@ -183,10 +153,7 @@ fn a_crash_ends_a_drive_which_counts_as_far_as_it_went_and_is_said() {
 fn a_crash_that_is_felt_is_told_to_the_page_and_named_in_the_consent() {
     let design = STUDY.replace("[protocol]\n", "[protocol]\ncrash = \"felt\"\n");
     let folder = folder_of(&design);
-    let refused = maveric_seat::Seat::open(
-        &folder.path().join("seat/seat.db"),
-        support::settings(folder.path()),
-    );
+    let refused = open(folder.path());
     let told = refused.err().unwrap().to_string();
     assert!(told.contains("the consent does not name it"), "{told}");
     fs::write(folder.path().join("consent.md"), "You drive. {crash}").unwrap();
@@ -207,18 +174,19 @@ fn a_rest_lasts_as_long_as_the_study_says_and_stands_in_the_events() {
     let token = opened(&server);
     let (at, step) = until(&server, &token, "break");
     assert_eq!(step["at_least_s"], 30.0);
-    let (status, reply) = server.post(&format!("/api/{token}/done/{at}"), "null");
-    assert!(status == 400 && reply.contains("asked here"), "{reply}");
+    replies(
+        server.post(&format!("/api/{token}/done/{at}"), "null"),
+        400,
+        "asked here",
+    );
     let rest = |seconds: u32| {
         let path = format!("/api/{token}/answer/{at}");
         server.post(&path, &format!("{{\"seconds\":{seconds}}}"))
     };
-    let (status, reply) = rest(29);
-    assert!(status == 400 && reply.contains("30 s or more"), "{reply}");
+    replies(rest(29), 400, "30 s or more");
     assert_eq!(rest(31).0, 200);
     // The other rest, and all else.
-    while go_on(&server, &token) {}
-    assert_eq!(server.state(&token)["ended"], "done");
+    finish(&server, &token);
     let events = text(folder.path(), "seat/events.csv");
     let rests = events.lines().filter(|line| line.contains(",break,"));
     assert_eq!(rests.count(), 2, "{events}");

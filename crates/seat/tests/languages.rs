@@ -4,9 +4,9 @@
 
 mod support;
 
-use maveric_seat::{Seat, carried};
+use maveric_seat::carried;
 use std::fs;
-use support::{MOOD, STUDY, Script, Server, folder_of, opened, settings};
+use support::{MOOD, STUDY, Server, folder_of, open, opened, read, script::Script, tells};
 
 const GERMAN: &str = "[translation.de]\nitems = [\"Ich bin ruhig.\", \"Ich bin angespannt.\"]\n";
 
@@ -27,7 +27,7 @@ fn everything_after_the_choice_is_in_the_language_that_was_chosen() {
     let folder = folder(true);
     let server = Server::open(folder.path());
     let (german, english) = (opened(&server), opened(&server));
-    let page = |token: &str| server.ask("GET", &format!("/p/{token}"), "", &[]).1;
+    let page = |server: &Server, token: &str| server.ask("GET", &format!("/p/{token}"), "", &[]).1;
     for (token, language, said) in [
         (
             &german,
@@ -61,19 +61,11 @@ fn everything_after_the_choice_is_in_the_language_that_was_chosen() {
         );
         let who = if language == "de" { "P001" } else { "P002" };
         server.seat.extend(who, 0, 0.1, "to be sure").unwrap();
-        assert_eq!(
-            server
-                .post(&format!("/api/{token}/language/0/{language}"), "null")
-                .0,
-            200
-        );
         // Sent twice, as after a lost reply.
-        assert_eq!(
-            server
-                .post(&format!("/api/{token}/language/0/{language}"), "null")
-                .0,
-            200
-        );
+        for _ in 0..2 {
+            let path = format!("/api/{token}/language/0/{language}");
+            assert_eq!(server.post(&path, "null").0, 200);
+        }
         let state = server.state(token);
         assert_eq!(state["at"], 1);
         // What was made longer before stays so.
@@ -82,37 +74,29 @@ fn everything_after_the_choice_is_in_the_language_that_was_chosen() {
         assert_eq!(practice.unwrap()["seconds"], 16.0);
         let told = state["steps"].to_string();
         assert!(told.contains(said[0]) && told.contains(said[1]), "{told}");
-        assert!(page(token).contains(said[2]), "{language}");
+        assert!(page(&server, token).contains(said[2]), "{language}");
         while Script::default().go_on(&server, token) {}
         assert_eq!(server.state(token)["ended"], "done");
     }
-    let people = fs::read_to_string(folder.path().join("participants.csv")).unwrap();
-    assert!(
-        people.contains("P001,2,calm sporty") && people.contains("P002,2,sporty calm"),
-        "{people}"
-    );
-    let events = fs::read_to_string(folder.path().join("seat/events.csv")).unwrap();
+    let people = read(folder.path(), "participants.csv");
+    tells(&people, &["P001,2,calm sporty", "P002,2,sporty calm"]);
+    let events = read(folder.path(), "seat/events.csv");
     assert!(events.contains("P001,1,language,,,,de,"), "{events}");
     // A seat that is opened again knows what was chosen.
     drop(server);
     let server = Server::open(folder.path());
-    assert!(
-        server
-            .ask("GET", &format!("/p/{german}"), "", &[])
-            .1
-            .contains("lang=\"de\"")
-    );
+    assert!(page(&server, &german).contains("lang=\"de\""));
 }
 
 #[test]
 fn what_a_language_lacks_is_said_before_anybody_is_let_in() {
     let folder = folder(false);
-    let refused = Seat::open(&folder.path().join("seat/seat.db"), settings(folder.path()));
+    let refused = open(folder.path());
     let told = refused.err().unwrap().to_string();
     assert!(told.contains("`mood` in `de`"), "{told}");
     // Static files speak one language.
     let folder = self::folder(true);
-    let seat = Seat::open(&folder.path().join("seat/seat.db"), settings(folder.path())).unwrap();
+    let seat = open(folder.path()).unwrap();
     let refused = carried::export(&seat, &folder.path().join("online"), None).unwrap_err();
     assert!(refused.to_string().contains("languages"), "{refused}");
 }

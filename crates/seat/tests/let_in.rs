@@ -4,10 +4,13 @@
 
 mod support;
 
-use maveric_seat::{Invitation, Seat};
+use maveric_seat::Invitation;
 use rusqlite::Connection;
 use std::{fs, path::Path};
-use support::{STUDY, Server, entered, folder, folder_of, go_on, opened, settings};
+use support::{
+    STUDY, Server, folder, folder_of, lab, lab_post, open, opened, read, replies, script::go_on,
+    tells,
+};
 
 /// Everybody's id, row of the square and first ride, and how their part ended.
 fn people(folder: &Path) -> Vec<(String, Option<i64>, String, Option<String>)> {
@@ -34,8 +37,7 @@ fn rows(folder: &Path) -> Vec<Option<i64>> {
 fn a_row_belongs_to_who_takes_part_and_goes_to_the_next_when_they_left_or_never_came() {
     let folder = folder();
     let server = Server::open(folder.path());
-    let cookie = entered(&server);
-    let lab = |path: &str| server.ask("POST", path, "", &[("Cookie", &cookie)]);
+    let never = |who: &str| lab_post(&server, &format!("/lab/never/{who}"), "");
     let mut links: Vec<String> = (0..3).map(|_| opened(&server)).collect();
     assert_eq!(rows(folder.path()), [Some(0), Some(1), Some(2)]);
     while go_on(&server, &links[2]) {}
@@ -46,10 +48,10 @@ fn a_row_belongs_to_who_takes_part_and_goes_to_the_next_when_they_left_or_never_
     // Nothing of it without the password.
     server.post("/lab/never/P002", "");
     assert_eq!(people(folder.path())[1].3, None);
-    let (_, page) = server.ask("GET", "/lab", "", &[("Cookie", &cookie)]);
+    let page = lab(&server);
     let offered = |who: &str| page.contains(&format!("action=\"/lab/never/{who}\""));
     assert!(offered("P002") && offered("P004") && !offered("P001") && !offered("P003"));
-    assert_eq!(lab("/lab/never/P002").0, 303);
+    assert_eq!(never("P002").0, 303);
     server.seat.let_in().unwrap();
     let fifth = people(folder.path()).pop().unwrap();
     assert_eq!((fifth.1, fifth.2.as_str()), (Some(1), "sporty"));
@@ -59,10 +61,10 @@ fn a_row_belongs_to_who_takes_part_and_goes_to_the_next_when_they_left_or_never_
         Some(3),
         "row 2 is of who is through"
     );
-    let notes = fs::read_to_string(folder.path().join("seat/notes.csv")).unwrap();
-    assert!(
-        notes.contains("P002 never came: their row of the square is free"),
-        "{notes}"
+    let notes = read(folder.path(), "seat/notes.csv");
+    tells(
+        &notes,
+        &["P002 never came: their row of the square is free"],
     );
     assert_eq!(server.state(&links[1])["ended"], "never came");
 
@@ -75,8 +77,7 @@ fn a_row_belongs_to_who_takes_part_and_goes_to_the_next_when_they_left_or_never_
         ("P002", "has ended already: never came"),
         ("P02", "did you mean `P002`?"),
     ] {
-        let (status, reply) = lab(&format!("/lab/never/{who}"));
-        assert!(status == 400 && reply.contains(why), "{reply}");
+        replies(never(who), 400, why);
     }
     assert_eq!(people(folder.path())[3].3, None);
 }
@@ -90,10 +91,9 @@ fn an_id_is_given_by_hand_once_and_never_one_that_stands_anywhere() {
     )
     .unwrap();
     let server = Server::open(folder.path());
-    let cookie = entered(&server);
     let next = |id: &str| {
         let body = format!("participant={id}");
-        server.ask("POST", "/lab/next", &body, &[("Cookie", &cookie)])
+        lab_post(&server, "/lab/next", &body)
     };
     let ids = || -> Vec<String> { people(folder.path()).into_iter().map(|p| p.0).collect() };
     assert_eq!(next("VP-17").0, 303);
@@ -108,8 +108,7 @@ fn an_id_is_given_by_hand_once_and_never_one_that_stands_anywhere() {
         ("P9", "the id `P9` stands already"),
         ("a%2Fb", "letters, digits"),
     ] {
-        let (status, reply) = next(id);
-        assert!(status == 400 && reply.contains(why), "{id}: {reply}");
+        replies(next(id), 400, why);
     }
     assert_eq!(ids(), ["VP-17", "P002"]);
     // The next by itself goes past one that was given by hand.
@@ -122,7 +121,7 @@ fn an_id_is_given_by_hand_once_and_never_one_that_stands_anywhere() {
 #[test]
 fn riders_whom_the_second_version_let_in_have_the_rows_of_their_orders() {
     let folder = folder();
-    let open = || Seat::open(&folder.path().join("seat/seat.db"), settings(folder.path())).unwrap();
+    let open = || open(folder.path()).unwrap();
     let seat = open();
     for _ in 0..5 {
         seat.let_in().unwrap();
@@ -145,10 +144,9 @@ fn riders_whom_the_second_version_let_in_have_the_rows_of_their_orders() {
 fn an_order_by_hand_is_ridden_holds_the_row_that_it_has_and_names_every_condition_once() {
     let folder = folder();
     let server = Server::open(folder.path());
-    let cookie = entered(&server);
     let next = |order: &str| {
         let body = format!("participant=&order={order}");
-        server.ask("POST", "/lab/next", &body, &[("Cookie", &cookie)])
+        lab_post(&server, "/lab/next", &body)
     };
     for (order, why) in [
         ("calm+calm", "`calm` stands twice"),
@@ -184,7 +182,7 @@ fn an_order_that_the_square_does_not_have_takes_no_row_from_anybody() {
         "[[condition]]\nid = \"mean\"\ncar = { mean = true, recorded = true }\n[[condition]]\nid = \"own_style\"\ncar = { dial = 0, recorded = true }\n[baseline]",
     );
     let folder = folder_of(&four);
-    let seat = Seat::open(&folder.path().join("seat/seat.db"), settings(folder.path())).unwrap();
+    let seat = open(folder.path()).unwrap();
     let order = Some("calm sporty mean own_style".to_owned());
     let invitation = Invitation {
         order,
@@ -194,13 +192,10 @@ fn an_order_that_the_square_does_not_have_takes_no_row_from_anybody() {
     seat.let_in().unwrap();
     assert_eq!(rows(folder.path()), [None, Some(0)]);
     seat.write_files().unwrap();
-    let listed = fs::read_to_string(folder.path().join("participants.csv")).unwrap();
-    assert!(
-        listed.contains("P001,2,calm sporty mean own_style\n"),
-        "{listed}"
-    );
+    let listed = read(folder.path(), "participants.csv");
+    tells(&listed, &["P001,2,calm sporty mean own_style\n"]);
     // Nor when the seat is opened again.
     drop(seat);
-    Seat::open(&folder.path().join("seat/seat.db"), settings(folder.path())).unwrap();
+    open(folder.path()).unwrap();
     assert_eq!(rows(folder.path()), [None, Some(0)]);
 }

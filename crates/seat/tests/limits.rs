@@ -4,7 +4,6 @@
 
 mod support;
 
-use serde_json::Value;
 use std::{
     fs,
     io::{Read as _, Write as _},
@@ -12,7 +11,11 @@ use std::{
     sync::{Arc, Mutex},
     time::Duration,
 };
-use support::{STUDY, Server, TAB, driven, entered, folder, folder_of, go_on, opened, settings};
+use support::{
+    STUDY, Server, TAB, entered, folder, folder_of, one_person, open, opened, replies,
+    script::{driven, finish, piece, until, up_to},
+    settings, tells,
+};
 
 /// Connections of which the other end has hung up.
 fn closed(streams: &mut [TcpStream]) -> usize {
@@ -52,8 +55,7 @@ fn connections_that_ask_nothing_and_bodies_that_never_end_leave_the_others_serve
             stream
         })
         .collect();
-    while go_on(&server, &token) {}
-    assert_eq!(server.state(&token)["ended"], "done");
+    finish(&server, &token);
     // What has asked nothing for a second goes when somebody else comes.
     std::thread::sleep(Duration::from_millis(1_100));
     server.state(&token);
@@ -91,10 +93,7 @@ fn what_could_not_be_kept_is_told_at_the_laboratory_and_where_the_seat_was_opene
     });
     let (token, driver) = (opened(&server), opened(&server));
     let cookie = entered(&server);
-    let at_drive = |step: &Value| step["kind"] == "practice";
-    while !at_drive(&here(&server, &driver)) {
-        assert!(go_on(&server, &driver));
-    }
+    let (at, step) = until(&server, &driver, "practice");
     let disk = rusqlite::Connection::open(folder.path().join("seat/seat.db")).unwrap();
     fill(&disk, &["answer", "event", "drive", "piece"]);
     for _ in 0..3 {
@@ -107,11 +106,10 @@ fn what_could_not_be_kept_is_told_at_the_laboratory_and_where_the_seat_was_opene
     let (status, _) = server.post(&format!("/api/{token}/answer/7"), "{}");
     assert_eq!(status, 400);
     // As every second while somebody drives.
-    let at = server.state(&driver)["at"].as_u64().unwrap();
-    let (lines, _) = driven(&here(&server, &driver));
+    let (lines, _) = driven(&step);
     let path = format!("/api/{driver}/drive/{at}/1/{TAB}");
-    let piece = lines[..2].join("\n") + "\n";
-    assert_eq!(server.post(&path, &piece).0, 500);
+    let sent = piece(&lines[..2]);
+    assert_eq!(server.post(&path, &sent).0, 500);
     let (_, lab) = server.ask("GET", "/lab", "", &[("Cookie", &cookie)]);
     assert!(lab.contains("database or disk is full"), "{lab}");
     assert!(lab.contains("3 times"), "{lab}");
@@ -127,24 +125,14 @@ fn what_could_not_be_kept_is_told_at_the_laboratory_and_where_the_seat_was_opene
         "DROP TRIGGER full_drive_INSERT; DROP TRIGGER full_drive_UPDATE; DROP TRIGGER full_piece_INSERT; DROP TRIGGER full_piece_UPDATE",
     )
     .unwrap();
-    let (status, reply) = server.post(&path, &piece);
+    let (status, reply) = server.post(&path, &sent);
     assert!(status == 200 && reply.ends_with("\r\n\r\n100"), "{reply}");
-}
-
-/// The step that somebody is at.
-fn here(server: &Server, token: &str) -> Value {
-    let state = server.state(token);
-    state["steps"][state["at"].as_u64().unwrap() as usize].clone()
 }
 
 #[test]
 fn the_last_reply_may_be_lost_without_losing_the_code() {
-    let folder = folder();
-    let server = Server::open(folder.path());
-    let token = opened(&server);
-    while server.state(&token)["at"].as_u64().unwrap() < 10 {
-        assert!(go_on(&server, &token));
-    }
+    let (_folder, server, token) = one_person();
+    up_to(&server, &token, 10);
     let done = format!("/api/{token}/done/10");
     let first = server.post(&done, "null");
     assert_eq!(first.0, 200, "{}", first.1);
@@ -161,12 +149,8 @@ fn the_last_reply_may_be_lost_without_losing_the_code() {
 
 #[test]
 fn one_tab_at_a_time_drives_an_attempt_and_the_other_is_told() {
-    let folder = folder();
-    let server = Server::open(folder.path());
-    let token = opened(&server);
-    while server.state(&token)["at"].as_u64().unwrap() < 4 {
-        assert!(go_on(&server, &token));
-    }
+    let (folder, server, token) = one_person();
+    up_to(&server, &token, 4);
     let (lines, _) = driven(&server.state(&token)["steps"][4]);
     let other = "f".repeat(32);
     let path = |attempt: u32, tab: &str| format!("/api/{token}/drive/4/{attempt}/{tab}");
@@ -193,12 +177,8 @@ fn one_tab_at_a_time_drives_an_attempt_and_the_other_is_told() {
 
 #[test]
 fn a_drive_can_hold_only_so_much_beside_its_inputs() {
-    let folder = folder();
-    let server = Server::open(folder.path());
-    let token = opened(&server);
-    while server.state(&token)["at"].as_u64().unwrap() < 4 {
-        assert!(go_on(&server, &token));
-    }
+    let (folder, server, token) = one_person();
+    up_to(&server, &token, 4);
     let (lines, _) = driven(&server.state(&token)["steps"][4]);
     let path = format!("/api/{token}/drive/4/1/{TAB}");
     assert_eq!(server.post(&path, &lines[0]).0, 200);
@@ -220,10 +200,10 @@ fn a_drive_can_hold_only_so_much_beside_its_inputs() {
 fn the_password_is_asked_however_it_is_given_and_is_never_empty() {
     let folder = folder();
     let server = Server::open(folder.path());
-    let (status, wrong) = server.post("/lab/enter", "password=guess");
-    assert!(
-        status == 401 && wrong.contains("not the password"),
-        "{wrong}"
+    replies(
+        server.post("/lab/enter", "password=guess"),
+        401,
+        "not the password",
     );
     // What opens the page is no digest of the password, which could be guessed as fast as one can ask.
     let digest = "96f5bcad337376e08aeb4108dd7d701e0873a0ab4529ea433f285c3946be1909";
@@ -246,9 +226,7 @@ fn the_password_is_asked_however_it_is_given_and_is_never_empty() {
 
 #[test]
 fn the_seat_is_closed_only_when_that_was_meant() {
-    let folder = folder();
-    let server = Server::open(folder.path());
-    let token = opened(&server);
+    let (_folder, server, token) = one_person();
     let cookie = entered(&server);
     let with = &[("Cookie", cookie.as_str())];
     let (_, asks) = server.ask("GET", "/lab/stop", "", with);
@@ -260,9 +238,7 @@ fn the_seat_is_closed_only_when_that_was_meant() {
 
 #[test]
 fn the_page_travels_packed_and_is_kept_by_browsers_until_it_changes() {
-    let folder = folder();
-    let server = Server::open(folder.path());
-    let token = opened(&server);
+    let (_folder, server, token) = one_person();
     let (_, page) = server.ask("GET", &format!("/p/{token}"), "", &[]);
     assert!(page.contains("cache-control: no-store"), "{page}");
     let script = page
@@ -299,8 +275,7 @@ fn the_page_travels_packed_and_is_kept_by_browsers_until_it_changes() {
 fn every_reply_says_what_a_page_may_do_and_whoever_comes_to_the_front_door_is_told_where_to_go() {
     let folder = folder();
     let server = Server::open(folder.path());
-    let (status, front) = server.ask("GET", "/", "", &[]);
-    assert!(status == 200 && front.contains("link"), "{front}");
+    replies(server.ask("GET", "/", "", &[]), 200, "link");
     let strange: [(&str, &[(&str, &str)]); 3] = [
         ("/nothing", &[]),
         ("/lab", &[("Host", "rebound.example")]),
@@ -322,9 +297,7 @@ fn every_reply_says_what_a_page_may_do_and_whoever_comes_to_the_front_door_is_to
 
 #[test]
 fn who_rides_cannot_read_the_condition_in_what_the_page_is_told() {
-    let folder = folder();
-    let server = Server::open(folder.path());
-    let token = opened(&server);
+    let (_folder, server, token) = one_person();
     let state = server.state(&token);
     for (at, step) in state["steps"].as_array().unwrap().iter().enumerate() {
         for key in ["condition", "moment"] {
@@ -341,15 +314,11 @@ fn who_rides_cannot_read_the_condition_in_what_the_page_is_told() {
 
 #[test]
 fn a_style_that_the_page_made_up_does_not_replace_what_was_driven() {
-    let folder = folder();
-    let server = Server::open(folder.path());
-    let token = opened(&server);
-    while server.state(&token)["at"].as_u64().unwrap() < 4 {
-        assert!(go_on(&server, &token));
-    }
+    let (_folder, server, token) = one_person();
+    up_to(&server, &token, 4);
     let (lines, style) = driven(&server.state(&token)["steps"][4]);
     let path = format!("/api/{token}/drive/4/1/{TAB}");
-    assert_eq!(server.post(&path, &(lines.join("\n") + "\n")).0, 200);
+    assert_eq!(server.post(&path, &piece(&lines)).0, 200);
     let made_up = r#"{"embedding":[9.5],"covariance":null,"score":99.0,"readings":7}"#;
     assert_eq!(server.post(&format!("/api/{token}/fit"), made_up).0, 200);
     assert_eq!(server.post(&format!("/api/{token}/done/4"), "null").0, 200);
@@ -380,13 +349,9 @@ fn what_people_gave_can_be_read_by_the_owner_of_the_seat_alone() {
 fn a_condition_without_a_car_is_named_with_what_the_seat_drives() {
     let design = STUDY.replace("car = { dial = 8, recorded = true }\n", "");
     let folder = folder_of(&design);
-    let refused =
-        maveric_seat::Seat::open(&folder.path().join("seat/seat.db"), settings(folder.path()));
+    let refused = open(folder.path());
     let told = refused.err().unwrap().to_string();
-    assert!(
-        told.contains("`sporty`") && told.contains("no `car`"),
-        "{told}"
-    );
+    tells(&told, &["`sporty`", "no `car`"]);
 }
 
 #[test]
@@ -394,7 +359,6 @@ fn a_study_is_open_in_one_seat_at_a_time() {
     let folder = folder();
     let _server = Server::open(folder.path());
     std::thread::sleep(Duration::from_millis(1));
-    let second =
-        maveric_seat::Seat::open(&folder.path().join("seat/seat.db"), settings(folder.path()));
+    let second = open(folder.path());
     assert!(second.is_err_and(|e| e.to_string().contains("open")));
 }

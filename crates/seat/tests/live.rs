@@ -9,7 +9,10 @@ use std::{
     net::TcpStream,
     time::{Duration, Instant},
 };
-use support::{Server, entered, folder, go_on, opened};
+use support::{
+    Server, TAB, entered, folder, one_person, opened,
+    script::{driven, go_on, piece, until},
+};
 
 /// What has to come comes within a second or two.
 const PATIENCE: Duration = Duration::from_secs(20);
@@ -49,9 +52,7 @@ impl Page {
 
 #[test]
 fn a_page_is_sent_who_is_where_when_that_changes_and_the_time_each_second() {
-    let folder = folder();
-    let server = Server::open(folder.path());
-    let token = opened(&server);
+    let (_folder, server, token) = one_person();
     let cookie = entered(&server);
     let mut page = Page::open(&server, &cookie);
     let first = page.until("event: now");
@@ -73,16 +74,10 @@ fn a_page_is_sent_who_is_where_when_that_changes_and_the_time_each_second() {
     let gone = page.until("event: people");
     assert!(!(gone + &page.until("event: now")).contains("P002"));
     // A drive that goes on: how far it is.
-    while server.state(&token)["steps"][server.state(&token)["at"].as_u64().unwrap() as usize]["kind"]
-        != "practice"
-    {
-        go_on(&server, &token);
-    }
-    let state = server.state(&token);
-    let at = state["at"].as_u64().unwrap();
-    let (lines, _) = support::driven(&state["steps"][at as usize]);
-    let path = format!("/api/{token}/drive/{at}/1/{}", support::TAB);
-    assert_eq!(server.post(&path, &(lines[..4].join("\n") + "\n")).0, 200);
+    let (at, step) = until(&server, &token, "practice");
+    let (lines, _) = driven(&step);
+    let path = format!("/api/{token}/drive/{at}/1/{TAB}");
+    assert_eq!(server.post(&path, &piece(&lines[..4])).0, 200);
     page.until("practice, 3 of 10 s<td>");
 }
 

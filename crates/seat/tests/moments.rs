@@ -4,11 +4,15 @@
 
 mod support;
 
-use maveric_seat::{Seat, carried};
+use maveric_seat::carried;
 use maveric_study::tables::surveys::read_answered;
-use serde_json::{Value, json};
-use std::{fs, path::Path};
-use support::{MISC, STUDY, Server, TAB, driven, entered, folder_of, go_on, opened, settings};
+use serde_json::json;
+use std::fs;
+use support::{
+    MISC, STUDY, Server, TAB, folder_of, lab, open, opened, read,
+    script::{TOKEN, driven, finish, go_on, piece, until, written},
+    tells,
+};
 
 const ABOUT: &str = "id = \"about\"\ntitle = \"You\"\nreference = \"made for this test\"\nitems = 2\nmin = 0\nmax = 120\nscoring = \"sum\"\n\
     wording = [\"How old are you?\", \"For how many years have you had a licence?\"]\n[[subscales]]\nid = \"age\"\ntitle = \"Age\"\nitems = [1]\n";
@@ -30,29 +34,12 @@ fn folder(design: &str) -> tempfile::TempDir {
     folder
 }
 
-fn read(folder: &Path, name: &str) -> String {
-    fs::read_to_string(folder.join(name)).unwrap()
-}
-
-fn reach(server: &Server, token: &str, kind: &str) -> (u64, Value) {
-    loop {
-        let state = server.state(token);
-        let at = state["at"].as_u64().unwrap();
-        let step = state["steps"][at as usize].clone();
-        if step["kind"] == kind {
-            return (at, step);
-        }
-        assert!(go_on(server, token));
-    }
-}
-
 #[test]
 fn what_was_asked_on_the_way_and_at_the_end_stands_among_the_answers() {
     let folder = folder(&study());
     let server = Server::open(folder.path());
     let token = opened(&server);
-    while go_on(&server, &token) {}
-    assert_eq!(server.state(&token)["ended"], "done");
+    finish(&server, &token);
     let text = read(folder.path(), "surveys/answers.csv");
     let (head, rows) = text.split_once('\n').unwrap();
     assert_eq!(
@@ -122,8 +109,7 @@ fn who_is_not_admitted_is_counted_by_the_rule_and_leaves_nothing_else() {
     ] {
         assert!(!read(folder.path(), file).contains("P001"), "{file}");
     }
-    let cookie = entered(&server);
-    let (_, lab) = server.ask("GET", "/lab", "", &[("Cookie", &cookie)]);
+    let lab = lab(&server);
     assert!(
         lab.contains("not admitted") && !lab.contains("about.age"),
         "{lab}"
@@ -135,7 +121,7 @@ fn an_answer_to_a_probe_that_is_not_asked_is_refused() {
     let folder = folder(&study());
     let server = Server::open(folder.path());
     let token = opened(&server);
-    let (at, step) = reach(&server, &token, "ride");
+    let (at, step) = until(&server, &token, "ride");
     let question = &step["probe"]["question"];
     assert_eq!(
         (&question["text"], &question["min"], &question["max"]),
@@ -160,7 +146,7 @@ fn an_answer_to_a_probe_that_is_not_asked_is_refused() {
         assert_ne!(&other, asked, "{from}");
         assert_eq!(server.post(&path, &other).0, 400, "{other}");
     }
-    let (status, reply) = server.post(&path, &(lines.join("\n") + "\n"));
+    let (status, reply) = server.post(&path, &piece(&lines));
     assert_eq!(status, 200, "{reply}");
 }
 
@@ -170,7 +156,7 @@ fn what_cannot_be_asked_or_judged_is_refused_when_the_seat_is_opened() {
         let design = study();
         assert!(design.contains(from), "{from}");
         let folder = folder(&design.replace(from, to));
-        let seat = Seat::open(&folder.path().join("seat/seat.db"), settings(folder.path()));
+        let seat = open(folder.path());
         let told = seat.err().unwrap().to_string();
         for word in words {
             assert!(told.contains(word), "{word}: {told}");
@@ -255,21 +241,15 @@ fn whose_computer_lacks_what_the_study_needs_is_counted_by_it_before_anything_is
 fn online_who_is_not_admitted_is_counted_once_and_is_nobody() {
     let folder = folder(&study());
     let seat = support::seat(folder.path());
-    let file = folder.path().join("handed_over.jsonl");
-    let token = "0123456789abcdef0123456789abcdef";
     let hand_over = |rule: u32| {
         let lines = [
-            json!({"maveric_seat_person": 1, "token": token, "row": 0}),
+            json!({"maveric_seat_person": 1, "token": TOKEN, "row": 0}),
             json!({"not_admitted": rule}),
         ];
-        fs::write(&file, lines.map(|line| format!("{line}\n")).concat()).unwrap();
-        carried::take_in(&seat, &file)
+        carried::take_in(&seat, &written(folder.path(), &lines))
     };
     let strange = hand_over(7).unwrap_err().to_string();
-    assert!(
-        strange.contains("line 2") && strange.contains("rule 7"),
-        "{strange}"
-    );
+    tells(&strange, &["line 2", "rule 7"]);
     let taken = hand_over(1).unwrap();
     assert_eq!(
         (taken.ended.as_str(), taken.participant.as_str()),

@@ -4,10 +4,10 @@
 
 mod support;
 
-use maveric_seat::{Seat, SeatError};
+use maveric_seat::SeatError;
 use rusqlite::Connection;
 use std::{fs, path::Path};
-use support::{Server, folder, go_on, settings};
+use support::{Server, folder, open, script::finish};
 
 /// The tables of the first version.
 const FIRST: &str = "
@@ -83,8 +83,7 @@ fn a_study_of_the_first_version_goes_on_where_it_was() {
     assert_eq!(server.state(LINKS[0])["ended"], "done");
     assert_eq!(fs::read_to_string(&answers).unwrap(), header);
     assert_eq!(server.state(LINKS[1])["ended"], "deleted");
-    while go_on(&server, LINKS[2]) {}
-    assert_eq!(server.state(LINKS[2])["ended"], "done");
+    finish(&server, LINKS[2]);
     let written = fs::read_to_string(&answers).unwrap();
     assert!(
         written.contains("P003,pre,mood,1,4,3.000") && !written.contains("P001,"),
@@ -105,7 +104,7 @@ fn what_stops_on_the_way_to_this_version_begins_again_from_the_older_one() {
     let state = first_version(folder.path());
     let full = "CREATE TRIGGER full BEFORE DELETE ON person BEGIN SELECT RAISE(FAIL, 'database or disk is full'); END";
     state.execute_batch(full).unwrap();
-    let open = || Seat::open(&folder.path().join("seat/seat.db"), settings(folder.path()));
+    let open = || open(folder.path());
     let refused = open().err().unwrap().to_string();
     assert!(refused.contains("disk is full"), "{refused}");
     assert_eq!(one(folder.path(), "PRAGMA user_version"), 1);
@@ -121,7 +120,7 @@ fn a_file_of_a_later_version_is_refused_and_left_as_it_is() {
     let folder = folder();
     let state = first_version(folder.path());
     state.execute_batch("PRAGMA user_version = 4").unwrap();
-    let refused = Seat::open(&folder.path().join("seat/seat.db"), settings(folder.path()));
+    let refused = open(folder.path());
     assert!(matches!(
         refused.err().unwrap(),
         SeatError::Version {

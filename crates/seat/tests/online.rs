@@ -5,63 +5,27 @@
 mod support;
 
 use maveric_seat::{Seat, carried, replay};
-use maveric_seat_page::world;
 use serde_json::{Value, json};
-use std::{
-    fs,
-    path::{Path, PathBuf},
+use std::{fs, path::Path};
+use support::{
+    folder, read,
+    script::{Script, written},
+    seat,
 };
-use support::{driven, folder, seat};
 
-const TOKEN: &str = "0123456789abcdef0123456789abcdef";
-
-/// What somebody with this token hands over who went through row `row`, a line each.
-fn handed_over(seat: &Seat, folder: &Path, token: &str, row: usize) -> Vec<Value> {
-    let out = folder.join("online");
-    carried::export(seat, &out, None).unwrap();
-    let study: Value = serde_json::from_slice(&fs::read(out.join("study.json")).unwrap()).unwrap();
-    let mut lines = vec![json!({"maveric_seat_person": 1, "token": token, "row": row})];
-    let mut style = None;
-    for (at, step) in study["rows"][row].as_array().unwrap().iter().enumerate() {
-        let mut step = step.clone();
-        let what = step["condition"].as_str().unwrap_or("practice").to_owned();
-        match step["kind"].as_str().unwrap() {
-            "text" => {
-                lines.push(json!({"step": at, "sheet": {"agreed": true, "seconds": 4.5}}));
-            }
-            "scale" => {
-                lines.push(json!({"step": at, "sheet": {"answers": [4, null], "seconds": 6}}));
-            }
-            "practice" | "drive" | "ride" => {
-                if step["seed"] == "" {
-                    step["seed"] = json!(world(token, &what).to_string());
-                }
-                let (record, fit) = driven(&step);
-                let record = record.join("\n") + "\n";
-                lines.push(json!({"step": at, "attempt": 1, "record": record}));
-                style = style.or(fit);
-            }
-            _ => {}
-        }
-    }
+/// What somebody hands over who went through row `row`.
+fn handed_over(seat: &Seat, folder: &Path, row: usize) -> Vec<Value> {
+    let (mut lines, style) = support::script::handed_over(seat, folder, row, &Script::default());
     let style: Value = serde_json::from_str(&style.unwrap()).unwrap();
-    lines.push(json!({"fit": style}));
-    lines.push(json!({"ended": "done"}));
+    lines.extend([json!({"fit": style}), json!({"ended": "done"})]);
     lines
-}
-
-fn written(folder: &Path, lines: &[Value]) -> PathBuf {
-    let path = folder.join("handed_over.jsonl");
-    let text: Vec<String> = lines.iter().map(|line| format!("{line}\n")).collect();
-    fs::write(&path, text.concat()).unwrap();
-    path
 }
 
 #[test]
 fn what_is_handed_over_becomes_the_files_that_a_run_reads() {
     let folder = folder();
     let seat = seat(folder.path());
-    let lines = handed_over(&seat, folder.path(), TOKEN, 1);
+    let lines = handed_over(&seat, folder.path(), 1);
     let taken = carried::take_in(&seat, &written(folder.path(), &lines)).unwrap();
     assert_eq!(
         (taken.participant.as_str(), taken.sheets, taken.drives),
@@ -99,7 +63,7 @@ fn what_is_handed_over_becomes_the_files_that_a_run_reads() {
 fn a_file_that_is_wrong_anywhere_is_refused_whole_and_names_the_line() {
     let folder = folder();
     let seat = seat(folder.path());
-    let lines = handed_over(&seat, folder.path(), TOKEN, 0);
+    let lines = handed_over(&seat, folder.path(), 0);
     let drive = lines
         .iter()
         .position(|l| l["record"].as_str().is_some_and(|r| r.contains("held")))
@@ -143,7 +107,7 @@ fn a_file_that_is_wrong_anywhere_is_refused_whole_and_names_the_line() {
     let cut = &lines[..lines.len() - 1];
     let cut_off = carried::take_in(&seat, &written(folder.path(), cut)).unwrap_err();
     assert!(cut_off.to_string().contains("cut off"), "{cut_off}");
-    let people = fs::read_to_string(folder.path().join("participants.csv")).unwrap();
+    let people = read(folder.path(), "participants.csv");
     assert_eq!(people, "participant,study,order\n");
 }
 
@@ -151,7 +115,7 @@ fn a_file_that_is_wrong_anywhere_is_refused_whole_and_names_the_line() {
 fn who_hands_over_nothing_is_not_somebody_who_is_through() {
     let folder = folder();
     let seat = seat(folder.path());
-    let lines = handed_over(&seat, folder.path(), TOKEN, 0);
+    let lines = handed_over(&seat, folder.path(), 0);
     let ended = |how: &str| json!({"ended": how});
     let nothing = [lines[0].clone(), ended("done")];
     let refused = |lines: &[Value], word: &str| {

@@ -6,7 +6,7 @@ mod support;
 
 use serde_json::json;
 use std::{fs, path::Path};
-use support::{STUDY, Script, Server, TAB, folder_of};
+use support::{STUDY, Server, TAB, folder_of, script::Script};
 
 const PAYS: &str = "platform = \"PROLIFIC_PID\"\n\
     redirect = { done = \"https://pays.example/?cc=DONE\", screened_out = \"https://pays.example/?cc=OUT\", stopped = \"https://pays.example/?cc=STOP\" }\n";

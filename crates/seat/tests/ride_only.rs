@@ -4,8 +4,11 @@
 
 mod support;
 
-use std::fs;
-use support::{STUDY, Server, folder_of, go_on, opened};
+use support::{
+    STUDY, Server, folder_of, open_with, opened, read, replies,
+    script::{finish, until},
+    tells,
+};
 
 /// The study with these cars and steps.
 fn study(calm: &str, sporty: &str, steps: &str) -> String {
@@ -42,8 +45,7 @@ fn rides_in_the_average_style_need_no_drive_and_their_logs_are_written() {
             "thanks"
         ]
     );
-    while go_on(&server, &token) {}
-    assert_eq!(server.state(&token)["ended"], "done");
+    finish(&server, &token);
     for log in ["logs/seat/P001-calm.mcap", "logs/seat/P001-sporty.mcap"] {
         assert!(folder.path().join(log).is_file(), "{log}");
     }
@@ -64,43 +66,25 @@ fn after_rides_in_another_rig_the_questionnaires_are_asked_in_the_persons_order_
         "",
     );
     let folder = folder_of(&design);
-    let settings = || maveric_seat::SeatSettings {
-        model: None,
-        ..support::settings(folder.path())
-    };
-    let path = folder.path().join("seat/seat.db");
-    let seat = maveric_seat::Seat::open(&path, settings()).unwrap();
-    let server = Server::of(seat, |_| {});
+    let server = Server::of(open_with(folder.path(), None).unwrap(), |_| {});
     let (one, other) = (opened(&server), opened(&server));
     for token in [&one, &other] {
-        let at = loop {
-            let state = server.state(token);
-            let at = state["at"].as_u64().unwrap();
-            let step = &state["steps"][at as usize];
-            if step["kind"] == "elsewhere" {
-                // Who rides is not told the condition.
-                assert_eq!(step["condition"], "ride-1");
-                break at;
-            }
-            assert!(go_on(&server, token));
-        };
-        let (status, reply) = server.post(&format!("/api/{token}/done/{at}"), "null");
-        assert!(status == 400 && reply.contains("asked here"), "{reply}");
-        while go_on(&server, token) {}
-        assert_eq!(server.state(token)["ended"], "done");
+        let (at, step) = until(&server, token, "elsewhere");
+        // Who rides is not told the condition.
+        assert_eq!(step["condition"], "ride-1");
+        replies(
+            server.post(&format!("/api/{token}/done/{at}"), "null"),
+            400,
+            "asked here",
+        );
+        finish(&server, token);
     }
-    let people = fs::read_to_string(folder.path().join("participants.csv")).unwrap();
-    assert!(
-        people.contains("calm sporty") && people.contains("sporty calm"),
-        "{people}"
-    );
-    let answers = fs::read_to_string(folder.path().join("surveys/answers.csv")).unwrap();
+    let people = read(folder.path(), "participants.csv");
+    tells(&people, &["calm sporty", "sporty calm"]);
+    let answers = read(folder.path(), "surveys/answers.csv");
     for condition in ["calm", "sporty"] {
         assert!(answers.contains(condition), "{answers}");
     }
-    let events = fs::read_to_string(folder.path().join("seat/events.csv")).unwrap();
-    assert!(
-        events.contains(",calm,") && events.contains(",300.0,"),
-        "{events}"
-    );
+    let events = read(folder.path(), "seat/events.csv");
+    tells(&events, &[",calm,", ",300.0,"]);
 }

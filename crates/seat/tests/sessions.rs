@@ -7,7 +7,7 @@ mod support;
 use rusqlite::Connection;
 use serde_json::Value;
 use std::{collections::BTreeSet, fs, path::Path};
-use support::{MISC, STUDY, Script, Server, entered, folder_of, opened};
+use support::{MISC, STUDY, Server, folder_of, lab, opened, read, script::Script, tells};
 
 const A_DAY_S: i64 = 86_400;
 
@@ -47,10 +47,6 @@ fn kinds(met: &[Value]) -> Vec<&str> {
     met.iter()
         .map(|step| step["kind"].as_str().unwrap())
         .collect()
-}
-
-fn read(folder: &Path, name: &str) -> String {
-    fs::read_to_string(folder.join(name)).unwrap()
 }
 
 #[test]
@@ -150,9 +146,9 @@ fn who_comes_late_goes_on_and_it_is_written_down_and_who_stopped_is_not_asked_ag
     );
     walk(&server, &late, &Script::default());
     let notes = read(folder.path(), "seat/notes.csv");
-    assert!(
-        notes.contains("session 2: 15 days after the one before, at most 14"),
-        "{notes}"
+    tells(
+        &notes,
+        &["session 2: 15 days after the one before, at most 14"],
     );
 
     let unwell = Script {
@@ -195,9 +191,7 @@ fn the_experimenter_may_let_somebody_go_on_before_the_day_for_a_reason() {
     let server = Server::open(folder.path());
     let token = opened(&server);
     walk(&server, &token, &Script::default());
-    let lab = server
-        .ask("GET", "/lab", "", &[("Cookie", &entered(&server))])
-        .1;
+    let lab = lab(&server);
     assert!(lab.contains("between two sessions"), "{lab}");
     let at = server.state(&token)["at"].as_u64().unwrap() as usize;
     let act = maveric_seat::steps::Act::Skip;

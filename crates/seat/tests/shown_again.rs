@@ -6,7 +6,10 @@ mod support;
 
 use maveric_seat_page::{Record, replay};
 use std::{fs, path::Path};
-use support::{STUDY, Script, Server, TAB, driven, entered, folder_of, go_on, opened};
+use support::{
+    STUDY, Server, TAB, folder_of, lab, open_with, opened,
+    script::{Script, driven, go_on, here, piece},
+};
 
 /// A study of one's own drive beside the average driver's; the debriefing says so.
 fn study() -> tempfile::TempDir {
@@ -33,12 +36,6 @@ fn study() -> tempfile::TempDir {
 fn record(folder: &Path, name: &str) -> Record {
     let path = folder.join(format!("seat/{name}.jsonl"));
     Record::from_lines(&fs::read_to_string(path).unwrap()).unwrap()
-}
-
-/// What the experimenter's page says.
-fn lab(server: &Server) -> String {
-    let cookie = entered(server);
-    server.ask("GET", "/lab", "", &[("Cookie", &cookie)]).1
 }
 
 #[test]
@@ -97,12 +94,7 @@ fn nothing_but_the_own_drive_is_shown_without_a_model() {
         );
     let folder = folder_of(&design);
     fs::write(folder.path().join("debrief.md"), "It was your own drive.").unwrap();
-    let settings = maveric_seat::SeatSettings {
-        model: None,
-        ..support::settings(folder.path())
-    };
-    let seat = maveric_seat::Seat::open(&folder.path().join("seat/seat.db"), settings).unwrap();
-    let server = Server::of(seat, |_| {});
+    let server = Server::of(open_with(folder.path(), None).unwrap(), |_| {});
     let token = opened(&server);
     while go_on(&server, &token) {}
     let [own, again] = ["P001-own", "P001-calm"].map(|name| record(folder.path(), name));
@@ -116,21 +108,17 @@ fn a_page_that_shows_another_drive_is_told_to_the_experimenter_and_one_that_lets
     let server = Server::open(folder.path());
     let token = opened(&server);
     let script = Script::default();
-    let at_replay = || {
-        let state = server.state(&token);
-        let at = state["at"].as_u64().unwrap() as usize;
-        let step = state["steps"][at].clone();
-        (step["style"] == "replay").then_some((at, step, state))
-    };
-    let (at, step, state) = loop {
-        if let Some(found) = at_replay() {
-            break found;
+    let (at, step) = loop {
+        let (at, step) = here(&server, &token);
+        if step["style"] == "replay" {
+            break (at, step);
         }
         assert!(script.go_on(&server, &token));
     };
+    let state = server.state(&token);
     let send = |lines: &[String]| {
         let place = format!("/api/{token}/drive/{at}/1/{TAB}");
-        server.post(&place, &(lines.join("\n") + "\n"))
+        server.post(&place, &piece(lines))
     };
     let (by_model, _) = driven(&step);
     let (status, reply) = send(&by_model[..1]);
@@ -148,10 +136,8 @@ fn a_page_that_shows_another_drive_is_told_to_the_experimenter_and_one_that_lets
     other["own"] = faster.driven(&by_hand, &state).0.join("\n").into();
     let (lines, _) = script.driven(&step, &other);
     assert_eq!(send(&lines).0, 200);
-    assert_eq!(
-        server.post(&format!("/api/{token}/done/{at}"), "null").0,
-        200
-    );
+    let done = format!("/api/{token}/done/{at}");
+    assert_eq!(server.post(&done, "null").0, 200);
     while script.go_on(&server, &token) {}
     let told = lab(&server);
     let another = "the page showed another drive than the person";

@@ -5,10 +5,13 @@
 mod support;
 
 use maveric_seat::{carried, replay};
-use maveric_seat_page::world;
 use serde_json::{Value, json};
-use std::{fs, path::Path};
-use support::{MISC, STUDY, Script, Server, TAB, driven, entered, folder_of, opened};
+use std::fs;
+use support::{
+    MISC, STUDY, Server, TAB, folder_of, lab, opened, read,
+    script::{Script, driven, handed_over, until, written},
+    tells,
+};
 
 const STOPS: &str = "probe = { scale = \"misc\", every_s = 12 }\nstop_if = \"misc >= 6\"\npost = [\"mood\"]\n\
     aftercare = \"aftercare.md\"\ndebrief = \"debrief.md\"\n";
@@ -23,10 +26,6 @@ fn folder() -> tempfile::TempDir {
     write("aftercare.md", "Sit down and drink some water.");
     write("debrief.md", "The car drove as you do, or not.");
     folder
-}
-
-fn read(folder: &Path, name: &str) -> String {
-    fs::read_to_string(folder.join(name)).unwrap()
 }
 
 /// Goes through the study; gives the kinds of steps that were met.
@@ -87,8 +86,7 @@ fn who_stops_is_cared_for_rides_no_more_and_the_ride_is_marked_with_the_reason()
         !answers.contains("P001,after") && answers.contains("P001,probe,misc,1,1,,calm,12"),
         "{answers}"
     );
-    let cookie = entered(&server);
-    let (_, lab) = server.ask("GET", "/lab", "", &[("Cookie", &cookie)]);
+    let lab = lab(&server);
     assert!(lab.contains("the person stopped (misc &gt;= 6)"), "{lab}");
 }
 
@@ -97,16 +95,7 @@ fn a_reason_that_the_study_does_not_have_is_refused_and_the_button_is_always_the
     let folder = folder();
     let server = Server::open(folder.path());
     let token = opened(&server);
-    let reach = |kind: &str| loop {
-        let state = server.state(&token);
-        let at = state["at"].as_u64().unwrap();
-        let step = state["steps"][at as usize].clone();
-        if step["kind"] == kind {
-            return (at, step);
-        }
-        assert!(support::go_on(&server, &token));
-    };
-    let (at, step) = reach("ride");
+    let (at, step) = until(&server, &token, "ride");
     let (lines, _) = driven(&step);
     let path = format!("/api/{token}/drive/{at}/1/{TAB}");
     assert_eq!(server.post(&path, &lines[0]).0, 200);
@@ -123,43 +112,13 @@ fn a_reason_that_the_study_does_not_have_is_refused_and_the_button_is_always_the
 fn online_who_stopped_hands_over_what_there_is() {
     let folder = folder();
     let seat = support::seat(folder.path());
-    let out = folder.path().join("online");
-    carried::export(&seat, &out, None).unwrap();
-    let study: Value = serde_json::from_slice(&fs::read(out.join("study.json")).unwrap()).unwrap();
-    let token = "0123456789abcdef0123456789abcdef";
     let person = Script {
         stops: Some((700, "unwell")),
         ..Script::default()
     };
-    let mut lines = vec![json!({"maveric_seat_person": 1, "token": token, "row": 0})];
-    for (at, step) in study["rows"][0].as_array().unwrap().iter().enumerate() {
-        let mut step = step.clone();
-        let what = step["condition"].as_str().unwrap_or("practice").to_owned();
-        let kind = step["kind"].as_str().unwrap().to_owned();
-        match kind.as_str() {
-            "text" if step["agree"] == true => {
-                lines.push(json!({"step": at, "sheet": {"agreed": true, "seconds": 4.5}}));
-            }
-            "scale" => {
-                lines.push(json!({"step": at, "sheet": {"answers": [4, null], "seconds": 6}}));
-            }
-            "practice" | "drive" | "ride" => {
-                if step["seed"] == "" {
-                    step["seed"] = json!(world(token, &what).to_string());
-                }
-                let record = person.driven(&step, &Value::Null).0.join("\n") + "\n";
-                lines.push(json!({"step": at, "attempt": 1, "record": record}));
-            }
-            _ => {}
-        }
-        if kind == "ride" {
-            break;
-        }
-    }
+    let (mut lines, _) = handed_over(&seat, folder.path(), 0, &person);
     lines.push(json!({"ended": "done"}));
-    let file = folder.path().join("handed_over.jsonl");
-    let text: Vec<String> = lines.iter().map(|line| format!("{line}\n")).collect();
-    fs::write(&file, text.concat()).unwrap();
+    let file = written(folder.path(), &lines);
     let taken = carried::take_in(&seat, &file).unwrap();
     assert_eq!(
         (taken.participant.as_str(), taken.ended.as_str()),
@@ -205,9 +164,6 @@ fn who_stopped_is_asked_once_more_how_they_feel_and_who_is_unwell_still_is_named
             .any(|row| row.contains(who) && row.contains("still unwell 10 min"));
         assert_eq!(told, named, "{notes}");
         let events = read(folder.path(), "seat/events.csv");
-        assert!(
-            events.contains(&format!("{who},")) && events.contains(&format!("felt:misc,{felt}")),
-            "{events}"
-        );
+        tells(&events, &[&format!("{who},"), &format!("felt:misc,{felt}")]);
     }
 }

@@ -10,7 +10,11 @@ use maveric_seat::{Seat, SeatSettings, Wire, replay, serve};
 use maveric_study::tables::dial::read_turns;
 use serde_json::{Value, json};
 use std::{fs, net::SocketAddr, path::Path, sync::Arc};
-use support::{STUDY, Server, TAB, driven, folder, folder_of, go_on, opened, seat, settings};
+use support::{
+    STUDY, Server, TAB, folder, folder_of, lab, lab_post, one_person, open_with, opened, read,
+    script::{driven, finish, go_on, piece, until, up_to},
+    seat, settings, tells,
+};
 
 #[test]
 fn a_whole_study_becomes_the_files_that_a_run_reads() {
@@ -18,8 +22,7 @@ fn a_whole_study_becomes_the_files_that_a_run_reads() {
     let server = Server::open(folder.path());
     for _ in 0..2 {
         let token = opened(&server);
-        while go_on(&server, &token) {}
-        assert_eq!(server.state(&token)["ended"], "done");
+        finish(&server, &token);
     }
     let at = |name: &str| folder.path().join(name);
     let answers = fs::read_to_string(at("surveys/answers.csv")).unwrap();
@@ -73,9 +76,7 @@ fn a_whole_study_becomes_the_files_that_a_run_reads() {
 
 #[test]
 fn a_server_that_was_killed_goes_on_at_the_step_and_loses_nothing_that_it_acknowledged() {
-    let folder = folder();
-    let mut server = Server::open(folder.path());
-    let token = opened(&server);
+    let (folder, mut server, token) = one_person();
     let mut steps = 0;
     loop {
         // Killed before each step, and in the middle of each drive.
@@ -86,14 +87,14 @@ fn a_server_that_was_killed_goes_on_at_the_step_and_loses_nothing_that_it_acknow
         if let Some(step) = step.filter(|s| s["kind"] == "drive" || s["kind"] == "ride") {
             let (lines, _) = driven(&step);
             let path = format!("/api/{token}/drive/{}/1/{TAB}", state["at"]);
-            let (_, reply) = server.post(&path, &(lines[..6].join("\n") + "\n"));
+            let (_, reply) = server.post(&path, &piece(&lines[..6]));
             assert!(reply.ends_with("\r\n\r\n500"), "{reply}");
             drop(server);
             server = Server::open(folder.path());
             assert_eq!(server.state(&token)["attempts"], 1);
             // What the browser had kept comes again, from another tab, twice.
             for _ in 0..2 {
-                let (status, reply) = server.post(&path, &(lines[4..8].join("\n") + "\n"));
+                let (status, reply) = server.post(&path, &piece(&lines[4..8]));
                 assert!(status == 200 && reply.ends_with("\r\n\r\n700"), "{reply}");
             }
         }
@@ -107,10 +108,7 @@ fn a_server_that_was_killed_goes_on_at_the_step_and_loses_nothing_that_it_acknow
     assert_eq!(steps, 10);
     assert_eq!(server.state(&token)["ended"], "done");
     assert_eq!(
-        fs::read_to_string(folder.path().join("surveys/answers.csv"))
-            .unwrap()
-            .lines()
-            .count(),
+        read(folder.path(), "surveys/answers.csv").lines().count(),
         7
     );
 }
@@ -175,14 +173,7 @@ fn what_a_step_does_not_ask_is_refused() {
     refused(&answer(1), &" ".repeat(3 << 20), 413);
     assert_eq!(server.state(&other)["at"], 0, "somebody else's step moved");
     // Up to the drive by hand, and there what is no part of it.
-    while server.state(&mine)["steps"][server.state(&mine)["at"].as_u64().unwrap() as usize]["kind"]
-        != "drive"
-    {
-        assert!(go_on(&server, &mine));
-    }
-    let state = server.state(&mine);
-    let at = state["at"].as_u64().unwrap();
-    let step = state["steps"][at as usize].clone();
+    let (at, step) = until(&server, &mine, "drive");
     let (lines, _) = driven(&step);
     let path = |attempt: u32, tab: &str| format!("/api/{mine}/drive/{at}/{attempt}/{tab}");
     refused(&path(1, &"f".repeat(32)), &lines[0], 409);
@@ -218,12 +209,8 @@ fn what_a_step_does_not_ask_is_refused() {
 
 #[test]
 fn a_drive_that_cannot_be_driven_again_is_kept_and_said_and_holds_nobody_up() {
-    let folder = folder();
-    let server = Server::open(folder.path());
-    let token = opened(&server);
-    while server.state(&token)["at"].as_u64().unwrap() < 5 {
-        assert!(go_on(&server, &token));
-    }
+    let (folder, server, token) = one_person();
+    up_to(&server, &token, 5);
     let step = server.state(&token)["steps"][5].clone();
     let (lines, _) = driven(&step);
     // A ride whose set-points somebody took out.
@@ -236,42 +223,27 @@ fn a_drive_that_cannot_be_driven_again_is_kept_and_said_and_holds_nobody_up() {
         })
         .collect();
     let path = format!("/api/{token}/drive/5/1/{TAB}");
-    assert_eq!(server.post(&path, &(lines.join("\n") + "\n")).0, 200);
+    assert_eq!(server.post(&path, &piece(&lines)).0, 200);
     assert_eq!(server.post(&format!("/api/{token}/done/5"), "null").0, 200);
     assert_eq!(server.state(&token)["at"], 6);
     assert!(folder.path().join("seat/P001-calm.jsonl").is_file());
     assert!(!folder.path().join("logs/seat/P001-calm.mcap").exists());
-    let (_, entered) = server.post("/lab/enter", "password=open+%26+see");
-    let cookie = entered
-        .lines()
-        .find_map(|l| l.strip_prefix("set-cookie: "))
-        .unwrap();
-    let cookie = cookie.split(';').next().unwrap();
-    server.ask(
-        "POST",
-        "/lab/note",
-        "note=%3Cb%3Elate",
-        &[("Cookie", cookie)],
-    );
-    let (_, page) = server.ask("GET", "/lab", "", &[("Cookie", cookie)]);
+    lab_post(&server, "/lab/note", "note=%3Cb%3Elate");
+    let page = lab(&server);
     assert!(page.contains("P001-calm: cannot be driven again"), "{page}");
     assert!(page.contains("note: &lt;b&gt;late"), "{page}");
 }
 
 #[test]
 fn a_drive_whose_style_never_came_is_learned_from_here() {
-    let folder = folder();
-    let server = Server::open(folder.path());
-    let token = opened(&server);
-    while server.state(&token)["at"].as_u64().unwrap() < 4 {
-        assert!(go_on(&server, &token));
-    }
+    let (folder, server, token) = one_person();
+    up_to(&server, &token, 4);
     let (lines, style) = driven(&server.state(&token)["steps"][4]);
     let path = format!("/api/{token}/drive/4/1/{TAB}");
-    assert_eq!(server.post(&path, &(lines[..9].join("\n") + "\n")).0, 200);
+    assert_eq!(server.post(&path, &piece(&lines[..9])).0, 200);
     // The tab was closed; another one begins again, drives to the end, and is closed before it learns.
     let path = format!("/api/{token}/drive/4/2/{TAB}");
-    assert_eq!(server.post(&path, &(lines.join("\n") + "\n")).0, 200);
+    assert_eq!(server.post(&path, &piece(&lines)).0, 200);
     assert_eq!(server.state(&token)["whole"], true);
     assert_eq!(server.post(&format!("/api/{token}/done/4"), "null").0, 200);
     let page: Value = serde_json::from_str(&style.unwrap()).unwrap();
@@ -330,35 +302,32 @@ fn while_nobody_was_learned_from_nobody_rides() {
         .replace("test = {", "learn = { study = \"1\" }\ntest = {")
         .replace("score = \"adb.total\"", "score = \"mood.total\"");
     let folder = folder_of(&design);
-    let db = folder.path().join("seat/seat.db");
-    let one_more = |settings: SeatSettings| {
-        let seat = Seat::open(&db, settings).unwrap();
+    let one_more = |seat: Seat| {
         seat.let_in().unwrap();
         seat.write_files().unwrap();
         seat.rides()
     };
-    let without = |folder: &Path| SeatSettings {
-        model: None,
-        ..settings(folder)
-    };
-    assert!(!one_more(without(folder.path())));
-    assert!(one_more(settings(folder.path())));
-    let people = fs::read_to_string(folder.path().join("participants.csv")).unwrap();
+    assert!(!one_more(open_with(folder.path(), None).unwrap()));
+    assert!(one_more(seat(folder.path())));
+    let people = read(folder.path(), "participants.csv");
     assert_eq!(
         people,
         "participant,study,order\nP001,1,\nP002,2,calm sporty\n"
     );
     // A study that learns of nobody and names no model has nobody to ride with.
     let other = support::folder();
-    let refused = Seat::open(&db, without(other.path())).err().unwrap();
+    let without = SeatSettings {
+        model: None,
+        ..settings(other.path())
+    };
+    let refused = Seat::open(&folder.path().join("seat/seat.db"), without);
+    let refused = refused.err().unwrap();
     assert!(refused.to_string().contains("no model"), "{refused}");
 }
 
 #[test]
 fn the_laboratory_asks_its_password_and_shows_text_as_text() {
-    let folder = folder();
-    let server = Server::open(folder.path());
-    let token = opened(&server);
+    let (_folder, server, token) = one_person();
     let (_, closed) = server.ask("GET", "/lab", "", &[]);
     assert!(closed.contains("Password") && !closed.contains(&token));
     let (_, wrong) = server.post("/lab/enter", "password=guess");
@@ -392,10 +361,7 @@ fn the_laboratory_asks_its_password_and_shows_text_as_text() {
     while go_on(&server, &token) {}
     let entered = &[("Cookie", cookie)];
     let (_, above) = server.ask("GET", "/lab/above/P001", "", entered);
-    assert!(
-        above.contains("<svg") && above.contains("refresh: 2"),
-        "{above}"
-    );
+    tells(&above, &["<svg", "refresh: 2"]);
     assert!(above.contains("10 s; "), "{above}");
     for strange in ["P999", "%3Cscript%3E", "..%2f..%2fetc"] {
         assert_eq!(
@@ -411,15 +377,11 @@ fn the_laboratory_asks_its_password_and_shows_text_as_text() {
 
 #[test]
 fn who_leaves_is_asked_what_is_kept() {
-    let folder = folder();
-    let server = Server::open(folder.path());
-    let token = opened(&server);
-    while server.state(&token)["at"].as_u64().unwrap() < 6 {
-        assert!(go_on(&server, &token));
-    }
+    let (folder, server, token) = one_person();
+    up_to(&server, &token, 6);
     assert!(folder.path().join("logs/seat/P001-own.mcap").is_file());
     server.seat.write_files().unwrap();
-    let people = || fs::read_to_string(folder.path().join("participants.csv")).unwrap();
+    let people = || read(folder.path(), "participants.csv");
     assert!(people().contains("P001"));
     assert_eq!(
         server
@@ -429,7 +391,7 @@ fn who_leaves_is_asked_what_is_kept() {
     );
     assert!(!folder.path().join("logs/seat/P001-own.mcap").exists());
     assert!(!folder.path().join("seat/P001-own.jsonl").exists());
-    let answers = fs::read_to_string(folder.path().join("surveys/answers.csv")).unwrap();
+    let answers = read(folder.path(), "surveys/answers.csv");
     assert_eq!(answers.lines().count(), 1);
     assert!(!people().contains("P001"));
     assert_eq!(server.state(&token)["ended"], "deleted");

@@ -5,12 +5,16 @@
 mod support;
 
 use maveric_domain::{DriveId, Embedding, EmbeddingRow, ParticipantId};
-use maveric_seat::{Seat, carried};
+use maveric_seat::carried;
 use maveric_seat_page::Record;
 use maveric_study::tables::embeddings::write_embeddings;
 use serde_json::{Value, json};
 use std::{fs, path::Path};
-use support::{STUDY, Server, entered, folder_of, go_on, opened, settings};
+use support::{
+    STUDY, Server, TAB, folder_of, lab, lab_post, open, opened,
+    script::{driven, go_on, piece},
+    tells,
+};
 
 /// The study whose condition `sporty` has this car.
 fn study(car: &str) -> String {
@@ -64,23 +68,15 @@ fn the_style_of_ones_own_row_is_ridden_and_who_has_no_row_is_not_let_in() {
         assert_eq!(ridden(folder.path(), drive), [style]);
     }
     // The seat rides in the style that it was asked for: nothing to say.
-    let cookie = entered(&server);
-    let lab = || server.ask("GET", "/lab", "", &[("Cookie", &cookie)]).1;
-    assert!(!lab().contains("another style"));
+    assert!(!lab(&server).contains("another style"));
     let refused = server.seat.let_in().unwrap_err();
     let help = refused.suggestion().unwrap();
     let told = refused.to_string();
-    assert!(
-        told.contains("styles.csv") && told.contains("none of P003"),
-        "{told}"
-    );
+    tells(&told, &["styles.csv", "none of P003"]);
     assert!(help.contains("add the row of P003"), "{help}");
-    server.ask("POST", "/lab/next", "", &[("Cookie", &cookie)]);
-    assert!(
-        lab().contains("none of P003") && lab().contains("add the row of P003"),
-        "{}",
-        lab()
-    );
+    lab_post(&server, "/lab/next", "");
+    let lab = lab(&server);
+    tells(&lab, &["none of P003", "add the row of P003"]);
 }
 
 #[test]
@@ -100,18 +96,14 @@ fn a_page_that_drove_another_style_is_told_of() {
             continue;
         }
         step["style"] = json!("own");
-        let (lines, _) = support::driven(&step);
-        let path = format!("/api/{token}/drive/{}/1/{}", at(&state), support::TAB);
-        assert_eq!(server.post(&path, &(lines.join("\n") + "\n")).0, 200);
+        let (lines, _) = driven(&step);
+        let path = format!("/api/{token}/drive/{}/1/{TAB}", at(&state));
+        assert_eq!(server.post(&path, &piece(&lines)).0, 200);
         let done = format!("/api/{token}/done/{}", at(&state));
         assert_eq!(server.post(&done, "null").0, 200);
     }
-    let cookie = entered(&server);
-    let (_, lab) = server.ask("GET", "/lab", "", &[("Cookie", &cookie)]);
-    assert!(
-        lab.contains("P001-sporty: the page drove another style"),
-        "{lab}"
-    );
+    let lab = lab(&server);
+    tells(&lab, &["P001-sporty: the page drove another style"]);
 }
 
 #[test]
@@ -121,7 +113,7 @@ fn styles_of_another_model_no_file_and_nothing_across_are_refused_when_the_seat_
         if let Some(style) = file {
             styles(folder.path(), &[("P001", style)]);
         }
-        let seat = Seat::open(&folder.path().join("seat/seat.db"), settings(folder.path()));
+        let seat = open(folder.path());
         let told = seat.err().unwrap().to_string();
         assert!(!folder.path().join("participants.csv").exists(), "{told}");
         told

@@ -10,7 +10,7 @@ use std::{
     path::Path,
     sync::Arc,
 };
-use support::{folder, seat};
+use support::{folder, runtime, seat};
 use tokio_rustls::rustls::{
     ClientConfig, ClientConnection, RootCertStore, StreamOwned,
     pki_types::{CertificateDer, ServerName, pem::PemObject as _},
@@ -27,11 +27,7 @@ fn wire(certificate: &str, key: &str) -> Result<Wire, maveric_seat::SeatError> {
 fn a_page_comes_encrypted_and_whoever_does_not_greet_keeps_nobody_waiting() {
     let folder = folder();
     let seat = Arc::new(seat(folder.path()));
-    let runtime = tokio::runtime::Builder::new_multi_thread()
-        .worker_threads(2)
-        .enable_all()
-        .build()
-        .unwrap();
+    let runtime = runtime();
     let everywhere = SocketAddr::from(([0, 0, 0, 0], 0));
     let wire = wire("certificate.pem", "key.pem").unwrap();
     assert_eq!(wire.scheme(), "https");

@@ -5,7 +5,12 @@
 mod support;
 
 use std::{fs, path::Path, thread};
-use support::{STUDY, Server, TAB, driven, entered, folder, folder_of, go_on, opened};
+use support::{
+    STUDY, Server, TAB, entered, folder, folder_of, lab, lab_post, one_person, opened, read,
+    replies,
+    script::{driven, go_on, piece, up_to},
+    tells,
+};
 
 const DELETE: &str = r#"{"keep":false}"#;
 
@@ -43,7 +48,7 @@ fn who_is_through_can_take_everything_back_by_the_link_that_they_keep_and_no_byt
                 *line = line.replace("\"drawn\":60", "\"drawn\":31415926");
             }
             let path = format!("/api/{token}/drive/{}/1/{TAB}", state["at"]);
-            assert_eq!(server.post(&path, &(lines.join("\n") + "\n")).0, 200);
+            assert_eq!(server.post(&path, &piece(&lines)).0, 200);
             let done = format!("/api/{token}/done/{}", state["at"]);
             assert_eq!(server.post(&done, "null").0, 200);
         } else if !go_on(&server, &token) {
@@ -63,17 +68,17 @@ fn who_is_through_can_take_everything_back_by_the_link_that_they_keep_and_no_byt
     assert!(status == 200 && reply.ends_with("\"deleted\""), "{reply}");
     assert_eq!(server.state(&token)["ended"], "deleted");
     assert_eq!(holding(folder.path(), &secrets), Vec::<String>::new());
-    let (_, lab) = server.ask("GET", "/lab", "", &[("Cookie", &entered(&server))]);
+    let lab = lab(&server);
     assert!(!lab.contains("P001") && lab.contains("P002"), "{lab}");
     // Whoever stays has everything, and the id is nobody's again.
-    let people = fs::read_to_string(folder.path().join("participants.csv")).unwrap();
+    let people = read(folder.path(), "participants.csv");
     assert_eq!(people, "participant,study,order\nP002,2,sporty calm\n");
     drop(server);
     let server = Server::open(folder.path());
     assert_eq!(server.state(&token)["ended"], "deleted");
     opened(&server);
     server.seat.write_files().unwrap();
-    let people = fs::read_to_string(folder.path().join("participants.csv")).unwrap();
+    let people = read(folder.path(), "participants.csv");
     assert!(
         people.contains("P003") && !people.contains("P001"),
         "{people}"
@@ -83,15 +88,11 @@ fn who_is_through_can_take_everything_back_by_the_link_that_they_keep_and_no_byt
 
 #[test]
 fn who_takes_everything_back_while_their_drive_is_being_written_leaves_nothing() {
-    let folder = folder();
-    let server = Server::open(folder.path());
-    let token = opened(&server);
-    while server.state(&token)["at"].as_u64().unwrap() < 4 {
-        assert!(go_on(&server, &token));
-    }
+    let (folder, server, token) = one_person();
+    up_to(&server, &token, 4);
     let (lines, style) = driven(&server.state(&token)["steps"][4]);
     let path = format!("/api/{token}/drive/4/1/{TAB}");
-    assert_eq!(server.post(&path, &(lines.join("\n") + "\n")).0, 200);
+    assert_eq!(server.post(&path, &piece(&lines)).0, 200);
     server.post(&format!("/api/{token}/fit"), &style.unwrap());
     thread::scope(|scope| {
         let done = scope.spawn(|| server.post(&format!("/api/{token}/done/4"), "null"));
@@ -120,8 +121,11 @@ fn after_the_day_that_the_consent_names_it_is_said_that_nothing_can_be_taken_bac
     while go_on(&server, &through) {}
     assert_eq!(server.state(&through)["withdraw"]["until"], "2001-02-03");
     assert_eq!(server.state(&through)["withdraw"]["open"], false);
-    let (status, reply) = server.post(&format!("/api/{through}/leave"), DELETE);
-    assert!(status == 403 && reply.contains("2001-02-03"), "{reply}");
+    replies(
+        server.post(&format!("/api/{through}/leave"), DELETE),
+        403,
+        "2001-02-03",
+    );
     assert_eq!(server.state(&through)["ended"], "done");
     // Who is not through may always leave with everything.
     assert_eq!(server.post(&format!("/api/{driving}/leave"), DELETE).0, 200);
@@ -135,25 +139,23 @@ fn after_the_day_that_the_consent_names_it_is_said_that_nothing_can_be_taken_bac
 
 #[test]
 fn the_laboratory_can_forget_somebody_and_is_asked_first() {
-    let folder = folder();
-    let server = Server::open(folder.path());
-    let token = opened(&server);
+    let (_folder, server, token) = one_person();
     while go_on(&server, &token) {}
     let cookie = entered(&server);
     let with = &[("Cookie", cookie.as_str())];
     let (_, asks) = server.ask("GET", "/lab/forget/P001", "", with);
-    assert!(
-        asks.contains("cannot be undone") && asks.contains("handed out"),
-        "{asks}"
-    );
+    tells(&asks, &["cannot be undone", "handed out"]);
     assert_eq!(server.state(&token)["ended"], "done");
     let (status, _) = server.ask("POST", "/lab/forget/P001", "", &[]);
     assert!(status != 200 && server.state(&token)["ended"] == "done");
     let (status, reply) = server.ask("POST", "/lab/forget/P001", "", with);
     assert_eq!(status, 200, "{reply}");
     assert_eq!(server.state(&token)["ended"], "deleted");
-    let (status, reply) = server.ask("POST", "/lab/forget/P009", "", with);
-    assert!(status == 400 && reply.contains("P009"), "{reply}");
+    replies(
+        server.ask("POST", "/lab/forget/P009", "", with),
+        400,
+        "P009",
+    );
 }
 
 #[test]
@@ -161,9 +163,7 @@ fn notes_that_name_somebody_go_with_them_and_those_of_others_stay() {
     let folder = folder();
     let db = folder.path().join("seat/seat.db");
     let note = |server: &Server, text: &str| {
-        let cookie = entered(server);
-        let with = &[("Cookie", cookie.as_str())];
-        let (status, reply) = server.ask("POST", "/lab/note", &format!("note={text}"), with);
+        let (status, reply) = lab_post(server, "/lab/note", &format!("note={text}"));
         assert_eq!(status, 303, "{reply}");
     };
     let server = Server::open(folder.path());
@@ -176,11 +176,9 @@ fn notes_that_name_somebody_go_with_them_and_those_of_others_stay() {
     server.seat.write_files().unwrap();
     assert!(holding(folder.path(), &["zebra-sick"]).len() >= 2);
     // From the laboratory, while the seat is open.
-    let cookie = entered(&server);
-    let with = &[("Cookie", cookie.as_str())];
-    assert_eq!(server.ask("POST", "/lab/forget/P001", "", with).0, 200);
+    assert_eq!(lab_post(&server, "/lab/forget/P001", "").0, 200);
     assert_eq!(holding(folder.path(), &["zebra-sick"]), [""; 0]);
-    let table = || fs::read_to_string(folder.path().join("seat/notes.csv")).unwrap();
+    let table = || read(folder.path(), "seat/notes.csv");
     assert!(table().contains("lion-well"), "{}", table());
     // By the command, while it is closed.
     drop(server);
@@ -221,11 +219,8 @@ fn rows_that_somebody_deleted_by_hand_are_not_written_back() {
             fs::read_to_string(at("surveys/answers.csv")).unwrap(),
             right
         );
-        let (_, lab) = server.ask("GET", "/lab", "", &[("Cookie", &entered(&server))]);
-        assert!(
-            lab.contains("taken out of participants.csv by hand"),
-            "{lab}"
-        );
+        let lab = lab(&server);
+        tells(&lab, &["taken out of participants.csv by hand"]);
     }
 }
 

@@ -61,10 +61,7 @@ impl Elsewhere {
                 tracks.push(ObjectTrack::new(vehicle.id, vehicle.length_m, row));
                 tracks.len() - 1
             });
-            let track = &mut tracks[index];
-            track.x_m.push(vehicle.x_m);
-            track.y_m.push(vehicle.y_m);
-            track.speed_mps.push(vehicle.speed_mps);
+            tracks[index].push(vehicle);
             open.insert(vehicle.id, index);
         }
         self.open = open;

@@ -1,6 +1,7 @@
 //! Normal draws that are the same on every machine.
 
-use rand::RngExt as _;
+use maveric_domain::stream_seed;
+use rand::{RngExt as _, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 
 /// One draw from N(0, 1).
@@ -18,10 +19,14 @@ pub(crate) fn standard_normal(rng: &mut Pcg64Mcg) -> f64 {
     }
 }
 
+/// The first draw of a stream.
+pub(crate) fn normal_of(seed: u64, stream: &[&str]) -> f64 {
+    standard_normal(&mut Pcg64Mcg::seed_from_u64(stream_seed(seed, stream)))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
-    use rand::SeedableRng;
 
     #[test]
     fn draws_have_the_moments_of_the_normal() {

@@ -74,8 +74,8 @@ pub fn step_responses(scenario: &Scenario) -> Result<Vec<StepResponse>, Simulato
     paper.controllers = paper.controllers.literal();
     Ok(vec![
         velocity(empty(scenario))?,
-        following_gap("following_gap", empty(scenario))?,
-        following_gap("following_gap_paper", paper)?,
+        stepping_gap("following_gap", empty(scenario), (40.0, 30.0))?,
+        stepping_gap("following_gap_paper", paper, (40.0, 30.0))?,
         lane_change(empty(scenario))?,
     ])
 }
@@ -127,13 +127,6 @@ fn velocity(settings: ScenarioSettings) -> Result<StepResponse, SimulatorError> 
     let driven = driven(settings, planner)?;
     let value = driven.recording.ego().speed_mps.clone();
     Ok(response("velocity", "m/s", &value, STEP_AT_S, [25.0, 30.0]))
-}
-
-fn following_gap(
-    name: &'static str,
-    settings: ScenarioSettings,
-) -> Result<StepResponse, SimulatorError> {
-    stepping_gap(name, settings, (40.0, 30.0))
 }
 
 fn stepping_gap(

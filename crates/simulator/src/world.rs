@@ -166,10 +166,7 @@ impl<'a> World<'a> {
             elsewhere.record(row, &mut self.tracks);
         }
         for car in &self.cars {
-            let track = &mut self.tracks[car.track];
-            track.x_m.push(car.state.x_m);
-            track.y_m.push(car.state.y_m);
-            track.speed_mps.push(car.state.speed_mps);
+            self.tracks[car.track].push(&car.state);
         }
         if let Some(background) = &self.background {
             background.record(&mut self.tracks);

@@ -3,8 +3,8 @@
 use serde::{Deserialize, Serialize};
 
 use crate::{
-    Adjustment, Conover, Friedman, Mauchly, Named, Nemenyi, PairedT, PooledT, Reasons, RmAnova,
-    ShapiroWilk, Sphericity, Wilcoxon, WithinSubjects,
+    Conover, Friedman, Mauchly, Named, Nemenyi, PairedT, PooledT, Reasons, RmAnova, ShapiroWilk,
+    Sphericity, Wilcoxon, WithinSubjects,
     friedman::{self, Exact, RankTable},
     normality::{RoystonWeights, shapiro_wilk_with},
     numerics::decimal::Written,
@@ -145,13 +145,12 @@ pub fn within_without_exact(data: &WithinSubjects) -> WithinAnalysis {
     analyse(data, Exact::No)
 }
 
-fn analyse(data: &WithinSubjects, exact: Exact) -> WithinAnalysis {
+pub(crate) fn analyse(data: &WithinSubjects, exact: Exact) -> WithinAnalysis {
     let mut undefined = Reasons::default();
     let parts = rm_anova::decompose(data);
     let (anova, mauchly, sphericity) = variance_part(data, &parts, &mut undefined);
     let table = RankTable::new(data);
-    let (friedman, inner) = friedman::test(&table, exact);
-    undefined.absorb("friedman", inner);
+    let friedman = undefined.result("friedman", friedman::test(&table, exact));
     let columns: Vec<Vec<f64>> = (0..data.k()).map(|j| data.column(j)).collect();
     WithinAnalysis {
         n: data.n(),
@@ -239,8 +238,8 @@ pub fn rm_anova(data: &WithinSubjects) -> RmAnovaAnalysis {
 /// ```
 pub fn friedman(data: &WithinSubjects) -> FriedmanAnalysis {
     let mut undefined = Reasons::default();
-    let (friedman, inner) = friedman::test(&RankTable::new(data), Exact::Feasible);
-    undefined.absorb("friedman", inner);
+    let test = friedman::test(&RankTable::new(data), Exact::Feasible);
+    let friedman = undefined.result("friedman", test);
     FriedmanAnalysis {
         n: data.n(),
         k: data.k(),
@@ -256,8 +255,7 @@ pub(crate) fn variance_part(
     parts: &Decomposition,
     undefined: &mut Reasons,
 ) -> (RmAnova, Mauchly, Sphericity) {
-    let (anova, inner) = rm_anova::test(data, parts);
-    undefined.absorb("rm_anova", inner);
+    let anova = undefined.result("rm_anova", rm_anova::test(data, parts));
     let (mauchly, sphericity, inner) = sphericity::tests(data, &parts.residuals, &anova);
     undefined.absorb("", inner);
     (anova, mauchly, sphericity)
@@ -329,11 +327,8 @@ pub(crate) fn paired_t(
     undefined: &mut Reasons,
 ) -> Named<PairedT> {
     let t95 = paired::t::t95(data.n());
-    let mut results = by_pair(data, "paired", undefined, |a, b| {
-        paired::t::test(&columns[a], &columns[b], t95)
-    });
-    Adjustment::Holm.correct(results.values_mut(), |r| r.p, |r, p| r.p_holm = p);
-    results
+    let test = |a: usize, b: usize| paired::t::test(&columns[a], &columns[b], t95);
+    by_pair(data, "paired", undefined, test).with_holm(|r| r.p, |r, p| r.p_holm = p)
 }
 
 pub(crate) fn pooled_t(
@@ -343,11 +338,8 @@ pub(crate) fn pooled_t(
     undefined: &mut Reasons,
 ) -> Named<PooledT> {
     let means = &parts.condition_effects;
-    let mut results = by_pair(data, "pooled", undefined, |a, b| {
-        paired::pooled::test(means[a] - means[b], data.n(), anova)
-    });
-    Adjustment::Holm.correct(results.values_mut(), |r| r.p, |r, p| r.p_holm = p);
-    results
+    let test = |a: usize, b: usize| paired::pooled::test(means[a] - means[b], data.n(), anova);
+    by_pair(data, "pooled", undefined, test).with_holm(|r| r.p, |r, p| r.p_holm = p)
 }
 
 pub(crate) fn wilcoxon(
@@ -356,27 +348,18 @@ pub(crate) fn wilcoxon(
     undefined: &mut Reasons,
 ) -> Named<Wilcoxon> {
     let (written, n, k) = (Written::from_values(data.values()), data.n(), data.k());
-    let mut results = by_pair(data, "wilcoxon", undefined, |a, b| {
+    let test = |a: usize, b: usize| {
         let keys = written.differences((0..n).map(|i| (i * k + a, i * k + b)));
         paired::wilcoxon::test(&columns[a], &columns[b], &keys, written.is_rounded())
-    });
-    Adjustment::Holm.correct(results.values_mut(), |r| r.p, |r, p| r.p_holm = p);
-    Adjustment::Holm.correct(
-        results.values_mut(),
-        |r| r.p_exact,
-        |r, p| r.p_exact_holm = p,
-    );
-    Adjustment::Holm.correct(
-        results.values_mut(),
-        |r| r.p_normal_cc,
-        |r, p| r.p_normal_cc_holm = p,
-    );
-    Adjustment::Holm.correct(
-        results.values_mut(),
-        |r| r.compat.p_r_default,
-        |r, p| r.compat.p_r_default_holm = p,
-    );
-    results
+    };
+    by_pair(data, "wilcoxon", undefined, test)
+        .with_holm(|r| r.p, |r, p| r.p_holm = p)
+        .with_holm(|r| r.p_exact, |r, p| r.p_exact_holm = p)
+        .with_holm(|r| r.p_normal_cc, |r, p| r.p_normal_cc_holm = p)
+        .with_holm(
+            |r| r.compat.p_r_default,
+            |r, p| r.compat.p_r_default_holm = p,
+        )
 }
 
 pub(crate) fn conover(
@@ -384,11 +367,8 @@ pub(crate) fn conover(
     table: &RankTable,
     undefined: &mut Reasons,
 ) -> Named<Conover> {
-    let mut results = by_pair(data, "conover", undefined, |a, b| {
-        paired::conover::test(table, a, b)
-    });
-    Adjustment::Holm.correct(results.values_mut(), |r| r.p, |r, p| r.p_holm = p);
-    results
+    let test = |a: usize, b: usize| paired::conover::test(table, a, b);
+    by_pair(data, "conover", undefined, test).with_holm(|r| r.p, |r, p| r.p_holm = p)
 }
 
 pub(crate) fn nemenyi(data: &WithinSubjects, table: &RankTable) -> Named<Nemenyi> {
@@ -414,8 +394,8 @@ fn shapiro(
     samples
         .chain([residuals])
         .map(|(name, sample)| {
-            let (result, inner) = shapiro_wilk_with(sample, &mut weights);
-            undefined.absorb(&format!("shapiro.{name}"), inner);
+            let test = shapiro_wilk_with(sample, &mut weights);
+            let result = undefined.result(&format!("shapiro.{name}"), test);
             (name, result)
         })
         .collect()
@@ -430,8 +410,7 @@ pub(crate) fn by_pair<T>(
     data.pairs()
         .into_iter()
         .map(|(a, b, name)| {
-            let (result, inner) = test(a, b);
-            undefined.absorb(&format!("{test_name}.{name}"), inner);
+            let result = undefined.result(&format!("{test_name}.{name}"), test(a, b));
             (name, result)
         })
         .collect()

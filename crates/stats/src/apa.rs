@@ -225,32 +225,15 @@ pub fn f(test: &F) -> Statement {
 
 /// `χ²(3, N = 24) = 41.19, p < .001, W = .57`: Friedman's test with Kendall's W.
 pub fn chi2(statistic: f64, df: usize, n: usize, p: f64, kendall_w: Option<f64>) -> Statement {
-    let written = number(statistic, 2);
-    Statement(format!("*χ*^{{2}}({df}, *N* = {n}) = {written}"))
-        .p(p, Adjustment::None)
-        .and_bounded("*W*", kendall_w)
+    of_n("*χ*^{2}", statistic, [df, n], p, kendall_w)
 }
 
-/// `Q(3, N = 24) = 7.53, p = .057, W = .10`: Cochran's test with Kendall's W.
-pub fn cochran_q(q: f64, df: usize, p: f64, n: usize, w: Option<f64>) -> Statement {
-    let written = number(q, 2);
-    Statement(format!("*Q*({df}, *N* = {n}) = {written}"))
+/// `Q(3, N = 24) = 7.53, p = .057, W = .10`: a statistic of n people with Kendall's W.
+fn of_n(symbol: &str, value: f64, [df, n]: [usize; 2], p: f64, w: Option<f64>) -> Statement {
+    let written = number(value, 2);
+    Statement(format!("{symbol}({df}, *N* = {n}) = {written}"))
         .p(p, Adjustment::None)
         .and_bounded("*W*", w)
-}
-
-/// `8 against 1, p_Holm = .021, difference = .35, 95% CI [.05, .58]`: McNemar's test with the difference of the shares.
-pub fn share_difference(
-    difference: f64,
-    ci: Option<Interval>,
-    p: f64,
-    adjusted: Adjustment,
-    counts: &str,
-) -> Statement {
-    let statement = Statement(counts.to_owned()).p(p, adjusted);
-    statement
-        .and("difference", &bounded(difference, 2))
-        .ci(ci, bounded)
 }
 
 /// `t(23) = −5.90, p_Holm < .001, dz = −1.20, 95% CI [−1.73, −0.67]`.

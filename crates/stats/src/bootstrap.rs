@@ -180,17 +180,13 @@ pub fn bootstrap(
     let (_, squares) = crate::numerics::moments::mean_and_square_sum(values.iter().copied());
     result.se = Some((squares / (values.len() as f64 - 1.0)).sqrt());
     let tail = 0.5 * (1.0 - settings.confidence);
-    result.percentile = Interval {
-        low: Some(quantile(&values, tail)),
-        high: Some(quantile(&values, 1.0 - tail)),
+    let between = |low: f64, high: f64| Interval {
+        low: Some(quantile(&values, low)),
+        high: Some(quantile(&values, high)),
     };
+    result.percentile = between(tail, 1.0 - tail);
     match bca_levels(&sample, &values, estimate, tail) {
-        Some((low, high)) => {
-            result.bca = Interval {
-                low: Some(quantile(&values, low)),
-                high: Some(quantile(&values, high)),
-            };
-        }
+        Some((low, high)) => result.bca = between(low, high),
         None => result.undefined.note(
             "bca",
             "all resamples lie on one side of the estimate, or leaving out one row changes nothing",
@@ -200,16 +196,12 @@ pub fn bootstrap(
 }
 
 fn check(settings: &BootstrapSettings) -> Result<(), StatsError> {
-    let bad =
-        |name: &str, expected: &str, found: f64| Err(StatsError::parameter(name, expected, found));
-    if !(100..=MOST_RESAMPLES).contains(&settings.resamples) {
+    let found = settings.resamples;
+    if !(100..=MOST_RESAMPLES).contains(&found) {
         let expected = format!("100 to {MOST_RESAMPLES}");
-        return bad("resamples", &expected, settings.resamples as f64);
+        return Err(StatsError::parameter("resamples", &expected, found as f64));
     }
-    if !(settings.confidence > 0.0 && settings.confidence < 1.0) {
-        return bad("confidence", "between 0 and 1", settings.confidence);
-    }
-    Ok(())
+    StatsError::between_0_and_1("confidence", settings.confidence)
 }
 
 /// The generator of one chunk: state and increment are SplitMix64 steps from the seed, so

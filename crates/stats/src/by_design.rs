@@ -26,8 +26,8 @@ pub use plan::{DesignPlan, DesignShape, EffectMethod, PlannedEffect};
 pub use table::DesignTable;
 
 use crate::{
-    AssumptionCheck, BetweenColumn, StatsError, WithinColumn, compare::normality_in_words,
-    reasons::p_words,
+    AssumptionCheck, BetweenColumn, StatsError, WithinColumn, apa, compare::normality_in_words,
+    friedman::Exact, within_subjects::Index,
 };
 
 /// One outcome in a tidy table, a row a cell; all columns have shape `(rows,)`.
@@ -55,6 +55,17 @@ impl DesignColumns<'_> {
     /// Whether condition and period can be told apart within people, in the orders that there are.
     pub fn tells_period(&self) -> bool {
         carry_over::is_connected(self)
+    }
+
+    /// Rows with a value, by subject.
+    fn filled_rows(&self) -> Vec<Vec<usize>> {
+        let filled = |row: &usize| self.values.get(*row).is_some_and(Option::is_some);
+        let mut people = Index::from_labels(self.subjects).members();
+        for rows in &mut people {
+            rows.retain(filled);
+        }
+        people.retain(|rows| !rows.is_empty());
+        people
     }
 
     /// An effect (`a:b`) as reasons call it.
@@ -124,6 +135,16 @@ pub struct DesignChoice {
     pub exact: bool,
 }
 
+impl DesignChoice {
+    fn exact(&self) -> Exact {
+        if self.exact {
+            Exact::Feasible
+        } else {
+            Exact::No
+        }
+    }
+}
+
 impl Default for DesignChoice {
     fn default() -> Self {
         Self {
@@ -171,13 +192,7 @@ pub fn compare_by_design(
     data: &DesignColumns<'_>,
     choice: &DesignChoice,
 ) -> Result<ByDesign, StatsError> {
-    if !(choice.alpha > 0.0 && choice.alpha < 1.0) {
-        return Err(StatsError::parameter(
-            "alpha",
-            "between 0 and 1",
-            choice.alpha,
-        ));
-    }
+    StatsError::between_0_and_1("alpha", choice.alpha)?;
     // Declared and not there is an error, whatever test comes.
     kept::products(data)?;
     if choice.test != AskedTest::Chosen || !data.periods.is_empty() {
@@ -195,7 +210,7 @@ pub fn compare_by_design(
     }
     let mut reasons = Vec::new();
     if choice.missing == MissingCells::Mixed {
-        match kept::incomplete(data) {
+        match kept::subjects_with_gaps(data).len() {
             0 => {
                 reasons
                     .push("no cell is missing, so nobody needs a mixed model to stay".to_owned());
@@ -221,8 +236,9 @@ pub fn compare_by_design(
 /// Whether all checks of normality stand, and the words for it.
 fn judged(checks: &[AssumptionCheck]) -> (bool, String) {
     let Some(failed) = checks.iter().find(|check| check.passed != Some(true)) else {
-        let p: Vec<String> = checks.iter().filter_map(|c| c.p).map(p_words).collect();
-        let words = p.join("; ");
+        let p = checks.iter().filter_map(|c| c.p);
+        let words: Vec<String> = p.map(|p| apa::p(p).to_string()).collect();
+        let words = words.join("; ");
         return (
             true,
             format!("normality of the standardised residuals is not rejected ({words})"),

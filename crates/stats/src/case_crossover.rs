@@ -153,15 +153,10 @@ pub fn case_crossover(strata: &[CaseStratum]) -> CaseCrossover {
         brent(past, low, high).map(libm::exp)
     };
     (result.odds_ratio_ci_low, result.odds_ratio_ci_high) = (end(-1.0), end(1.0));
-    for (name, end) in TESTS
-        .iter()
-        .zip([result.odds_ratio_ci_low, result.odds_ratio_ci_high])
-    {
-        if end.is_none() {
-            result
-                .undefined
-                .note(name, "the interval has no end on this side");
-        }
+    let ends = [result.odds_ratio_ci_low, result.odds_ratio_ci_high];
+    for (name, _) in TESTS.iter().zip(ends).filter(|(_, end)| end.is_none()) {
+        let reason = "the interval has no end on this side";
+        result.undefined.note(name, reason);
     }
     result
 }

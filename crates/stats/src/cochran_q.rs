@@ -3,9 +3,8 @@
 use serde::{Deserialize, Serialize};
 
 use crate::{
-    Adjustment, Named, Reasons, StatsError, WithinSubjects,
+    Named, Reasons, StatsError, WithinSubjects,
     analysis::by_pair,
-    apa::{self, Interval, Statement, Statements},
     mcnemar::{self, McNemarTest},
     numerics::distributions::chi2_upper,
 };
@@ -76,15 +75,11 @@ pub struct McNemarPair {
 pub fn cochran_q(data: &WithinSubjects) -> Result<CochranQ, StatsError> {
     mcnemar::check_yes_no(data)?;
     let mut undefined = Reasons::default();
-    let mut pairs = by_pair(data, "pairs", &mut undefined, |i, j| {
+    let pairs = by_pair(data, "pairs", &mut undefined, |i, j| {
         let (test, inner) = mcnemar::test(&data.column(i), &data.column(j));
         (McNemarPair { test, p_holm: None }, inner)
-    });
-    Adjustment::Holm.correct(
-        pairs.values_mut(),
-        |pair| pair.test.p_mid,
-        |pair, p| pair.p_holm = p,
-    );
+    })
+    .with_holm(|pair| pair.test.p_mid, |pair, p| pair.p_holm = p);
     let cochran_q = omnibus(data);
     if cochran_q.q.is_none() {
         let names = ["cochran_q.Q", "cochran_q.p", "cochran_q.w"];
@@ -118,32 +113,10 @@ fn omnibus(data: &WithinSubjects) -> CochranQTest {
     }
 }
 
-impl Statements for CochranQ {
-    fn statements(&self) -> Vec<(String, Statement)> {
-        let omnibus = &self.cochran_q;
-        let whole = omnibus.q.zip(omnibus.df).zip(omnibus.p);
-        let whole = whole.map(|((q, df), p)| {
-            let statement = apa::cochran_q(q, df, p, self.n, omnibus.w);
-            ("cochran_q".to_owned(), statement)
-        });
-        let pairs = self.pairs.iter().filter_map(|(name, pair)| {
-            let test = &pair.test;
-            let ends = (test.difference_ci_low, test.difference_ci_high);
-            let ci = Interval::from_ends(0.95, Some(ends.0), Some(ends.1));
-            let counts = format!("{} against {}", test.only_a, test.only_b);
-            let p = pair.p_holm?;
-            let statement =
-                apa::share_difference(test.difference, ci, p, Adjustment::Holm, &counts);
-            Some((name.to_owned(), statement))
-        });
-        whole.into_iter().chain(pairs).collect()
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::friedman;
+    use crate::{apa::Statements, friedman};
 
     fn data(rows: &[[f64; 3]]) -> WithinSubjects {
         let people: Vec<String> = (0..rows.len()).map(|i| i.to_string()).collect();

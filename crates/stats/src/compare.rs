@@ -9,11 +9,10 @@ use serde::{Deserialize, Serialize};
 
 use crate::{
     Adjustment, ConditionSummary, Mauchly, Named, Posthoc, PosthocTest, Reasons, ShapiroWilk,
-    Sphericity, SphericityCorrection, StatsError, WithinSubjects, analysis,
+    Sphericity, SphericityCorrection, StatsError, WithinSubjects, analysis, apa,
     friedman::{self, Exact, RankTable},
     normality::shapiro_wilk,
     posthoc::all_pairs,
-    reasons::p_words,
     rm_anova,
 };
 
@@ -53,9 +52,9 @@ impl AssumptionCheck {
 pub(crate) fn normality_in_words(what: &str, p: Option<f64>) -> String {
     match p {
         Some(p) if p >= CHECK_ALPHA => {
-            format!("normality of {what} is not rejected ({})", p_words(p))
+            format!("normality of {what} is not rejected ({})", apa::p(p))
         }
-        Some(p) => format!("{what} are not normal ({})", p_words(p)),
+        Some(p) => format!("{what} are not normal ({})", apa::p(p)),
         None => format!("{what} cannot be tested for normality"),
     }
 }
@@ -121,17 +120,6 @@ pub fn compare(data: &WithinSubjects, alpha: f64) -> Result<Comparison, StatsErr
     run(data, alpha, Exact::Feasible, None)
 }
 
-/// [`compare`] by the test that was declared, whatever the residuals look like.
-pub(crate) fn compare_as(
-    data: &WithinSubjects,
-    alpha: f64,
-    exact: bool,
-    declared: PosthocTest,
-) -> Result<Comparison, StatsError> {
-    let exact = if exact { Exact::Feasible } else { Exact::No };
-    run(data, alpha, exact, Some(declared))
-}
-
 /// [`compare`] with Iman and Davenport's p of Friedman's test in the place of the exact one,
 /// which takes hundreds of times longer than all the rest together: for simulations.
 ///
@@ -153,15 +141,14 @@ pub fn compare_without_exact(data: &WithinSubjects, alpha: f64) -> Result<Compar
     run(data, alpha, Exact::No, None)
 }
 
-fn run(
+/// [`compare`], or the test that was declared, whatever the residuals look like.
+pub(crate) fn run(
     data: &WithinSubjects,
     alpha: f64,
     exact: Exact,
     declared: Option<PosthocTest>,
 ) -> Result<Comparison, StatsError> {
-    if !(alpha > 0.0 && alpha < 1.0) {
-        return Err(StatsError::parameter("alpha", "between 0 and 1", alpha));
-    }
+    StatsError::between_0_and_1("alpha", alpha)?;
     let parts = rm_anova::decompose(data);
     let mut trace = Trace::default();
     let (chosen, several) = if data.k() == 2 {
@@ -278,9 +265,9 @@ impl Trace {
         let gg = sphericity.gg.unwrap_or(sphericity.lower_bound);
         let tested = match mauchly.p {
             Some(p) if p >= CHECK_ALPHA => {
-                format!("Mauchly's test does not reject it, {}", p_words(p))
+                format!("Mauchly's test does not reject it, {}", apa::p(p))
             }
-            Some(p) => format!("Mauchly's test rejects it, {}", p_words(p)),
+            Some(p) => format!("Mauchly's test rejects it, {}", apa::p(p)),
             None => "it cannot be tested".to_owned(),
         };
         let correction = sphericity.correction();
@@ -312,50 +299,34 @@ fn say_why(omnibus: &Omnibus, checks: &[AssumptionCheck], undefined: &mut Reason
     }
     let of_two = matches!(omnibus.test, OmnibusTest::PairedT | OmnibusTest::Wilcoxon);
     if omnibus.statistic.is_none() || omnibus.p.is_none() && of_two {
-        undefined.note(
-            "omnibus",
-            "neither test has a value: the conditions do not differ for any subject",
-        );
+        let reason = "neither test has a value: the conditions do not differ for any subject";
+        undefined.note("omnibus", reason);
     }
     if of_two {
-        undefined.note_all(
-            &["omnibus.df2", "omnibus.epsilon"],
-            "a test of two conditions has neither",
-        );
+        let reason = "a test of two conditions has neither";
+        undefined.note_below("omnibus", &["df2", "epsilon"], reason);
         if omnibus.test == OmnibusTest::Wilcoxon {
             undefined.note("omnibus.df1", "Wilcoxon's test has no degrees of freedom");
         }
         if omnibus.effect.value.is_some() && omnibus.effect.ci_low.is_none() {
-            undefined.note_all(
-                &["omnibus.effect.ci_low", "omnibus.effect.ci_high"],
-                "the differences do not vary, or the effect is at its limit",
-            );
+            let reason = "the differences do not vary, or the effect is at its limit";
+            undefined.note_ends(&["omnibus.effect.ci"], reason);
         }
         return;
     }
     let corrected = omnibus.test != OmnibusTest::Friedman;
     if corrected && omnibus.statistic.is_some() && omnibus.epsilon.is_none() {
-        undefined.note_all(
-            &[
-                "omnibus.df1",
-                "omnibus.df2",
-                "omnibus.epsilon",
-                "omnibus.p",
-                "omnibus.reject",
-            ],
-            "the covariances of the conditions are too small for an epsilon, and so for its degrees of freedom",
-        );
+        let reason = "the covariances of the conditions are too small for an epsilon, and so for its degrees of freedom";
+        let parts = ["df1", "df2", "epsilon", "p", "reject"];
+        undefined.note_below("omnibus", &parts, reason);
     }
     if omnibus.test == OmnibusTest::Friedman {
-        undefined.note_all(
-            &["omnibus.df2", "omnibus.epsilon"],
-            "Friedman's chi-squared has neither",
-        );
+        let reason = "Friedman's chi-squared has neither";
+        undefined.note_below("omnibus", &["df2", "epsilon"], reason);
         if omnibus.effect.ci_low.is_none() {
-            undefined.note_all(
-                &["omnibus.effect.ci_low", "omnibus.effect.ci_high"],
-                "all subjects order the conditions alike, so there is no F of the ranks to invert",
-            );
+            let reason =
+                "all subjects order the conditions alike, so there is no F of the ranks to invert";
+            undefined.note_ends(&["omnibus.effect.ci"], reason);
         }
     }
 }

@@ -26,6 +26,28 @@ fn all_usable(values: &[Option<f64>], name: &str) -> Result<(), StatsError> {
     Ok(())
 }
 
+/// The value of each of so many cells from a row a cell; none where it has no row, or a row without a value.
+///
+/// `place` is the cell of a row; `double` refuses a row whose cell had one already.
+pub(crate) fn cells(
+    values: &[Option<f64>],
+    count: usize,
+    place: impl Fn(usize) -> usize,
+    double: impl Fn(usize) -> StatsError,
+) -> Result<Vec<Option<f64>>, StatsError> {
+    // The outer option says whether the cell had a row at all.
+    let mut cells: Vec<Option<Option<f64>>> = vec![None; count];
+    for (row, &value) in values.iter().enumerate() {
+        if let Some(value) = value {
+            usable(value, "value", row)?;
+        }
+        if cells[place(row)].replace(value).is_some() {
+            return Err(double(row));
+        }
+    }
+    Ok(cells.into_iter().map(Option::flatten).collect())
+}
+
 /// The values that are there; at least `least`.
 pub(crate) fn values(
     values: &[Option<f64>],

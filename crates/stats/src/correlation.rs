@@ -16,10 +16,9 @@ pub use spearman::{Spearman, SpearmanCompat};
 pub(crate) use pearson::coefficient;
 
 use crate::{
-    Reasons, StatsError, complete,
+    Reasons, StatsError, apa, complete,
     normality::shapiro_wilk,
-    numerics::distributions::{fisher_interval, normal_quantile, t_two_sided},
-    reasons::p_words,
+    numerics::distributions::{fisher_ends, fisher_interval, normal_quantile, t_two_sided},
 };
 
 /// Which coefficient is wanted.
@@ -129,20 +128,15 @@ pub fn correlate(
         result.chosen = Some(wanted);
     }
     let every_method = wanted == CorrelationMethod::All;
+    let undefined = &mut result.undefined;
     if every_method || wanted == CorrelationMethod::Pearson {
-        let (pearson, inner) = pearson::test(x, y);
-        result.undefined.absorb("pearson", inner);
-        result.pearson = Some(pearson);
+        result.pearson = Some(undefined.result("pearson", pearson::test(x, y)));
     }
     if every_method || wanted == CorrelationMethod::Spearman {
-        let (spearman, inner) = spearman::test(x, y);
-        result.undefined.absorb("spearman", inner);
-        result.spearman = Some(spearman);
+        result.spearman = Some(undefined.result("spearman", spearman::test(x, y)));
     }
     if every_method || wanted == CorrelationMethod::Kendall {
-        let (kendall, inner) = kendall::test(x, y);
-        result.undefined.absorb("kendall", inner);
-        result.kendall = Some(kendall);
+        result.kendall = Some(undefined.result("kendall", kendall::test(x, y)));
     }
     Ok(result)
 }
@@ -152,25 +146,13 @@ fn choose(x: &[f64], y: &[f64]) -> (CorrelationMethod, Vec<String>) {
     let mut normal = true;
     for (name, column) in [("x", x), ("y", y)] {
         let (test, _) = shapiro_wilk(column);
-        match test.p {
-            Some(p) if p >= 0.05 => {
-                reasons.push(format!(
-                    "Shapiro-Wilk does not reject normality of {name} ({})",
-                    p_words(p)
-                ));
-            }
-            Some(p) => {
-                normal = false;
-                reasons.push(format!(
-                    "Shapiro-Wilk rejects normality of {name} ({})",
-                    p_words(p)
-                ));
-            }
-            None => {
-                normal = false;
-                reasons.push(format!("normality of {name} cannot be tested"));
-            }
-        }
+        let stands = test.p.is_some_and(|p| p >= 0.05);
+        normal &= stands;
+        let verdict = if stands { "does not reject" } else { "rejects" };
+        reasons.push(match test.p {
+            Some(p) => format!("Shapiro-Wilk {verdict} normality of {name} ({})", apa::p(p)),
+            None => format!("normality of {name} cannot be tested"),
+        });
     }
     let chosen = if normal {
         CorrelationMethod::Pearson
@@ -188,11 +170,7 @@ fn repeated_subjects(
         return Ok(Vec::new());
     };
     if let Some(&last) = kept.last().filter(|&&row| row >= subjects.len()) {
-        return Err(StatsError::LengthMismatch {
-            name: "subject".to_owned(),
-            found: subjects.len(),
-            expected: last + 1,
-        });
+        StatsError::same_length("subject", subjects.len(), last + 1)?;
     }
     let distinct: std::collections::BTreeSet<_> = kept.iter().map(|&row| &subjects[row]).collect();
     if distinct.len() == kept.len() {
@@ -221,17 +199,11 @@ pub fn simultaneous_interval(r: f64, n: usize, tests: usize, ranks: bool) -> Opt
     if n < 4 || tests == 0 || !r.is_finite() || r.abs() > 1.0 {
         return None;
     }
-    if r.abs() >= 1.0 {
-        return Some((r, r));
-    }
     let variance = if ranks { 1.0 + 0.5 * r * r } else { 1.0 };
     let outside = -libm::log1p(-0.05) / tests as f64;
     let tail = -libm::expm1(-outside) / 2.0;
     let half = -normal_quantile(tail) * (variance / (n as f64 - 3.0)).sqrt();
-    Some((
-        libm::tanh(libm::atanh(r) - half),
-        libm::tanh(libm::atanh(r) + half),
-    ))
+    Some(fisher_ends(r, half))
 }
 
 /// Two-sided p of a correlation with `df` degrees of freedom: t = r √(df / (1 - r²)); the

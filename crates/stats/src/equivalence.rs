@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use crate::{
-    Adjustment, Named, Reasons, StatsError, WithinSubjects,
+    Named, Reasons, StatsError, WithinSubjects,
     analysis::by_pair,
     complete,
     numerics::{
@@ -119,17 +119,16 @@ pub struct Equivalence {
 pub fn equivalence(data: &WithinSubjects, bounds: Bounds) -> Result<Equivalence, StatsError> {
     check(bounds)?;
     let mut undefined = Reasons::default();
-    let mut tests = by_pair(data, "tost", &mut undefined, |i, j| {
+    let tests = by_pair(data, "tost", &mut undefined, |i, j| {
         let (differences, constant) = data.differences(i, j);
         tost(&differences, constant, bounds)
     });
-    Adjustment::Holm.correct(tests.values_mut(), |t| t.p, |t, p| t.p_holm = p);
     Ok(Equivalence {
         n: data.n(),
         dropped: data.dropped().to_vec(),
         missing: 0,
         bounds,
-        tost: tests,
+        tost: tests.with_holm(|t| t.p, |t, p| t.p_holm = p),
         undefined,
     })
 }
@@ -148,10 +147,9 @@ pub fn equivalence_one(
 ) -> Result<Equivalence, StatsError> {
     check(bounds)?;
     let (differences, constant) = less(values, mu)?;
-    let (mut test, reasons) = tost(&differences, constant, bounds);
-    test.p_holm = test.p;
     let mut undefined = Reasons::default();
-    undefined.absorb("tost.value", reasons);
+    let mut test = undefined.result("tost.value", tost(&differences, constant, bounds));
+    test.p_holm = test.p;
     Ok(Equivalence {
         n: test.n,
         dropped: Vec::new(),
@@ -232,34 +230,16 @@ fn tost(differences: &[f64], constant: bool, bounds: Bounds) -> (Tost, Reasons) 
         Bounds::Standardized { low, high } => (sd.map(|sd| low * sd), sd.map(|sd| high * sd)),
     };
     if sd.is_none() {
-        let names = [
-            "se",
-            "low",
-            "high",
-            "t_lower",
-            "p_lower",
-            "t_upper",
-            "p_upper",
-            "p",
-            "p_holm",
-            "ci90_low",
-            "ci90_high",
-            "ci_low",
-            "ci_high",
-            "t",
-            "p_difference",
-            "dz",
-            "equivalent",
-            "different",
-        ];
+        let reason = "the differences do not vary";
+        let tests = ["t_lower", "p_lower", "t_upper", "p_upper", "p", "p_holm"];
+        reasons.note_all(&tests, reason);
+        reasons.note_all(&["se", "t", "dz"], reason);
+        reasons.note_all(&["p_difference", "equivalent", "different"], reason);
+        reasons.note_ends(&["ci90", "ci"], reason);
         // Raw bounds exist whatever the data.
-        let kept = names
-            .iter()
-            .filter(|name| low.is_none() || !matches!(**name, "low" | "high"));
-        reasons.note_all(
-            &kept.copied().collect::<Vec<_>>(),
-            "the differences do not vary",
-        );
+        if low.is_none() {
+            reasons.note_all(&["low", "high"], reason);
+        }
     }
     let over = |bound: Option<f64>| Some((estimate - bound?) / se?);
     let (t_lower, t_upper) = (over(low), over(high));
@@ -269,8 +249,8 @@ fn tost(differences: &[f64], constant: bool, bounds: Bounds) -> (Tost, Reasons) 
     let half_of = |level| se.and_then(|se| Some(se * t_quantile_two_sided(level, df)?));
     let (half, ordinary) = (half_of(2.0 * LEVEL), half_of(LEVEL));
     if half.is_none() {
-        let names = ["ci90_low", "ci90_high", "ci_low", "ci_high"];
-        reasons.note_all(&names, "t has no quantile at these degrees of freedom");
+        let reason = "t has no quantile at these degrees of freedom";
+        reasons.note_ends(&["ci90", "ci"], reason);
     }
     let t = se.map(|se| estimate / se);
     let p_difference = t.map(|t| t_two_sided(t, df));

@@ -194,14 +194,55 @@ impl StatsError {
         })
     }
 
+    /// Refuses fewer than two conditions.
+    pub(crate) fn two_conditions(found: usize) -> Result<(), Self> {
+        let enough = (found >= 2).then_some(());
+        enough.ok_or(Self::TooFewConditions { found })
+    }
+
     /// Refuses a name that comes twice.
     pub(crate) fn distinct(what: &str, names: &[&str]) -> Result<(), Self> {
-        match (1..names.len()).find(|&i| names[..i].contains(&names[i])) {
-            Some(twice) => Err(Self::DoubleName {
-                what: what.to_owned(),
-                name: names[twice].to_owned(),
-            }),
-            None => Ok(()),
+        let twice = (1..names.len()).find(|&i| names[..i].contains(&names[i]));
+        twice.map_or(Ok(()), |i| Err(Self::double_name(what, names[i])))
+    }
+
+    /// Refuses a level of significance, or a confidence, that is not between 0 and 1.
+    pub(crate) fn between_0_and_1(name: &str, found: f64) -> Result<(), Self> {
+        let fine = (found > 0.0 && found < 1.0).then_some(());
+        fine.ok_or_else(|| Self::parameter(name, "between 0 and 1", found))
+    }
+
+    /// A name that comes twice.
+    pub(crate) fn double_name(what: &str, name: &str) -> Self {
+        Self::DoubleName {
+            what: what.to_owned(),
+            name: name.to_owned(),
+        }
+    }
+
+    /// Refuses a factor with fewer than two levels.
+    pub(crate) fn two_levels(factor: &str, levels: &[String]) -> Result<(), Self> {
+        if levels.len() >= 2 {
+            return Ok(());
+        }
+        Err(Self::OneLevel {
+            factor: factor.to_owned(),
+            level: levels.first().cloned().unwrap_or_default(),
+        })
+    }
+
+    /// A model without a best fit.
+    pub(crate) fn no_fit(reason: impl Into<String>) -> Self {
+        Self::NoFit {
+            reason: reason.into(),
+        }
+    }
+
+    /// A part of a formula that cannot be read.
+    pub(crate) fn formula(text: impl Into<String>, expected: impl Into<String>) -> Self {
+        Self::Formula {
+            text: text.into(),
+            expected: expected.into(),
         }
     }
 

@@ -74,9 +74,7 @@ pub fn event_rates(
     seed: u64,
 ) -> Result<EventRates, StatsError> {
     let k = conditions.len();
-    if k < 2 {
-        return Err(StatsError::TooFewConditions { found: k });
-    }
+    StatsError::two_conditions(k)?;
     for row in rows {
         if row.len() != k {
             let expected = format!("{k} conditions of each person");
@@ -87,13 +85,8 @@ pub fn event_rates(
             return Err(StatsError::parameter("time", "above 0", cell.time));
         }
     }
-    let sum =
-        |j: usize, value: fn(&Exposed) -> f64| rows.iter().map(|row| value(&row[j])).sum::<f64>();
+    let time = |j: usize| rows.iter().map(|row| row[j].time).sum::<f64>();
     let events = |j: usize| rows.iter().map(|row| row[j].events).sum::<usize>();
-    let by_condition = |value: &dyn Fn(usize) -> f64| {
-        let named = conditions.iter().enumerate();
-        named.map(|(j, name)| (name.clone(), value(j))).collect()
-    };
     let mut pressed: Vec<Vec<Exposed>> = rows
         .iter()
         .filter(|row| row.iter().any(|cell| cell.events > 0))
@@ -128,13 +121,9 @@ pub fn event_rates(
         n: pressed.len(),
         never: rows.len() - pressed.len(),
         k,
-        events: conditions
-            .iter()
-            .enumerate()
-            .map(|(j, name)| (name.clone(), events(j)))
-            .collect(),
-        time: by_condition(&|j| sum(j, |cell| cell.time)),
-        rate: by_condition(&|j| events(j) as f64 / sum(j, |cell| cell.time)),
+        events: Named::by_name(conditions, events),
+        time: Named::by_name(conditions, time),
+        rate: Named::by_name(conditions, |j| events(j) as f64 / time(j)),
         chi2,
         df: k - 1,
         p,
@@ -167,11 +156,9 @@ fn statistic(rows: &[Vec<Exposed>]) -> Option<f64> {
 
 fn friedman_of(conditions: &[String], rows: &[Vec<Exposed>]) -> Option<Friedman> {
     let people: Vec<String> = (1..=rows.len()).map(|i| i.to_string()).collect();
-    let rates = rows.iter().map(|row| {
-        let rate = |cell: &Exposed| cell.events as f64 / cell.time;
-        row.iter().map(rate).collect::<Vec<f64>>()
-    });
-    let rates: Vec<Vec<f64>> = rates.collect();
+    let rate = |cell: &Exposed| cell.events as f64 / cell.time;
+    let of_person = |row: &Vec<Exposed>| row.iter().map(rate).collect();
+    let rates: Vec<Vec<f64>> = rows.iter().map(of_person).collect();
     let data = WithinSubjects::from_rows(conditions, &people, &rates).ok()?;
     Some(crate::friedman(&data).friedman)
 }

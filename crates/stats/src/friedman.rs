@@ -139,43 +139,30 @@ pub(crate) fn test(table: &RankTable, exact: Exact) -> (Friedman, Reasons) {
     let (n, k) = (table.n as f64, table.k as f64);
     let within = table.within();
     if within == 0 {
-        reasons.note(
-            "",
-            "every subject ties all conditions, so there are no ranks to compare",
-        );
+        let reason = "every subject ties all conditions, so there are no ranks to compare";
+        reasons.note("", reason);
         return (Friedman::default(), reasons);
     }
     let chi2 = (k - 1.0) * table.spread() as f64 / within as f64;
     let (d1, d2) = (k - 1.0, (n - 1.0) * (k - 1.0));
     let f = (!table.unanimous()).then(|| (n - 1.0) * chi2 / (n * (k - 1.0) - chi2));
     if f.is_none() {
-        reasons.note_all(
-            &[
-                "F",
-                "F_p",
-                "F_p_marozzi",
-                "kendall_w_ci90_low",
-                "kendall_w_ci90_high",
-            ],
-            "all subjects order the conditions alike, so F has no finite value",
-        );
+        let reason = "all subjects order the conditions alike, so F has no finite value";
+        reasons.note_all(&["F", "F_p", "F_p_marozzi"], reason);
+        reasons.note_ends(&["kendall_w_ci90"], reason);
     }
     let interval = f.and_then(|f| f_ncp_interval(f, d1, d2, 0.05));
     if interval.is_none() {
-        reasons.note_all(
-            &["kendall_w_ci90_low", "kendall_w_ci90_high"],
-            "the noncentral F cannot be inverted here",
-        );
+        let reason = "the noncentral F cannot be inverted here";
+        reasons.note_ends(&["kendall_w_ci90"], reason);
     }
     let d1_marozzi = d1 - 2.0 / n;
     let marozzi = f
         .filter(|_| d1_marozzi > 0.0)
         .map(|f| f_upper(f, d1_marozzi, (n - 1.0) * d1_marozzi));
     if marozzi.is_none() {
-        reasons.note(
-            "F_p_marozzi",
-            "with two subjects and two conditions it has no degrees of freedom",
-        );
+        let reason = "with two subjects and two conditions it has no degrees of freedom";
+        reasons.note("F_p_marozzi", reason);
     }
     let p_exact = match exact {
         Exact::Feasible => exact::p_value(table),

@@ -104,40 +104,33 @@ pub struct SeveralGroups {
 pub fn groups(groups: &[String], values: &[Option<f64>]) -> Result<GroupsAnalysis, StatsError> {
     let samples = Samples::new(groups, values)?;
     let mut undefined = Reasons::default();
-    let mut welch_t = samples.pairs("welch_t", &mut undefined, t::welch);
-    let mut student_t = samples.pairs("student_t", &mut undefined, t::student);
-    for tests in [&mut welch_t, &mut student_t] {
-        Adjustment::Holm.correct(tests.values_mut(), |t| t.p, |t, p| t.p_holm = p);
-    }
+    let [welch_t, student_t] = [
+        samples.pairs("welch_t", &mut undefined, t::welch),
+        samples.pairs("student_t", &mut undefined, t::student),
+    ]
+    .map(|tests| tests.with_holm(|t| t.p, |t, p| t.p_holm = p));
     let hedges = samples.pairs("hedges", &mut undefined, t::hedges);
     let mut mann_whitney = samples.pairs("mann_whitney", &mut undefined, mann_whitney::test);
     adjust_ranks(&mut mann_whitney, &mut undefined);
     let several = (samples.all.len() > 2).then(|| {
-        let (anova, reasons) = anova::fisher(&samples);
-        undefined.absorb("anova", reasons);
-        let (welch_anova, reasons) = anova::welch(&samples);
-        undefined.absorb("welch_anova", reasons);
         let (kruskal, dunn, reasons) = kruskal::tests(&samples);
         undefined.absorb("", reasons);
         let k = samples.all.len();
-        let games_howell = samples.pairs("games_howell", &mut undefined, |a, b| {
-            games_howell::test(a, b, k)
-        });
         SeveralGroups {
-            anova,
-            welch_anova,
+            anova: undefined.result("anova", anova::fisher(&samples)),
+            welch_anova: undefined.result("welch_anova", anova::welch(&samples)),
             kruskal,
-            games_howell,
+            games_howell: samples.pairs("games_howell", &mut undefined, |a, b| {
+                games_howell::test(a, b, k)
+            }),
             dunn,
         }
     });
     let desc = samples.all.iter().map(|s| {
         let sd = s.variance().map(f64::sqrt);
         if sd.is_none() {
-            for part in ["sd", "ci_low", "ci_high"] {
-                let name = format!("desc.{}.{part}", s.name);
-                undefined.note(&name, "the group has a single value");
-            }
+            let (name, parts) = (format!("desc.{}", s.name), ["sd", "ci_low", "ci_high"]);
+            undefined.note_below(&name, &parts, "the group has a single value");
         }
         let (n, mean) = (s.values.len() as f64, samples.pivot + s.mean);
         let half = sd.and_then(|sd| Some(t_quantile_two_sided(0.05, n - 1.0)? * sd / n.sqrt()));
@@ -190,11 +183,8 @@ fn adjust_ranks(tests: &mut Named<MannWhitney>, undefined: &mut Reasons) {
     }
     for ((name, _), missing) in tests.iter().zip(missing) {
         if missing {
-            let name = format!("mann_whitney.{name}");
-            let reason = "all values of the pair are equal";
-            for part in ["p", "p_method", "p_holm"] {
-                undefined.note(&format!("{name}.{part}"), reason);
-            }
+            let (name, parts) = (format!("mann_whitney.{name}"), ["p", "p_method", "p_holm"]);
+            undefined.note_below(&name, &parts, "all values of the pair are equal");
         }
     }
 }

@@ -8,7 +8,7 @@ pub use belief::Belief;
 use serde::{Deserialize, Serialize};
 
 use crate::{
-    StatsError,
+    StatsError, complete,
     mixed::blocks::{Block, Blocks},
     numerics::{matrix::Matrix, minimise::minimise},
 };
@@ -42,6 +42,11 @@ pub struct Hierarchical {
 
 /// The prior SD of a coefficient that is not shrunk, in SDs of y: all but flat.
 const WIDE: f64 = 100.0;
+
+/// An SD from its logarithm, which is held between bounds.
+fn sd(ln_sd: f64) -> f64 {
+    libm::exp(ln_sd.clamp(-12.0, 6.0))
+}
 
 /// Fits the hierarchy: variances at the mode of their posterior, β and u integrated out given those.
 ///
@@ -91,20 +96,12 @@ pub fn hierarchical(
     let blocks = blocks(people, scale);
     let shrunken = groups.iter().flatten().max().map_or(0, |g| g + 1);
     let (p, q) = (blocks.p, blocks.q);
-    let prior = |theta: &[f64]| {
-        let sd = |j: usize| groups[j].map_or(WIDE, |g| libm::exp(theta[g].clamp(-12.0, 6.0)));
-        Matrix::from(p, p, |i, j| if i == j { sd(i).powi(-2) } else { 0.0 })
-    };
+    let prior =
+        |theta: &[f64]| Matrix::diagonal(p, |j| groups[j].map_or(WIDE, |g| sd(theta[g])).powi(-2));
     // θ: ln τ of each group, ln ψ/σ of each column of z; σ is profiled by hand.
     let evaluate = |theta: &[f64]| -> Option<(Vec<f64>, Matrix, f64)> {
-        let sigma = libm::exp(theta[shrunken + q].clamp(-12.0, 6.0));
-        let l = Matrix::from(q, q, |i, j| {
-            if i == j {
-                libm::exp(theta[shrunken + i].clamp(-12.0, 6.0)) / sigma
-            } else {
-                0.0
-            }
-        });
+        let sigma = sd(theta[shrunken + q]);
+        let l = Matrix::diagonal(q, |i| sd(theta[shrunken + i]) / sigma);
         let sums = blocks.weighted(&l)?;
         let variance = sigma * sigma;
         let mut precision = prior(theta);
@@ -142,15 +139,12 @@ pub fn hierarchical(
     let mean = mean.into_iter().map(|m| m * scale).collect();
     let mut scaled = Matrix::zeros(p, p);
     scaled.add(&covariance, scale * scale);
-    let sd = |t: f64| libm::exp(t.clamp(-12.0, 6.0)) * scale;
+    let sds = |ln_sds: &[f64]| -> Vec<f64> { ln_sds.iter().map(|t| sd(*t) * scale).collect() };
     Ok(Hierarchical {
         coefficients: Belief::from_matrix(mean, &scaled),
-        shrunken_sd: theta[..shrunken].iter().map(|t| sd(*t)).collect(),
-        random_sd: theta[shrunken..shrunken + q]
-            .iter()
-            .map(|t| sd(*t))
-            .collect(),
-        residual_sd: sd(theta[shrunken + q]),
+        shrunken_sd: sds(&theta[..shrunken]),
+        random_sd: sds(&theta[shrunken..shrunken + q]),
+        residual_sd: sd(theta[shrunken + q]) * scale,
         ln_evidence: ln_evidence - blocks.rows as f64 * libm::log(scale),
     })
 }
@@ -162,14 +156,10 @@ impl Hierarchical {
         let (p, q) = (self.coefficients.len(), self.random_sd.len());
         let mut mean = self.coefficients.mean().to_vec();
         mean.resize(p + q, 0.0);
-        let unit = |i: usize| {
-            (0..p)
-                .map(|j| if i == j { 1.0 } else { 0.0 })
-                .collect::<Vec<f64>>()
-        };
+        let unit = Matrix::identity(p);
         let covariance = Matrix::from(p + q, p + q, |i, j| {
             if i < p && j < p {
-                self.coefficients.covariance_of(&unit(i), &unit(j))
+                self.coefficients.covariance_of(unit.row(i), unit.row(j))
             } else if i == j {
                 self.random_sd[i - p].powi(2)
             } else {
@@ -182,29 +172,13 @@ impl Hierarchical {
 
 /// The SD of all y, if everything has its shape.
 fn check(people: &[PersonRows], groups: &[Option<usize>]) -> Result<f64, StatsError> {
-    if people.len() < 2 {
-        return Err(StatsError::TooFew {
-            unit: "person".to_owned(),
-            found: people.len(),
-            dropped: 0,
-            expected: 2,
-        });
-    }
+    complete::enough("person", people.len(), 0, 2)?;
     let q = people.iter().find_map(|p| p.z.first()).map_or(0, Vec::len);
-    let mismatch = |name: &str, found: usize, expected: usize| {
-        Err(StatsError::LengthMismatch {
-            name: name.to_owned(),
-            found,
-            expected,
-        })
-    };
     for (row, person) in people.iter().enumerate() {
         for (name, columns, width) in [("x", &person.x, groups.len()), ("z", &person.z, q)] {
-            if columns.len() != person.y.len() {
-                return mismatch(name, columns.len(), person.y.len());
-            }
-            if let Some(wrong) = columns.iter().find(|c| c.len() != width) {
-                return mismatch(name, wrong.len(), width);
+            StatsError::same_length(name, columns.len(), person.y.len())?;
+            for column in columns {
+                StatsError::same_length(name, column.len(), width)?;
             }
         }
         let values = person
@@ -213,7 +187,7 @@ fn check(people: &[PersonRows], groups: &[Option<usize>]) -> Result<f64, StatsEr
             .chain(person.x.iter().flatten())
             .chain(person.z.iter().flatten());
         for value in values {
-            crate::complete::usable(*value, "a person's rows", row)?;
+            complete::usable(*value, "a person's rows", row)?;
         }
     }
     let y: Vec<f64> = people.iter().flat_map(|p| p.y.iter().copied()).collect();

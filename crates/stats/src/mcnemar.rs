@@ -3,8 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use crate::{
-    Adjustment, Named, Reasons, StatsError, WithinSubjects,
-    apa::{self, Interval, Statement, Statements},
+    Named, Reasons, StatsError, WithinSubjects,
     numerics::distributions::{chi2_upper, f_upper},
     power::z_for,
     proportion::clopper_pearson,
@@ -93,8 +92,7 @@ pub fn mcnemar(data: &WithinSubjects) -> Result<McNemar, StatsError> {
         return Err(StatsError::parameter("conditions", expected, found));
     }
     let mut undefined = Reasons::default();
-    let (mcnemar, inner) = test(&data.column(0), &data.column(1));
-    undefined.absorb("mcnemar", inner);
+    let mcnemar = undefined.result("mcnemar", test(&data.column(0), &data.column(1)));
     Ok(McNemar {
         n: data.n(),
         dropped: data.dropped().to_vec(),
@@ -114,11 +112,8 @@ pub(crate) fn check_yes_no(data: &WithinSubjects) -> Result<(), StatsError> {
 
 /// Share of yes by condition.
 pub(crate) fn shares(data: &WithinSubjects) -> Named<f64> {
-    let share = |(j, name): (usize, &String)| {
-        let yes: f64 = data.column(j).iter().sum();
-        (name.clone(), yes / data.n() as f64)
-    };
-    data.conditions().iter().enumerate().map(share).collect()
+    let share = |j: usize| data.column(j).iter().sum::<f64>() / data.n() as f64;
+    Named::by_name(data.conditions(), share)
 }
 
 /// The test of two columns of 0 and 1.
@@ -151,10 +146,8 @@ pub(crate) fn test(a: &[f64], b: &[f64]) -> (McNemarTest, Reasons) {
         undefined.note_all(&names, "nobody answered the two conditions differently");
     }
     if differing > 0.0 && only_b == 0 {
-        undefined.note(
-            "odds_ratio",
-            "nobody said yes in the second condition alone",
-        );
+        let reason = "nobody said yes in the second condition alone";
+        undefined.note("odds_ratio", reason);
     }
     let odds = |share: f64| share / (1.0 - share);
     let ends = clopper_pearson(x, differing, CONFIDENCE);
@@ -189,28 +182,10 @@ fn at_most(x: f64, n: f64) -> f64 {
     f_upper((n - x) / (x + 1.0), 2.0 * (x + 1.0), 2.0 * (n - x))
 }
 
-impl Statements for McNemar {
-    fn statements(&self) -> Vec<(String, Statement)> {
-        let test = &self.mcnemar;
-        let statement = test.p_mid.map(|p| {
-            let ci = Interval::from_ends(
-                CONFIDENCE,
-                Some(test.difference_ci_low),
-                Some(test.difference_ci_high),
-            );
-            let counts = format!("{} against {}", test.only_a, test.only_b);
-            apa::share_difference(test.difference, ci, p, Adjustment::None, &counts)
-        });
-        statement
-            .map(|statement| ("mcnemar".to_owned(), statement))
-            .into_iter()
-            .collect()
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::apa::Statements;
 
     /// A table of these counts: both, only the first, only the second, neither.
     fn table(counts: [usize; 4]) -> WithinSubjects {

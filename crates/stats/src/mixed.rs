@@ -26,6 +26,7 @@ use serde::{Deserialize, Serialize};
 use crate::{
     Named, Reasons, StatsError, complete,
     numerics::{matrix::Matrix, minimise::minimise},
+    within_subjects::Index,
 };
 use blocks::{Blocks, Weighted};
 use described::Estimates;
@@ -131,20 +132,10 @@ pub fn mixed_model(
         .iter()
         .map(|name| place_of(name, fixed))
         .collect::<Result<Vec<usize>, StatsError>>()?;
-    let groups = groups(subjects, &complete.kept);
-    let few = |unit: &str, found: usize, expected: usize| StatsError::TooFew {
-        unit: unit.to_owned(),
-        found,
-        dropped: complete.missing,
-        expected,
-    };
-    if groups.len() < 2 {
-        return Err(few("subject", groups.len(), 2));
-    }
+    let groups = Index::from_labels(complete.kept.iter().map(|&row| &subjects[row])).members();
+    complete::enough("subject", groups.len(), complete.missing, 2)?;
     let (n, p, q) = (complete.kept.len(), fixed.len() + 1, places.len() + 1);
-    if n <= p.max(groups.len()) {
-        return Err(few("row", n, p.max(groups.len()) + 1));
-    }
+    complete::enough("row", n, complete.missing, p.max(groups.len()) + 1)?;
     // The intercept takes the mean of y: an offset costs no digits.
     let values = &complete.columns[0];
     let offset = values.iter().sum::<f64>() / n as f64;
@@ -170,9 +161,10 @@ pub fn mixed_model(
     names.extend(fixed.iter().map(|(name, _)| *name));
     let mut random_names = vec!["intercept"];
     random_names.extend_from_slice(random);
-    let mut result = describe(&blocks, &fit, method, &names, &random_names, offset);
-    result.missing = complete.missing;
-    Ok(result)
+    Ok(MixedModel {
+        missing: complete.missing,
+        ..describe(&blocks, &fit, method, &names, &random_names, offset)
+    })
 }
 
 fn place_of(name: &str, fixed: &[(&str, &[Option<f64>])]) -> Result<usize, StatsError> {
@@ -184,20 +176,6 @@ fn place_of(name: &str, fixed: &[(&str, &[Option<f64>])]) -> Result<usize, Stats
             f64::NAN,
         )
     })
-}
-
-/// Rows of each subject, in the order in which subjects first occur.
-fn groups(subjects: &[String], kept: &[usize]) -> Vec<Vec<usize>> {
-    let mut places = std::collections::BTreeMap::new();
-    let mut groups: Vec<Vec<usize>> = Vec::new();
-    for (row, &original) in kept.iter().enumerate() {
-        let place = *places.entry(&subjects[original]).or_insert_with(|| {
-            groups.push(Vec::new());
-            groups.len() - 1
-        });
-        groups[place].push(row);
-    }
-    groups
 }
 
 /// The top of the likelihood.
@@ -230,25 +208,14 @@ impl Fit {
     }
 }
 
-fn lower(q: usize, theta: &[f64]) -> Matrix {
-    let mut l = Matrix::zeros(q, q);
-    let mut next = theta.iter();
-    for i in 0..q {
-        for j in 0..=i {
-            l[(i, j)] = next.next().copied().unwrap_or(0.0);
-        }
-    }
-    l
-}
-
 /// β, residual variance and deviance for given relative covariances.
-fn profile(blocks: &Blocks, l: &Matrix, method: MixedMethod) -> Option<(Matrix, Matrix, f64, f64)> {
+fn profile(blocks: &Blocks, l: Matrix, method: MixedMethod) -> Option<Fit> {
     let Weighted {
         xx,
         xy,
         yy,
         ln_determinant,
-    } = blocks.weighted(l)?;
+    } = blocks.weighted(&l)?;
     let factor = xx.cholesky()?;
     let beta = factor.solve(&xy);
     let rest = yy - xy.transposed_times(&beta)[(0, 0)];
@@ -264,7 +231,13 @@ fn profile(blocks: &Blocks, l: &Matrix, method: MixedMethod) -> Option<(Matrix, 
     let variance = rest / freedom;
     let deviance =
         ln_determinant + restricted + freedom * (1.0 + libm::log(std::f64::consts::TAU * variance));
-    Some((beta, factor.inverse(), variance, deviance))
+    Some(Fit {
+        l,
+        beta,
+        xx_inverse: factor.inverse(),
+        variance,
+        deviance,
+    })
 }
 
 fn fit(blocks: &Blocks, method: MixedMethod) -> Option<Fit> {
@@ -272,31 +245,23 @@ fn fit(blocks: &Blocks, method: MixedMethod) -> Option<Fit> {
     // The natural size of a slope's factor is one over the size of its column.
     let sizes: Vec<f64> = (0..q).map(|j| blocks.size(j).max(1e-300)).collect();
     let scaled = |theta: &[f64]| {
-        let mut l = lower(q, theta);
+        let mut l = Matrix::zeros(q, q);
+        let mut next = theta.iter();
         for i in 0..q {
             for j in 0..=i {
-                l[(i, j)] /= sizes[i];
+                l[(i, j)] = next.next().copied().unwrap_or(0.0) / sizes[i];
             }
         }
         l
     };
-    let value = |theta: &[f64]| {
-        profile(blocks, &scaled(theta), method).map_or(f64::MAX, |(_, _, _, deviance)| deviance)
-    };
+    let value =
+        |theta: &[f64]| profile(blocks, scaled(theta), method).map_or(f64::MAX, |fit| fit.deviance);
     let mut start = Vec::new();
     for i in 0..q {
         start.extend((0..=i).map(|j| if i == j { 0.7 } else { 0.0 }));
     }
     let (theta, _) = minimise(&start, 0.4, 1e-10, value);
-    let l = scaled(&theta);
-    let (beta, xx_inverse, variance, deviance) = profile(blocks, &l, method)?;
-    Some(Fit {
-        l,
-        beta,
-        xx_inverse,
-        variance,
-        deviance,
-    })
+    profile(blocks, scaled(&theta), method)
 }
 
 fn describe(

@@ -7,6 +7,8 @@ use serde::{
     de::{MapAccess, Visitor},
 };
 
+use crate::Adjustment;
+
 /// Results by name, in the order of the data; reads and writes as a JSON object.
 ///
 /// A pair of conditions is named `A|B`, and means A minus B.
@@ -37,6 +39,22 @@ impl<T> Named<T> {
 
     pub(crate) fn values_mut(&mut self) -> impl Iterator<Item = &mut T> {
         self.0.iter_mut().map(|(_, value)| value)
+    }
+
+    /// A result of each name, by its place.
+    pub(crate) fn by_name(names: &[String], result: impl Fn(usize) -> T) -> Self {
+        let places = names.iter().enumerate();
+        places.map(|(j, name)| (name.clone(), result(j))).collect()
+    }
+
+    /// With Holm's correction of a p of each: they are one family.
+    pub(crate) fn with_holm(
+        mut self,
+        p: impl Fn(&T) -> Option<f64>,
+        write: impl Fn(&mut T, Option<f64>),
+    ) -> Self {
+        Adjustment::Holm.correct(self.values_mut(), p, write);
+        self
     }
 
     /// How many there are.

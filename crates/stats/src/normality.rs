@@ -78,10 +78,8 @@ pub struct Normality {
 pub fn normality(values: &[Option<f64>]) -> Result<Normality, StatsError> {
     let sample = crate::complete::values(values, "value", 1)?;
     let mut undefined = Reasons::default();
-    let (desc, inner) = shape(&sample);
-    undefined.absorb("desc", inner);
-    let (shapiro, inner) = shapiro_wilk(&sample);
-    undefined.absorb("shapiro", inner);
+    let desc = undefined.result("desc", shape(&sample));
+    let shapiro = undefined.result("shapiro", shapiro_wilk(&sample));
     Ok(Normality {
         n: sample.len(),
         missing: values.len() - sample.len(),

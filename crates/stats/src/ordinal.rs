@@ -209,12 +209,8 @@ fn describe(
         let fitted = fitted.ok();
         let se = fitted.and_then(|(_, se)| se);
         if fitted.is_some() && se.is_none() {
-            for part in ["se", "z", "p", "ci_low", "ci_high"] {
-                undefined.note(
-                    &format!("{name}.{part}"),
-                    "the likelihood is flat in this direction",
-                );
-            }
+            let parts = ["se", "z", "p", "ci_low", "ci_high"];
+            undefined.note_below(&name, &parts, "the likelihood is flat in this direction");
         }
         let estimate = fitted.map(|(estimate, _)| estimate);
         let z = estimate.zip(se).map(|(estimate, se)| estimate / se);

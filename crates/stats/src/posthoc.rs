@@ -143,9 +143,7 @@ pub fn posthoc(
     adjust: Adjustment,
     alpha: f64,
 ) -> Result<Posthoc, StatsError> {
-    if !(alpha > 0.0 && alpha < 1.0) {
-        return Err(StatsError::parameter("alpha", "between 0 and 1", alpha));
-    }
+    StatsError::between_0_and_1("alpha", alpha)?;
     Ok(all_pairs(data, test, adjust, alpha))
 }
 
@@ -174,31 +172,23 @@ pub(crate) fn all_pairs(
         pair.reject = adjusted.map(|p| p < alpha);
     }
     for (name, pair) in raw.iter() {
+        let result = format!("pairs.{name}");
         if pair.p.is_none() {
-            let missing = ["statistic", "p", "p_method", "p_adjusted", "reject"];
-            for field in missing {
-                undefined.note(
-                    &format!("pairs.{name}.{field}"),
-                    "the differences of the pair do not allow the test",
-                );
-            }
+            let reason = "the differences of the pair do not allow the test";
+            undefined.note_below(&result, &PARTS_OF_TEST, reason);
         }
         if pair.df.is_none() {
-            undefined.note(
-                &format!("pairs.{name}.df"),
-                "the statistic has no degrees of freedom",
-            );
+            let reason = "the statistic has no degrees of freedom";
+            undefined.note_below(&result, &["df"], reason);
         }
-        for (field, value) in [
-            ("value", pair.effect.value),
-            ("ci_low", pair.effect.ci_low),
-            ("ci_high", pair.effect.ci_high),
+        for (part, value) in [
+            ("effect.value", pair.effect.value),
+            ("effect.ci_low", pair.effect.ci_low),
+            ("effect.ci_high", pair.effect.ci_high),
         ] {
             if value.is_none() {
-                undefined.note(
-                    &format!("pairs.{name}.effect.{field}"),
-                    "the differences do not vary, or the effect is at its limit",
-                );
+                let reason = "the differences do not vary, or the effect is at its limit";
+                undefined.note_below(&result, &[part], reason);
             }
         }
     }
@@ -215,6 +205,9 @@ pub(crate) fn all_pairs(
     }
 }
 
+/// What a pair has only with a p.
+const PARTS_OF_TEST: [&str; 5] = ["statistic", "p", "p_method", "p_adjusted", "reject"];
+
 /// What the five tests have in common: statistic, df, n used, p and its method.
 struct Single(Option<f64>, Option<usize>, usize, Option<f64>, PMethod);
 
@@ -225,75 +218,53 @@ fn single_tests(
     undefined: &mut Reasons,
 ) -> Named<PosthocPair> {
     // The tests' own reasons carry their own names; those of the pairs are given above.
-    let mut inner = Reasons::default();
+    let (mut inner, mut ignored) = (Reasons::default(), Reasons::default());
     let n = data.n();
-    // Tests of means report dz, tests of ranks the rank-biserial correlation: the paired
-    // tests that give them run in any case, and only once.
-    let mut ignored = Reasons::default();
-    let paired = match test {
-        PosthocTest::T => Some(analysis::paired_t(data, columns, &mut inner)),
-        PosthocTest::PooledT => Some(analysis::paired_t(data, columns, &mut ignored)),
-        _ => None,
-    };
-    let signed = match test {
-        PosthocTest::Wilcoxon => Some(analysis::wilcoxon(data, columns, &mut inner)),
-        PosthocTest::Conover | PosthocTest::Nemenyi => {
-            Some(analysis::wilcoxon(data, columns, &mut ignored))
-        }
-        _ => None,
-    };
-    let singles: Vec<Single> = match test {
+    let single_t =
+        |t: Option<f64>, df: usize, p: Option<f64>| Single(t, Some(df), n, p, PMethod::T);
+    // Tests of means report dz, tests of ranks the rank-biserial correlation.
+    let (singles, effects): (Vec<Single>, Vec<Effect>) = match test {
         PosthocTest::T => {
-            let single = |t: &PairedT| Single(t.t, Some(t.df), n, t.p, PMethod::T);
-            paired.iter().flat_map(Named::values).map(single).collect()
+            let tests = analysis::paired_t(data, columns, &mut inner);
+            let singles = tests.values().map(|t| single_t(t.t, t.df, t.p));
+            (singles.collect(), dz(&tests))
         }
         PosthocTest::PooledT => {
             let parts = rm_anova::decompose(data);
             let (anova, _) = rm_anova::test(data, &parts);
             let tests = analysis::pooled_t(data, &parts, &anova, &mut inner);
-            tests
-                .values()
-                .map(|t| Single(t.t, Some(t.df), n, t.p, PMethod::T))
-                .collect()
+            let singles = tests.values().map(|t| single_t(t.t, t.df, t.p));
+            let paired = analysis::paired_t(data, columns, &mut ignored);
+            (singles.collect(), dz(&paired))
         }
         PosthocTest::Wilcoxon => {
+            let tests = analysis::wilcoxon(data, columns, &mut inner);
             let single = |w: &Wilcoxon| {
-                Single(
-                    w.w_plus,
-                    None,
-                    w.n_used,
-                    w.p,
-                    w.p_method.unwrap_or(PMethod::Exact),
-                )
+                let method = w.p_method.unwrap_or(PMethod::Exact);
+                Single(w.w_plus, None, w.n_used, w.p, method)
             };
-            signed.iter().flat_map(Named::values).map(single).collect()
+            (tests.values().map(single).collect(), rank_biserial(&tests))
         }
         PosthocTest::Conover => {
             let tests = analysis::conover(data, &RankTable::new(data), &mut inner);
-            tests
-                .values()
-                .map(|t| Single(t.t, Some(t.df), n, t.p, PMethod::T))
-                .collect()
+            let singles = tests.values().map(|t| single_t(t.t, t.df, t.p));
+            let signed = analysis::wilcoxon(data, columns, &mut ignored);
+            (singles.collect(), rank_biserial(&signed))
         }
         PosthocTest::Nemenyi => {
             let tests = analysis::nemenyi(data, &RankTable::new(data));
             let single =
                 |t: &Nemenyi| Single(Some(t.q), None, n, Some(t.p), PMethod::StudentizedRange);
-            tests.values().map(single).collect()
+            let signed = analysis::wilcoxon(data, columns, &mut ignored);
+            (tests.values().map(single).collect(), rank_biserial(&signed))
         }
     };
-    let effects = effects(paired.as_ref(), signed.as_ref());
     for (name, reason) in inner.iter() {
-        let pair = name.split_once('.').map_or(name, |(_, rest)| rest);
-        for field in ["statistic", "p", "p_method", "p_adjusted", "reject"] {
-            // A reason for the whole pair, or for its p, is the reason here.
-            let of_pair = data
-                .pairs()
-                .into_iter()
-                .find(|(_, _, p)| pair == p || pair == format!("{p}.p"));
-            if let Some((_, _, p)) = of_pair {
-                undefined.note(&format!("pairs.{p}.{field}"), reason);
-            }
+        let place = name.split_once('.').map_or(name, |(_, rest)| rest);
+        // A reason for the whole pair, or for its p, is the reason here.
+        let mut pairs = data.pairs().into_iter().map(|(_, _, pair)| pair);
+        if let Some(pair) = pairs.find(|pair| place == pair || place == format!("{pair}.p")) {
+            undefined.note_below(&format!("pairs.{pair}"), &PARTS_OF_TEST, reason);
         }
     }
     data.pairs()
@@ -319,20 +290,24 @@ fn single_tests(
         .collect()
 }
 
-fn effects(paired: Option<&Named<PairedT>>, signed: Option<&Named<Wilcoxon>>) -> Vec<Effect> {
-    let of_means = paired.into_iter().flat_map(Named::values).map(|t| Effect {
+fn dz(tests: &Named<PairedT>) -> Vec<Effect> {
+    let effect = |t: &PairedT| Effect {
         name: EffectName::Dz,
         value: t.dz,
         ci_low: t.dz_ci_low,
         ci_high: t.dz_ci_high,
         confidence: 0.95,
-    });
-    let of_ranks = signed.into_iter().flat_map(Named::values).map(|w| Effect {
+    };
+    tests.values().map(effect).collect()
+}
+
+fn rank_biserial(tests: &Named<Wilcoxon>) -> Vec<Effect> {
+    let effect = |w: &Wilcoxon| Effect {
         name: EffectName::RankBiserial,
         value: w.rank_biserial,
         ci_low: w.rank_biserial_ci_low,
         ci_high: w.rank_biserial_ci_high,
         confidence: 0.95,
-    });
-    of_means.chain(of_ranks).collect()
+    };
+    tests.values().map(effect).collect()
 }

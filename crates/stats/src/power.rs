@@ -97,17 +97,13 @@ pub fn power(questions: &[PowerQuestion]) -> Result<PowerAnalysis, StatsError> {
         check(question)?;
         let power = power_at(question, question.n);
         if power.is_none() {
-            undefined.note(
-                &format!("row.{i}.power"),
-                "too few subjects for the test to have degrees of freedom",
-            );
+            let reason = "too few subjects for the test to have degrees of freedom";
+            undefined.note(&format!("row.{i}.power"), reason);
         }
         let n_for_80 = smallest_n(question);
         if n_for_80.is_none() {
-            undefined.note(
-                &format!("row.{i}.n_for_80"),
-                format!("no sample of up to {MOST_SUBJECTS} reaches a power of 80 %"),
-            );
+            let reason = format!("no sample of up to {MOST_SUBJECTS} reaches a power of 80 %");
+            undefined.note(&format!("row.{i}.n_for_80"), reason);
         }
         row.push(PowerAnswer { power, n_for_80 });
     }
@@ -130,9 +126,7 @@ fn check(question: &PowerQuestion) -> Result<(), StatsError> {
             corr,
             epsilon,
         } => {
-            if k < 2 {
-                return Err(StatsError::TooFewConditions { found: k });
-            }
+            StatsError::two_conditions(k)?;
             inside("effect", effect, -f64::MIN_POSITIVE, 1.0)?;
             inside("corr", corr, -1.0, 1.0)?;
             inside(
@@ -147,20 +141,21 @@ fn check(question: &PowerQuestion) -> Result<(), StatsError> {
 
 fn power_at(question: &PowerQuestion, n: usize) -> Option<f64> {
     let (size, alpha) = (n as f64, question.alpha);
+    let least = match question.test {
+        PlannedTest::Pearson { .. } => 4,
+        _ => 2,
+    };
+    if n < least {
+        return None;
+    }
     match question.test {
         PlannedTest::PairedT { effect } => {
             let df = size - 1.0;
-            if n < 2 {
-                return None;
-            }
             let critical = t_quantile_two_sided(alpha, df)?;
             let ncp = effect.abs() * size.sqrt();
             Some(1.0 - t_lower(critical, df, ncp) + t_lower(-critical, df, ncp))
         }
         PlannedTest::Pearson { effect } => {
-            if n < 4 {
-                return None;
-            }
             let critical = t_quantile_two_sided(alpha, size - 2.0)?;
             let limit = libm::atanh(critical / (critical * critical + size - 2.0).sqrt());
             let r = effect.abs();
@@ -174,9 +169,6 @@ fn power_at(question: &PowerQuestion, n: usize) -> Option<f64> {
             corr,
             epsilon,
         } => {
-            if n < 2 {
-                return None;
-            }
             let k = k as f64;
             let ncp = effect / (1.0 - effect) * size * k * epsilon / (1.0 - corr);
             let d1 = (k - 1.0) * epsilon;

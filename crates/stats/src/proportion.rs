@@ -93,17 +93,14 @@ pub fn proportion_exact(
 }
 
 fn check(successes: usize, n: usize, confidence: f64) -> Result<(), StatsError> {
-    let bad = |name: &str, expected: &str, found: f64| StatsError::parameter(name, expected, found);
     if n == 0 {
-        return Err(bad("n", "at least 1", 0.0));
+        return Err(StatsError::parameter("n", "at least 1", 0.0));
     }
     if successes > n {
-        return Err(bad("successes", "at most n", successes as f64));
+        let found = successes as f64;
+        return Err(StatsError::parameter("successes", "at most n", found));
     }
-    if !(confidence > 0.0 && confidence < 1.0) {
-        return Err(bad("confidence", "between 0 and 1", confidence));
-    }
-    Ok(())
+    StatsError::between_0_and_1("confidence", confidence)
 }
 
 /// Clopper and Pearson's interval of x of n; none without a case.

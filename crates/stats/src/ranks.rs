@@ -23,6 +23,18 @@ pub(crate) fn doubled<K: PartialOrd + Copy>(keys: &[K]) -> (Vec<i64>, f64) {
     (ranks, ties)
 }
 
+/// Of two whole numbers, none below 0: ranks in the largest step that all share.
+pub(crate) fn greatest_common_divisor<N>(a: N, b: N) -> N
+where
+    N: Copy + Default + PartialEq + std::ops::Rem<Output = N>,
+{
+    if b == N::default() {
+        a
+    } else {
+        greatest_common_divisor(b, a % b)
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

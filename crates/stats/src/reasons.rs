@@ -44,6 +44,27 @@ impl Reasons {
         }
     }
 
+    /// The same for parts of one result, such as `wilcoxon.A|B`.
+    pub(crate) fn note_below(&mut self, result: &str, parts: &[&str], reason: &str) {
+        for part in parts {
+            self.note(&format!("{result}.{part}"), reason);
+        }
+    }
+
+    /// The same for both ends of intervals: `ci` stands for `ci_low` and `ci_high`.
+    pub(crate) fn note_ends(&mut self, intervals: &[&str], reason: &str) {
+        for interval in intervals {
+            self.note(&format!("{interval}_low"), reason);
+            self.note(&format!("{interval}_high"), reason);
+        }
+    }
+
+    /// A result; its reasons are taken over, each name below `prefix`.
+    pub(crate) fn result<T>(&mut self, prefix: &str, (result, inner): (T, Self)) -> T {
+        self.absorb(prefix, inner);
+        result
+    }
+
     /// Takes over `inner`, each name below `prefix`.
     pub(crate) fn absorb(&mut self, prefix: &str, inner: Self) {
         for (key, reason) in inner.0 {
@@ -55,14 +76,6 @@ impl Reasons {
             self.0.entry(name).or_insert(reason);
         }
     }
-}
-
-/// A p in a sentence: `p = .032`, `p < .001`.
-pub(crate) fn p_words(p: f64) -> String {
-    if p < 0.001 {
-        return "p < .001".to_owned();
-    }
-    format!("p = {}", format!("{p:.3}").trim_start_matches('0'))
 }
 
 #[cfg(test)]

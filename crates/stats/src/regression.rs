@@ -76,11 +76,8 @@ pub fn linear_fit(x: &[Option<f64>], y: &[Option<f64>]) -> Result<LinearFit, Sta
     let (x, y) = (&complete.columns[0], &complete.columns[1]);
     let (mean_x, ss_x) = mean_and_square_sum(x.iter().copied());
     if is_constant(x) || ss_x <= 0.0 {
-        return Err(StatsError::parameter(
-            "x",
-            "at least two different values",
-            x[0],
-        ));
+        let expected = "at least two different values";
+        return Err(StatsError::parameter("x", expected, x[0]));
     }
     let n = x.len() as f64;
     let (mean_y, ss_y) = mean_and_square_sum(y.iter().copied());
@@ -95,19 +92,15 @@ pub fn linear_fit(x: &[Option<f64>], y: &[Option<f64>]) -> Result<LinearFit, Sta
     let sd = (n > 2.0).then(|| (rest / (n - 2.0)).sqrt());
     let slope_se = sd.map(|sd| sd / ss_x.sqrt());
     if sd.is_none() {
-        undefined.note_all(
-            &["residual_sd", "slope_se", "intercept_se", "slope_p"],
-            "two pairs leave no degrees of freedom",
-        );
+        let names = ["residual_sd", "slope_se", "intercept_se", "slope_p"];
+        undefined.note_all(&names, "two pairs leave no degrees of freedom");
     }
     let slope_p = slope_se
         .filter(|se| *se > 0.0)
         .map(|se| t_two_sided(slope / se, n - 2.0));
     if slope_p.is_none() {
-        undefined.note(
-            "slope_p",
-            "the pairs lie on the line, so the slope has no error",
-        );
+        let reason = "the pairs lie on the line, so the slope has no error";
+        undefined.note("slope_p", reason);
     }
     let r2 = (!is_constant(y)).then(|| 1.0 - rest / ss_y);
     if r2.is_none() {
@@ -185,10 +178,8 @@ pub fn circular_linear(
         (explained.clamp(0.0, 1.0), libm::atan2(b, a))
     });
     if fitted.is_none() {
-        undefined.note_all(
-            &["r", "F", "p", "df2", "direction_rad"],
-            "y does not vary, or all angles lie on one line through the centre",
-        );
+        let reason = "y does not vary, or all angles lie on one line through the centre";
+        undefined.note_all(&["r", "F", "p", "df2", "direction_rad"], reason);
     }
     let df2 = y.len() - 3;
     let f = fitted

@@ -156,29 +156,21 @@ pub(crate) fn test(data: &WithinSubjects, parts: &Decomposition) -> (RmAnova, Re
         reasons.note_all(&["F", "p"], reason);
     }
     if interval.is_none() {
-        let names = [
-            "eta2_partial_ci90_low",
-            "eta2_partial_ci90_high",
-            "eta2_partial_ci90_mbess_low",
-            "eta2_partial_ci90_mbess_high",
-            "eta2_generalized_ci90_low",
-            "eta2_generalized_ci90_high",
-            "omega2_partial_ci90_low",
-            "omega2_partial_ci90_high",
+        let intervals = [
+            "eta2_partial_ci90",
+            "eta2_partial_ci90_mbess",
+            "eta2_generalized_ci90",
+            "omega2_partial_ci90",
         ];
-        reasons.note_all(&names, "there is no F to invert");
+        reasons.note_ends(&intervals, "there is no F to invert");
     }
     if effect <= 0.0 {
-        reasons.note(
-            "eta2_partial",
-            "neither conditions nor error vary: it is 0/0",
-        );
+        let reason = "neither conditions nor error vary: it is 0/0";
+        reasons.note("eta2_partial", reason);
     }
     if total <= 0.0 {
-        reasons.note_all(
-            &["eta2_generalized", "omega2_partial"],
-            "the values do not vary at all: it is 0/0",
-        );
+        let names = ["eta2_generalized", "omega2_partial"];
+        reasons.note_all(&names, "the values do not vary at all: it is 0/0");
     }
     let share = |ncp: f64| ncp / (ncp + d2);
     let share_mbess = |ncp: f64| ncp / (ncp + d1 + d2 + 1.0);

@@ -127,10 +127,9 @@ pub(crate) fn tests(
 ) -> (Mauchly, Sphericity, Reasons) {
     let mut reasons = Reasons::default();
     let spectrum = Spectrum::new(contrasts(residuals, data.k()), data.n() - 1, data.k());
-    let (mauchly, why) = spectrum.mauchly();
-    reasons.absorb("mauchly", why);
-    let (sphericity, why) = spectrum.corrections(anova.f, anova.df1, anova.df2);
-    reasons.absorb("sphericity", why);
+    let mauchly = reasons.result("mauchly", spectrum.mauchly());
+    let corrections = spectrum.corrections(anova.f, anova.df1, anova.df2);
+    let sphericity = reasons.result("sphericity", corrections);
     (mauchly, sphericity, reasons)
 }
 
@@ -157,29 +156,25 @@ impl Spectrum {
     }
 
     pub(crate) fn mauchly(&self) -> (Mauchly, Reasons) {
-        let reasons = Reasons::default();
         let values = &self.values;
-        let none = |mut reasons: Reasons, reason: &str| {
+        let none = |reason: &str| {
+            let mut reasons = Reasons::default();
             reasons.note("", reason);
             (Mauchly::default(), reasons)
         };
         let (q, freedom) = (values.len() as f64, self.freedom as f64);
         if values.len() == 1 {
-            return none(
-                reasons,
-                "two conditions have a single difference, so sphericity cannot fail",
-            );
+            return none("two conditions have a single difference, so sphericity cannot fail");
         }
         let (largest, smallest) = (values[0], values[values.len() - 1]);
         if largest <= 0.0 {
-            return none(reasons, "the error sum of squares is zero");
+            return none("the error sum of squares is zero");
         }
         // Squared singular values: relative rounding of the values themselves, squared.
         let size = (self.freedom + 1).max(self.cells);
         let floor = (size as f64 * f64::EPSILON).powi(2);
         if self.freedom < values.len() || smallest <= floor * largest {
             return none(
-                reasons,
                 "the error matrix is singular (fewer subjects than conditions, or one condition is determined by the others)",
             );
         }
@@ -212,7 +207,7 @@ impl Spectrum {
                 p_chi2: Some(first),
             },
         };
-        (test, reasons)
+        (test, Reasons::default())
     }
 
     /// Corrections of an F with that many degrees of freedom.
@@ -243,18 +238,13 @@ impl Spectrum {
             None => (None, None),
         };
         if gg.is_none() {
-            reasons.note_all(
-                &[
-                    "gg", "hf_raw", "hf", "p_gg", "p_hf", "p_lb", "df1_gg", "df2_gg", "df1_hf",
-                    "df2_hf",
-                ],
-                "the error sum of squares is zero, so the differences have no variances to compare",
-            );
+            let reason =
+                "the error sum of squares is zero, so the differences have no variances to compare";
+            reasons.note_all(&["gg", "hf_raw", "hf", "p_gg", "p_hf", "p_lb"], reason);
+            reasons.note_all(&["df1_gg", "df2_gg", "df1_hf", "df2_hf"], reason);
         } else if hf_raw.is_none() {
-            reasons.note(
-                "hf_raw",
-                "the denominator of Huynh and Feldt's formula is zero",
-            );
+            let reason = "the denominator of Huynh and Feldt's formula is zero";
+            reasons.note("hf_raw", reason);
         }
         let (d1, d2) = (df1 as f64, df2 as f64);
         let corrected = |epsilon: Option<f64>| Some(f_upper(f?, d1 * epsilon?, d2 * epsilon?));

@@ -85,12 +85,7 @@ pub struct VarianceTests {
 pub fn levene(groups: &[String], values: &[Option<f64>]) -> Result<VarianceTests, StatsError> {
     StatsError::same_length("group", groups.len(), values.len())?;
     let complete = complete::rows(&[("value", values)], "value", 2)?;
-    let names: Vec<String> = complete
-        .kept
-        .iter()
-        .map(|&row| groups[row].clone())
-        .collect();
-    let index = Index::from_labels(&names);
+    let index = Index::from_labels(complete.kept.iter().map(|&row| &groups[row]));
     // From the first value on, so that an offset costs no digits of the distances.
     let pivot = complete.columns[0][0];
     let mut samples = vec![Vec::new(); index.names.len()];
@@ -114,10 +109,8 @@ pub fn levene(groups: &[String], values: &[Option<f64>]) -> Result<VarianceTests
         ("levene_median", &levene_median),
     ] {
         if test.f.is_none() {
-            undefined.note_all(
-                &[&format!("{name}.F"), &format!("{name}.p")],
-                "the distances do not vary within groups",
-            );
+            let reason = "the distances do not vary within groups";
+            undefined.note_below(name, &["F", "p"], reason);
         }
     }
     let bartlett = bartlett(&samples);
@@ -125,7 +118,7 @@ pub fn levene(groups: &[String], values: &[Option<f64>]) -> Result<VarianceTests
         undefined.note_all(&["bartlett.K2", "bartlett.p"], "a group has no variance");
     }
     Ok(VarianceTests {
-        n: names.len(),
+        n: complete.kept.len(),
         k: samples.len(),
         missing: complete.missing,
         levene_mean,
@@ -143,10 +136,8 @@ fn distances(samples: &[Vec<f64>], centre: impl Fn(&[f64]) -> f64) -> Levene {
             sample.iter().map(|v| (v - centre).abs()).collect()
         })
         .collect();
-    let (df1, df2) = (
-        groups.len() - 1,
-        groups.iter().map(Vec::len).sum::<usize>() - groups.len(),
-    );
+    let n: usize = groups.iter().map(Vec::len).sum();
+    let (df1, df2) = (groups.len() - 1, n - groups.len());
     let (grand, _) = mean_and_square_sum(groups.iter().flatten().copied());
     let scale = largest(&samples.concat());
     let alike = |group: &Vec<f64>| group.iter().all(|z| is_rounding(z - group[0], scale));

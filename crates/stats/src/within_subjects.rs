@@ -50,27 +50,16 @@ impl WithinSubjects {
         let subject_of = Index::from_labels(subjects);
         let condition_of = Index::from_labels(conditions);
         let k = condition_of.names.len();
-        // The outer option says whether the cell had a row at all.
-        let mut cells: Vec<Option<Option<f64>>> = vec![None; subject_of.names.len() * k];
-        for (row, &value) in values.iter().enumerate() {
-            if let Some(value) = value {
-                complete::usable(value, "value", row)?;
-            }
-            let cell = &mut cells[subject_of.rows[row] * k + condition_of.rows[row]];
-            if cell.replace(value).is_some() {
-                return Err(StatsError::DoubleCell {
-                    subject: subjects[row].clone(),
-                    condition: conditions[row].clone(),
-                });
-            }
-        }
-        if k < 2 {
-            return Err(StatsError::TooFewConditions { found: k });
-        }
+        let place = |row: usize| subject_of.rows[row] * k + condition_of.rows[row];
+        let double = |row: usize| StatsError::DoubleCell {
+            subject: subjects[row].clone(),
+            condition: conditions[row].clone(),
+        };
+        let cells = complete::cells(values, subject_of.names.len() * k, place, double)?;
+        StatsError::two_conditions(k)?;
         let (mut kept, mut dropped, mut complete) = (Vec::new(), Vec::new(), Vec::new());
         for (name, row) in subject_of.names.into_iter().zip(cells.chunks(k)) {
-            let row: Option<Vec<f64>> = row.iter().map(|cell| cell.flatten()).collect();
-            match row {
+            match row.iter().copied().collect::<Option<Vec<f64>>>() {
                 Some(row) => {
                     complete.extend(row);
                     kept.push(name);
@@ -105,12 +94,7 @@ impl WithinSubjects {
         let (conditions, subjects) = (owned(conditions), owned(subjects));
         StatsError::same_length("rows", rows.len(), subjects.len())?;
         for (what, names) in [("condition", &conditions), ("subject", &subjects)] {
-            if let Some(name) = Index::from_labels(names).repeated {
-                return Err(StatsError::DoubleName {
-                    what: what.to_owned(),
-                    name,
-                });
-            }
+            Index::from_labels(names).distinct(what)?;
         }
         for (row, values) in rows.iter().enumerate() {
             StatsError::same_length(&subjects[row], values.len(), conditions.len())?;
@@ -149,15 +133,11 @@ impl WithinSubjects {
             .map(|(name, values)| (name.into(), values.into_iter().map(Into::into).collect()))
             .collect();
         let n = columns.first().map_or(0, |(_, values)| values.len());
+        let names: Vec<&str> = columns.iter().map(|(name, _)| name.as_str()).collect();
         let (mut subjects, mut conditions, mut cells) = (Vec::new(), Vec::new(), Vec::new());
         for (at, (name, values)) in columns.iter().enumerate() {
             StatsError::same_length(name, values.len(), n)?;
-            if columns[..at].iter().any(|(other, _)| other == name) {
-                return Err(StatsError::DoubleName {
-                    what: "condition".to_owned(),
-                    name: name.clone(),
-                });
-            }
+            StatsError::distinct("condition", &names[..=at])?;
             subjects.extend((1..=n).map(|i| i.to_string()));
             conditions.extend(std::iter::repeat_n(name.clone(), n));
             cells.extend_from_slice(values);
@@ -171,19 +151,8 @@ impl WithinSubjects {
         dropped: Vec<String>,
         values: Vec<f64>,
     ) -> Result<Self, StatsError> {
-        if conditions.len() < 2 {
-            return Err(StatsError::TooFewConditions {
-                found: conditions.len(),
-            });
-        }
-        if subjects.len() < 2 {
-            return Err(StatsError::TooFew {
-                unit: "subject".to_owned(),
-                found: subjects.len(),
-                dropped: dropped.len(),
-                expected: 2,
-            });
-        }
+        StatsError::two_conditions(conditions.len())?;
+        complete::enough("subject", subjects.len(), dropped.len(), 2)?;
         Ok(Self {
             conditions,
             subjects,
@@ -286,6 +255,12 @@ pub(crate) fn pairs(names: &[String]) -> Vec<(usize, usize, String)> {
     pairs
 }
 
+/// Every pair of items, in order.
+pub(crate) fn each_pair<T>(items: &[T]) -> impl Iterator<Item = (&T, &T)> {
+    let firsts = items.iter().enumerate();
+    firsts.flat_map(move |(i, a)| items[i + 1..].iter().map(move |b| (a, b)))
+}
+
 /// Names in order of first appearance, and for each row which name it carries.
 pub(crate) struct Index {
     pub(crate) names: Vec<String>,
@@ -294,11 +269,11 @@ pub(crate) struct Index {
 }
 
 impl Index {
-    pub(crate) fn from_labels(labels: &[String]) -> Self {
+    pub(crate) fn from_labels<'l>(labels: impl IntoIterator<Item = &'l String>) -> Self {
         let mut positions = std::collections::HashMap::new();
         let mut index = Self {
             names: Vec::new(),
-            rows: Vec::with_capacity(labels.len()),
+            rows: Vec::new(),
             repeated: None,
         };
         for label in labels {
@@ -312,6 +287,21 @@ impl Index {
             index.rows.push(position);
         }
         index
+    }
+
+    /// The rows of each name.
+    pub(crate) fn members(&self) -> Vec<Vec<usize>> {
+        let mut members = vec![Vec::new(); self.names.len()];
+        for (row, &name) in self.rows.iter().enumerate() {
+            members[name].push(row);
+        }
+        members
+    }
+
+    /// Refuses a name that comes twice.
+    pub(crate) fn distinct(&self, what: &str) -> Result<(), StatsError> {
+        let twice = self.repeated.as_ref();
+        twice.map_or(Ok(()), |name| Err(StatsError::double_name(what, name)))
     }
 }
 

@@ -40,7 +40,6 @@ impl Aside {
         })
     }
 
-    /// The folder.
     pub(crate) fn path(&self) -> &Path {
         self.folder.path()
     }

@@ -41,9 +41,6 @@ pub fn atomic_write_bytes(path: &Path, bytes: &[u8]) -> Result<(), StudyError> {
 }
 
 /// Writes a recording as [`atomic_write`] does, with what stands beside it.
-///
-/// # Errors
-/// [`StudyError::Io`] that names the file.
 pub(crate) fn write_recording(
     path: &Path,
     recording: &Recording,
@@ -62,7 +59,7 @@ pub(crate) fn write_recording(
 ///
 /// # Errors
 /// [`StudyError::Io`], [`StudyError::BadFile`] if the value has no JSON form.
-pub fn write_json(path: &Path, value: &impl serde::Serialize) -> Result<(), StudyError> {
+pub(crate) fn write_json(path: &Path, value: &impl serde::Serialize) -> Result<(), StudyError> {
     let mut bytes = serde_json::to_vec_pretty(value)
         .map_err(|e| StudyError::file(path, format!("cannot be written as JSON: {e}")))?;
     bytes.push(b'\n');
@@ -73,7 +70,7 @@ pub fn write_json(path: &Path, value: &impl serde::Serialize) -> Result<(), Stud
 ///
 /// # Errors
 /// [`StudyError::Io`], [`StudyError::BadFile`] with the position of the fault.
-pub fn read_json<T: serde::de::DeserializeOwned>(path: &Path) -> Result<T, StudyError> {
+pub(crate) fn read_json<T: serde::de::DeserializeOwned>(path: &Path) -> Result<T, StudyError> {
     let text = read_text(path)?;
     serde_json::from_str(&text)
         .map_err(|e| StudyError::file(path, format!("not the JSON expected here: {e}")))
@@ -95,9 +92,6 @@ pub fn read_text(path: &Path) -> Result<String, StudyError> {
 }
 
 /// The files of a folder whose names have this ending, by name.
-///
-/// # Errors
-/// [`StudyError::Io`].
 pub(crate) fn files_ending(folder: &Path, ending: &str) -> Result<Vec<PathBuf>, StudyError> {
     let mut paths = Vec::new();
     for entry in fs::read_dir(folder).map_err(StudyError::read(folder))? {

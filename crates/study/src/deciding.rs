@@ -15,9 +15,6 @@ const PIPELINE: &str = "pipelines/study.toml";
 /// The BLAKE3 of every file beside the design that decides a number, by its path from the study's folder: questionnaires, mappings,
 /// scenario, columns, claims, effects, a model and styles from elsewhere, the study's own pipeline. Of a folder each file below it. A file that is
 /// not there decides nothing.
-///
-/// # Errors
-/// [`StudyError::Io`] naming the file that cannot be read.
 pub(crate) fn deciding_files(study: &DesignFile) -> Result<BTreeMap<String, String>, StudyError> {
     let (design, files) = (&study.design, study.design.files());
     let mut paths: Vec<PathBuf> = vec![files.scales.clone(), PIPELINE.into()];
@@ -46,20 +43,19 @@ fn add(
     hashes: &mut BTreeMap<String, String>,
 ) -> Result<(), StudyError> {
     let full = study.resolve(path);
-    let cannot = |source| StudyError::Io {
-        action: "read",
-        path: full.clone(),
-        source,
-    };
     if full.is_dir() {
-        for entry in fs::read_dir(&full).map_err(cannot)? {
-            let name = entry.map_err(cannot)?.file_name();
+        for entry in fs::read_dir(&full).map_err(StudyError::read(&full))? {
+            let name = entry.map_err(StudyError::read(&full))?.file_name();
             add(study, &path.join(name), hashes)?;
         }
     } else if full.is_file() {
-        let bytes = fs::read(&full).map_err(cannot)?;
-        let hash = blake3::hash(&bytes).to_hex().to_string();
-        hashes.insert(path.to_slash_lossy().into_owned(), hash);
+        hashes.insert(path.to_slash_lossy().into_owned(), hash_of(&full)?);
     }
     Ok(())
+}
+
+/// BLAKE3 of a file, in hexadecimal.
+pub(crate) fn hash_of(path: &Path) -> Result<String, StudyError> {
+    let bytes = fs::read(path).map_err(StudyError::read(path))?;
+    Ok(blake3::hash(&bytes).to_hex().to_string())
 }

@@ -1,7 +1,7 @@
 //! The design of a study as a file: where it is, and what its paths mean.
 
 use crate::{
-    atomic_write::read_text,
+    atomic_write::{if_there, read_text},
     error::StudyError,
     forgotten::ForgottenList,
     tables::{
@@ -63,11 +63,7 @@ impl DesignFile {
     /// # Errors
     /// As [`DesignFile::read`].
     pub fn find(given: Option<&Path>) -> Result<Self, StudyError> {
-        match given {
-            Some(path) => Self::read(path),
-            None if Path::new(DESIGN_FILE).is_file() => Self::read(Path::new(DESIGN_FILE)),
-            None => Self::paper(),
-        }
+        Self::here(given)?.map_or_else(Self::paper, Ok)
     }
 
     /// The design that was asked for; else `study.toml` of the folder one stands in; else none: what works without a design.
@@ -75,11 +71,8 @@ impl DesignFile {
     /// # Errors
     /// As [`DesignFile::read`].
     pub fn here(given: Option<&Path>) -> Result<Option<Self>, StudyError> {
-        match given {
-            Some(path) => Self::read(path).map(Some),
-            None if Path::new(DESIGN_FILE).is_file() => Self::find(None).map(Some),
-            None => Ok(None),
-        }
+        let own = || Some(Path::new(DESIGN_FILE)).filter(|path| path.is_file());
+        given.or_else(own).map(Self::read).transpose()
     }
 
     /// As [`DesignFile::here`] in the folder `root`, its paths seen from there, to say which files a stage reads; none where it cannot be
@@ -94,9 +87,6 @@ impl DesignFile {
     }
 
     /// The same, else the paper's.
-    ///
-    /// # Errors
-    /// As [`DesignFile::paper`].
     pub(crate) fn below_or_paper(root: &Path, given: Option<&Path>) -> Result<Self, StudyError> {
         Self::below(root, given).map_or_else(Self::paper, Ok)
     }
@@ -152,42 +142,27 @@ impl DesignFile {
     }
 
     /// The drives and rides that people stopped in the seat.
-    ///
-    /// # Errors
-    /// As [`read_rows`].
-    pub fn stopped(&self) -> Result<Vec<Stopped>, StudyError> {
+    pub(crate) fn stopped(&self) -> Result<Vec<Stopped>, StudyError> {
         self.collected(STOPPED, read_rows)
     }
 
     /// The people whom a rule of `[protocol] admit_if` held back.
-    ///
-    /// # Errors
-    /// As [`read_rows`].
-    pub fn not_admitted(&self) -> Result<Vec<NotAdmitted>, StudyError> {
+    pub(crate) fn not_admitted(&self) -> Result<Vec<NotAdmitted>, StudyError> {
         self.collected(NOT_ADMITTED, read_rows)
     }
 
     /// The texts that people agreed to in the seat.
-    ///
-    /// # Errors
-    /// As [`read_consents`].
-    pub fn consents(&self) -> Result<Vec<ConsentRow>, StudyError> {
+    pub(crate) fn consents(&self) -> Result<Vec<ConsentRow>, StudyError> {
         self.collected(consents_of_study(), read_consents)
     }
 
     /// How many people did not agree, by the text.
-    ///
-    /// # Errors
-    /// As [`read_rows`].
-    pub fn not_agreed(&self) -> Result<Vec<NotAgreed>, StudyError> {
+    pub(crate) fn not_agreed(&self) -> Result<Vec<NotAgreed>, StudyError> {
         self.collected(NOT_AGREED, read_rows)
     }
 
     /// The styles that were lent in the seat.
-    ///
-    /// # Errors
-    /// As [`read_lent`].
-    pub fn lent(&self) -> Result<Vec<LentRow>, StudyError> {
+    pub(crate) fn lent(&self) -> Result<Vec<LentRow>, StudyError> {
         self.collected(LENT, read_lent)
     }
 
@@ -197,11 +172,10 @@ impl DesignFile {
         file: impl AsRef<Path>,
         read: fn(&Path) -> Result<Vec<T>, StudyError>,
     ) -> Result<Vec<T>, StudyError> {
-        let path = self.resolve(file.as_ref());
-        if self.path.is_none() || !path.is_file() {
+        if self.path.is_none() {
             return Ok(Vec::new());
         }
-        read(&path)
+        if_there(&self.resolve(file.as_ref()), read)
     }
 
     /// Who takes part, of a run: `given`, or `participants.csv` among its results, or the design's own table.
@@ -295,17 +269,15 @@ pub(crate) fn drives_of(
         drives.extend(Some(drive?).filter(|drive| fits(drive.meta())));
     }
     if drives.is_empty() {
-        return Err(StudyError::BadFile {
-            path: folder.to_owned(),
-            problem: format!(
-                "holds no drive by hand of the {} people who are {whom}",
-                ids.len()
-            ),
-            help: Some(format!(
-                "who is {whom} is said by [people] of {}, whose drives these are by [names] of the mapping; [baseline] names the drive by hand",
-                study.name()
-            )),
-        });
+        let problem = format!(
+            "holds no drive by hand of the {} people who are {whom}",
+            ids.len()
+        );
+        let help = format!(
+            "who is {whom} is said by [people] of {}, whose drives these are by [names] of the mapping; [baseline] names the drive by hand",
+            study.name()
+        );
+        return Err(StudyError::file(folder, problem).with_help(help));
     }
     Ok(drives)
 }

@@ -15,7 +15,7 @@ use crate::{
 use maveric_analysis::{LeftOut, Why};
 use maveric_domain::{
     Design, DriveId, Ride, Scale,
-    design::{DesignError, Quantity, ScoreName},
+    design::{DesignError, Quantity, ScoreName, Style},
 };
 use maveric_measures::objective;
 use path_slash::PathExt as _;
@@ -109,43 +109,41 @@ impl<'a> Known<'a> {
         }
     }
 
+    fn scores(&self) -> impl Iterator<Item = &str> + Clone {
+        self.scores.iter().map(String::as_str)
+    }
+
     fn score(&self, key: impl Into<String>, name: &ScoreName) -> Result<(), DesignError> {
-        let name = name.to_string();
-        if self.scores.contains(&name) {
-            return Ok(());
-        }
-        Err(DesignError::word(
-            key,
-            &name,
-            self.scores.iter().map(String::as_str),
-        ))
+        one_of(key, &name.to_string(), self.scores())
     }
 
     fn measure(&self, key: impl Into<String>, name: &str) -> Result<(), DesignError> {
-        if self.measures.contains(&name) {
-            return Ok(());
-        }
-        Err(DesignError::word(key, name, self.measures.iter().copied()))
+        one_of(key, name, self.measures.iter().copied())
     }
 
     fn either(&self, key: impl Into<String>, name: &str) -> Result<(), DesignError> {
-        if self.measures.contains(&name) || self.scores.iter().any(|s| s == name) {
-            return Ok(());
-        }
         let measures = self.measures.iter().copied();
-        Err(DesignError::word(
-            key,
-            name,
-            measures.chain(self.scores.iter().map(String::as_str)),
-        ))
+        one_of(key, name, measures.chain(self.scores()))
     }
+}
+
+/// Refuses a word that is none of the known ones.
+fn one_of<'w>(
+    key: impl Into<String>,
+    word: &str,
+    known: impl Iterator<Item = &'w str> + Clone,
+) -> Result<(), DesignError> {
+    if known.clone().any(|name| name == word) {
+        return Ok(());
+    }
+    Err(DesignError::word(key, word, known))
 }
 
 fn of_scales(study: &DesignFile, scales: &[Scale]) -> Result<(), DesignError> {
     let (design, known) = (&study.design, Known::new(&study.design, scales));
     if let Some(style) = design.style() {
         known.score("style.score", &style.score)?;
-        style_range(study, scales)?;
+        style_range(design, style, scales)?;
     }
     for (at, outcome) in design.outcomes().iter().enumerate() {
         match &outcome.quantity {
@@ -177,10 +175,7 @@ fn of_scales(study: &DesignFile, scales: &[Scale]) -> Result<(), DesignError> {
     }
     for factor in design.homophily().iter().flat_map(|h| &h.factors) {
         let whole = scales.iter().map(|s| s.id.as_str());
-        if !known.scores.contains(factor) && !whole.clone().any(|id| id == factor) {
-            let names = whole.chain(known.scores.iter().map(String::as_str));
-            return Err(DesignError::word("homophily.factors", factor, names));
-        }
+        one_of("homophily.factors", factor, whole.chain(known.scores()))?;
     }
     Ok(())
 }
@@ -209,20 +204,14 @@ fn dropped_items(
     }
     if !items.is_empty() && items.len() == subscale.items.len() {
         let expected = format!("at most {} of them, so that one is left", items.len() - 1);
-        return Err(DesignError::key(
-            key,
-            format!("every item of `{name}`"),
-            expected,
-        ));
+        let every = format!("every item of `{name}`");
+        return Err(DesignError::key(key, every, expected));
     }
     Ok(())
 }
 
 /// The range of the style is that of its scale or lies within it, and no condition asks for more than its width.
-fn style_range(study: &DesignFile, scales: &[Scale]) -> Result<(), DesignError> {
-    let Some(style) = study.design.style() else {
-        return Ok(());
-    };
+fn style_range(design: &Design, style: &Style, scales: &[Scale]) -> Result<(), DesignError> {
     let Some((low, high)) = score_range(scales, &style.score) else {
         return Ok(());
     };
@@ -237,12 +226,9 @@ fn style_range(study: &DesignFile, scales: &[Scale]) -> Result<(), DesignError> 
             ),
         ));
     }
-    let beyond = study
-        .design
-        .conditions()
-        .iter()
-        .find(|c| c.dial().is_some_and(|d| d.abs() > to - from));
-    match beyond.and_then(|c| Some((c, c.dial()?))) {
+    let conditions = design.conditions().iter();
+    let mut dials = conditions.filter_map(|c| Some((c, c.dial()?)));
+    match dials.find(|(_, dial)| dial.abs() > to - from) {
         None => Ok(()),
         Some((condition, dial)) => Err(DesignError::key(
             format!("condition.{}.car.dial", condition.id),

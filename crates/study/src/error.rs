@@ -136,21 +136,35 @@ impl StudyError {
         }
     }
 
-    pub(crate) fn read(path: impl Into<PathBuf>) -> impl FnOnce(std::io::Error) -> Self {
+    /// What the system said when something could not be done to a file: `read`, `write`, …
+    pub(crate) fn io(
+        action: &'static str,
+        path: impl Into<PathBuf>,
+    ) -> impl FnOnce(std::io::Error) -> Self {
         let path = path.into();
         move |source| Self::Io {
-            action: "read",
+            action,
             path,
             source,
         }
     }
 
+    pub(crate) fn read(path: impl Into<PathBuf>) -> impl FnOnce(std::io::Error) -> Self {
+        Self::io("read", path)
+    }
+
     pub(crate) fn write(path: impl Into<PathBuf>) -> impl FnOnce(std::io::Error) -> Self {
-        let path = path.into();
-        move |source| Self::Io {
-            action: "write",
-            path,
-            source,
+        Self::io("write", path)
+    }
+
+    /// Of a table with other columns than the one asked for.
+    pub(crate) fn no_column(path: impl Into<PathBuf>, wanted: &str, found: Vec<String>) -> Self {
+        let nearest = maveric_domain::nearest(wanted, found.iter().map(String::as_str));
+        Self::NoColumn {
+            path: path.into(),
+            wanted: wanted.to_owned(),
+            nearest: nearest.map(str::to_owned),
+            found,
         }
     }
 
@@ -160,5 +174,20 @@ impl StudyError {
             problem: problem.into(),
             help: None,
         }
+    }
+
+    pub(crate) fn not_possible(problem: impl Into<String>) -> Self {
+        Self::NotPossible {
+            problem: problem.into(),
+            help: None,
+        }
+    }
+
+    /// The same with what to do; of errors that say it by themselves nothing changes.
+    pub(crate) fn with_help(mut self, text: impl Into<String>) -> Self {
+        if let Self::BadFile { help, .. } | Self::NotPossible { help, .. } = &mut self {
+            *help = Some(text.into());
+        }
+        self
     }
 }

@@ -1,6 +1,7 @@
 //! The people who were forgotten: ids that are not given again, and the models that had learned from them.
 
 use crate::{
+    atomic_write::if_there,
     error::StudyError,
     tables::{TableName, read_rows, write_rows},
 };
@@ -21,7 +22,6 @@ pub struct ForgottenList {
     models: BTreeMap<ParticipantId, Vec<String>>,
 }
 
-/// A row of the list.
 #[derive(Serialize, Deserialize)]
 struct Row {
     participant: ParticipantId,
@@ -34,11 +34,7 @@ impl ForgottenList {
     /// # Errors
     /// As [`read_rows`].
     pub fn read(folder: &Path) -> Result<Self, StudyError> {
-        let path = folder.join(FORGOTTEN_FILE);
-        if !path.is_file() {
-            return Ok(Self::default());
-        }
-        let rows: Vec<Row> = read_rows(&path)?;
+        let rows: Vec<Row> = if_there(&folder.join(FORGOTTEN_FILE), read_rows)?;
         let hashes = |row: &Row| {
             let hashes = row.models.as_deref().unwrap_or_default().split(BETWEEN);
             let hashes = hashes.filter(|hash| !hash.is_empty());
@@ -84,16 +80,13 @@ impl ForgottenList {
         table: &Path,
         mut ids: impl Iterator<Item = &'a ParticipantId>,
     ) -> Result<(), StudyError> {
-        match ids.find(|id| self.has(id)) {
-            None => Ok(()),
-            Some(id) => Err(StudyError::BadFile {
-                path: table.to_owned(),
-                problem: format!(
-                    "{id} was forgotten, and {FORGOTTEN_FILE} says that the id is not given again"
-                ),
-                help: Some("take the row out; somebody new needs another id".to_owned()),
-            }),
-        }
+        let Some(id) = ids.find(|id| self.has(id)) else {
+            return Ok(());
+        };
+        let problem =
+            format!("{id} was forgotten, and {FORGOTTEN_FILE} says that the id is not given again");
+        let help = "take the row out; somebody new needs another id";
+        Err(StudyError::file(table, problem).with_help(help))
     }
 
     /// Writes the list of a study's folder.

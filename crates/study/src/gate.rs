@@ -67,11 +67,9 @@ impl Gate {
     pub fn new(study: &DesignFile, given: Option<&Path>) -> Result<Self, StudyError> {
         let people = study.people(given)?;
         if people.enrolled.is_empty() {
-            return Err(StudyError::BadFile {
-                path: study.people_file(given),
-                problem: "has no row: nobody takes part".to_owned(),
-                help: Some("write a row for each who takes part, with the id of their logs and answers; `maveric design orders --people 24` writes P01 to P24".to_owned()),
-            });
+            let problem = "has no row: nobody takes part";
+            let help = "write a row for each who takes part, with the id of their logs and answers; `maveric design orders --people 24` writes P01 to P24";
+            return Err(StudyError::file(study.people_file(given), problem).with_help(help));
         }
         Ok(Self {
             listed: Some(people.enrolled.iter().map(|p| p.id.clone()).collect()),
@@ -100,9 +98,6 @@ impl Gate {
     }
 
     /// As [`Gate::new`]; a design that tells nobody apart by a column of its table needs none.
-    ///
-    /// # Errors
-    /// As [`DesignFile::people`].
     pub(crate) fn of_drives(study: &DesignFile, given: Option<&Path>) -> Result<Self, StudyError> {
         if study.design.people().columns().is_empty() {
             return Self::where_listed(study, given);
@@ -111,9 +106,6 @@ impl Gate {
     }
 
     /// The same, without whom and what the rules left out of the analysis among these results.
-    ///
-    /// # Errors
-    /// As [`analysed`].
     pub(crate) fn with_analysis(mut self, results: &Path) -> Result<Self, StudyError> {
         self.left_out = analysed(self.left_out, results)?;
         Ok(self)

@@ -20,9 +20,6 @@ pub(crate) fn sd(values: &[f64]) -> Option<f64> {
 }
 
 /// 95% interval of the mean of the values that are there: percentiles of bootstrap resamples; `None` for fewer than two.
-///
-/// # Errors
-/// As [`bootstrap`].
 pub(crate) fn mean_interval(
     values: &[Option<f64>],
     seed: u64,

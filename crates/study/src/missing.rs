@@ -6,7 +6,7 @@ use crate::{
     design::DesignFile,
     error::StudyError,
     once::{count, names, together},
-    tables::{TableName, surveys::beside_occasion, write_rows},
+    tables::{TableName, surveys::write_moments},
 };
 use maveric_domain::{Moment, ParticipantId};
 use serde::{Deserialize, Serialize};
@@ -171,10 +171,8 @@ impl Missing {
     /// Writes all rows as a table.
     ///
     /// # Errors
-    /// As [`write_rows`].
+    /// As [`crate::tables::write_rows`].
     pub fn write(&self, path: &Path) -> Result<(), StudyError> {
-        let rows = self.rows.iter();
-        let rows = rows.map(|row| beside_occasion(row, |row| &mut row.moment));
-        write_rows(TableName::Missing, path, rows)
+        write_moments(TableName::Missing, path, &self.rows, |row| &mut row.moment)
     }
 }

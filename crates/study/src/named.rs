@@ -18,6 +18,16 @@ pub(crate) fn names(text: &str, id: &str) -> bool {
     places(text, id).next().is_some()
 }
 
+/// An id that texts have as a number.
+pub(crate) fn is_number(id: &str) -> bool {
+    id.bytes().all(|b| b.is_ascii_digit())
+}
+
+/// Whether a text is about somebody: it has their id as a word of its own. A number is a word of many texts, and names nobody in one.
+pub fn is_about(text: &str, id: &str) -> bool {
+    !is_number(id) && names(text, id)
+}
+
 /// The text with `…` for each of these ids.
 pub(crate) fn without<'a>(text: &str, ids: impl IntoIterator<Item = &'a str>) -> String {
     let hide = |text: String, id| with(&text, id, HIDDEN);
@@ -47,5 +57,12 @@ mod tests {
             without(text, ["P1-own", "P1"]),
             "people = { … = \"gone\" } # P12, …, …"
         );
+    }
+
+    #[test]
+    fn a_text_is_about_whom_it_names_and_a_number_in_it_is_nobody() {
+        assert!(is_about("P001: felt sick", "P001"));
+        assert!(!is_about("P0010: felt sick", "P001"));
+        assert!(!is_about("stopped after 12 minutes", "12"));
     }
 }

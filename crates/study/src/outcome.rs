@@ -105,17 +105,16 @@ const STACK_BYTES: usize = 32 << 20;
 /// [`StudyError::NotPossible`] for more than 1024, or if the system has no more.
 pub(crate) fn threads(jobs: usize) -> Result<rayon::ThreadPool, StudyError> {
     if jobs > MOST_JOBS {
-        return Err(StudyError::NotPossible {
-            problem: format!("{jobs} threads, expected at most {MOST_JOBS}"),
-            help: Some("leave out -j: then there are as many threads as cores".to_owned()),
-        });
+        let problem = format!("{jobs} threads, expected at most {MOST_JOBS}");
+        let help = "leave out -j: then there are as many threads as cores";
+        return Err(StudyError::not_possible(problem).with_help(help));
     }
     let pool = rayon::ThreadPoolBuilder::new()
         .num_threads(jobs)
         .stack_size(STACK_BYTES);
-    pool.build().map_err(|e| StudyError::NotPossible {
-        problem: format!("cannot start {jobs} threads: {e}"),
-        help: Some("ask for fewer with -j".to_owned()),
+    pool.build().map_err(|e| {
+        StudyError::not_possible(format!("cannot start {jobs} threads: {e}"))
+            .with_help("ask for fewer with -j")
     })
 }
 

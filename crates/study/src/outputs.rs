@@ -37,11 +37,7 @@ pub(crate) fn spare_inputs<'a>(
             taken.push(there);
             continue;
         };
-        return Err(StudyError::BadFile {
-            path: output.to_owned(),
-            problem: problem.to_owned(),
-            help: Some("give the output another name".to_owned()),
-        });
+        return Err(StudyError::file(output, problem).with_help("give the output another name"));
     }
     Ok(())
 }
@@ -184,11 +180,8 @@ pub(crate) fn refuse_unusual(path: &Path) -> Result<(), StudyError> {
     } else {
         return Ok(());
     };
-    Err(StudyError::BadFile {
-        path: path.to_owned(),
-        problem: format!("is {what}, expected a new file or one to replace"),
-        help: Some("give the output another name".to_owned()),
-    })
+    let problem = format!("is {what}, expected a new file or one to replace");
+    Err(StudyError::file(path, problem).with_help("give the output another name"))
 }
 
 /// Refuses to replace `path` by what `fresh` reads where that is of another kind.
@@ -206,11 +199,9 @@ pub(crate) fn refuse_other_kind(path: &Path, fresh: impl io::Read) -> Result<(),
     if former == new || former == Kind::Empty || new == Kind::Empty {
         return Ok(());
     }
-    Err(StudyError::BadFile {
-        path: path.to_owned(),
-        problem: format!("is {former}, and {new} would be written over it"),
-        help: Some("give the output another name, or remove the file".to_owned()),
-    })
+    let problem = format!("is {former}, and {new} would be written over it");
+    let help = "give the output another name, or remove the file";
+    Err(StudyError::file(path, problem).with_help(help))
 }
 
 /// Renames a file that was written aside into its place, by the rules of this module.

@@ -6,7 +6,7 @@ use crate::{
     run_folder::{press_moments_path, presses_path},
     tables::{
         TableName,
-        collected::{EVENTS, EventRow},
+        collected::{EVENTS, EventRow, SEAT},
         read_rows, write_rows,
     },
 };
@@ -20,8 +20,6 @@ use std::{
     path::{Path, PathBuf},
 };
 
-/// Folder beside the design in which the seat keeps what it collects.
-const SEAT: &str = "seat";
 /// What the seat writes of a press.
 const PRESSED: &str = "uncomfortable";
 /// What it writes where a ride has come to its end.

@@ -26,7 +26,6 @@ pub(crate) fn enough(people: usize) -> Result<(), String> {
     Ok(())
 }
 
-/// A recording.
 #[derive(Debug)]
 pub(crate) struct Recorded {
     pub(crate) drive: Drive,
@@ -104,16 +103,13 @@ pub(crate) fn read(
         rows.push(Recorded { drive, drove });
     }
     if rows.is_empty() {
-        let labels: Vec<ConditionId> = design.labels();
-        return Err(StudyError::BadFile {
-            path: folder.to_owned(),
-            problem: "holds no drive in a role of the design".to_owned(),
-            help: Some(format!(
-                "{} knows {}; [[role]] declares more, and [names] of the mapping says whose and which drive a log is",
-                study.name(),
-                ConditionId::listed(&labels)
-            )),
-        });
+        let problem = "holds no drive in a role of the design";
+        let help = format!(
+            "{} knows {}; [[role]] declares more, and [names] of the mapping says whose and which drive a log is",
+            study.name(),
+            ConditionId::listed(&design.labels())
+        );
+        return Err(StudyError::file(folder, problem).with_help(help));
     }
     rows.sort_by(|a, b| {
         let key = |r: &Recorded| {

@@ -100,13 +100,11 @@ pub fn read_model(path: &Path) -> Result<Model, StudyError> {
         return Err(StudyError::file(path, "is a folder, expected a model file"));
     }
     let bytes = std::fs::read(path).map_err(StudyError::read(path))?;
-    model_file::from_bytes(&bytes).map_err(|e| StudyError::BadFile {
-        path: path.to_owned(),
-        problem: e.to_string(),
-        help: e
+    model_file::from_bytes(&bytes).map_err(|e| {
+        let help = e
             .suggestion()
-            .map(str::to_owned)
-            .or_else(|| Some("train a model with `maveric train`".to_owned())),
+            .unwrap_or("train a model with `maveric train`");
+        StudyError::file(path, e.to_string()).with_help(help)
     })
 }
 
@@ -117,10 +115,8 @@ pub fn read_model(path: &Path) -> Result<Model, StudyError> {
 pub fn read_scales(folder: &Path) -> Result<Vec<Scale>, StudyError> {
     let paths = files_ending(folder, "toml")?;
     if paths.is_empty() {
-        return Err(StudyError::file(
-            folder,
-            "holds no questionnaire definitions (*.toml)",
-        ));
+        let problem = "holds no questionnaire definitions (*.toml)";
+        return Err(StudyError::file(folder, problem));
     }
     let read = |path: &PathBuf| {
         Scale::from_toml(&read_text(path)?).map_err(|e| StudyError::file(path, e.to_string()))
@@ -136,17 +132,11 @@ pub(crate) fn score_range(scales: &[Scale], score: &ScoreName) -> Option<(f64, f
 }
 
 /// Reads the sizes of the effects.
-///
-/// # Errors
-/// [`StudyError`] naming the file and the key.
-pub fn read_effects(path: &Path) -> Result<Effects, StudyError> {
+pub(crate) fn read_effects(path: &Path) -> Result<Effects, StudyError> {
     effects_of(path, &read_text(path)?)
 }
 
 /// The sizes of the effects on the answers to these questionnaires: what is not asked is not answered.
-///
-/// # Errors
-/// As [`read_effects`].
 pub(crate) fn read_effects_on(path: &Path, scales: &[Scale]) -> Result<Effects, StudyError> {
     let mut effects = read_effects(path)?;
     let is_asked = |id: &String| scales.iter().any(|s| s.id == *id);
@@ -156,9 +146,6 @@ pub(crate) fn read_effects_on(path: &Path, scales: &[Scale]) -> Result<Effects, 
 }
 
 /// The sizes of the effects in a file's text.
-///
-/// # Errors
-/// As [`read_effects`].
 pub(crate) fn effects_of(path: &Path, text: &str) -> Result<Effects, StudyError> {
     let effects: Effects = toml::from_str(text)
         .map_err(|e| StudyError::file(path, format!("not a file of effects: {e}")))?;

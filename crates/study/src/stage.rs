@@ -98,15 +98,12 @@ impl Files {
         design: Option<&Path>,
         participants: Option<&Path>,
     ) -> Self {
-        let of_design = match (participants, DesignFile::below(root, design)) {
-            (None, Some(study)) => Some(study.people_file(None)),
-            _ => None,
-        };
         let study = DesignFile::below(root, design);
+        let of_design = study.as_ref().filter(|_| participants.is_none());
         let collected = |file: &str| study.as_ref().map(|s| s.resolve(Path::new(file)));
         self.reads_design(design)
             .reads(participants)
-            .reads_if_there(of_design)
+            .reads_if_there(of_design.map(|study| study.people_file(None)))
             .reads_if_there(collected(STOPPED))
             .reads_if_there(collected(NOT_ADMITTED))
     }

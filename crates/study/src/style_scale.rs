@@ -52,12 +52,10 @@ impl StyleScale {
         if low.is_finite() && high.is_finite() && low < high {
             return Ok(Self { low, high });
         }
-        Err(StudyError::NotPossible {
-            problem: format!(
-                "scores from {low} to {high}, expected two finite numbers, the lower one first"
-            ),
-            help: None,
-        })
+        let problem = format!(
+            "scores from {low} to {high}, expected two finite numbers, the lower one first"
+        );
+        Err(StudyError::not_possible(problem))
     }
 
     /// The score of the networks for one of this scale.
@@ -66,13 +64,12 @@ impl StyleScale {
     /// [`StudyError::NotPossible`] for a score outside the scale.
     pub fn score(self, points: f64) -> Result<AdbScore, StudyError> {
         if !(self.low..=self.high).contains(&points) {
-            return Err(StudyError::NotPossible {
-                problem: format!(
-                    "a score of {points}, expected {} to {}",
-                    self.low, self.high
-                ),
-                help: Some("give the range of the questionnaire, or check the score".to_owned()),
-            });
+            let problem = format!(
+                "a score of {points}, expected {} to {}",
+                self.low, self.high
+            );
+            let help = "give the range of the questionnaire, or check the score";
+            return Err(StudyError::not_possible(problem).with_help(help));
         }
         let inward = self.inward(points).clamp(AdbScore::MIN, AdbScore::MAX);
         Ok(AdbScore::new(inward)?)

@@ -4,11 +4,12 @@ use crate::{
     atomic_write::{atomic_write_bytes, if_there},
     error::StudyError,
 };
-use maveric_domain::{ConditionId, Drive, DriveMeta, DrivenBy, Recording, TraceRow};
+use maveric_domain::{Drive, DriveMeta, DrivenBy, Recording, TraceRow};
 use maveric_ingest::{Decision, DecisionKind, IngestSettings, read_decisions, read_log};
 use maveric_report::{
     Context,
     html::{CentreLine, InterventionSpan, PlayerDrive, PlayerMeta, WatchPlayer, watch_page},
+    markup::capital,
 };
 use std::path::Path;
 
@@ -39,7 +40,7 @@ impl WatchedDrive {
                 recording,
                 &drive,
                 PlayerMeta {
-                    label: title_case(meta.condition),
+                    label: capital(meta.condition.as_str()),
                     note: driven(meta.driven_by).to_owned(),
                     condition: meta.condition,
                     interventions,
@@ -49,11 +50,6 @@ impl WatchedDrive {
             meta,
         })
     }
-}
-
-fn title_case(condition: ConditionId) -> String {
-    let word = condition.as_str();
-    word[..1].to_uppercase() + &word[1..]
 }
 
 fn driven(by: DrivenBy) -> &'static str {

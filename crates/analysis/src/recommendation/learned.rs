@@ -4,7 +4,12 @@ use super::{
     SETTINGS,
     percept::{Dial, Percept},
 };
-use crate::{StudyData, error::AnalysisError, turned::Settled};
+use crate::{
+    StudyData,
+    error::AnalysisError,
+    homophily::{ratings, scale_and_factor},
+    turned::Settled,
+};
 use maveric_domain::{
     ParticipantId,
     design::{Condition, ScoreName},
@@ -67,10 +72,7 @@ fn traits_of(data: &StudyData, p: &ParticipantId) -> Vec<(String, Option<f64>)> 
     let mut traits = Vec::new();
     let family = data.design.homophily();
     for word in family.map_or(&[][..], |f| &f.factors) {
-        let (scale, only) = match word.split_once('.') {
-            Some((scale, factor)) => (scale, Some(factor)),
-            None => (word.as_str(), None),
-        };
+        let (scale, only) = scale_and_factor(word);
         for name in data.pre_subscales(scale) {
             if only.is_none_or(|factor| factor == name.subscale) {
                 let value = data.pre(p, &name);
@@ -138,8 +140,7 @@ impl Learned {
             .collect();
         let conditions = data.design.conditions();
         let better = |name: &ScoreName| data.better(name).factor();
-        let declared = data.design.homophily().map_or(&[][..], |f| &f.ratings);
-        let ratings = declared
+        let ratings = ratings(data)
             .iter()
             .filter_map(|name| {
                 let answers = people

@@ -412,14 +412,19 @@ fn what_eight_people_like_is_found_again_in_their_ratings_and_in_their_trait() {
     assert!(few.to_string().contains("4 people"), "{few}");
 }
 
-#[test]
-fn on_the_scale_both_uncertainties_add_up_as_squares() {
+/// The eight, of whom two have a style that reads as 9 points to either side of 30, to half a step of 9 points.
+fn two_placed() -> StudyData {
     let row = |i: usize, position: f64| EmbeddingRow {
         adb_hat: Some(30.0 + 9.0 * position),
         line_position_se: Some(0.5),
         ..crate::testing::position(i, position)
     };
-    let data = eight(below).with_embeddings(vec![row(0, 1.0), row(1, -1.0)]);
+    eight(below).with_embeddings(vec![row(0, 1.0), row(1, -1.0)])
+}
+
+#[test]
+fn on_the_scale_both_uncertainties_add_up_as_squares() {
+    let data = two_placed();
     let preferred = Preferred {
         points: 6.0,
         low: 0.0,
@@ -441,12 +446,7 @@ fn on_the_scale_both_uncertainties_add_up_as_squares() {
 
 #[test]
 fn a_recommendation_that_the_scale_has_no_score_for_has_none_and_no_interval_leaves_the_scale() {
-    let row = |i: usize, position: f64| EmbeddingRow {
-        adb_hat: Some(30.0 + 9.0 * position),
-        line_position_se: Some(0.5),
-        ..crate::testing::position(i, position)
-    };
-    let mut data = eight(below).with_embeddings(vec![row(0, 1.0), row(1, -1.0)]);
+    let mut data = two_placed();
     assert_eq!(data.style_range(), None);
     let ranged = DESIGN.replace("points = 15", "points = 15\nrange = [11, 55]");
     data.design = Design::from_toml(&ranged).unwrap();

@@ -45,14 +45,9 @@ impl<R: Read + Seek> Walker<'_, R> {
     pub(super) fn records_fit(&mut self, mut offset: u64) -> Result<bool, BagError> {
         for hop in 0..3 {
             let left = self.length.saturating_sub(offset);
-            if left < HEAD as u64 {
+            let Some((opcode, length)) = self.head(offset)? else {
                 return Ok(hop > 0 && left == 0);
-            }
-            let mut head = [0; HEAD];
-            self.seek(offset)?;
-            let read = self.file.read_exact(&mut head);
-            read.map_err(|e| self.io(e))?;
-            let (opcode, length) = head_of(head);
+            };
             let least = match opcode {
                 op::FOOTER => 20,
                 op::CHUNK => 40,
@@ -82,10 +77,6 @@ pub(super) fn is_chunk(opcode: u8, length: u64, left: u64, start: &[u8]) -> bool
             let inner = head.content_length().unwrap_or(u64::MAX);
             head.is_telling() && inner == length && inner <= left
         })
-}
-
-pub(super) fn head_of([opcode, length @ ..]: [u8; HEAD]) -> (u8, u64) {
-    (opcode, u64::from_le_bytes(length))
 }
 
 /// Says what is wrong with a record that cannot be one.

@@ -93,9 +93,6 @@ impl<'a> Reader<'a> {
     }
 
     /// Goes on at `at`, which lies within the message.
-    ///
-    /// # Errors
-    /// [`CdrError::End`] past the end.
     pub(crate) fn go_to(&mut self, at: usize) -> Result<(), CdrError> {
         if at > self.bytes.len() {
             return Err(CdrError::End);
@@ -105,9 +102,6 @@ impl<'a> Reader<'a> {
     }
 
     /// The next `length` bytes.
-    ///
-    /// # Errors
-    /// [`CdrError::End`] past the end.
     #[inline]
     pub(crate) fn block(&mut self, length: u64) -> Result<&'a [u8], CdrError> {
         if length > self.remaining() as u64 {
@@ -138,18 +132,12 @@ impl<'a> Reader<'a> {
     }
 
     /// Reads a length or count.
-    ///
-    /// # Errors
-    /// [`CdrError::End`] past the end.
     #[inline]
     pub(crate) fn count(&mut self) -> Result<u64, CdrError> {
         Ok(u64::from(u32::from_le_bytes(self.take()?)))
     }
 
     /// Reads a size that stands before a structure or collection and gives where that ends.
-    ///
-    /// # Errors
-    /// [`CdrError::End`] past the end.
     pub(crate) fn delimiter(&mut self) -> Result<usize, CdrError> {
         let size = self.count()?;
         if size > self.remaining() as u64 {
@@ -159,9 +147,6 @@ impl<'a> Reader<'a> {
     }
 
     /// The bytes of `count` numbers of `size` bytes each, aligned; none of them needs no padding either.
-    ///
-    /// # Errors
-    /// [`CdrError::End`] past the end.
     #[inline]
     pub(crate) fn numbers(&mut self, size: u8, count: u64) -> Result<&'a [u8], CdrError> {
         if count == 0 {

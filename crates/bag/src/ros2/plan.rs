@@ -62,13 +62,7 @@ impl Plan {
                 dialect,
             };
             let mut steps = compiler.message(&definitions.root, "", 0)?;
-            let missing =
-                |(path, found): &(&&str, &bool)| !**found && !wanted::may_be_missing(path);
-            if let Some((path, _)) = wanted.iter().zip(&compiler.found).find(missing) {
-                let root = &definitions.root;
-                let path = path.replace('|', "` or `");
-                return Err(format!("`{root}` in its schema has no number `{path}`"));
-            }
+            wanted::all_matched(&definitions.root, wanted, &compiler.found)?;
             if !wanted.is_empty() && !structures {
                 // Nothing behind the last wanted field needs to be walked.
                 let last = steps.iter().rposition(takes);

@@ -2,8 +2,8 @@
 
 use crate::made::{
     ALL, CHANNEL, CHUNK, CHUNKS, DATA_END, EACH, FOOTER, Heard, MESSAGE, MESSAGE_INDEX, PACKINGS,
-    SCHEMA, STATISTICS, bare, chunks, flipped, messages, of_kind, packed, recorded, recovered,
-    refusal, time, with,
+    SCHEMA, STATISTICS, bare, chunks, flipped, last_record, messages, of_kind, packed, recorded,
+    recovered, refusal, time, with,
 };
 use mcap::{Compression, WriteOptions};
 
@@ -337,13 +337,7 @@ fn records_in_a_chunk_that_cannot_be_read_are_counted_and_the_others_kept() {
     let what = "1 records in a chunk cannot be read";
     is_told(&two, &all(), &[(start, what, (Some(9), Some(10)))]);
     // The last one is longer than what is left of the chunk.
-    let mut at = inner;
-    let mut last = at;
-    while at < end {
-        last = at;
-        let length = log[at + 1..at + 9].try_into().unwrap();
-        at += 9 + usize::try_from(u64::from_le_bytes(length)).unwrap();
-    }
+    let last = last_record(&log, inner, end);
     let what = "a chunk is left out: its records do not fit together";
     is_told(
         &flipped(&log, last + 2, 1),

@@ -99,6 +99,17 @@ pub(crate) fn bare(options: WriteOptions) -> Vec<u8> {
     recorded(options)
 }
 
+/// Where the last record of a chunk begins, of which the first begins at `first`.
+pub(crate) fn last_record(log: &[u8], first: usize, end: usize) -> usize {
+    let (mut at, mut last) = (first, first);
+    while at < end {
+        last = at;
+        let length = log[at + 1..at + 9].try_into().unwrap();
+        at += 9 + usize::try_from(u64::from_le_bytes(length)).unwrap();
+    }
+    last
+}
+
 /// A copy with some bytes put over those at `at`.
 pub(crate) fn with(bytes: &[u8], at: usize, put: &[u8]) -> Vec<u8> {
     let mut copy = bytes.to_vec();

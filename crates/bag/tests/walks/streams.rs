@@ -1,7 +1,7 @@
 //! Streams over the files of a recording and over its damage, and columns of them.
 
 use crate::made::{
-    ALL, EACH, RECOVER, bare, chunks, flipped, message, packed, recorded, time, with,
+    ALL, EACH, RECOVER, bare, chunks, flipped, last_record, message, packed, recorded, time, with,
 };
 use maveric_bag::{Channel, Message, OwnedSchema, Streams, Take, Walk, columns_from, read_streams};
 use mcap::{WriteOptions, records::MessageHeader};
@@ -175,13 +175,7 @@ fn what_only_a_lost_chunk_declares_is_believed_and_what_the_summary_repeats_more
     for log in [recorded(options()), bare(options())] {
         let (start, end) = chunks(&log)[0];
         // The last byte is one of a message: of a recording without checksums its length, so that nothing fits.
-        let mut at = start + 9 + 40;
-        let mut last = at;
-        while at < end {
-            last = at;
-            let length = log[at + 1..at + 9].try_into().unwrap();
-            at += 9 + usize::try_from(u64::from_le_bytes(length)).unwrap();
-        }
+        let last = last_record(&log, start + 9 + 40, end);
         let found = streams(&[flipped(&log, last + 2, 1)], RECOVER);
         let topics: Vec<&str> = found.streams.iter().map(|s| &s.channel.topic[..]).collect();
         assert_eq!(topics, ["/a", "/b"]);

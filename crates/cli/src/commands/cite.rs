@@ -1,6 +1,6 @@
 //! `maveric cite`.
 
-use super::{print_json, print_lines};
+use super::print_as;
 use crate::{citation, diagnostics::Failure};
 use maveric_study::outcome::Format;
 
@@ -16,9 +16,7 @@ pub(crate) struct Cite {
 impl Cite {
     pub(crate) fn run(self) -> Result<(), Failure> {
         let entries = citation::entries();
-        match self.format {
-            Format::Text => print_lines(&entries.map(|entry| entry.bibtex())),
-            Format::Json => print_json(&serde_json::json!({ "entries": entries })),
-        }
+        let result = serde_json::json!({ "entries": entries });
+        print_as(self.format, &result, &entries.map(|entry| entry.bibtex()))
     }
 }

@@ -1,6 +1,6 @@
 //! `maveric clean`.
 
-use super::{print_json, print_lines};
+use super::print_as;
 use crate::{
     diagnostics::Failure,
     place::{PipelineArgs, place},
@@ -39,9 +39,6 @@ impl Clean {
         let cleaned =
             maveric_pipeline::clean(&pipeline, &place, &targets, self.force, self.dry_run)
                 .map_err(Failure::pipeline("could not clean up"))?;
-        if self.format == Format::Json {
-            return print_json(&cleaned);
-        }
         let verb = if self.dry_run {
             "would remove"
         } else {
@@ -57,6 +54,6 @@ impl Clean {
         if lines.is_empty() {
             lines.push("nothing to remove".to_owned());
         }
-        print_lines(&lines)
+        print_as(self.format, &cleaned, &lines)
     }
 }

@@ -1,6 +1,6 @@
 //! `maveric diff`.
 
-use super::{print_json, print_lines};
+use super::print_as;
 use crate::{
     diagnostics::Failure,
     place::{DEFAULT_PIPELINE, place},
@@ -51,10 +51,7 @@ impl Diff {
         };
         let difference = maveric_pipeline::diff(&first, &second)
             .map_err(Failure::pipeline("could not compare the runs"))?;
-        match self.format {
-            Format::Json => print_json(&difference),
-            Format::Text => print_lines(&difference.lines()),
-        }
+        print_as(self.format, &difference, &difference.lines())
     }
 }
 

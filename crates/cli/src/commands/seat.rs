@@ -1,6 +1,6 @@
 //! `maveric seat`.
 
-use super::{all_cores, print_json, print_lines};
+use super::{all_cores, print_as};
 use crate::{
     diagnostics::{Failure, tell},
     interrupt, progress,
@@ -10,7 +10,7 @@ use maveric_seat::{
 };
 use maveric_study::outcome::Format;
 use maveric_study::{
-    DesignFile, StudyError, Watch, check_design, design::DESIGN_FILE, dial_stretch, run_folder,
+    DesignFile, StudyError, check_design, design::DESIGN_FILE, dial_stretch, run_folder,
 };
 use path_slash::PathExt as _;
 use std::{
@@ -171,17 +171,9 @@ impl Seat {
         let cache = cache().ok_or_else(|| {
             Failure::Usage("no folder for the model: set XDG_CACHE_HOME".to_owned())
         })?;
-        let bar = progress::bar();
-        let show = |done: usize, total: usize, what: &str| {
-            bar.set_length(total as u64);
-            bar.set_position(done as u64);
-            bar.set_message(what.to_owned());
-        };
-        let watch = Watch::new(&show, interrupt::flag());
-        let settings = demo::settings(&cache, self.jobs, watch).map_err(failure(OPENING));
-        bar.finish_and_clear();
+        let settings = progress::watched(|watch| demo::settings(&cache, self.jobs, watch));
         let state = cache.join(format!("demo-{}.db", std::process::id()));
-        let served = settings.and_then(|settings| {
+        let served = settings.map_err(failure(OPENING)).and_then(|settings| {
             let seat = Open::open(&state, settings).map_err(failure(OPENING))?;
             let token = seat.only_person().map_err(failure(OPENING))?;
             self.serve(seat, &format!("/p/{token}"), None)
@@ -322,15 +314,13 @@ fn export(study: &Path, folder: &Path, post: Option<&str>, format: Format) -> Re
     if let Some(line) = phase {
         tell!("{line}");
     }
-    match format {
-        Format::Json => print_json(&written),
-        Format::Text => print_lines(&[format!(
-            "{}: {} files, {} orders; put them on a web space that is reached over https",
-            written.folder.to_slash_lossy(),
-            written.files.len(),
-            written.orders
-        )]),
-    }
+    let line = format!(
+        "{}: {} files, {} orders; put them on a web space that is reached over https",
+        written.folder.to_slash_lossy(),
+        written.files.len(),
+        written.orders
+    );
+    print_as(format, &written, &[line])
 }
 
 fn forget(folder: &Path, person: &str, format: Format) -> Result<(), Failure> {
@@ -338,9 +328,6 @@ fn forget(folder: &Path, person: &str, format: Format) -> Result<(), Failure> {
     let study = DesignFile::read(&folder.join(DESIGN_FILE)).map_err(Failure::study(doing))?;
     let state = folder.join(RECORDS).join(STATE);
     let gone = maveric_seat::forget(&study, &state, person).map_err(failure(doing))?;
-    if matches!(format, Format::Json) {
-        return print_json(&gone);
-    }
     let mut lines = vec![format!("{} is forgotten", gone.participant)];
     if !gone.in_seat {
         lines.push("they had given nothing in the seat".to_owned());
@@ -367,7 +354,7 @@ fn forget(folder: &Path, person: &str, format: Format) -> Result<(), Failure> {
         }
     }
     lines.push(gone.lasting.to_owned());
-    print_lines(&lines)
+    print_as(format, &gone, &lines)
 }
 
 fn paid(folder: &Path, format: Format) -> Result<(), Failure> {
@@ -375,13 +362,11 @@ fn paid(folder: &Path, format: Format) -> Result<(), Failure> {
     let study = DesignFile::read(&folder.join(DESIGN_FILE)).map_err(Failure::study(doing))?;
     let state = folder.join(RECORDS).join(STATE);
     let paid = maveric_seat::paid(&study, &state).map_err(failure(doing))?;
-    if matches!(format, Format::Json) {
-        return print_json(&paid);
-    }
-    print_lines(&[format!(
+    let line = format!(
         "{} ids on the platform were deleted; {} are left, of people whose part goes on",
         paid.deleted, paid.left
-    )])
+    );
+    print_as(format, &paid, &[line])
 }
 
 /// A file that was not taken in, and why.
@@ -406,52 +391,34 @@ fn import(study: &Path, files: &[PathBuf], format: Format) -> Result<(), Failure
             }
         }
     }
-    match format {
-        Format::Json => {
-            print_json(&serde_json::json!({"taken_in": taken, "not_taken_in": not_taken}))?;
-        }
-        Format::Text => {
-            let line = |p: &carried::TakenIn| {
-                format!(
-                    "{}: {} sheets, {} drives, {}",
-                    p.participant, p.sheets, p.drives, p.ended
-                )
-            };
-            print_lines(&taken.iter().map(line).collect::<Vec<_>>())?;
-        }
-    }
-    if not_taken.is_empty() {
-        Ok(())
-    } else {
-        Err(Failure::Told)
-    }
+    let line = |p: &carried::TakenIn| {
+        format!(
+            "{}: {} sheets, {} drives, {}",
+            p.participant, p.sheets, p.drives, p.ended
+        )
+    };
+    let lines: Vec<String> = taken.iter().map(line).collect();
+    let result = serde_json::json!({"taken_in": taken, "not_taken_in": not_taken});
+    print_as(format, &result, &lines)?;
+    Failure::told_unless(not_taken.is_empty())
 }
 
 fn repeat(log: &Path, format: Format) -> Result<(), Failure> {
     let doing = "could not drive it again";
     let repeated = replay::repeat(log).map_err(failure(doing))?;
-    match format {
-        Format::Json => print_json(&repeated)?,
-        Format::Text => {
-            let word = match repeated.same {
-                Some(true) => "the same states, to the byte",
-                Some(false) => "other states than its record says",
-                None => "cut short: nothing to hold its states against",
-            };
-            let (by, ticks, states) = (
-                repeated.driven_by.as_str(),
-                repeated.ticks,
-                &repeated.states,
-            );
-            print_lines(&[format!(
-                "{by}, {ticks} steps of 0.01 s, states {states}: {word}"
-            )])?;
-        }
-    }
-    match repeated.same {
-        Some(false) => Err(Failure::Told),
-        _ => Ok(()),
-    }
+    let word = match repeated.same {
+        Some(true) => "the same states, to the byte",
+        Some(false) => "other states than its record says",
+        None => "cut short: nothing to hold its states against",
+    };
+    let line = format!(
+        "{}, {} steps of 0.01 s, states {}: {word}",
+        repeated.driven_by.as_str(),
+        repeated.ticks,
+        repeated.states
+    );
+    print_as(format, &repeated, &[line])?;
+    Failure::told_unless(repeated.same != Some(false))
 }
 
 /// Where the runs of a study leave the model that they learned.

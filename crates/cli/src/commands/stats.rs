@@ -1,8 +1,8 @@
 //! `maveric stats`.
 
-use super::{Of, Runs, print_outcome};
+use super::{Of, Runs, print_outcome, read_words};
 use crate::diagnostics::Failure;
-use clap::{Args, CommandFactory as _, FromArgMatches as _, Subcommand};
+use clap::{Args, CommandFactory as _, Subcommand};
 use maveric_study::{
     Outcome,
     stages::{analyse::Analyse, stats::AnyTest},
@@ -10,7 +10,7 @@ use maveric_study::{
 };
 use path_slash::PathExt as _;
 use serde_json::Value;
-use std::sync::{LazyLock, Mutex, PoisonError};
+use std::sync::{LazyLock, Mutex};
 
 /// One test on a tidy table (CSV, Parquet or - for standard input), or the paper's whole analysis
 #[derive(Debug, Args)]
@@ -73,20 +73,12 @@ struct Call {
 /// Its words and flags, put together once: that takes longer than many a test.
 static CALL: LazyLock<Mutex<clap::Command>> = LazyLock::new(|| Mutex::new(Call::command()));
 
-impl Call {
-    fn from_words(words: &[String]) -> Result<Self, clap::Error> {
-        let mut command = CALL.lock().unwrap_or_else(PoisonError::into_inner);
-        let matches = command.try_get_matches_from_mut(words)?;
-        Self::from_arg_matches(&matches).map_err(|error| error.format(&mut command))
-    }
-}
-
 /// One call of `maveric stats` over a table in memory: `words` are those of the command after `stats`, the table's name among them.
 ///
 /// # Errors
 /// The text that the command would print.
 pub fn stats_of_table(words: &[String], table: TableBuilder) -> Result<Outcome<Value>, String> {
-    let call = Call::from_words(words).map_err(|e| e.to_string())?;
+    let call: Call = read_words(&CALL, words).map_err(|e| e.to_string())?;
     let Asked::Test(test) = call.asked else {
         return Err("`stats study` reads a run's folder: run it as a command".to_owned());
     };

@@ -1,6 +1,6 @@
 //! `maveric trace`.
 
-use super::{print_json, print_lines};
+use super::print_as;
 use crate::{
     diagnostics::Failure,
     place::{DESIGNED_FOLDER, place},
@@ -38,12 +38,7 @@ impl Trace {
             let ledger = Ledger::read_any(&place.ledger).map_err(Failure::pipeline(doing))?;
             let path = below_root(&self.path, &place.root);
             match maveric_pipeline::trace(&ledger, &place, &path) {
-                Ok(trace) => {
-                    return match self.format {
-                        Format::Json => print_json(&trace),
-                        Format::Text => print_lines(&trace.lines()),
-                    };
-                }
+                Ok(trace) => return print_as(self.format, &trace, &trace.lines()),
                 Err(error @ PipelineError::NotMade { .. }) => not_made = Some(error),
                 Err(error) => return Err(Failure::pipeline(doing)(error)),
             }

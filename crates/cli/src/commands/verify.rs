@@ -1,6 +1,6 @@
 //! `maveric verify`.
 
-use super::{print_json, print_lines};
+use super::print_as;
 use crate::{
     diagnostics::Failure,
     place::{DEFAULT_PIPELINE, PipelineArgs, place},
@@ -31,15 +31,8 @@ impl Verify {
         let pipeline = self.pipeline.read(&self.file)?;
         let verification = maveric_pipeline::verify(&pipeline, &place(&self.file)?)
             .map_err(Failure::pipeline("could not verify the pipeline's files"))?;
-        match self.format {
-            Format::Json => print_json(&verification)?,
-            Format::Text => print_lines(&lines(&verification))?,
-        }
-        if verification.findings.is_empty() {
-            Ok(())
-        } else {
-            Err(Failure::Told)
-        }
+        print_as(self.format, &verification, &lines(&verification))?;
+        Failure::told_unless(verification.findings.is_empty())
     }
 }
 

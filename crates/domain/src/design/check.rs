@@ -2,7 +2,7 @@
 
 use super::{
     condition::{Baseline, Car, Condition, Matched, Role, Sign},
-    error::DesignError,
+    error::{Checked, DesignError, refuse},
     exclude::Exclude,
     factors,
     files::ModelFile,
@@ -20,8 +20,6 @@ use super::{
 use crate::{design::Design, units::SpeedUnit};
 use std::collections::BTreeMap;
 
-type Checked<T> = Result<T, DesignError>;
-
 /// Most conditions: a study compares them in pairs, of which these are 1,225 for every outcome.
 const MOST_CONDITIONS: usize = 50;
 
@@ -38,7 +36,7 @@ impl Design {
 
 fn design(raw: DesignToml) -> Checked<Design> {
     if raw.study.title.trim().is_empty() {
-        return Err(DesignError::key("study.title", "an empty text", "a title"));
+        return refuse("study.title", "an empty text", "a title");
     }
     let people = people(raw.people);
     let style = raw.style.map(style).transpose()?;
@@ -46,11 +44,11 @@ fn design(raw: DesignToml) -> Checked<Design> {
     let model = model_file(raw.model)?;
     let learned = people.learn.is_some() || model.is_some();
     if raw.condition.is_empty() && raw.role.is_empty() {
-        return Err(DesignError::key(
+        return refuse(
             "condition",
             "none",
             "at least one [[condition]], or [[role]]s in which people drove",
-        ));
+        );
     }
     let conditions = conditions(raw.condition, style.as_ref(), learned)?;
     let baseline = raw.baseline.map(|b| Baseline {
@@ -130,11 +128,11 @@ fn design(raw: DesignToml) -> Checked<Design> {
 fn model_file(raw: ModelToml) -> Checked<Option<ModelFile>> {
     let made_up = raw.made_up;
     match raw.file {
-        None if made_up => Err(DesignError::key(
+        None if made_up => refuse(
             "model.made_up",
             "`true` without a `file`",
             "the model that learned from made-up people",
-        )),
+        ),
         file => Ok(file.map(|file| ModelFile { file, made_up })),
     }
 }
@@ -155,10 +153,8 @@ fn roles(
     let roles: Vec<Role> = raw.into_iter().map(role).collect();
     once("role", roles.iter().map(|r| r.id.to_string()))?;
     for role in &roles {
-        let bad =
-            |key: &str, found: String, expected: &str| Err(DesignError::key(key, found, expected));
         if baseline.is_some_and(|b| b.id == role.id) {
-            return bad(
+            return refuse(
                 "role.id",
                 format!("`{}`, the baseline's", role.id),
                 "another id: a role is driven otherwise than the baseline",
@@ -169,7 +165,7 @@ fn roles(
                 .and_then(|s| s.range)
                 .is_some_and(|[low, high]| !(low..=high).contains(&score));
             if !score.is_finite() || style.is_none() || outside {
-                return bad(
+                return refuse(
                     "role.score",
                     format!("{score} of `{}`", role.id),
                     "points within the range of `[style]`, which says what they are points of",
@@ -181,14 +177,14 @@ fn roles(
         };
         let first = roles.iter().find(|r| r.id == repeats);
         if first.is_none_or(|r| r.repeats.is_some() || r.id == role.id) {
-            return bad(
+            return refuse(
                 "role.repeats",
                 format!("`{repeats}` of `{}`", role.id),
                 "the id of another role that repeats none itself",
             );
         }
         if role.score.is_some() {
-            return bad(
+            return refuse(
                 "role.score",
                 format!("a score of `{}`, which repeats `{repeats}`", role.id),
                 "no score: it has that of the role it repeats",
@@ -214,14 +210,14 @@ fn style(raw: StyleToml) -> Checked<Style> {
         .range
         .filter(|[low, high]| low.partial_cmp(high) != Some(std::cmp::Ordering::Less))
     {
-        return Err(DesignError::key(
+        return refuse(
             "style.range",
             format!("[{low}, {high}]"),
             "the lowest score, then a higher one",
-        ));
+        );
     }
     if let Some(points) = raw.points.filter(|p| !(p.is_finite() && *p > 0.0)) {
-        return Err(DesignError::key("style.points", points, "above 0"));
+        return refuse("style.points", points, "above 0");
     }
     Ok(Style {
         label: raw.label.unwrap_or_else(|| raw.score.to_string()),
@@ -238,11 +234,11 @@ fn conditions(
     learned: bool,
 ) -> Checked<Vec<Condition>> {
     if raw.len() > MOST_CONDITIONS {
-        return Err(DesignError::key(
+        return refuse(
             "condition",
             raw.len().to_string(),
             format!("at most {MOST_CONDITIONS}"),
-        ));
+        );
     }
     let Some(first) = raw.first() else {
         return Ok(Vec::new());
@@ -257,20 +253,20 @@ fn conditions(
             [] => "no factor".to_owned(),
             names => names.join(", "),
         };
-        return Err(DesignError::key(
+        return refuse(
             format!("condition.{}.levels", other.id),
             quoted(&factors(other)),
             format!("{}, as in `{}`", quoted(&expected), first.id),
-        ));
+        );
     }
     for factor in &expected {
         let level = first.levels.get(factor);
         if raw.iter().all(|c| c.levels.get(factor) == level) {
-            return Err(DesignError::key(
+            return refuse(
                 format!("condition.levels.{factor}"),
                 format!("`{}` in every condition", level.map_or("", String::as_str)),
                 "at least two levels of a factor",
-            ));
+            );
         }
     }
     raw.into_iter()
@@ -307,20 +303,20 @@ fn condition(
     let car = car(&key("car"), raw_car, style)?;
     let in_own_style = matches!(car, Some(Car::Dial(_) | Car::Across));
     if vary && (recorded || !in_own_style) {
-        return Err(DesignError::key(
+        return refuse(
             key("car.vary"),
             "`true` for a car that does not drive a person's own style in the program's simulator",
             "`vary = true` beside `dial = POINTS` or `across = true`, and without `recorded = true`",
-        ));
+        );
     }
     // What was driven is driven again without a model, and nowhere but where it was driven.
     let replayed = car == Some(Car::Replay);
     if car.is_some() && !replayed && !learned {
-        return Err(DesignError::key(
+        return refuse(
             key("car"),
             "a learned car",
             "people to learn from (`[people] learn`), a `[model] file`, or `car = { recorded = true }` alone",
-        ));
+        );
     }
     Ok(Condition {
         label: raw.label.unwrap_or_else(|| raw.id.to_string()),
@@ -357,17 +353,17 @@ fn car(key: &str, raw: CarToml, style: Option<&Style>) -> Checked<Option<Car>> {
     let mut given: Vec<Car> = cars.into_iter().flatten().collect();
     if given.len() > 1 {
         let kinds: Vec<&str> = given.iter().map(kind).collect();
-        return Err(DesignError::key(key, kinds.join(" and "), CARS));
+        return refuse(key, kinds.join(" and "), CARS);
     }
     if given.is_empty() && !raw.recorded {
-        return Err(DesignError::key(key, "no car", CARS));
+        return refuse(key, "no car", CARS);
     }
     if on_the_dial && style.is_none() {
-        return Err(DesignError::key(
+        return refuse(
             key,
             "a place on the dial, and no `[style]`",
             "a `[style]` with the score that the dial turns, or a car without it: { mean = true }, { embedding = \"FILE.csv\" }, { recorded = true }",
-        ));
+        );
     }
     Ok(given.pop())
 }
@@ -377,22 +373,22 @@ fn matched(key: &str, raw: &CarToml) -> Checked<Option<Matched>> {
     let beside = [("from", raw.from.is_some()), ("apart", raw.apart.is_some())];
     if raw.other.is_none() {
         return match beside.into_iter().find(|(_, given)| *given) {
-            Some((name, _)) => Err(DesignError::key(
+            Some((name, _)) => refuse(
                 format!("{key}.{name}"),
                 "a car that has nobody else's style",
                 "it beside `other = \"matched\"` alone",
-            )),
+            ),
             None => Ok(None),
         };
     }
     let apart_sd = raw.apart.unwrap_or(APART_SD);
     let [least, most] = apart_sd;
     if !(least >= 0.0 && least < most && most.is_finite()) {
-        return Err(DesignError::key(
+        return refuse(
             format!("{key}.apart"),
             format!("[{least}, {most}]"),
             "two distances in standard deviations, the shorter first, such as [0.7, 2.5]",
-        ));
+        );
     }
     let from = raw.from.unwrap_or_default();
     Ok(Some(Matched { from, apart_sd }))
@@ -440,11 +436,11 @@ fn dial(key: &str, raw: DialToml, style: Option<&Style>) -> Checked<f64> {
     if points.is_finite() && points.abs() <= widest {
         Ok(points)
     } else {
-        Err(DesignError::key(
+        refuse(
             key,
             points,
             format!("at most {widest} points either way, the width of `style.range`"),
-        ))
+        )
     }
 }
 
@@ -453,20 +449,12 @@ fn exclude(rules: &Exclude) -> Checked<()> {
     let reasons = reasons.chain(rules.drives.iter().map(|(id, why)| (id.as_str(), why)));
     for (id, why) in reasons {
         if why.trim().is_empty() {
-            return Err(DesignError::key(
-                format!("exclude: {id}"),
-                "an empty text",
-                "the reason",
-            ));
+            return refuse(format!("exclude: {id}"), "an empty text", "the reason");
         }
     }
     let shortest = rules.drive_shorter_than_s;
     if let Some(seconds) = shortest.filter(|s| !(s.is_finite() && *s > 0.0)) {
-        return Err(DesignError::key(
-            "exclude.drive_shorter_than_s",
-            seconds,
-            "seconds above 0",
-        ));
+        return refuse("exclude.drive_shorter_than_s", seconds, "seconds above 0");
     }
     Ok(())
 }

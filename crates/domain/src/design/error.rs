@@ -2,6 +2,8 @@
 
 use crate::nearest::nearest;
 
+pub(super) type Checked<T> = Result<T, DesignError>;
+
 /// A design that is refused: which key, what stands there, what would be possible.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
@@ -94,4 +96,13 @@ impl DesignError {
             nearest,
         }
     }
+}
+
+/// Refuses a value that is not possible; as [`DesignError::key`].
+pub(super) fn refuse<T>(
+    key: impl Into<String>,
+    found: impl ToString,
+    expected: impl Into<String>,
+) -> Checked<T> {
+    Err(DesignError::key(key, found, expected))
 }

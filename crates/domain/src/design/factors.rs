@@ -3,13 +3,11 @@
 use super::{
     condition::Condition,
     contrast::{LevelContrast, Levels},
-    error::DesignError,
+    error::{Checked, DesignError, refuse},
     people::{CONDITION, Covariate, Factor},
     toml_file::FactorToml,
 };
 use crate::nearest;
-
-type Checked<T> = Result<T, DesignError>;
 
 /// The factors that the conditions cross, each with its levels in the order of the conditions; else the conditions themselves are one.
 pub(super) fn within(conditions: &[Condition]) -> Vec<(String, Vec<String>)> {
@@ -68,7 +66,7 @@ pub(super) fn factors(
                 crossed.push(factor);
             }
             (column, _) => {
-                return Err(DesignError::key(
+                return refuse(
                     "factor",
                     if column.is_some() {
                         "both `column` and `within`"
@@ -76,7 +74,7 @@ pub(super) fn factors(
                         "neither `column` nor `within`"
                     },
                     "`column`, of the people's table, or `within`, a factor that the conditions cross",
-                ));
+                );
             }
         }
     }
@@ -100,14 +98,10 @@ pub(super) fn contrasts(
             .values()
             .any(|levels| matches!(levels, Levels::Pair(_)))
         {
-            return Err(DesignError::key(key, "no pair of levels", expected));
+            return refuse(key, "no pair of levels", expected);
         }
         if raw[..at].contains(contrast) {
-            return Err(DesignError::key(
-                key,
-                "a contrast that stands above",
-                "each once",
-            ));
+            return refuse(key, "a contrast that stands above", "each once");
         }
         for (factor, levels) in contrast {
             let key = format!("{key}.{factor}");
@@ -115,7 +109,7 @@ pub(super) fn contrasts(
                 && first == second
             {
                 let pair = format!("`{first}` with itself");
-                return Err(DesignError::key(key, pair, "two levels"));
+                return refuse(key, pair, "two levels");
             }
             if between.iter().any(|f| f.name == *factor) {
                 continue;
@@ -151,11 +145,11 @@ pub(super) fn products(covariates: &[Covariate], conditions: &[Condition]) -> Ch
         let Some(unknown) = unknown else { continue };
         let nearest = nearest(unknown, known.iter().map(String::as_str));
         let meant = nearest.map_or_else(String::new, |n| format!("; did you mean `{n}`?"));
-        return Err(DesignError::key(
+        return refuse(
             "covariate.with",
             format!("`{unknown}` of `{}`", covariate.column),
             format!("an effect within people: `{}`{meant}", known.join("`, `")),
-        ));
+        );
     }
     Ok(())
 }
@@ -169,11 +163,11 @@ pub(super) fn printable<'a>(labels: impl IntoIterator<Item = (String, &'a str)>)
         let letters = label.chars().count();
         if letters > LONGEST_LABEL {
             let start: String = label.chars().take(20).collect();
-            return Err(DesignError::key(
+            return refuse(
                 key,
                 format!("`{start}…`, {letters} letters"),
                 format!("at most {LONGEST_LABEL}: it has to fit below an axis and into a table"),
-            ));
+            );
         }
     }
     Ok(())

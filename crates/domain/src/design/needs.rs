@@ -1,6 +1,6 @@
 //! What a study needs of the computer of whoever takes part, looked at before anybody agrees.
 
-use super::DesignError;
+use super::error::{Checked, refuse};
 use serde::{Deserialize, Serialize};
 
 /// What somebody drives with.
@@ -47,7 +47,7 @@ const MOST_PX: f64 = 16_384.0;
 
 impl Needs {
     /// `tried` is whether what somebody drives with is tried before the drives.
-    pub(super) fn check(&self, tried: bool) -> Result<(), DesignError> {
+    pub(super) fn check(&self, tried: bool) -> Checked<()> {
         for (key, least, most, unit) in [
             (
                 "pictures_per_second",
@@ -60,19 +60,15 @@ impl Needs {
         ] {
             if let Some(least) = least.filter(|least| !(1.0..=most).contains(least)) {
                 let expected = format!("1 to {most} {unit}");
-                return Err(DesignError::key(
-                    format!("protocol.needs.{key}"),
-                    least,
-                    expected,
-                ));
+                return refuse(format!("protocol.needs.{key}"), least, expected);
             }
         }
         if self.device == Some(InputDevice::Wheel) && !tried {
-            return Err(DesignError::key(
+            return refuse(
                 "protocol.needs.device",
                 "wheel",
                 "`controls` among `steps`: a wheel is measured there",
-            ));
+            );
         }
         Ok(())
     }
@@ -83,7 +79,7 @@ mod tests {
     use super::*;
     use crate::Design;
 
-    fn read(lines: &str) -> Result<Design, DesignError> {
+    fn read(lines: &str) -> Checked<Design> {
         Design::from_toml(&format!(
             "[study]\ntitle = \"x\"\n[[condition]]\nid = \"a\"\n[protocol]\n{lines}"
         ))

@@ -1,6 +1,6 @@
 //! In which order people meet the conditions of a design.
 
-use super::{Design, DesignError, Square};
+use super::{Design, DesignError, Square, error::refuse};
 use crate::condition::ConditionId;
 
 /// Orders of a design's conditions, a person each: rows of a square; where the levels of a factor are met in blocks, a square of the
@@ -70,7 +70,7 @@ impl OrderPlan {
             .zip(&blocks)
             .find(|(_, b)| b.len() != blocks[0].len())
         {
-            return Err(DesignError::key(
+            return refuse(
                 format!("condition.levels.{factor}"),
                 format!("{} conditions at `{level}`", block.len()),
                 format!(
@@ -78,7 +78,7 @@ impl OrderPlan {
                     blocks[0].len(),
                     levels[0]
                 ),
-            ));
+            );
         }
         Ok(Self { square, blocks })
     }

@@ -2,7 +2,7 @@
 
 use super::{
     condition::Sign,
-    error::DesignError,
+    error::{Checked, DesignError, refuse},
     toml_file::{AggressionToml, MeasureToml},
 };
 use std::collections::BTreeSet;
@@ -31,7 +31,7 @@ impl OwnMeasure {
 pub const ABOUT_A_ROW: [&str; 4] = ["participant", "condition", "session", "trial"];
 
 /// The measures with ids that can be columns and outcomes, each once and with its unit.
-pub(super) fn own_measures(raw: Vec<MeasureToml>) -> Result<Vec<OwnMeasure>, DesignError> {
+pub(super) fn own_measures(raw: Vec<MeasureToml>) -> Checked<Vec<OwnMeasure>> {
     let mut ids = BTreeSet::new();
     let measure = |raw: MeasureToml| {
         let id = raw.id;
@@ -42,11 +42,11 @@ pub(super) fn own_measures(raw: Vec<MeasureToml>) -> Result<Vec<OwnMeasure>, Des
                 "the name of its column: letters, digits, `_` and `-`, and none of `{}`, which say whose a row is",
                 ABOUT_A_ROW.join("`, `")
             );
-            return Err(DesignError::key("measure.id", format!("`{id}`"), expected));
+            return refuse("measure.id", format!("`{id}`"), expected);
         }
         if !ids.insert(id.clone()) {
             let twice = format!("`{id}` twice");
-            return Err(DesignError::key("measure.id", twice, "each once"));
+            return refuse("measure.id", twice, "each once");
         }
         let unit = raw.unit.filter(|unit| !unit.trim().is_empty());
         let unit = unit.ok_or_else(|| {

@@ -1,6 +1,10 @@
 //! Whether what a design says of the seat can be.
 
-use super::{DesignError, Probe, Protocol, ProtocolStep, protocol::Redirect, protocol::Sessions};
+use super::{
+    Probe, Protocol, ProtocolStep,
+    error::{Checked, DesignError, refuse},
+    protocol::{Redirect, Sessions},
+};
 
 /// Most sessions, and most rides in a condition.
 const MOST_REPEATS: u32 = 20;
@@ -11,7 +15,7 @@ pub const DRIVES_S: [f64; 2] = [10.0, 7_200.0];
 const BREAK_S: [f64; 2] = [1.0, 3_600.0];
 
 impl Protocol {
-    pub(super) fn check(&self) -> Result<(), DesignError> {
+    pub(super) fn check(&self) -> Checked<()> {
         let lengths = [
             ("drive_s", self.drive_s, DRIVES_S),
             ("ride_s", self.ride_s, DRIVES_S),
@@ -21,17 +25,13 @@ impl Protocol {
         for (key, found, [low, high]) in lengths {
             if !(low..=high).contains(&found) {
                 let expected = format!("{low} to {high} s");
-                return Err(DesignError::key(format!("protocol.{key}"), found, expected));
+                return refuse(format!("protocol.{key}"), found, expected);
             }
         }
         let kept_s = self.practice.lane_kept_s;
         if !(0.0..=self.practice.at_most_s).contains(&kept_s) {
             let expected = "0 s to `at_most_s`";
-            return Err(DesignError::key(
-                "protocol.practice.lane_kept_s",
-                kept_s,
-                expected,
-            ));
+            return refuse("protocol.practice.lane_kept_s", kept_s, expected);
         }
         let angles = [
             ("eye_m", self.view.eye_m, [0.5, 4.0], "m"),
@@ -41,28 +41,24 @@ impl Protocol {
         for (key, found, [low, high], unit) in angles {
             if !(low..=high).contains(&found) {
                 let expected = format!("{low} to {high} {unit}");
-                return Err(DesignError::key(
-                    format!("protocol.view.{key}"),
-                    found,
-                    expected,
-                ));
+                return refuse(format!("protocol.view.{key}"), found, expected);
             }
         }
         self.check_languages()?;
         if let Some(day) = self.withdraw_until.as_ref().filter(|day| !is_day(day)) {
             let expected = "a day such as 2026-12-31";
-            return Err(DesignError::key("protocol.withdraw_until", day, expected));
+            return refuse("protocol.withdraw_until", day, expected);
         }
         self.check_platform()?;
         if ![1, 3].contains(&self.view.screens) {
             let screens = self.view.screens;
-            return Err(DesignError::key("protocol.view.screens", screens, "1 or 3"));
+            return refuse("protocol.view.screens", screens, "1 or 3");
         }
         for (at, step) in self.steps.iter().enumerate() {
             if *step != ProtocolStep::Break && self.steps[..at].contains(step) {
                 let repeated = format!("{step:?} twice").to_lowercase();
                 let expected = "each once, but for `break`";
-                return Err(DesignError::key("protocol.steps", repeated, expected));
+                return refuse("protocol.steps", repeated, expected);
             }
         }
         let tried = self.steps.contains(&ProtocolStep::Controls);
@@ -86,59 +82,55 @@ fn is_language(text: &str) -> bool {
 
 impl Protocol {
     /// Whether languages are such, each once, and those to choose among have the study's.
-    fn check_languages(&self) -> Result<(), DesignError> {
+    fn check_languages(&self) -> Checked<()> {
         let expected = "a language as the web writes it, such as en, de or pt-br";
         if !is_language(&self.language) {
             let key = "protocol.language";
-            return Err(DesignError::key(key, &self.language, expected));
+            return refuse(key, &self.language, expected);
         }
         let key = "protocol.languages";
         for (at, language) in self.languages.iter().enumerate() {
             if !is_language(language) {
-                return Err(DesignError::key(key, language, expected));
+                return refuse(key, language, expected);
             }
             if self.languages[..at].contains(language) {
-                return Err(DesignError::key(
-                    key,
-                    format!("{language} twice"),
-                    "each once",
-                ));
+                return refuse(key, format!("{language} twice"), "each once");
             }
         }
         if !self.languages.is_empty() && !self.languages.contains(&self.language) {
             let expected = format!("`{}` among them, which is `language`", self.language);
-            return Err(DesignError::key(key, self.languages.join(", "), expected));
+            return refuse(key, self.languages.join(", "), expected);
         }
         Ok(())
     }
 
     /// Whether a platform can name ids so, and be gone back to.
-    fn check_platform(&self) -> Result<(), DesignError> {
+    fn check_platform(&self) -> Checked<()> {
         let named = |name: &&String| {
             let of_address = |b: u8| b.is_ascii_alphanumeric() || b == b'_';
             (1..=64).contains(&name.len()) && name.bytes().all(of_address)
         };
         if let Some(name) = self.platform.as_ref().filter(|name| !named(name)) {
             let expected = "letters, digits and `_`, such as PROLIFIC_PID";
-            return Err(DesignError::key("protocol.platform", name, expected));
+            return refuse("protocol.platform", name, expected);
         }
         let elsewhere = self.redirect.iter().flat_map(Redirect::addresses);
         for (key, address) in elsewhere {
             if !address.starts_with("https://") || address.contains(char::is_whitespace) {
                 let key = format!("protocol.redirect.{key}");
-                return Err(DesignError::key(key, address, "an address, https://…"));
+                return refuse(key, address, "an address, https://…");
             }
         }
         Ok(())
     }
 
     /// Whether there is a number of rides and sessions that somebody can come to, and a time between these.
-    fn check_repeats(&self) -> Result<(), DesignError> {
+    fn check_repeats(&self) -> Checked<()> {
         let rides = self.rides_per_condition;
         if !(1..=MOST_REPEATS).contains(&rides) {
             let expected = format!("1 to {MOST_REPEATS}");
             let key = "protocol.rides_per_condition";
-            return Err(DesignError::key(key, rides, expected));
+            return refuse(key, rides, expected);
         }
         let Some(Sessions {
             count,
@@ -151,33 +143,25 @@ impl Protocol {
             let expected =
                 format!("2 to {MOST_REPEATS}; for one session leave out [protocol.sessions]");
             let key = "protocol.sessions.count";
-            return Err(DesignError::key(key, count, expected));
+            return refuse(key, count, expected);
         }
         if least > most {
             let expected = "the fewest days from one session to the next, then the most";
             let key = "protocol.sessions.days_between";
-            return Err(DesignError::key(
-                key,
-                format!("[{least}, {most}]"),
-                expected,
-            ));
+            return refuse(key, format!("[{least}, {most}]"), expected);
         }
         Ok(())
     }
 
     /// Whether what is to be asked can be asked, and what is judged is asked.
-    fn check_moments(&self) -> Result<(), DesignError> {
+    fn check_moments(&self) -> Checked<()> {
         for (key, scales, step) in [
             ("screen", &self.screen, ProtocolStep::Screen),
             ("post", &self.post, ProtocolStep::Post),
         ] {
             if !scales.is_empty() && !self.steps.contains(&step) {
                 let expected = format!("`{key}` among `steps`, or no scales here");
-                return Err(DesignError::key(
-                    format!("protocol.{key}"),
-                    scales.join(", "),
-                    expected,
-                ));
+                return refuse(format!("protocol.{key}"), scales.join(", "), expected);
             }
         }
         for rule in &self.admit_if {
@@ -200,13 +184,13 @@ impl Protocol {
             let (low, high) = (Probe::ANSWERED_WITHIN_S, self.ride_s);
             let expected = format!("{low} s to less than {high} s, the length of a ride");
             let key = "protocol.probe.every_s";
-            return Err(DesignError::key(key, probe.every_s, expected));
+            return refuse(key, probe.every_s, expected);
         }
         if self.after.contains(&probe.scale) {
             let expected =
                 "a scale that is not in `after`: each condition has one score of a scale";
             let key = "protocol.probe.scale";
-            return Err(DesignError::key(key, &probe.scale, expected));
+            return refuse(key, &probe.scale, expected);
         }
         Ok(())
     }

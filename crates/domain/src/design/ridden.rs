@@ -2,7 +2,7 @@
 
 use super::{
     condition::{Car, Condition},
-    error::DesignError,
+    error::{Checked, refuse},
     protocol::{Protocol, ProtocolStep, World},
 };
 
@@ -13,7 +13,7 @@ fn needs_own_style(condition: &Condition) -> bool {
 }
 
 /// Refuses rides in somebody's own style before a drive by hand. Where every car has a style of its own, or none is ours, nobody has to drive.
-pub(super) fn ridden(protocol: &Protocol, conditions: &[Condition]) -> Result<(), DesignError> {
+pub(super) fn ridden(protocol: &Protocol, conditions: &[Condition]) -> Checked<()> {
     let place = |step| protocol.steps.iter().position(|s| *s == step);
     let Some(rides) = place(ProtocolStep::Rides) else {
         return Ok(());
@@ -29,15 +29,15 @@ pub(super) fn ridden(protocol: &Protocol, conditions: &[Condition]) -> Result<()
         "`drive` before `rides`: the style of `{}` is learned from it",
         own.id
     );
-    Err(DesignError::key(
+    refuse(
         "protocol.steps",
         "rides without a drive before them",
         expected,
-    ))
+    )
 }
 
 /// Refuses a drive shown again beside rides that are in another world than it was, or last longer or shorter: they would differ by more than by who drives.
-fn replayed(protocol: &Protocol, conditions: &[Condition]) -> Result<(), DesignError> {
+fn replayed(protocol: &Protocol, conditions: &[Condition]) -> Checked<()> {
     let Some(shown) = conditions.iter().find(|c| c.car == Some(Car::Replay)) else {
         return Ok(());
     };
@@ -51,18 +51,14 @@ fn replayed(protocol: &Protocol, conditions: &[Condition]) -> Result<(), DesignE
         let expected = format!(
             "\"same\": `{id}` shows the drive by hand again, and every ride has to be in its world"
         );
-        return Err(DesignError::key("protocol.world", world, expected));
+        return refuse("protocol.world", world, expected);
     }
     if (protocol.ride_s - protocol.drive_s).abs() > 0.0 {
         let expected = format!(
             "{} as `drive_s`: `{id}` shows the drive by hand again, and every ride lasts as long",
             protocol.drive_s
         );
-        return Err(DesignError::key(
-            "protocol.ride_s",
-            protocol.ride_s,
-            expected,
-        ));
+        return refuse("protocol.ride_s", protocol.ride_s, expected);
     }
     Ok(())
 }

@@ -3,25 +3,19 @@
 use super::{
     condition::Condition,
     contrast::{Claim, Compare, Hypothesis},
-    error::DesignError,
+    error::{Checked, DesignError, refuse},
     outcome::{DeclaredTest, Outcome, Quantity, ScoreName},
     toml_file::{CompareToml, HypothesisToml, OutcomeToml},
 };
 use crate::condition::ConditionId;
 use std::collections::BTreeSet;
 
-type Checked<T> = Result<T, DesignError>;
-
 /// Refuses the second of two that are called the same.
 pub(super) fn once(key: &str, names: impl IntoIterator<Item = String>) -> Checked<()> {
     let mut seen = BTreeSet::new();
     for name in names {
         if seen.contains(&name) {
-            return Err(DesignError::key(
-                key,
-                format!("`{name}` twice"),
-                "each once",
-            ));
+            return refuse(key, format!("`{name}` twice"), "each once");
         }
         seen.insert(name);
     }
@@ -45,7 +39,7 @@ pub(super) fn outcomes(
     let whole = |(at, raw): (usize, OutcomeToml)| {
         if let Some(within) = raw.same_within.filter(|w| !w.is_finite() || *w <= 0.0) {
             let expected = "a number above 0, in the unit of the page";
-            return Err(DesignError::key("outcome.same_within", within, expected));
+            return refuse("outcome.same_within", within, expected);
         }
         let key = |field: &str| format!("outcome[{}].{field}", at + 1);
         once(
@@ -55,7 +49,7 @@ pub(super) fn outcomes(
         if let (Some(measure), [_, ..]) = (&raw.measure, raw.drop_items.as_slice()) {
             let expected = "none: only a score has items";
             let dropped = format!("items of the measure `{measure}`");
-            return Err(DesignError::key(key("drop_items"), dropped, expected));
+            return refuse(key("drop_items"), dropped, expected);
         }
         Ok(Outcome {
             primary: primary(&raw, key, conditions, pairs)?,
@@ -76,16 +70,12 @@ fn quantity(measure: Option<String>, scale: Option<ScoreName>) -> Checked<Quanti
     match (measure, scale) {
         (Some(measure), None) => Ok(Quantity::Measure(measure)),
         (None, Some(score)) => Ok(Quantity::Score(score)),
-        (Some(measure), Some(score)) => Err(DesignError::key(
+        (Some(measure), Some(score)) => refuse(
             "outcome",
             format!("measure `{measure}` and scale `{score}`"),
             "one of them; two outcomes stand in two [[outcome]]",
-        )),
-        (None, None) => Err(DesignError::key(
-            "outcome",
-            "neither `measure` nor `scale`",
-            "one of them",
-        )),
+        ),
+        (None, None) => refuse("outcome", "neither `measure` nor `scale`", "one of them"),
     }
 }
 
@@ -101,36 +91,28 @@ fn primary(
     if !raw.primary {
         return match raw.contrast {
             None => Ok(None),
-            Some([first, second]) => Err(DesignError::key(
+            Some([first, second]) => refuse(
                 key("contrast"),
                 format!("`{first}` and `{second}`, of an outcome that is not primary"),
                 "`primary = true` beside it; other outcomes are compared as `[contrasts]` says",
-            )),
+            ),
         };
     }
     match raw.test {
         None => {
-            return Err(DesignError::key(
-                key("test"),
-                "none of a primary outcome",
-                TESTS,
-            ));
+            return refuse(key("test"), "none of a primary outcome", TESTS);
         }
         Some(DeclaredTest::Auto) => {
-            return Err(DesignError::key(
-                key("test"),
-                "`auto` of a primary outcome",
-                TESTS,
-            ));
+            return refuse(key("test"), "`auto` of a primary outcome", TESTS);
         }
         Some(_) => {}
     }
     let Some(contrast) = raw.contrast else {
-        return Err(DesignError::key(
+        return refuse(
             key("contrast"),
             "none of a primary outcome",
             "the one pair of conditions that decides, such as [\"sporty\", \"calm\"]",
-        ));
+        );
     };
     compared(&key("contrast"), contrast, conditions, pairs)?;
     Ok(Some(contrast))
@@ -149,14 +131,14 @@ fn compared(
         return Ok(());
     }
     let compared: Vec<String> = pairs.iter().map(|[a, b]| format!("{a} and {b}")).collect();
-    Err(DesignError::key(
+    refuse(
         key,
         format!("`{first}` and `{second}`"),
         format!(
             "a pair that `[contrasts]` compares: {}",
             compared.join("; ")
         ),
-    ))
+    )
 }
 
 pub(super) fn compare(raw: Option<CompareToml>, conditions: &[Condition]) -> Checked<Compare> {
@@ -171,22 +153,18 @@ pub(super) fn compare(raw: Option<CompareToml>, conditions: &[Condition]) -> Che
                 known(KEY, id, conditions)?;
                 Ok(Compare::Against(id))
             }
-            _ => Err(DesignError::key(
+            _ => refuse(
                 KEY,
                 format!("`{word}`"),
                 "\"all\", \"against ID\", or a list of pairs of conditions",
-            )),
+            ),
         },
         Some(CompareToml::Pairs(pairs)) => {
             for &[first, second] in &pairs {
                 known(KEY, first, conditions)?;
                 known(KEY, second, conditions)?;
                 if first == second {
-                    return Err(DesignError::key(
-                        KEY,
-                        format!("`{first}` with itself"),
-                        "two conditions",
-                    ));
+                    return refuse(KEY, format!("`{first}` with itself"), "two conditions");
                 }
             }
             once(
@@ -218,14 +196,14 @@ pub(super) fn hypothesis(
         (Some(sign), None) => Claim::Direction(sign),
         (None, Some([low, high])) if low < high => Claim::Equivalent([low, high]),
         (None, Some([low, high])) => {
-            return Err(DesignError::key(
+            return refuse(
                 key("equivalent"),
                 format!("[{low}, {high}]"),
                 "a lower bound, then a higher one",
-            ));
+            );
         }
         (found, _) => {
-            return Err(DesignError::key(
+            return refuse(
                 key("direction"),
                 if found.is_some() {
                     "both `direction` and `equivalent`"
@@ -233,7 +211,7 @@ pub(super) fn hypothesis(
                     "neither `direction` nor `equivalent`"
                 },
                 "one of them",
-            ));
+            );
         }
     };
     Ok(Hypothesis {

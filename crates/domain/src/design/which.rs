@@ -2,7 +2,7 @@
 
 use super::{
     condition::Condition,
-    error::DesignError,
+    error::{Checked, refuse},
     protocol::{Protocol, ProtocolStep},
     tested::known,
 };
@@ -13,7 +13,7 @@ pub const WHICH: &str = "which";
 const KEY: &str = "protocol.which";
 
 /// Refuses to ask it of two rides that are not one in the own style and one in another, and without saying afterwards what was done.
-pub(super) fn which(protocol: &Protocol, conditions: &[Condition]) -> Result<(), DesignError> {
+pub(super) fn which(protocol: &Protocol, conditions: &[Condition]) -> Checked<()> {
     let Some(pair) = protocol.which else {
         return Ok(());
     };
@@ -23,26 +23,26 @@ pub(super) fn which(protocol: &Protocol, conditions: &[Condition]) -> Result<(),
     let is_own = |c: &&Condition| pair.contains(&c.id) && c.dial() == Some(0.0);
     let [first, second] = pair;
     if first == second || conditions.iter().filter(is_own).count() != 1 {
-        return Err(DesignError::key(
+        return refuse(
             KEY,
             format!("`{first}` and `{second}`"),
             "two conditions, one of them with `car = { dial = 0 }`",
-        ));
+        );
     }
     let place = |step| protocol.steps.iter().position(|s| *s == step);
     let rides = place(ProtocolStep::Rides);
     if rides.is_none() || place(ProtocolStep::Which) < rides {
         let expected = "`which` among `steps`, after `rides`";
-        return Err(DesignError::key(KEY, "nowhere to ask it", expected));
+        return refuse(KEY, "nowhere to ask it", expected);
     }
     let elsewhere = [&protocol.before, &protocol.after, &protocol.post];
     if elsewhere.into_iter().flatten().any(|id| id == WHICH) {
         let expected = "it to be asked here alone: not in `before`, `after` or `post`";
-        return Err(DesignError::key(KEY, "scale `which` twice", expected));
+        return refuse(KEY, "scale `which` twice", expected);
     }
     if protocol.debrief.is_none() {
         let expected = "a text that says afterwards what was done, such as \"debrief.md\": people were not told whose style it was";
-        return Err(DesignError::key("protocol.debrief", "none", expected));
+        return refuse("protocol.debrief", "none", expected);
     }
     Ok(())
 }

@@ -10,13 +10,9 @@ const SPEED_DIFFERENCE_MPS: f64 = 1.0;
 /// Fills `following`: a reference vehicle ahead in ego's lane, a time gap below 3 s, speeds within
 /// 1 m/s, and ego keeping its lane.
 pub(super) fn label(rows: &mut Rows, road: &Road) {
-    // Further aside than half a lane is another lane.
-    let own_lane_m = 0.5 * road.lane_width_m;
     rows.following = (0..rows.time_s.len())
         .map(|i| {
-            rows.lead_present[i]
-                && rows.lead_dx_m[i] > 0.0
-                && rows.lead_dy_m[i].abs() < own_lane_m
+            rows.lead_ahead(i, road)
                 && rows.changing[i] == 0
                 && rows.lead_dx_m[i] < TIME_GAP_S * rows.ego_speed_mps[i]
                 && (rows.lead_speed_mps[i] - rows.ego_speed_mps[i]).abs() < SPEED_DIFFERENCE_MPS

@@ -40,28 +40,6 @@ const LABEL_S: f64 = 1.0;
 /// Half the span of the central difference that gives the lateral speed, in s.
 const HALF_SPAN_S: f64 = 0.2;
 
-fn lateral_speed(rows: &Rows, rate_hz: f64) -> Vec<f64> {
-    let n = rows.time_s.len();
-    let half = ((HALF_SPAN_S * rate_hz).round() as usize).max(1);
-    let difference = |row: usize| {
-        let segment = rows.segment[row];
-        let low = (row.saturating_sub(half)..=row)
-            .find(|&i| rows.segment[i] == segment)
-            .unwrap_or(row);
-        let high = (row..=(row + half).min(n - 1))
-            .rev()
-            .find(|&i| rows.segment[i] == segment)
-            .unwrap_or(row);
-        let span = rows.time_s[high] - rows.time_s[low];
-        if span > 0.0 {
-            (rows.ego_y_m[high] - rows.ego_y_m[low]) / span
-        } else {
-            0.0
-        }
-    };
-    (0..n).map(difference).collect()
-}
-
 /// Rows at which ego is in another lane than the row before, weaves left out.
 fn crossings(rows: &Rows) -> Vec<usize> {
     let mut crossing_rows: Vec<usize> = Vec::new();
@@ -88,7 +66,7 @@ pub(super) fn label(rows: &mut Rows, road: &Road, rate_hz: f64) {
     rows.lane_change = vec![false; n];
     rows.changing = vec![0; n];
     rows.change_completes = vec![false; n];
-    let speed = lateral_speed(rows, rate_hz);
+    let speed = rows.slopes(&rows.ego_y_m, HALF_SPAN_S, rate_hz);
     let mut free_from = 0;
     for crossing in crossings(rows) {
         let new_lane = rows.lane[crossing];

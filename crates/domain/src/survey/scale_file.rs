@@ -313,34 +313,34 @@ impl ScaleFile {
 mod tests {
     use super::*;
 
-    const TWO_OF_FOUR: &str = r#"
-id = "trust"
-title = "Trust"
-reference = "chosen"
+    const TWO_OF_FOUR: &str = r"
+id = 'trust'
+title = 'Trust'
+reference = 'chosen'
 items = 4
 min = 1
 max = 7
-scoring = "sum"
+scoring = 'sum'
 reversed = [4]
 min_answered = 1.0
-wording = ["a", "b", "c", "d"]
-column = "q{item}"
+wording = ['a', 'b', 'c', 'd']
+column = 'q{item}'
 [[subscales]]
-id = "own"
-title = "Own"
+id = 'own'
+title = 'Own'
 items = [1, 2]
 reversed = [1]
 same = 14.0
-norms = { mean = 8.0, sd = 2.5, alpha = 0.8, source = "chosen" }
+norms = { mean = 8.0, sd = 2.5, alpha = 0.8, source = 'chosen' }
 [[subscales]]
-id = "other"
-title = "Other"
+id = 'other'
+title = 'Other'
 items = [3, 4]
 [[correlations]]
-of = ["own", "other"]
+of = ['own', 'other']
 r = 0.4
-source = "chosen"
-"#;
+source = 'chosen'
+";
 
     /// The scale with one line changed, and what is said of it.
     fn said(from: &str, to: &str) -> Result<Scale, String> {
@@ -359,16 +359,13 @@ source = "chosen"
         };
         assert_eq!((reversed(0), reversed(1)), (vec![1, 4], vec![4]));
         assert_eq!(scale.column_of(3), "q3");
-        let mean = said(
-            "scoring = \"sum\"\nreversed",
-            "scoring = \"mean\"\nreversed",
-        );
+        let mean = said("scoring = 'sum'\nreversed", "scoring = 'mean'\nreversed");
         assert!(mean.unwrap_err().contains("same is 14, expected 1 to 7"));
-        let plain = said("column = \"q{item}\"\n", "").unwrap();
+        let plain = said("column = 'q{item}'\n", "").unwrap();
         assert_eq!(plain.column_of(3), "trust_3");
         for (from, to) in [
             ("same = 14.0", "same = 2.0"),
-            ("wording = [\"a\", \"b\", \"c\", \"d\"]\n", ""),
+            ("wording = ['a', 'b', 'c', 'd']\n", ""),
             ("min_answered = 1.0", "min_answered = 0.01"),
             ("mean = 8.0, sd = 2.5", "mean = 2.1, sd = 5.9"),
             ("r = 0.4", "r = -0.99"),
@@ -379,14 +376,13 @@ source = "chosen"
 
     #[test]
     fn each_contradiction_of_a_scale_is_named() {
-        let twice =
-            "of = [\"other\", \"own\"]\nr = 0.1\nsource = \"x\"\n[[correlations]]\nof = [\"own\"";
+        let twice = "of = ['other', 'own']\nr = 0.1\nsource = 'x'\n[[correlations]]\nof = ['own'";
         for (from, to, word) in [
             ("items = 4", "items = 0", "at least one item"),
             ("max = 7", "max = 1", "min 1 is not below max 1"),
             ("min_answered = 1.0", "min_answered = 0.0", "not in (0, 1]"),
             ("min_answered = 1.0", "min_answered = 1.1", "not in (0, 1]"),
-            ("\"c\", \"d\"]", "\"c\"]", "3 texts for 4 items"),
+            ("'c', 'd']", "'c']", "3 texts for 4 items"),
             ("reversed = [4]", "reversed = [5]", "reversed item 5"),
             ("reversed = [4]", "reversed = [0]", "reversed item 0"),
             ("items = [1, 2]", "items = []", "`own` has no items"),
@@ -397,23 +393,19 @@ source = "chosen"
                 "reversed = [3]",
                 "reverses item 3, which it does not have",
             ),
-            ("id = \"other\"", "id = \"own\"", "`own` is defined twice"),
-            ("id = \"other\"", "id = \"Oth er\"", "lower-case letters"),
+            ("id = 'other'", "id = 'own'", "`own` is defined twice"),
+            ("id = 'other'", "id = 'Oth er'", "lower-case letters"),
             (
-                "items = 4\nmin = 1\nmax = 7\nscoring = \"sum\"\nreversed = [4]\nmin_answered = 1.0\nwording = [\"a\", \"b\", \"c\", \"d\"]",
-                "items = 1001\nmin = 1\nmax = 7\nscoring = \"sum\"",
+                "items = 4\nmin = 1\nmax = 7\nscoring = 'sum'\nreversed = [4]\nmin_answered = 1.0\nwording = ['a', 'b', 'c', 'd']",
+                "items = 1001\nmin = 1\nmax = 7\nscoring = 'sum'",
                 "1001 items, expected",
             ),
-            ("scoring = \"sum\"\n", "", "expected scoring = "),
-            ("scoring = \"sum\"", "scorring = \"sum\"", "scorring"),
+            ("scoring = 'sum'\n", "", "expected scoring = "),
+            ("scoring = 'sum'", "scorring = 'sum'", "scorring"),
+            ("title = 'Own'", "title = 'Own'\nweight = 0", "weight is 0"),
             (
-                "title = \"Own\"",
-                "title = \"Own\"\nweight = 0",
-                "weight is 0",
-            ),
-            (
-                "title = \"Own\"",
-                "title = \"Own\"\nsum_of = [\"other\"]",
+                "title = 'Own'",
+                "title = 'Own'\nsum_of = ['other']",
                 "no `items` of its own",
             ),
             ("items = [1, 2]", "items = [2, 1, 2]", "item 2 twice"),
@@ -425,24 +417,16 @@ source = "chosen"
             ("sd = 2.5", "sd = 0.0", "norms.sd is 0"),
             ("alpha = 0.8", "alpha = 1.0", "norms.alpha is 1"),
             ("alpha = 0.8", "alpha = 0.0", "norms.alpha is 0"),
-            ("source = \"chosen\" }", "source = \" \" }", "norms.source"),
-            ("column = \"q{item}\"", "column = \"q\"", "no `{item}`"),
-            (
-                "\"own\", \"other\"]",
-                "\"own\", \"own\"]",
-                "of one subscale",
-            ),
-            (
-                "\"own\", \"other\"]",
-                "\"own\", \"so\"]",
-                "no subscale `so`",
-            ),
-            ("of = [\"own\"", twice, "given twice"),
+            ("source = 'chosen' }", "source = ' ' }", "norms.source"),
+            ("column = 'q{item}'", "column = 'q'", "no `{item}`"),
+            ("'own', 'other']", "'own', 'own']", "of one subscale"),
+            ("'own', 'other']", "'own', 'so']", "no subscale `so`"),
+            ("of = ['own'", twice, "given twice"),
             ("r = 0.4", "r = 1.0", "is 1, expected between -1 and 1"),
             ("r = 0.4", "r = -1.0", "is -1, expected between"),
             (
-                "0.4\nsource = \"chosen\"",
-                "0.4\nsource = \"\"",
+                "0.4\nsource = 'chosen'",
+                "0.4\nsource = ''",
                 "source is empty",
             ),
         ] {
@@ -453,21 +437,21 @@ source = "chosen"
 
     /// The file of a scale with these lines at the top and these tables behind it.
     fn parsed(top: &str, tables: &str) -> Result<Scale, String> {
-        let head = "id = \"x\"\ntitle = \"X\"\nreference = \"made up\"\n";
+        let head = "id = 'x'\ntitle = 'X'\nreference = 'made up'\n";
         Scale::from_toml(&format!("{head}{top}\n{tables}")).map_err(|e| e.to_string())
     }
 
-    const PAIRS: &str = "kind = \"bipolar\"\nmin = -2\nmax = 2\nreversed = [1]\npairs = [[\"useful\", \"useless\"], [\"bad\", \"good\"]]\ninstruction = \"It is\"\n";
+    const PAIRS: &str = "kind = 'bipolar'\nmin = -2\nmax = 2\nreversed = [1]\npairs = [['useful', 'useless'], ['bad', 'good']]\ninstruction = 'It is'\n";
 
     #[test]
     fn short_forms_and_tables_of_items_are_one_list() {
         let short = parsed(
-            "min = 1\nmax = 3\nreversed = [2]\nwording = [\"a\", \"b\"]\nanchors = [\"no\", \"yes\"]",
+            "min = 1\nmax = 3\nreversed = [2]\nwording = ['a', 'b']\nanchors = ['no', 'yes']",
             "",
         );
         let long = parsed(
             "min = 1\nmax = 3",
-            "[[item]]\ntext = \"a\"\nanchors = [\"no\", \"yes\"]\n[[item]]\ntext = \"b\"\nreversed = true\nanchors = [\"no\", \"yes\"]\n",
+            "[[item]]\ntext = 'a'\nanchors = ['no', 'yes']\n[[item]]\ntext = 'b'\nreversed = true\nanchors = ['no', 'yes']\n",
         );
         assert_eq!(short.unwrap(), long.unwrap());
         let pairs = parsed(PAIRS, "").unwrap();
@@ -480,12 +464,12 @@ source = "chosen"
 
     #[test]
     fn each_kind_has_its_answers() {
-        let tables = "[[item]]\ntext = \"a\"\nkind = \"slider\"\nmin = 0\nmax = 100\nstep = 5\nanchors = [\"low\", \"high\"]\n\
-                      [[item]]\ntext = \"b\"\nkind = \"ladder\"\nmin = 0\nlevels = [\"none\", \"some\", \"much\"]\n\
-                      [[item]]\ntext = \"c\"\nkind = \"choice\"\nlevels = [\"yes\", \"No\"]\noptional = true\n\
-                      [[item]]\ntext = \"d\"\nkind = \"number\"\nmin = 18\nmax = 99\n\
-                      [[item]]\ntext = \"e\"\nkind = \"text\"\n\
-                      [[item]]\ntext = \"f\"\nmin = 1\nmax = 7\nexpected = 2\n";
+        let tables = "[[item]]\ntext = 'a'\nkind = 'slider'\nmin = 0\nmax = 100\nstep = 5\nanchors = ['low', 'high']\n\
+                      [[item]]\ntext = 'b'\nkind = 'ladder'\nmin = 0\nlevels = ['none', 'some', 'much']\n\
+                      [[item]]\ntext = 'c'\nkind = 'choice'\nlevels = ['yes', 'No']\noptional = true\n\
+                      [[item]]\ntext = 'd'\nkind = 'number'\nmin = 18\nmax = 99\n\
+                      [[item]]\ntext = 'e'\nkind = 'text'\n\
+                      [[item]]\ntext = 'f'\nmin = 1\nmax = 7\nexpected = 2\n";
         let scale = parsed("", tables).unwrap();
         let ranges: Vec<String> = scale.items.iter().map(Item::range).collect();
         assert_eq!(
@@ -514,7 +498,7 @@ source = "chosen"
             (None, None)
         );
         assert!(scale.item(0).is_none() && scale.item(7).is_none());
-        let unworded = parsed("kind = \"ladder\"\nitems = 1\nmin = 0\nmax = 10", "").unwrap();
+        let unworded = parsed("kind = 'ladder'\nitems = 1\nmin = 0\nmax = 10", "").unwrap();
         assert_eq!(
             (unworded.wording.worded(), unworded.items[0].points()),
             (0, 11)
@@ -523,7 +507,7 @@ source = "chosen"
 
     #[test]
     fn a_scale_speaks_the_languages_that_it_has_whole() {
-        let german = "[translation.de]\ninstruction = \"Es ist\"\npairs = [[\"nützlich\", \"nutzlos\"], [\"schlecht\", \"gut\"]]\n";
+        let german = "[translation.de]\ninstruction = 'Es ist'\npairs = [['nützlich', 'nutzlos'], ['schlecht', 'gut']]\n";
         let scale = parsed(PAIRS, german).unwrap();
         let instruction = |language| scale.wording_in(language)?.instruction.clone();
         assert_eq!(instruction("en").unwrap(), "It is");
@@ -532,30 +516,30 @@ source = "chosen"
         assert_eq!((instruction("nl"), instruction("d")), (None, None));
         for (from, to, word) in [
             (
-                ", [\"schlecht\", \"gut\"]",
+                ", ['schlecht', 'gut']",
                 "",
                 "[translation.de]: pairs has 1 texts for 2 items",
             ),
             (
-                "pairs = [[\"nützlich\", \"nutzlos\"], [\"schlecht\", \"gut\"]]\n",
+                "pairs = [['nützlich', 'nutzlos'], ['schlecht', 'gut']]\n",
                 "",
                 "lacks the words of item 1",
             ),
-            ("instruction = \"Es ist\"\n", "", "lacks instruction"),
+            ("instruction = 'Es ist'\n", "", "lacks instruction"),
             (
                 "[translation.de]",
                 "[translation.en]",
                 "language of the file itself",
             ),
-            ("\"nutzlos\"", "\"\"", "item 1: pair"),
+            ("'nutzlos'", "''", "item 1: pair"),
             ("instruction", "Instruction", "unknown field"),
         ] {
             assert!(german.contains(from), "{from}");
             let error = parsed(PAIRS, &german.replacen(from, to, 1)).unwrap_err();
             assert!(error.contains(word), "{to}: {error}");
         }
-        let anchors = "min = 1\nmax = 3\nwording = [\"a\"]\nanchors = [\"no\", \"yes\"]";
-        let error = parsed(anchors, "[translation.de]\nitems = [\"a\"]").unwrap_err();
+        let anchors = "min = 1\nmax = 3\nwording = ['a']\nanchors = ['no', 'yes']";
+        let error = parsed(anchors, "[translation.de]\nitems = ['a']").unwrap_err();
         assert!(
             error.contains("item 1 has words for 0 answers, expected 2"),
             "{error}"
@@ -564,10 +548,10 @@ source = "chosen"
 
     #[test]
     fn a_sum_of_scores_counts_what_they_share_twice_and_has_a_weight() {
-        let top = "items = 3\nmin = 0\nmax = 3\nscoring = \"sum\"";
-        let parts = "[[subscales]]\nid = \"a\"\ntitle = \"A\"\nitems = [1, 2]\nweight = 2.5\n\
-                     [[subscales]]\nid = \"b\"\ntitle = \"B\"\nitems = [2, 3]\n\
-                     [[subscales]]\nid = \"total\"\ntitle = \"T\"\nsum_of = [\"a\", \"b\"]\nweight = 2\n";
+        let top = "items = 3\nmin = 0\nmax = 3\nscoring = 'sum'";
+        let parts = "[[subscales]]\nid = 'a'\ntitle = 'A'\nitems = [1, 2]\nweight = 2.5\n\
+                     [[subscales]]\nid = 'b'\ntitle = 'B'\nitems = [2, 3]\n\
+                     [[subscales]]\nid = 'total'\ntitle = 'T'\nsum_of = ['a', 'b']\nweight = 2\n";
         let scale = parsed(top, parts).unwrap();
         let ranges: Vec<(f64, f64)> = scale
             .subscales
@@ -578,11 +562,11 @@ source = "chosen"
         assert_eq!(scale.items_of(&scale.subscales[2]), [1, 2, 3]);
         for (from, to, word) in [
             (
-                "[\"a\", \"b\"]",
-                "[\"a\", \"c\"]",
+                "['a', 'b']",
+                "['a', 'c']",
                 "names `c`, which is no subscale",
             ),
-            ("[\"a\", \"b\"]", "[\"a\", \"total\"]", "a sum itself"),
+            ("['a', 'b']", "['a', 'total']", "a sum itself"),
             ("weight = 2.5", "weight = -1", "weight is -1"),
         ] {
             let error = parsed(top, &parts.replacen(from, to, 1)).unwrap_err();
@@ -594,7 +578,7 @@ source = "chosen"
 
     /// The table of an item with this line.
     fn item(line: &str) -> String {
-        format!("[[item]]\ntext = \"a\"\n{line}\n")
+        format!("[[item]]\ntext = 'a'\n{line}\n")
     }
 
     #[test]
@@ -609,26 +593,26 @@ source = "chosen"
             ),
             (
                 "min = 1\nmax = 7",
-                item("kind = \"choice\""),
+                item("kind = 'choice'"),
                 "a `choice` with 0 `levels`",
             ),
             (
                 "reversed = [1]",
-                item("kind = \"number\"\nmin = 1\nmax = 7"),
+                item("kind = 'number'\nmin = 1\nmax = 7"),
                 "a `number` cannot be reversed",
             ),
             (
-                "kind = \"bipolar\"\nmin = 1\nmax = 5\npairs = [[\"useful\"]]",
+                "kind = 'bipolar'\nmin = 1\nmax = 5\npairs = [['useful']]",
                 String::new(),
                 "pair [\"useful\"], expected two words",
             ),
             (
-                "min = 1\nmax = 5\npairs = [[\"a\", \"b\"]]",
+                "min = 1\nmax = 5\npairs = [['a', 'b']]",
                 String::new(),
                 "a `likert` has no pair",
             ),
             (
-                "min = 1\nmax = 5\nwording = [\"b\"]",
+                "min = 1\nmax = 5\nwording = ['b']",
                 item(""),
                 "has two texts",
             ),
@@ -643,7 +627,7 @@ source = "chosen"
                 "item 2 has no text, and 1 of 2 have one",
             ),
             ("min = 1\nmax = 5", item("colour = 3"), "colour"),
-            ("kind = \"likely\"", item(""), "likely"),
+            ("kind = 'likely'", item(""), "likely"),
         ] {
             let error = parsed(top, &tables).unwrap_err();
             assert!(error.contains(word), "{top} {tables}: {error}");
@@ -654,42 +638,39 @@ source = "chosen"
     fn an_item_has_the_keys_of_its_kind() {
         for (line, word) in [
             ("min = 0\nmax = 2000000000", "expected within"),
-            ("kind = \"choice\"", "a `choice` with 0 `levels`"),
+            ("kind = 'choice'", "a `choice` with 0 `levels`"),
             (
-                "kind = \"ladder\"\nlevels = [\"a\", \"b\"]\nmax = 5",
+                "kind = 'ladder'\nlevels = ['a', 'b']\nmax = 5",
                 "2 levels from 1 end at 2, and max is 5",
             ),
             (
-                "kind = \"slider\"\nmin = 0\nmax = 10\nstep = 3",
+                "kind = 'slider'\nmin = 0\nmax = 10\nstep = 3",
                 "step 3, expected one of a slider",
             ),
             (
                 "min = 0\nmax = 10\nstep = 2",
                 "step 2, expected one of a slider",
             ),
-            ("kind = \"text\"\nmax = 3", "neither min, max nor step"),
+            ("kind = 'text'\nmax = 3", "neither min, max nor step"),
             (
-                "min = 1\nmax = 7\nanchors = [\"a\", \"b\", \"c\"]",
+                "min = 1\nmax = 7\nanchors = ['a', 'b', 'c']",
                 "3 anchors, expected 2 (of the ends) or 7",
             ),
             (
-                "min = 1\nmax = 7\nlevels = [\"a\", \"b\"]",
+                "min = 1\nmax = 7\nlevels = ['a', 'b']",
                 "has no `levels`, expected `anchors`",
             ),
             (
-                "kind = \"choice\"\nlevels = [\"a\", \"b\"]\nanchors = [\"a\", \"b\"]",
+                "kind = 'choice'\nlevels = ['a', 'b']\nanchors = ['a', 'b']",
                 "has no `anchors`, expected `levels`",
             ),
             (
                 "min = 1\nmax = 7\nexpected = 8",
                 "expected is 8, which is no answer (1 to 7)",
             ),
+            ("kind = 'text'\nexpected = 0", "which is no answer (words)"),
             (
-                "kind = \"text\"\nexpected = 0",
-                "which is no answer (words)",
-            ),
-            (
-                "kind = \"number\"\nmin = 1\nmax = 7\nreversed = true",
+                "kind = 'number'\nmin = 1\nmax = 7\nreversed = true",
                 "a `number` cannot be reversed",
             ),
         ] {
@@ -700,15 +681,15 @@ source = "chosen"
 
     #[test]
     fn a_score_has_items_of_one_range_that_are_not_there_for_attention() {
-        let top = "min = 1\nmax = 5\nscoring = \"mean\"";
-        let scored = "[[subscales]]\nid = \"s\"\ntitle = \"S\"\nitems = [1, 2]\n";
+        let top = "min = 1\nmax = 5\nscoring = 'mean'";
+        let scored = "[[subscales]]\nid = 's'\ntitle = 'S'\nitems = [1, 2]\n";
         for (second, word) in [
             ("max = 7", "item 1 (1 to 5) and item 2 (1 to 7)"),
             (
                 "expected = 2",
                 "scores item 2, which is there for attention",
             ),
-            ("kind = \"text\"", "scores item 2, a `text`"),
+            ("kind = 'text'", "scores item 2, a `text`"),
         ] {
             let error = parsed(top, &(item("") + &item(second) + scored)).unwrap_err();
             assert!(error.contains(word), "{second}: {error}");

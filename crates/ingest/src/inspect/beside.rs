@@ -5,7 +5,7 @@ use super::{
     reader::Reader,
     words::{What, Whose},
 };
-use crate::raw::table::lateral::jumps;
+use crate::{mapping::FOOT_M, raw::table::lateral::jumps};
 use std::collections::BTreeMap;
 
 /// The column of the place to the side, and whether its name says that it is one in the lane.
@@ -38,7 +38,7 @@ pub(super) fn place_in_lane(
     times_s: &[f64],
     series: &[u32],
 ) -> Option<String> {
-    let to_m = if unit == "ft" { 0.3048 } else { 1.0 };
+    let to_m = if unit == "ft" { FOOT_M } else { 1.0 };
     let numbers = column.numbers.as_ref()?;
     let mut of_vehicle: BTreeMap<u32, (Vec<i64>, Vec<f64>)> = BTreeMap::new();
     for ((vehicle, y), t) in series.iter().zip(numbers).zip(times_s) {

@@ -5,6 +5,7 @@ use crate::{
     parquet::is_parquet,
     raw::table::{
         open::{Kind, Table},
+        parse::BYTE_ORDER_MARK,
         text::{SEPARATORS, Style, blanks_to_tabs, header},
     },
 };
@@ -31,23 +32,12 @@ pub(super) struct Sheet {
     pub(super) columns: Vec<TableColumn>,
 }
 
-/// Reads all columns, finding out which are numbers.
+/// Reads all columns, finding out which are numbers; a mapping says whether the table has a header, and whether blanks separate its
+/// cells.
 ///
 /// # Errors
 /// [`IngestError::BadTable`] for what is no table.
-pub(super) fn read(path: &Path, bytes: Vec<u8>) -> Result<Sheet, IngestError> {
-    read_as(path, bytes, Style::default())
-}
-
-/// The same of a table of which a mapping says whether it has a header, and whether blanks separate its cells.
-///
-/// # Errors
-/// As [`read`].
-pub(super) fn read_as(
-    path: &Path,
-    mut bytes: Vec<u8>,
-    written: Style,
-) -> Result<Sheet, IngestError> {
+pub(super) fn read(path: &Path, mut bytes: Vec<u8>, written: Style) -> Result<Sheet, IngestError> {
     let parquet = is_parquet(&bytes);
     if written.is_blank() && !parquet {
         bytes = blanks_to_tabs(&bytes);
@@ -60,7 +50,7 @@ pub(super) fn read_as(
         let names = columns.into_iter().map(|(name, _)| name).collect();
         (0, None, names)
     } else {
-        let text = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(&bytes);
+        let text = bytes.strip_prefix(BYTE_ORDER_MARK).unwrap_or(&bytes);
         let headless = written.headless;
         let preamble = if headless { 0 } else { likely_header(text) };
         let rest = line(text, preamble);
@@ -89,18 +79,14 @@ pub(super) fn read_as(
     let table = Table::open(path, bytes, style, &wanted)?;
     let mut columns = Vec::new();
     for name in once {
-        let numbers = table.numbers(name);
-        columns.push(match numbers {
-            Ok(numbers) => TableColumn {
-                name: name.to_owned(),
-                numbers: Some(numbers),
-                words: Vec::new(),
+        let numbers = table.numbers(name).ok();
+        columns.push(TableColumn {
+            name: name.to_owned(),
+            words: match numbers {
+                Some(_) => Vec::new(),
+                None => table.words(name)?,
             },
-            Err(_) => TableColumn {
-                name: name.to_owned(),
-                numbers: None,
-                words: table.words(name)?,
-            },
+            numbers,
         });
     }
     Ok(Sheet {
@@ -140,32 +126,21 @@ fn likely_header(text: &[u8]) -> usize {
     above.filter(|&i| as_wide(i)).unwrap_or(0)
 }
 
+/// A text from one of its lines on.
 fn line(text: &[u8], number: usize) -> &[u8] {
-    let mut rest = text;
-    for _ in 0..number {
-        let end = rest
-            .iter()
-            .position(|&b| b == b'\n')
-            .map_or(rest.len(), |i| i + 1);
-        rest = &rest[end..];
-    }
-    rest
+    let above = text.split_inclusive(|&b| b == b'\n').take(number);
+    &text[above.map(<[u8]>::len).sum()..]
 }
 
 fn has_decimal_commas(text: &[u8], preamble: usize) -> bool {
     let rest = line(text, preamble + 1);
-    let cells = rest.split(|&b| b == b';' || b == b'\n').take(SAMPLE);
+    let cells = || rest.split(|&b| b == b';' || b == b'\n').take(SAMPLE);
     let decimal = |cell: &&[u8]| {
         let cell = String::from_utf8_lossy(cell);
         let cell = cell.trim();
         cell.contains(',') && cell.replace(',', ".").parse::<f64>().is_ok()
     };
-    let (mut with, mut count) = (0, 0);
-    for cell in cells {
-        count += 1;
-        with += usize::from(decimal(&cell));
-    }
-    with * 4 > count
+    cells().filter(decimal).count() * 4 > cells().count()
 }
 
 impl TableColumn {
@@ -207,7 +182,7 @@ mod tests {
     #[test]
     fn a_header_below_a_preamble_and_decimal_commas_are_found() {
         let text = "Freq;10;Hz\nCars;Audi;BMW\nTime;Speed1;IVS1\n0,1;2,5;3,5\n0,2;2,6;\n";
-        let found = read(Path::new("t.csv"), text.into()).unwrap();
+        let found = read(Path::new("t.csv"), text.into(), Style::default()).unwrap();
         assert!(found.decimal_comma);
         let names: Vec<&str> = found.columns.iter().map(|c| c.name.as_str()).collect();
         assert_eq!(names, ["Time", "Speed1", "IVS1"]);

@@ -103,11 +103,7 @@ pub(super) fn guess(table: &Sheet) -> Guess {
         lateral,
         lane,
     };
-    let Named {
-        shape,
-        columns,
-        offset,
-    } = chosen.named(time.column);
+    let (shape, Keys { columns, offset }) = chosen.named(time.column);
     let uses_gap = columns.iter().any(|(key, _)| *key == "gap");
     let gap_kind = gap
         .filter(|_| uses_gap)
@@ -184,36 +180,33 @@ struct Chosen<'a> {
 
 /// Keys of a mapping with their columns.
 #[derive(Default)]
-struct Keys(Vec<(&'static str, String)>);
-
-impl Keys {
-    fn put(&mut self, key: &'static str, column: Option<&TableColumn>) {
-        self.0.extend(column.map(|c| (key, c.name.clone())));
-    }
-}
-
-/// The shape of a table and the columns that it needs.
-struct Named {
-    shape: Shape,
+struct Keys {
     columns: Vec<(&'static str, String)>,
+    /// Why the lateral column is a place in the lane, where it is one.
     offset: Option<String>,
 }
 
+impl Keys {
+    fn put(&mut self, key: &'static str, column: Option<&TableColumn>) {
+        self.columns.extend(column.map(|c| (key, c.name.clone())));
+    }
+}
+
 impl Chosen<'_> {
-    fn named(&self, time: Option<&TableColumn>) -> Named {
+    /// The shape of a table and the columns that it needs.
+    fn named(&self, time: Option<&TableColumn>) -> (Shape, Keys) {
         let mut keys = Keys::default();
         keys.put("time", time);
-        let mut offset = None;
         let leads = self.gap.is_some() || self.lead_x.is_some();
         let shape = if let Some([speed, gap]) = self.platoon {
-            keys.0.push(("speed", template(&speed.name)));
-            keys.0.push(("gap", template(&gap.name)));
+            keys.columns.push(("speed", template(&speed.name)));
+            keys.columns.push(("gap", template(&gap.name)));
             Shape::Platoon
         } else if self.id.is_some() && self.position.is_some() {
-            offset = self.long(&mut keys);
+            self.long(&mut keys);
             Shape::Long
         } else if self.speed.is_some() && leads {
-            offset = self.pair(&mut keys);
+            self.pair(&mut keys);
             Shape::Pair
         } else {
             Shape::Unknown(match (self.speed, self.id) {
@@ -230,22 +223,17 @@ impl Chosen<'_> {
             }
             (_, shape) => shape,
         };
-        Named {
-            shape,
-            columns: keys.0,
-            offset,
-        }
+        (shape, keys)
     }
 
-    /// Of a table of many vehicles; gives why its lateral column is a place in the lane.
-    fn long(&self, keys: &mut Keys) -> Option<String> {
-        let mut offset = None;
+    /// Of a table of many vehicles.
+    fn long(&self, keys: &mut Keys) {
         keys.put("id", self.id);
         keys.put("x", self.position);
         match &self.lateral {
             Some((column, Some(why))) if self.lane.is_some() => {
                 keys.put("offset", Some(column));
-                offset = Some(why.clone());
+                keys.offset = Some(why.clone());
             }
             Some((column, _)) => keys.put("y", Some(column)),
             None => {}
@@ -267,11 +255,10 @@ impl Chosen<'_> {
             keys.put("lead_speed", lead_speed);
             keys.put("lead_length", self.lengths[1]);
         }
-        offset
     }
 
-    /// Of a table of a follower and its leader; gives why its lateral column is a place in the lane.
-    fn pair(&self, keys: &mut Keys) -> Option<String> {
+    /// Of a table of a follower and its leader.
+    fn pair(&self, keys: &mut Keys) {
         keys.put("ego_x", self.position);
         keys.put("ego_speed", self.speed);
         keys.put("ego_length", self.lengths[0]);
@@ -284,11 +271,10 @@ impl Chosen<'_> {
             Some((column, Some(why))) => {
                 keys.put("offset", Some(column));
                 keys.put("lane", self.lane);
-                return Some(why.clone());
+                keys.offset = Some(why.clone());
             }
             None => keys.put("lane", self.lane),
         }
-        None
     }
 }
 

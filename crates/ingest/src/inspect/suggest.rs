@@ -7,8 +7,9 @@ use super::{
 };
 use crate::{
     error::IngestError,
-    folder::entries_of,
+    folder::{entries_of, file_name},
     mapping::Mapping,
+    raw::table::text::Style,
     read_log::{Format, format_of, read_log},
     settings::IngestSettings,
 };
@@ -46,7 +47,7 @@ pub fn suggest_mapping(path: &Path) -> Result<String, IngestError> {
         let what = "it is an MCAP recording, which says itself what is in it: no mapping is needed";
         return Err(IngestError::bad_table(path, what));
     }
-    let table = columns::read(path, look(path)?)?;
+    let table = columns::read(path, look(path)?, Style::default())?;
     let guess = guess(&table);
     let body = body(&table, &guess);
     Ok(format!("{}{body}", head(path, &guess, &body)))
@@ -73,10 +74,9 @@ pub(super) fn look(path: &Path) -> Result<Vec<u8>, IngestError> {
 
 /// What the proposal makes of the table, and what it leaves aside, as comments.
 fn head(path: &Path, guess: &Guess, body: &str) -> String {
-    let name = path.file_name().unwrap_or_default().to_string_lossy();
     let mut head = format!(
         "# A mapping for {}, proposed from its names and numbers. Check what says \"doubt\".\n",
-        plain(&name)
+        plain(&file_name(path))
     );
     if let Shape::Unknown(missing) = guess.shape {
         let _ = writeln!(head, "# It is not complete: {missing}. Fill it in by hand.");
@@ -94,20 +94,13 @@ fn head(path: &Path, guess: &Guess, body: &str) -> String {
             let rows: usize = drives.iter().map(|d| d.recording.rows()).sum();
             let _ = writeln!(head, "# Read by it: {} drives, {rows} rows.", drives.len());
             for warning in drives.iter().flat_map(|d| &d.warnings).take(5) {
-                let _ = writeln!(
-                    head,
-                    "# warning: {} ({} times)",
-                    plain(&warning.what),
-                    warning.count
-                );
+                let what = plain(&warning.what);
+                let _ = writeln!(head, "# warning: {what} ({} times)", warning.count);
             }
         }
         Err(error) => {
-            let _ = writeln!(
-                head,
-                "# Read by it, the table is refused: {}",
-                plain(&error.to_string())
-            );
+            let why = plain(&error.to_string());
+            let _ = writeln!(head, "# Read by it, the table is refused: {why}");
         }
     }
     head
@@ -153,11 +146,8 @@ fn body(table: &Sheet, guess: &Guess) -> String {
          lane_width_m = 3.66\nposted_speed_mps = 29.0\nframe = \"map\"\n\n[table]\nlayout = \"{layout}\""
     );
     if let Some(separator) = table.separator {
-        let _ = writeln!(
-            out,
-            "separator = {}",
-            quoted(&char::from(separator).to_string())
-        );
+        let separator = quoted(&char::from(separator).to_string());
+        let _ = writeln!(out, "separator = {separator}");
     }
     if table.decimal_comma {
         out.push_str("decimal_comma = true\n");
@@ -217,12 +207,8 @@ fn body(table: &Sheet, guess: &Guess) -> String {
         let _ = writeln!(out, "groups = [{}]", groups.join(", "));
     }
     if !guess.unused.is_empty() {
-        let names: Vec<String> = guess
-            .unused
-            .iter()
-            .take(40)
-            .map(|n| plain(n.as_str()))
-            .collect();
+        let names = guess.unused.iter().take(40).map(|n| plain(n));
+        let names: Vec<String> = names.collect();
         let _ = writeln!(out, "# not used: {}", names.join(", "));
     }
     out
@@ -266,7 +252,8 @@ fn signals(folder: &Path) -> Result<String, IngestError> {
     let mut sections = String::new();
     let mut speed = None;
     for path in files {
-        let Ok(table) = look(&path).and_then(|bytes| columns::read(&path, bytes)) else {
+        let read = |bytes| columns::read(&path, bytes, Style::default());
+        let Ok(table) = look(&path).and_then(read) else {
             continue;
         };
         // The column that has one of some names.
@@ -275,18 +262,14 @@ fn signals(folder: &Path) -> Result<String, IngestError> {
                 |c: &&columns::TableColumn| any.split(' ').any(|a| c.name.eq_ignore_ascii_case(a));
             table.columns.iter().find(has).map(|c| quoted(&c.name))
         };
-        let every = |names: &[&str]| {
-            names
-                .iter()
-                .map(|n| column(n))
-                .collect::<Option<Vec<String>>>()
-        };
+        let every =
+            |names: &[&str]| -> Option<Vec<String>> { names.iter().map(|n| column(n)).collect() };
         let guess = guess(&table);
         let time = guess.columns.iter().find(|(k, _)| *k == "time");
         let Some(time) = time.map(|(_, c)| quoted(c)) else {
             continue;
         };
-        let file = quoted(&path.file_name().unwrap_or_default().to_string_lossy());
+        let file = quoted(&file_name(&path));
         let tracks = [
             "address track track_id id",
             "forward_m forward long_dist d_rel range_m x_rel",

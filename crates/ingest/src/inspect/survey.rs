@@ -2,7 +2,7 @@
 
 use super::{ChannelSummary, Gap};
 use crate::raw::mcap::{channels::Times, read::Samples};
-use maveric_bag::Stream;
+use maveric_bag::{OwnedSchema, Stream};
 
 /// Holes shorter than this many usual intervals between messages are jitter.
 const GAP_INTERVALS: f64 = 5.0;
@@ -33,17 +33,13 @@ pub(super) fn gaps(topic: &str, log_ns: &[u64], start_ns: u64) -> Vec<Gap> {
 /// What is said of a channel.
 pub(super) fn summary(stream: &Stream<Samples>, times: &Times) -> ChannelSummary {
     let seconds = |ns: &u64| *ns as f64 / 1e9;
-    let of_schema = |text: fn(&maveric_bag::OwnedSchema) -> &String| {
-        stream
-            .schema
-            .as_ref()
-            .map_or_else(String::new, |s| text(s).clone())
-    };
+    let schema = stream.schema.as_ref();
+    let of_schema = |text: fn(&OwnedSchema) -> &String| schema.map(text).cloned();
     ChannelSummary {
         topic: stream.channel.topic.clone(),
-        type_name: of_schema(|s| &s.name),
+        type_name: of_schema(|s| &s.name).unwrap_or_default(),
         encoding: stream.channel.encoding.clone(),
-        schema_encoding: of_schema(|s| &s.encoding),
+        schema_encoding: of_schema(|s| &s.encoding).unwrap_or_default(),
         messages: times.log_ns.len(),
         rate_hz: interval_s(&times.log_ns).map(|s| 1.0 / s),
         first_s: times.log_ns.iter().min().map(seconds),

@@ -17,16 +17,13 @@ use crate::{
 use std::path::Path;
 
 /// Looks into a table: by the settings' mapping if they have one, else by guesses.
-///
-/// # Errors
-/// As [`crate::inspect()`].
 pub(super) fn inspect_table(
     path: &Path,
     settings: &IngestSettings,
 ) -> Result<LogSummary, IngestError> {
     let table_mapping = settings.mapping.as_ref().and_then(|m| m.table.as_ref());
     let written = table_mapping.map(Style::from).unwrap_or_default();
-    let table = columns::read_as(path, look(path)?, written)?;
+    let table = columns::read(path, look(path)?, written)?;
     let guess = guess(&table);
     let guessed = guess.columns.iter();
     let guessed = guessed.map(|(key, name)| ((*key).to_owned(), name.clone()));
@@ -54,15 +51,12 @@ pub(super) fn inspect_table(
 }
 
 /// The columns of one file of a folder of signals, each with its keys.
-///
-/// # Errors
-/// As [`crate::inspect()`].
 pub(super) fn columns_of_signal(
     path: &Path,
     written: Style,
     mapped: &[(String, String)],
 ) -> Result<(usize, Vec<ColumnSummary>), IngestError> {
-    let table = columns::read_as(path, look(path)?, written)?;
+    let table = columns::read(path, look(path)?, written)?;
     let guess = guess(&table);
     let columns = table.columns.iter();
     let columns = columns.map(|c| summary(c, mapped, &guess, true));

@@ -1,11 +1,10 @@
 //! Guesses units from names and from what vehicles can do.
 
 use super::columns::TableColumn;
+use crate::mapping::FOOT_M;
 
 /// Units of length.
 pub(super) const LENGTHS: [&str; 2] = ["m", "ft"];
-/// Metres a foot.
-const FOOT_M: f64 = 0.3048;
 /// Lengths of cars, in m; the median of a table lies here.
 const CARS_M: (f64, f64) = (2.5, 8.0);
 /// Drivers seldom change speed faster than this, in m/s².

@@ -3,24 +3,12 @@
 use super::{
     columns::given,
     layout::{Layout, Long, Pair, Platoon, Point},
+    refusal::{Checked, positive, refuse},
     side::Side,
     table::{GapKind, TableMapping},
     time_pattern::is_pattern,
     units::TimeUnit,
 };
-
-/// A sentence that says what to add or to leave out.
-type Checked = Result<(), String>;
-
-/// Refuses a number that is not above 0.
-fn positive(key: &str, value: Option<f64>) -> Checked {
-    match value {
-        Some(v) if !(v.is_finite() && v > 0.0) => Err(format!(
-            "`table.{key}` is {v}, expected a finite number above 0"
-        )),
-        _ => Ok(()),
-    }
-}
 
 /// Refuses a key that does nothing: somebody thinks that it does.
 fn idle(key: &str, given: bool, does: bool, needs: &str) -> Checked {
@@ -30,18 +18,10 @@ fn idle(key: &str, given: bool, does: bool, needs: &str) -> Checked {
     )
 }
 
-fn refuse(wrong: bool, why: &str) -> Checked {
-    if wrong { Err(why.to_owned()) } else { Ok(()) }
-}
-
 /// Where the place in a lane grows, which goes with a column of it.
 fn offset_grows(grows: Option<Side>, offset: Option<&String>) -> Checked {
-    idle(
-        "offset_grows",
-        grows.is_some(),
-        offset.is_some(),
-        "`table.columns.offset`",
-    )?;
+    let needs = "`table.columns.offset`";
+    idle("offset_grows", grows.is_some(), offset.is_some(), needs)?;
     let question = "`table.offset_grows` is not given: does the place in the lane grow to the `left` or to the `right`?";
     refuse(offset.is_some() && grows.is_none(), question)
 }
@@ -52,9 +32,9 @@ impl TableMapping {
     /// # Errors
     /// A sentence that says what to add or to leave out.
     pub(super) fn check(&self) -> Checked {
-        positive("ego_length_m", Some(self.ego_length_m))?;
-        positive("lead_length_m", Some(self.lead_length_m))?;
-        positive("frames_per_s", self.frames_per_s)?;
+        positive("table.ego_length_m", Some(self.ego_length_m))?;
+        positive("table.lead_length_m", Some(self.lead_length_m))?;
+        positive("table.frames_per_s", self.frames_per_s)?;
         if let Some(separator) = self.separator
             && (!separator.is_ascii() || separator.is_ascii_alphanumeric() || separator == '"')
         {
@@ -64,12 +44,8 @@ impl TableMapping {
         }
         self.layout.check()?;
         let (gap, numbered) = (self.layout.has_gap(), self.layout.numbers_lanes());
-        idle(
-            "gap_kind",
-            self.gap_kind.is_some(),
-            gap,
-            "`table.columns.gap`",
-        )?;
+        let needs = "`table.columns.gap`";
+        idle("gap_kind", self.gap_kind.is_some(), gap, needs)?;
         let question = "`table.gap_kind` is not given: is the gap `bumper_to_bumper`, `front_to_front` or `centre_to_centre`?";
         refuse(gap && self.gap_kind.is_none(), question)?;
         let signed = self.gap_kind == Some(GapKind::Signed);
@@ -77,12 +53,8 @@ impl TableMapping {
         refuse(signed && matches!(self.layout, Layout::Long(_)), why)?;
         let needs = "a column that numbers lanes";
         idle("lanes_from", self.lanes_from.is_some(), numbered, needs)?;
-        idle(
-            "first_lane",
-            self.first_lane != TableMapping::FIRST_LANE,
-            numbered,
-            needs,
-        )?;
+        let renumbered = self.first_lane != TableMapping::FIRST_LANE;
+        idle("first_lane", renumbered, numbered, needs)?;
         // Beside a y the number may stand for nothing.
         let by_y = matches!(&self.layout, Layout::Long(long) if long.columns.y.is_some());
         let question =
@@ -102,12 +74,8 @@ impl TableMapping {
         refuse(framed && !rated && !meta_rated, needs)?;
         let patterned = self.units.time == TimeUnit::Pattern;
         let pattern = self.time_pattern.as_deref();
-        idle(
-            "time_pattern",
-            pattern.is_some(),
-            patterned,
-            "`time = \"pattern\"`",
-        )?;
+        let needs = "`time = \"pattern\"`";
+        idle("time_pattern", pattern.is_some(), patterned, needs)?;
         let wrong = format!(
             "`table.time_pattern` is `{}`, expected one such as `%Y%m%d %H:%M:%S:%f`, with `%f` at the end alone",
             pattern.unwrap_or_default()
@@ -138,17 +106,13 @@ impl Pair {
         refuse(positions && (odd || self.point.is_none()), question)?;
         let twice = "`table.columns.ego_y` and `lane` or `offset` both say where ego is across the road: `ego_y` is for a position across \
                      the road, `lane` and `offset` are for a lane's number and the place in it";
-        refuse(
-            c.ego_y.is_some() && (c.lane.is_some() || c.offset.is_some()),
-            twice,
-        )?;
+        let in_lane = c.lane.is_some() || c.offset.is_some();
+        refuse(c.ego_y.is_some() && in_lane, twice)?;
         offset_grows(self.offset_grows, c.offset.as_ref())?;
         let needs =
             "layout `pair` needs `table.columns.gap`, or `lead_x` beside `ego_x` and `point`";
-        refuse(
-            c.gap.is_none() && (c.lead_x.is_none() || c.ego_x.is_none()),
-            needs,
-        )
+        let placed = c.gap.is_some() || c.lead_x.is_some() && c.ego_x.is_some();
+        refuse(!placed, needs)
     }
 }
 
@@ -168,13 +132,9 @@ impl Platoon {
 impl Long {
     fn check(&self) -> Checked {
         let c = &self.columns;
-        positive("new_vehicle_after_s", self.new_vehicle_after_s)?;
-        idle(
-            "y_grows",
-            self.y_grows.is_some(),
-            c.y.is_some(),
-            "`table.columns.y`",
-        )?;
+        positive("table.new_vehicle_after_s", self.new_vehicle_after_s)?;
+        let needs = "`table.columns.y`";
+        idle("y_grows", self.y_grows.is_some(), c.y.is_some(), needs)?;
         let question =
             "`table.y_grows` is not given: does y grow to the `left` or to the `right` of x?";
         refuse(c.y.is_some() && self.y_grows.is_none(), question)?;

@@ -184,16 +184,6 @@ fn read<T: DeserializeOwned>(layout: &str, keys: toml::Table) -> Result<T, Strin
 }
 
 impl Layout {
-    /// The word in a mapping.
-    pub fn as_str(&self) -> &'static str {
-        match self {
-            Self::Pair(_) => "pair",
-            Self::Long(_) => "long",
-            Self::Platoon(_) => "platoon",
-            Self::Signals(_) => "signals",
-        }
-    }
-
     /// Each key of a column with the column that it names; of signals each's own, ego's speed first.
     pub(crate) fn columns(&self) -> Vec<(String, String)> {
         match self {

@@ -159,17 +159,14 @@ impl McapMapping {
                 Tells::Speed => &[],
                 Tells::Objects => &["x", "y", "id"],
             };
-            if let Some(key) = needed.iter().find(|k| !message.fields.contains_key(**k)) {
+            let has = |key: &str| message.fields.contains_key(key);
+            if let Some(key) = needed.iter().find(|k| !has(k)) {
                 return Err(format!(
                     "`mcap.messages` of `{name}` lacks the field `{key}`"
                 ));
             }
-            let speed = |key: &str| message.fields.contains_key(key);
-            if message.tells != Tells::Ego
-                && message.tells != Tells::Fix
-                && !speed("speed")
-                && !(speed("vx") && speed("vy"))
-            {
+            let moves = matches!(message.tells, Tells::Speed | Tells::Objects);
+            if moves && !has("speed") && !(has("vx") && has("vy")) {
                 return Err(format!(
                     "`mcap.messages` of `{name}` lacks a speed: `speed`, or `vx` and `vy`"
                 ));

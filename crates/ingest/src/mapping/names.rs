@@ -185,10 +185,8 @@ type Capture<'a> = (&'a str, String);
 
 fn condition(names: &Names, captures: &[Capture<'_>]) -> Result<ConditionId, DomainError> {
     let word = fill(&names.condition, captures);
-    match names.words.get(&word) {
-        Some(id) => Ok(*id),
-        None => word.parse(),
-    }
+    let by_word = names.words.get(&word);
+    by_word.map_or_else(|| word.parse(), |id| Ok(*id))
 }
 
 /// The session and the trial: what stands in the places of these names, the first where there is no such place.
@@ -234,10 +232,7 @@ fn capture<'a>(pattern: &'a str, text: &'a str) -> Option<Vec<(&'a str, &'a str)
     let (literal, mut pattern) = pattern.split_once('{').unwrap_or((pattern, ""));
     let mut text = text.strip_prefix(literal)?;
     while let Some((name, rest)) = pattern.split_once('}') {
-        let (literal, after) = match rest.split_once('{') {
-            Some((literal, after)) => (literal, after),
-            None => (rest, ""),
-        };
+        let (literal, after) = rest.split_once('{').unwrap_or((rest, ""));
         let end = if after.is_empty() && !rest.contains('{') {
             // The last place reaches to the end.
             text.len().checked_sub(literal.len())?

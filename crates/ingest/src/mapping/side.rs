@@ -11,3 +11,13 @@ pub enum Side {
     /// The right (slow) side.
     Right,
 }
+
+impl Side {
+    /// 1 for the left, -1 for the right: what turns a distance to this side into one to the left.
+    pub(crate) fn to_left(self) -> f64 {
+        match self {
+            Self::Left => 1.0,
+            Self::Right => -1.0,
+        }
+    }
+}

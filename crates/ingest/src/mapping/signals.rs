@@ -1,6 +1,10 @@
 //! Which file of a folder is which signal, and what its columns are.
 
-use super::{columns::given, side::Side};
+use super::{
+    columns::given,
+    refusal::{Checked, refuse},
+    side::Side,
+};
 use serde::{Deserialize, Serialize};
 
 /// The signals of a drive, each with times of its own (layout `signals`).
@@ -72,7 +76,7 @@ impl Signals {
     }
 
     /// What is wrong with them.
-    pub(super) fn check(&self) -> Result<(), String> {
+    pub(super) fn check(&self) -> Checked {
         let given = self.given();
         let unnamed = given.iter().find(|signal| signal.file.is_empty());
         if let Some(GivenSignal { name, .. }) = unnamed
@@ -83,24 +87,12 @@ impl Signals {
             ));
         }
         if let Some(lane) = &self.lane {
-            if lane.number.is_none() && lane.offset.is_none() {
-                return Err(
-                    "`table.signals.lane` needs `number`, `offset` or both: columns of the lane's number and of ego's place in it"
-                        .to_owned(),
-                );
-            }
-            if lane.offset.is_some() != lane.offset_grows.is_some() {
-                return Err(
-                    "`table.signals.lane` needs `offset` and `offset_grows` together: does the place in the lane grow to the `left` or to the `right`?"
-                        .to_owned(),
-                );
-            }
-            if lane.number.is_some() && self.lane_changes.is_some() {
-                return Err(
-                    "`table.signals.lane.number` and `table.signals.lane_changes` both say when ego changes lanes: give one of them"
-                        .to_owned(),
-                );
-            }
+            let why = "`table.signals.lane` needs `number`, `offset` or both: columns of the lane's number and of ego's place in it";
+            refuse(lane.number.is_none() && lane.offset.is_none(), why)?;
+            let why = "`table.signals.lane` needs `offset` and `offset_grows` together: does the place in the lane grow to the `left` or to the `right`?";
+            refuse(lane.offset.is_some() != lane.offset_grows.is_some(), why)?;
+            let why = "`table.signals.lane.number` and `table.signals.lane_changes` both say when ego changes lanes: give one of them";
+            refuse(lane.number.is_some() && self.lane_changes.is_some(), why)?;
         }
         if let Some(changes) = &self.lane_changes {
             let both = changes.left.iter().find(|w| changes.right.contains(w));
@@ -109,25 +101,16 @@ impl Signals {
                     "`table.signals.lane_changes` has `{word}` under `left` and `right`: expected one of them"
                 ));
             }
-            if changes.left.is_empty() || changes.right.is_empty() {
-                return Err(
-                    "`table.signals.lane_changes` needs `left` and `right`: what its column of the direction holds for either"
-                        .to_owned(),
-                );
-            }
+            let why = "`table.signals.lane_changes` needs `left` and `right`: what its column of the direction holds for either";
+            refuse(changes.left.is_empty() || changes.right.is_empty(), why)?;
         }
-        if self.road.as_ref().is_some_and(|r| r.lane.is_some()) && self.lane_changes.is_none() {
-            return Err(
-                "`table.signals.road.lane` does nothing without `table.signals.lane_changes`: leave it out, or map it as `table.signals.lane.number`"
-                    .to_owned(),
-            );
+        if let Some(road) = &self.road {
+            let why = "`table.signals.road.lane` does nothing without `table.signals.lane_changes`: leave it out, or map it as `table.signals.lane.number`";
+            refuse(road.lane.is_some() && self.lane_changes.is_none(), why)?;
+            let why = "`table.signals.road` needs `posted_speed`, `lanes` or both";
+            refuse(road.posted_speed.is_none() && road.lanes.is_none(), why)?;
         }
-        match &self.road {
-            Some(road) if road.posted_speed.is_none() && road.lanes.is_none() => {
-                Err("`table.signals.road` needs `posted_speed`, `lanes` or both".to_owned())
-            }
-            _ => Ok(()),
-        }
+        Ok(())
     }
 }
 

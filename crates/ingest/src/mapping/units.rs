@@ -2,6 +2,9 @@
 
 use serde::{Deserialize, Serialize};
 
+/// Metres in an international foot.
+pub(crate) const FOOT_M: f64 = 0.3048;
+
 /// Units of the columns; none has a default but the angle's, which few tables have.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -116,7 +119,7 @@ impl LengthUnit {
     pub fn metres(self) -> f64 {
         match self {
             Self::Metres => 1.0,
-            Self::Feet => 0.3048,
+            Self::Feet => FOOT_M,
         }
     }
 }
@@ -128,7 +131,7 @@ impl SpeedUnit {
             Self::MetresPerSecond => 1.0,
             Self::KilometresPerHour => 1.0 / 3.6,
             Self::MilesPerHour => maveric_domain::units::MPS_PER_MPH,
-            Self::FeetPerSecond => 0.3048,
+            Self::FeetPerSecond => FOOT_M,
         }
     }
 }

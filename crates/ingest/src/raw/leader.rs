@@ -1,36 +1,27 @@
 //! A leader that has no number of its own: it is another one where it jumps or is of another length.
 
+use super::ObjectSample;
+use crate::plausible::FASTEST_MPS;
+
 /// A leader that jumps further than this is another one, in m.
 const JUMP_M: f64 = 5.0;
 /// One whose length differs by more than this is too, in m: a tracker's guess of the same vehicle differs by less.
 const LENGTH_M: f64 = 1.0;
-/// Between this and standing still lies the speed of a leader of whom nothing else is known, in m/s.
-const FASTEST_MPS: f64 = 90.0;
-
-/// What a sample says of a leader.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct Sight {
-    pub(crate) stamp_ns: i64,
-    pub(crate) x_m: f64,
-    /// In m/s; NaN where it is not known.
-    pub(crate) speed_mps: f64,
-    /// In m; NaN where it is not known.
-    pub(crate) length_m: f64,
-}
 
 /// Counts leaders, in the order of time.
 #[derive(Debug, Default)]
 pub(crate) struct Leaders {
-    last: Option<Sight>,
+    last: Option<ObjectSample>,
     before: u32,
 }
 
 impl Leaders {
-    /// How many other leaders there were before the one of the next sample.
-    pub(crate) fn before(&mut self, now: Sight) -> u32 {
+    /// How many other leaders there were before the one of the next sample; a speed or a length that is not known is NaN.
+    pub(crate) fn before(&mut self, now: ObjectSample) -> u32 {
         if let Some(last) = self.last {
             let dt = now.stamp_ns.saturating_sub(last.stamp_ns) as f64 / 1e9;
             let mean = 0.5 * (last.speed_mps + now.speed_mps);
+            // One of whom nothing else is known stands, or drives as fast as any car.
             let (slowest, fastest) = if mean.is_nan() {
                 (0.0, FASTEST_MPS)
             } else {
@@ -53,9 +44,13 @@ mod tests {
 
     #[test]
     fn a_leader_is_another_one_after_a_jump_or_with_another_length() {
-        let sight = |i: i64, x_m: f64, speed_mps: f64, length_m: f64| Sight {
+        let sight = |i: i64, x_m: f64, speed_mps: f64, length_m: f64| ObjectSample {
             stamp_ns: i * 100_000_000,
+            log_ns: 0,
+            nth: 0,
+            id: 0,
             x_m,
+            y_m: 0.0,
             speed_mps,
             length_m,
         };

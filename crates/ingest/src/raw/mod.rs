@@ -13,6 +13,8 @@ pub(crate) use samples::{
 
 /// Number of the first leader that has none among the vehicles of its file.
 pub(crate) const LEADER: u32 = 1;
+/// Usual numbers of vehicles are below this, and those that are given to other names are not.
+pub(crate) const GIVEN_FROM: u32 = 1 << 31;
 
 /// What the rows of a follower and its leader leave to be worked out in the order of time.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -45,4 +47,16 @@ pub(crate) struct RawDrive {
     pub(crate) sees: Sees,
     /// Whether nobody recorded who was how far to the side, though ego passes others.
     pub(crate) without_lateral: bool,
+}
+
+impl RawDrive {
+    /// Moves ego and the others.
+    pub(crate) fn move_all(&mut self, to: impl Fn(f64, f64) -> (f64, f64)) {
+        let (ego, objects) = (&mut self.ego, &mut self.objects);
+        let of_ego = ego.x_m.iter_mut().zip(&mut ego.y_m);
+        let of_objects = objects.x_m.iter_mut().zip(&mut objects.y_m);
+        for (x, y) in of_ego.chain(of_objects) {
+            (*x, *y) = to(*x, *y);
+        }
+    }
 }

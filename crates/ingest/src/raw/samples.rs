@@ -106,26 +106,32 @@ macro_rules! samples {
     (
         $(#[$doc:meta])* $sample:ident, $columns:ident,
         ids: $ids:expr, values: $values:expr,
-        { $($(#[$field_doc:meta])* $field:ident: $kind:ty,)* }
+        { $($fields:tt)* }
+    ) => {
+        samples! {
+            @all $(#[$doc])* $sample, $columns, $ids, $values,
+            /// Time stamped by the source, in ns.
+            stamp_ns: i64,
+            /// Time of receipt, in ns.
+            log_ns: i64,
+            /// Number of the message or row that it came in; 0 where samples are not in the order of a file.
+            nth: u32,
+            $($fields)*
+        }
+    };
+    (
+        @all $(#[$doc:meta])* $sample:ident, $columns:ident, $ids:expr, $values:expr,
+        $($(#[$field_doc:meta])* $field:ident: $kind:ty,)*
     ) => {
         $(#[$doc])*
         #[derive(Debug, Clone, Copy, PartialEq)]
         pub(crate) struct $sample {
-            /// Time stamped by the source, in ns.
-            pub(crate) stamp_ns: i64,
-            /// Time of receipt, in ns.
-            pub(crate) log_ns: i64,
-            /// Number of the message or row that it came in; 0 where samples are not in the order of a file.
-            pub(crate) nth: u32,
             $($(#[$field_doc])* pub(crate) $field: $kind,)*
         }
 
         /// The same, by column; every column has shape `(n,)`.
         #[derive(Debug, Clone, PartialEq, Default)]
         pub(crate) struct $columns {
-            pub(crate) stamp_ns: Vec<i64>,
-            pub(crate) log_ns: Vec<i64>,
-            pub(crate) nth: Vec<u32>,
             $(pub(crate) $field: Vec<<$kind as Cell>::Stored>,)*
         }
 
@@ -142,9 +148,6 @@ macro_rules! samples {
             /// The sample at a place that there is.
             pub(crate) fn at(&self, i: usize) -> $sample {
                 $sample {
-                    stamp_ns: self.stamp_ns[i],
-                    log_ns: self.log_ns[i],
-                    nth: self.nth[i],
                     $($field: Cell::from_stored(self.$field[i]),)*
                 }
             }
@@ -167,16 +170,10 @@ macro_rules! samples {
             }
 
             pub(crate) fn push(&mut self, sample: $sample) {
-                self.stamp_ns.push(sample.stamp_ns);
-                self.log_ns.push(sample.log_ns);
-                self.nth.push(sample.nth);
                 $(self.$field.push(sample.$field.stored());)*
             }
 
             fn put(&mut self, i: usize, sample: $sample) {
-                self.stamp_ns[i] = sample.stamp_ns;
-                self.log_ns[i] = sample.log_ns;
-                self.nth[i] = sample.nth;
                 $(self.$field[i] = sample.$field.stored();)*
             }
 
@@ -209,16 +206,10 @@ macro_rules! samples {
             }
 
             pub(crate) fn truncate(&mut self, len: usize) {
-                self.stamp_ns.truncate(len);
-                self.log_ns.truncate(len);
-                self.nth.truncate(len);
                 $(self.$field.truncate(len);)*
             }
 
             pub(crate) fn reserve_exact(&mut self, more: usize) {
-                self.stamp_ns.reserve_exact(more);
-                self.log_ns.reserve_exact(more);
-                self.nth.reserve_exact(more);
                 $(self.$field.reserve_exact(more);)*
             }
         }
@@ -252,9 +243,6 @@ macro_rules! samples {
                 });
             }
             fn reorder(&mut self, order: &[usize]) {
-                self.stamp_ns = order.iter().map(|&i| self.stamp_ns[i]).collect();
-                self.log_ns = order.iter().map(|&i| self.log_ns[i]).collect();
-                self.nth = order.iter().map(|&i| self.nth[i]).collect();
                 $(self.$field = order.iter().map(|&i| self.$field[i]).collect();)*
             }
         }

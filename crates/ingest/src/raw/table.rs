@@ -105,18 +105,12 @@ impl<'a> TableLog<'a> {
     }
 
     /// Opens its files as one table.
-    ///
-    /// # Errors
-    /// As [`Table::open_all`].
     fn open(&mut self, wanted: &[(&str, Kind)]) -> Result<Table, IngestError> {
         Table::open_all(std::mem::take(&mut self.files), self.mapping.into(), wanted)
     }
 }
 
 /// Reads the drives of a table, ordered by group and vehicle; of a folder if the layout is `signals`. Files that it reads besides go to `sources`.
-///
-/// # Errors
-/// As [`crate::read_log`].
 pub(crate) fn read(
     log: TableLog<'_>,
     sources: &mut Vec<Source>,
@@ -147,11 +141,4 @@ pub(crate) fn take(path: &Path, sources: &mut Vec<Source>) -> Result<Vec<u8>, In
     let (bytes, source) = Source::read(path)?;
     sources.push(source);
     Ok(bytes)
-}
-
-/// Adds a warning if it happened at all.
-fn report(warnings: &mut Vec<Warning>, path: &Path, kind: WarningKind, count: usize, what: &str) {
-    if count > 0 {
-        warnings.push(Warning::new(path, kind, count, what));
-    }
 }

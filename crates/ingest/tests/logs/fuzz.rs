@@ -2,7 +2,7 @@
 //!
 //! `PROPTEST_CASES` sets how many; `cargo test` runs a few.
 
-use maveric_domain::Drive;
+use super::mapped::drive_of;
 use maveric_ingest::{IngestSettings, Mapping, inspect_with, read_log, suggest_mapping};
 use proptest::prelude::*;
 use std::path::Path;
@@ -82,7 +82,7 @@ proptest! {
         let log = if settings.mapping.as_ref().is_some_and(Mapping::takes_folders) { folder.path() } else { &path };
         for found in read_log(log, &settings).unwrap_or_default() {
             // A drive takes finite numbers only.
-            let drive = Drive::from_recording(found.meta, &found.recording).unwrap();
+            let drive = drive_of(&found);
             prop_assert!(drive.rows().lead_dx_m.iter().all(|d| d.is_finite()));
         }
         let _ = inspect_with(log, &settings);

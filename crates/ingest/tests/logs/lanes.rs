@@ -1,7 +1,6 @@
 //! The number of the lane and the place in it, in every layout; and a place in the lane that is taken for one across the road.
 
-use super::mapped::{UNITS, mapped, of_toml};
-use maveric_domain::Drive;
+use super::mapped::{UNITS, drive_of, mapped, of_toml};
 use maveric_ingest::{IngestSettings, Ingested, WarningKind, inspect_with, suggest_mapping};
 use std::fmt::Write as _;
 
@@ -40,7 +39,7 @@ fn table(header: &str, row: impl Fn(f64) -> String) -> String {
 /// Two lane changes to the left, seen in each row.
 fn changes_lanes(found: &Ingested) {
     assert!(found.recording.sees().lanes);
-    let drive = Drive::from_recording(found.meta.clone(), &found.recording).unwrap();
+    let drive = drive_of(found);
     let rows = drive.rows();
     assert_eq!(drive.len(), 1200);
     for (time_s, y_m) in rows.time_s.iter().zip(&rows.ego_y_m) {

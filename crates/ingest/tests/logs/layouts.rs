@@ -1,7 +1,7 @@
 //! Tables of every layout, made up so that what must come out is known.
 
-use super::mapped::{mapped, of_toml, read_named, settings, shipped};
-use maveric_domain::{Drive, Recording, Sees};
+use super::mapped::{drive_of, mapped, of_toml, read_named, settings, shipped};
+use maveric_domain::{Recording, Sees};
 use maveric_ingest::{
     IngestError, Ingested, Layout, LogFormat, WarningKind, inspect_with, log_files, read_log,
 };
@@ -15,10 +15,6 @@ fn write(folder: &tempfile::TempDir, name: &str, text: &str) -> PathBuf {
 
 fn ids(drives: &[Ingested]) -> Vec<&str> {
     drives.iter().map(|d| d.meta.drive.as_str()).collect()
-}
-
-fn drive_of(found: &Ingested) -> Drive {
-    Drive::from_recording(found.meta.clone(), &found.recording).unwrap()
 }
 
 fn near(found: f64, expected: f64) -> bool {

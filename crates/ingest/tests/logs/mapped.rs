@@ -1,5 +1,6 @@
 //! Tables that are read through a mapping.
 
+use maveric_domain::Drive;
 use maveric_ingest::{IngestError, IngestSettings, Ingested, Mapping, read_log};
 use std::path::Path;
 
@@ -35,6 +36,11 @@ pub(super) fn read_named(
     let path = folder.path().join(file);
     std::fs::write(&path, text).unwrap();
     read_log(&path, &settings(mapping))
+}
+
+/// The drive of a log.
+pub(super) fn drive_of(log: &Ingested) -> Drive {
+    Drive::from_recording(log.meta.clone(), &log.recording).unwrap()
 }
 
 /// A table, read by the text of a mapping.

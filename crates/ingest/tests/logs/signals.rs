@@ -1,6 +1,6 @@
 //! A rig that writes a folder a drive: several files of blanks and numbers, without headers, at several rates.
 
-use super::mapped::{of_toml, settings, shipped};
+use super::mapped::{drive_of, of_toml, settings, shipped};
 use maveric_domain::{Drive, Sees, drive::Direction};
 use maveric_ingest::{
     IngestError, Ingested, Layout, Mapping, Provenance, WarningKind, inspect_with, log_files,
@@ -102,10 +102,6 @@ fn lines<T: std::fmt::Display>(lines: impl Iterator<Item = T>) -> String {
         writeln!(text, "{line}").unwrap();
     }
     text
-}
-
-fn drive_of(found: &Ingested) -> Drive {
-    Drive::from_recording(found.meta.clone(), &found.recording).unwrap()
 }
 
 fn said(found: &Ingested, kind: WarningKind) -> Vec<&str> {

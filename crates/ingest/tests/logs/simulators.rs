@@ -1,7 +1,7 @@
 //! Logs of driving simulators as they write them, in made-up files of their shape.
 
-use super::mapped::{of_toml, read_named, shipped};
-use maveric_domain::{Drive, Recording};
+use super::mapped::{drive_of, of_toml, read_named, shipped};
+use maveric_domain::Recording;
 use maveric_ingest::{Ingested, Mapping, suggest_mapping};
 use std::fmt::Write as _;
 
@@ -59,7 +59,7 @@ fn esminis_columns_of_each_vehicle_become_one_drive_of_ego_behind_the_other() {
     // Rear axles are 40 m apart; the boxes' centres 1.4 and 1.3 m ahead of them; half a length each.
     assert!((gap_m(recording, 100) - (40.0 + 1.3 - 1.4 - 2.5 - 2.0)).abs() < 1e-6);
     assert!((recording.ego().length_m - 5.0).abs() < 1e-12);
-    let drive = Drive::from_recording(found[0].meta.clone(), recording).unwrap();
+    let drive = drive_of(&found[0]);
     let lanes = &drive.rows().lane;
     assert_eq!((lanes[0], lanes[lanes.len() - 1]), (0, 1));
     assert_eq!(drive.lane_changes().len(), 1);
@@ -107,7 +107,7 @@ fn openpass_agents_find_their_lanes_where_they_drive_and_go_when_their_cells_are
     };
     assert_eq!(lanes(100), [0, 0, 1, 2]);
     assert_eq!(lanes(1100), [1, 0, 2], "agent 02 is gone");
-    let drive = Drive::from_recording(found[0].meta.clone(), recording).unwrap();
+    let drive = drive_of(&found[0]);
     assert_eq!(drive.lane_changes().len(), 1);
     let error = read(
         shipped("openpass_cyclics.toml"),
@@ -149,7 +149,7 @@ fn a_curve_of_several_lanes_needs_no_column_of_lanes() {
         text.push('\n');
     }
     let found = read(mapping, "bend.csv", &text).unwrap().remove(0);
-    let drive = Drive::from_recording(found.meta, &found.recording).unwrap();
+    let drive = drive_of(&found);
     let rows = drive.rows();
     assert!(rows.lane.iter().all(|&lane| lane == 0));
     let gap = |row: usize| rows.lead_dx_m[row];

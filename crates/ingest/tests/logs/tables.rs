@@ -1,7 +1,7 @@
 //! Tables of pairs, made up.
 
-use super::mapped::{UNITS, mapped, of_toml, read_named, shipped};
-use maveric_domain::{Drive, Recording};
+use super::mapped::{UNITS, drive_of, mapped, of_toml, read_named, shipped};
+use maveric_domain::Recording;
 use maveric_ingest::{IngestError, Ingested, Mapping, WarningKind};
 use std::path::Path;
 
@@ -207,7 +207,7 @@ fn a_table_that_says_nothing_of_sides_has_no_measures_of_passing() {
             .warnings
             .iter()
             .any(|w| w.what.contains("has no measures"));
-        let drive = Drive::from_recording(found.meta, &found.recording).unwrap();
+        let drive = drive_of(&found);
         (drive.has_lateral(), said)
     };
     assert_eq!(passing(5.0), (false, true));

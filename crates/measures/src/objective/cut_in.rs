@@ -1,8 +1,6 @@
 //! How near vehicles cut in.
 
-use super::{
-    Measure, STANDSTILL_MPS, Shown, lead_ahead, mean, time_to_collision::time_to_collision_s,
-};
+use super::{Measure, Shown, mean, time_to_collision::time_to_collision_s};
 use maveric_domain::Drive;
 
 /// The time gap that a vehicle leaves as it cuts in.
@@ -21,11 +19,7 @@ pub(super) const GAP: Measure = Measure {
     of_passing: true,
     grows: false,
     why_missing: "nobody cuts in, or a log without lateral positions",
-    value: |drive| {
-        let rows = drive.rows();
-        let gap = |row: usize| rows.lead_dx_m[row] / rows.ego_speed_mps[row];
-        mean(&cut_ins(drive).map(gap).collect::<Vec<f64>>())
-    },
+    value: |drive| mean(cut_ins(drive).filter_map(|row| drive.time_gap_s(row))),
 };
 
 /// The time to collision as a vehicle cuts in.
@@ -42,10 +36,7 @@ pub(super) const TIME_TO_COLLISION: Measure = Measure {
     of_passing: true,
     grows: false,
     why_missing: "nobody slower cuts in, or a log without lateral positions",
-    value: |drive| {
-        let times = cut_ins(drive).filter_map(|row| time_to_collision_s(drive, row));
-        mean(&times.collect::<Vec<f64>>())
-    },
+    value: |drive| mean(cut_ins(drive).filter_map(|row| time_to_collision_s(drive, row))),
 };
 
 /// Share of a lane that a vehicle is beside ego at least as it crosses the line.
@@ -61,13 +52,13 @@ pub(crate) fn cut_ins(drive: &Drive) -> impl Iterator<Item = usize> {
             && rows.segment[row] == rows.segment[row - 1]
     };
     let was_ahead =
-        move |row: usize| rows.lead_id[row] == rows.lead_id[row - 1] && lead_ahead(drive, row - 1);
+        move |row: usize| rows.lead_id[row] == rows.lead_id[row - 1] && drive.lead_ahead(row - 1);
     (1..drive.len()).filter(move |&row| {
-        lead_ahead(drive, row)
+        drive.lead_ahead(row)
             && !was_ahead(row)
             && keeps_lane(row)
             && rows.lead_dy_m[row].abs() >= beside_m
-            && rows.ego_speed_mps[row] > STANDSTILL_MPS
+            && drive.time_gap_s(row).is_some()
     })
 }
 

@@ -1,6 +1,5 @@
 //! Drives of unequal length: what is counted in one is held against what is counted in the same part of another.
 
-use super::lead_ahead;
 use maveric_domain::Drive;
 use std::collections::BTreeSet;
 
@@ -25,7 +24,7 @@ impl Exposure {
         let start = rows.time_s.first().copied().unwrap_or_default();
         let since = |row: usize| rows.time_s[row] - start;
         let (mut met, mut leads_s) = (BTreeSet::new(), Vec::new());
-        for row in (0..drive.len()).filter(|&row| lead_ahead(drive, row)) {
+        for row in (0..drive.len()).filter(|&row| drive.lead_ahead(row)) {
             if met.insert(rows.lead_id[row]) {
                 leads_s.push(since(row));
             }

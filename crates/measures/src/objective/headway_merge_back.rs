@@ -1,7 +1,11 @@
 //! Headway when merging back, as a distance and as a time.
 
-use super::{Measure, STANDSTILL_MPS, Shown, mean};
-use maveric_domain::{Drive, design::Sign, drive::Direction};
+use super::{Measure, Shown, mean};
+use maveric_domain::{
+    Drive,
+    design::Sign,
+    drive::{Direction, STANDSTILL_MPS},
+};
 
 /// Room left to the vehicle behind when merging back.
 ///
@@ -19,7 +23,7 @@ pub(super) const DISTANCE: Measure = Measure {
     of_passing: true,
     grows: false,
     why_missing: "never merged back in front of a vehicle, or a log without lateral positions",
-    value: distance,
+    value: |drive| mean(merges(drive).map(|(gap, _)| gap)),
 };
 
 /// The same distance over ego speed at that moment.
@@ -33,31 +37,17 @@ pub(super) const TIME: Measure = Measure {
     of_passing: true,
     grows: false,
     why_missing: "never merged back in front of a vehicle, or a log without lateral positions",
-    value: time,
+    value: |drive| {
+        let moving = merges(drive).filter(|(_, speed)| *speed > STANDSTILL_MPS);
+        mean(moving.map(|(gap, speed)| gap / speed))
+    },
 };
 
 /// Gap (m) and ego speed (m/s) at the start of each change back.
-fn merges(drive: &Drive) -> Vec<(f64, f64)> {
-    drive
-        .lane_changes()
-        .iter()
-        .filter(|c| c.direction == Direction::Right)
-        .filter_map(|c| Some((c.gap_behind_m?, drive.rows().ego_speed_mps[c.start])))
-        .collect()
-}
-
-fn distance(drive: &Drive) -> Option<f64> {
-    let gaps: Vec<f64> = merges(drive).into_iter().map(|(gap, _)| gap).collect();
-    mean(&gaps)
-}
-
-fn time(drive: &Drive) -> Option<f64> {
-    let gaps: Vec<f64> = merges(drive)
-        .into_iter()
-        .filter(|(_, speed)| *speed > STANDSTILL_MPS)
-        .map(|(gap, speed)| gap / speed)
-        .collect();
-    mean(&gaps)
+fn merges(drive: &Drive) -> impl Iterator<Item = (f64, f64)> {
+    let changes = drive.lane_changes().into_iter();
+    let back = changes.filter(|c| c.direction == Direction::Right);
+    back.filter_map(move |c| Some((c.gap_behind_m?, drive.rows().ego_speed_mps[c.start])))
 }
 
 #[cfg(test)]

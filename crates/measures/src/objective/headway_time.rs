@@ -1,7 +1,7 @@
 //! Mean headway time.
 
-use super::{Measure, STANDSTILL_MPS, Shown, lead_ahead, mean};
-use maveric_domain::{Drive, design::Sign, drive::Direction};
+use super::{Measure, Shown, mean};
+use maveric_domain::{design::Sign, drive::Direction};
 
 /// The time gap at which a person moves out to pass.
 ///
@@ -20,20 +20,12 @@ pub(super) const MEASURE: Measure = Measure {
     of_passing: true,
     grows: false,
     why_missing: "no change to the passing lane with a lead vehicle ahead, or a log without lateral positions",
-    value,
+    value: |drive| {
+        let changes = drive.lane_changes().into_iter();
+        let out = changes.filter(|c| c.direction == Direction::Left && drive.lead_ahead(c.start));
+        mean(out.filter_map(|c| drive.time_gap_s(c.start)))
+    },
 };
-
-fn value(drive: &Drive) -> Option<f64> {
-    let rows = drive.rows();
-    let headways: Vec<f64> = drive
-        .lane_changes()
-        .iter()
-        .filter(|c| c.direction == Direction::Left && lead_ahead(drive, c.start))
-        .filter(|c| rows.ego_speed_mps[c.start] > STANDSTILL_MPS)
-        .map(|c| rows.lead_dx_m[c.start] / rows.ego_speed_mps[c.start])
-        .collect();
-    mean(&headways)
-}
 
 #[cfg(test)]
 mod tests {

@@ -1,7 +1,7 @@
 //! Number of lane changes.
 
 use super::{Measure, Shown};
-use maveric_domain::{Drive, design::Sign};
+use maveric_domain::design::Sign;
 
 pub(super) const MEASURE: Measure = Measure {
     name: "lane_changes",
@@ -13,13 +13,11 @@ pub(super) const MEASURE: Measure = Measure {
     of_passing: true,
     grows: true,
     why_missing: "the log has no lateral positions",
-    value,
+    value: |drive| {
+        let completed = drive.lane_changes().iter().filter(|c| c.completed).count();
+        drive.sees().lanes.then_some(completed as f64)
+    },
 };
-
-fn value(drive: &Drive) -> Option<f64> {
-    let completed = drive.lane_changes().iter().filter(|c| c.completed).count();
-    drive.sees().lanes.then_some(completed as f64)
-}
 
 #[cfg(test)]
 mod tests {

@@ -1,7 +1,6 @@
 //! Fraction of time in the left lane.
 
 use super::{Measure, Shown};
-use maveric_domain::Drive;
 
 pub(super) const MEASURE: Measure = Measure {
     name: "left_lane_fraction",
@@ -13,14 +12,12 @@ pub(super) const MEASURE: Measure = Measure {
     of_passing: true,
     grows: false,
     why_missing: "the log has no lateral positions",
-    value,
+    // Rows are evenly sampled, so a share of rows is a share of time.
+    value: |drive| {
+        let left = drive.rows().lane.iter().filter(|&&lane| lane > 0).count();
+        drive.sees().lanes.then(|| left as f64 / drive.len() as f64)
+    },
 };
-
-// Rows are evenly sampled, so a share of rows is a share of time.
-fn value(drive: &Drive) -> Option<f64> {
-    let left = drive.rows().lane.iter().filter(|&&lane| lane > 0).count();
-    drive.sees().lanes.then(|| left as f64 / drive.len() as f64)
-}
 
 #[cfg(test)]
 mod tests {

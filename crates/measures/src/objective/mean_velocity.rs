@@ -1,7 +1,7 @@
 //! Mean velocity.
 
-use super::{Measure, Shown};
-use maveric_domain::{Drive, design::Sign};
+use super::{Measure, Shown, mean};
+use maveric_domain::design::Sign;
 
 pub(super) const MEASURE: Measure = Measure {
     name: "mean_velocity_mps",
@@ -13,12 +13,8 @@ pub(super) const MEASURE: Measure = Measure {
     of_passing: false,
     grows: false,
     why_missing: "never missing",
-    value,
+    value: |drive| mean(drive.rows().ego_speed_mps.iter().copied()),
 };
-
-fn value(drive: &Drive) -> Option<f64> {
-    super::mean(&drive.rows().ego_speed_mps)
-}
 
 #[cfg(test)]
 mod tests {

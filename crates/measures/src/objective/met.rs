@@ -1,7 +1,6 @@
 //! What a drive met on its road: not what the driver did, but what there was to do it with.
 
-use super::{Measure, Shown, exposure::Exposure, lead_ahead, mean};
-use maveric_domain::Drive;
+use super::{Measure, Shown, exposure::Exposure, mean};
 
 /// Lead vehicles met.
 ///
@@ -30,7 +29,10 @@ pub(super) const LEAD_SPEED: Measure = Measure {
     of_passing: false,
     grows: false,
     why_missing: "no vehicle was ahead in ego's lane",
-    value: lead_speed,
+    value: |drive| {
+        let ahead = (0..drive.len()).filter(|&row| drive.lead_ahead(row));
+        mean(ahead.map(|row| drive.rows().lead_speed_mps[row]))
+    },
 };
 
 /// How long ego was held up.
@@ -49,12 +51,6 @@ pub(super) const FOLLOWING: Measure = Measure {
         Some(following.count() as f64 / drive.rate_hz())
     },
 };
-
-fn lead_speed(drive: &Drive) -> Option<f64> {
-    let ahead = (0..drive.len()).filter(|&row| lead_ahead(drive, row));
-    let speeds: Vec<f64> = ahead.map(|row| drive.rows().lead_speed_mps[row]).collect();
-    mean(&speeds)
-}
 
 #[cfg(test)]
 mod tests {

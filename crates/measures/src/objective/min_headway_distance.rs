@@ -1,6 +1,6 @@
 //! Minimum headway distance.
 
-use super::{Measure, Shown, lead_ahead};
+use super::{Measure, Shown};
 use maveric_domain::Drive;
 
 /// How near a person gets to a lead vehicle before reacting to it.
@@ -52,35 +52,11 @@ enum Until {
     Change,
 }
 
-/// Ego's acceleration at each row, in m/s²: a central difference that never spans two segments.
-fn acceleration(drive: &Drive) -> Vec<f64> {
-    let rows = drive.rows();
-    let n = drive.len();
-    let half = ((HALF_SPAN_S * drive.rate_hz()).round() as usize).max(1);
-    let at_row = |row: usize| {
-        let same = |i: &usize| rows.segment[*i] == rows.segment[row];
-        let low = (row.saturating_sub(half)..=row).find(same).unwrap_or(row);
-        let high = (row..=(row + half).min(n - 1))
-            .rev()
-            .find(same)
-            .unwrap_or(row);
-        let span = rows.time_s[high] - rows.time_s[low];
-        if span > 0.0 {
-            (rows.ego_speed_mps[high] - rows.ego_speed_mps[low]) / span
-        } else {
-            0.0
-        }
-    };
-    (0..n).map(at_row).collect()
-}
-
 /// Whether a slowing that lasts long enough is under way at each row.
 fn slowing(drive: &Drive) -> Vec<bool> {
     let rows = drive.rows();
-    let braking: Vec<bool> = acceleration(drive)
-        .iter()
-        .map(|&a| a < -SLOWING_MPS2)
-        .collect();
+    let acceleration = rows.slopes(&rows.ego_speed_mps, HALF_SPAN_S, drive.rate_hz());
+    let braking: Vec<bool> = acceleration.iter().map(|&a| a < -SLOWING_MPS2).collect();
     let mut slow = vec![false; braking.len()];
     let mut start = 0;
     while start < braking.len() {
@@ -110,7 +86,7 @@ fn nearest(drive: &Drive, until: Until) -> Option<f64> {
         if rows.changing[row] != 0 || (row > 0 && rows.segment[row] != rows.segment[row - 1]) {
             encounter = None;
         }
-        if rows.changing[row] != 0 || !lead_ahead(drive, row) {
+        if rows.changing[row] != 0 || !drive.lead_ahead(row) {
             continue;
         }
         let lead = rows.lead_id[row];

@@ -1,18 +1,12 @@
 //! The time gap that a person keeps, over the whole drive.
 
-use super::{STANDSTILL_MPS, lead_ahead};
 use maveric_domain::Drive;
 
 /// Median of the gap to the vehicle ahead in ego's own lane over ego speed, in s, over the samples at which there is one and ego moves;
 /// none without such a sample. It is no measure of the paper's: it needs no lane change, so it exists for any rig that sees ahead.
 pub fn median_time_gap_s(drive: &Drive) -> Option<f64> {
-    let rows = drive.rows();
-    let samples = 0..drive.len();
-    let with_lead = samples.filter(|&i| lead_ahead(drive, i));
-    let mut gaps: Vec<f64> = with_lead
-        .filter(|&i| rows.ego_speed_mps[i] > STANDSTILL_MPS)
-        .map(|i| rows.lead_dx_m[i] / rows.ego_speed_mps[i])
-        .collect();
+    let with_lead = (0..drive.len()).filter(|&row| drive.lead_ahead(row));
+    let mut gaps: Vec<f64> = with_lead.filter_map(|row| drive.time_gap_s(row)).collect();
     gaps.sort_by(f64::total_cmp);
     let upper = *gaps.get(gaps.len() / 2)?;
     let lower = gaps[(gaps.len() - 1) / 2];

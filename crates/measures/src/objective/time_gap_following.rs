@@ -1,7 +1,7 @@
 //! Mean time gap while following.
 
-use super::{Measure, STANDSTILL_MPS, Shown, mean};
-use maveric_domain::{Drive, design::Sign};
+use super::{Measure, Shown, mean};
+use maveric_domain::design::Sign;
 
 /// The time gap that a person keeps behind a vehicle.
 ///
@@ -19,18 +19,11 @@ pub(super) const MEASURE: Measure = Measure {
     of_passing: false,
     grows: false,
     why_missing: "ego follows nobody",
-    value,
+    value: |drive| {
+        let follows = (0..drive.len()).filter(|row| drive.rows().following[*row]);
+        mean(follows.filter_map(|row| drive.time_gap_s(row)))
+    },
 };
-
-fn value(drive: &Drive) -> Option<f64> {
-    let rows = drive.rows();
-    let follows = |row: &usize| rows.following[*row] && rows.ego_speed_mps[*row] > STANDSTILL_MPS;
-    let gaps = (0..drive.len()).filter(follows);
-    let gaps: Vec<f64> = gaps
-        .map(|row| rows.lead_dx_m[row] / rows.ego_speed_mps[row])
-        .collect();
-    mean(&gaps)
-}
 
 #[cfg(test)]
 mod tests {

@@ -1,7 +1,7 @@
 //! Time to collision: the least of a drive, and how often it is short.
 
-use super::{Measure, STANDSTILL_MPS, Shown, lead_ahead};
-use maveric_domain::{Drive, design::Sign};
+use super::{Measure, Shown};
+use maveric_domain::{Drive, design::Sign, drive::STANDSTILL_MPS};
 
 /// The least time to collision with a vehicle ahead.
 ///
@@ -46,7 +46,7 @@ pub(super) const SHORT: Measure = Measure {
         let behind = |row: &usize| {
             let (gap_m, speed_mps) = (rows.lead_dx_m[*row], rows.ego_speed_mps[*row]);
             let near = speed_mps > STANDSTILL_MPS && gap_m < FOLLOWING_S * speed_mps;
-            rows.changing[*row] == 0 && near && lead_ahead(drive, *row)
+            rows.changing[*row] == 0 && near && drive.lead_ahead(*row)
         };
         let behind: Vec<usize> = (0..drive.len()).filter(behind).collect();
         let short = |row: &&usize| time_to_collision_s(drive, **row).is_some_and(|t| t < SHORT_S);
@@ -66,7 +66,7 @@ const SHORT_S: f64 = 1.5;
 pub(super) fn time_to_collision_s(drive: &Drive, row: usize) -> Option<f64> {
     let rows = drive.rows();
     let closing_mps = rows.ego_speed_mps[row] - rows.lead_speed_mps[row];
-    let closes = closing_mps > CLOSING_MPS && rows.changing[row] == 0 && lead_ahead(drive, row);
+    let closes = closing_mps > CLOSING_MPS && rows.changing[row] == 0 && drive.lead_ahead(row);
     closes.then(|| rows.lead_dx_m[row] / closing_mps)
 }
 
@@ -74,7 +74,7 @@ pub(super) fn time_to_collision_s(drive: &Drive, row: usize) -> Option<f64> {
 pub(crate) fn inverse_time_to_collision(drive: &Drive, row: usize) -> f64 {
     let rows = drive.rows();
     let closing_mps = (rows.ego_speed_mps[row] - rows.lead_speed_mps[row]).max(0.0);
-    if lead_ahead(drive, row) {
+    if drive.lead_ahead(row) {
         closing_mps / rows.lead_dx_m[row]
     } else {
         0.0

@@ -1,18 +1,19 @@
 //! What scoring leaves out, and what it doubts.
 
 use maveric_domain::{Moment, ParticipantId};
-use std::fmt;
 
 /// What was left out of the scores, or is doubtful, and why.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum ScoreWarning {
     /// A participant of the study without any answer.
+    #[error("participant {participant} answered no questionnaire")]
     NoAnswers {
         /// Who.
         participant: ParticipantId,
     },
     /// A scale that others answered at this moment.
+    #[error("participant {participant} ({moment}) did not answer scale `{scale}`")]
     Unanswered {
         /// Who.
         participant: ParticipantId,
@@ -22,6 +23,9 @@ pub enum ScoreWarning {
         scale: String,
     },
     /// Fewer items answered than the scale asks for: the score is missing.
+    #[error(
+        "participant {participant} ({moment}) answered {answered} of {items} items of `{scale}` {subscale}: no score"
+    )]
     TooFewAnswers {
         /// Who.
         participant: ParticipantId,
@@ -37,6 +41,10 @@ pub enum ScoreWarning {
         items: u32,
     },
     /// One answer to items of which some are reversed: it contradicts itself. Kept.
+    #[error(
+        "participant {participant} ({moment}) answered all {items} items of `{scale}` with {answer}, reversed ones too: \
+         straight-lining? kept"
+    )]
     OneAnswer {
         /// Who.
         participant: ParticipantId,
@@ -50,6 +58,10 @@ pub enum ScoreWarning {
         items: u32,
     },
     /// The same answer to many items running. Kept.
+    #[error(
+        "participant {participant} ({moment}) gave the answer {answer} {}: straight-lining? kept",
+        running(*run, *first, *items, scale)
+    )]
     LongString {
         /// Who.
         participant: ParticipantId,
@@ -67,6 +79,9 @@ pub enum ScoreWarning {
         items: u32,
     },
     /// Answers given faster than the items can be read. Kept.
+    #[error(
+        "participant {participant} ({moment}) answered `{scale}` in {seconds_an_item:.1} s an item, faster than it can be read: kept"
+    )]
     TooFast {
         /// Who.
         participant: ParticipantId,
@@ -78,6 +93,9 @@ pub enum ScoreWarning {
         seconds_an_item: f64,
     },
     /// Another answer than the one that an item asks for. Kept.
+    #[error(
+        "participant {participant} ({moment}) answered item {item} of `{scale}` with {answer}, which asks for {expected}: not read? kept"
+    )]
     AttentionMissed {
         /// Who.
         participant: ParticipantId,
@@ -93,6 +111,7 @@ pub enum ScoreWarning {
         expected: i32,
     },
     /// Answers of somebody who is not in the study: left out.
+    #[error("{answers} answer{} of {participant}, who is not in the study, left out", if *answers == 1 { "" } else { "s" })]
     UnknownParticipant {
         /// Who.
         participant: ParticipantId,
@@ -117,90 +136,9 @@ impl ScoreWarning {
     }
 }
 
-impl fmt::Display for ScoreWarning {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::NoAnswers { participant } => {
-                write!(f, "participant {participant} answered no questionnaire")
-            }
-            Self::Unanswered {
-                participant,
-                moment,
-                scale,
-            } => write!(
-                f,
-                "participant {participant} ({moment}) did not answer scale `{scale}`"
-            ),
-            Self::TooFewAnswers {
-                participant,
-                moment,
-                scale,
-                subscale,
-                answered,
-                items,
-            } => write!(
-                f,
-                "participant {participant} ({moment}) answered {answered} of {items} items of `{scale}` {subscale}: no score"
-            ),
-            Self::OneAnswer {
-                participant,
-                moment,
-                scale,
-                answer,
-                items,
-            } => write!(
-                f,
-                "participant {participant} ({moment}) answered all {items} items of `{scale}` with {answer}, reversed ones too: straight-lining? kept"
-            ),
-            Self::LongString {
-                participant,
-                moment,
-                scale,
-                answer,
-                run,
-                first,
-                items,
-            } => {
-                let which = if run == items {
-                    format!("to all {items} items of `{scale}`")
-                } else {
-                    format!("to {run} items of `{scale}` in a row, from item {first} (of {items})")
-                };
-                write!(
-                    f,
-                    "participant {participant} ({moment}) gave the answer {answer} {which}: straight-lining? kept"
-                )
-            }
-            Self::TooFast {
-                participant,
-                moment,
-                scale,
-                seconds_an_item,
-            } => write!(
-                f,
-                "participant {participant} ({moment}) answered `{scale}` in {seconds_an_item:.1} s an item, faster than it can be read: kept"
-            ),
-            Self::AttentionMissed {
-                participant,
-                moment,
-                scale,
-                item,
-                answer,
-                expected,
-            } => write!(
-                f,
-                "participant {participant} ({moment}) answered item {item} of `{scale}` with {answer}, which asks for {expected}: not read? kept"
-            ),
-            Self::UnknownParticipant {
-                participant,
-                answers,
-            } => {
-                let s = if *answers == 1 { "" } else { "s" };
-                write!(
-                    f,
-                    "{answers} answer{s} of {participant}, who is not in the study, left out"
-                )
-            }
-        }
+fn running(run: u32, first: u32, items: u32, scale: &str) -> String {
+    if run == items {
+        return format!("to all {items} items of `{scale}`");
     }
+    format!("to {run} items of `{scale}` in a row, from item {first} (of {items})")
 }

@@ -104,6 +104,15 @@ pub(crate) struct View<'a> {
     pub(crate) first: usize,
 }
 
+impl View<'static> {
+    /// A column of ones, of as many rows as are asked for.
+    pub(crate) const ONES: Self = View {
+        data: &[1.0],
+        stride: 0,
+        first: 0,
+    };
+}
+
 /// A [`View`] to write to.
 #[derive(Debug)]
 pub(crate) struct ViewMut<'a> {

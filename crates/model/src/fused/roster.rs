@@ -147,17 +147,12 @@ impl Roster {
     ) {
         let rows = self.present.len();
         let d = self.d;
-        let ones = View {
-            data: &[1.0],
-            stride: 0,
-            first: 0,
-        };
         self.by_embedding.all_mut().fill(0.0);
         for (layer, first) in parts(layout, &self.columns) {
             let dy = lines.columns(first);
             arch.dispatch(OuterSums {
                 rows,
-                x: ones,
+                x: View::ONES,
                 inputs: 1,
                 dy,
                 width: layer.width,

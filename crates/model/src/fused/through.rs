@@ -9,12 +9,6 @@ use super::{
 use crate::losses::{LossWeights, Reading};
 use pulp::Arch;
 
-const ONES: View<'static> = View {
-    data: &[1.0],
-    stride: 0,
-    first: 0,
-};
-
 /// Sums that begin with nothing: as many zeros as the widest layer has outputs.
 pub(super) const ZERO: Start<'static> = Start::Bias(&[0.0; 8256]);
 
@@ -208,7 +202,7 @@ impl<'a> Through<'a> {
                 }),
                 _ => arch.dispatch(OuterSums {
                     rows: self.rows,
-                    x: ONES,
+                    x: View::ONES,
                     inputs: 1,
                     dy,
                     width: layer.width,

@@ -1,6 +1,10 @@
 //! A head with its numbers: what training finds, and what a style makes of it.
 
-use super::{family::Family, head::Event, list::HEADS};
+use super::{
+    family::{Family, Loss},
+    head::Event,
+    list::HEADS,
+};
 use crate::error::ModelError;
 use serde::{Deserialize, Serialize};
 
@@ -33,6 +37,19 @@ impl FittedHead {
     pub(crate) fn eta(&self, w: &[f64], z: impl Iterator<Item = f64>) -> f64 {
         let common: f64 = self.common.iter().zip(z).map(|(a, z)| a * z).sum();
         common + self.slopes.iter().zip(w).map(|(b, w)| b * w).sum::<f64>()
+    }
+
+    /// The loss of a drive's events, for a style and a deviation of its own.
+    pub(super) fn loss(&self, w: &[f64], deviation: f64, events: &[Event]) -> Loss {
+        let mut sum = Loss::default();
+        for event in events {
+            let eta = self.eta(w, event.z()) + deviation;
+            let loss = self.family.loss(event.outcome, eta, self.within_sd);
+            sum.value += loss.value;
+            sum.slope += loss.slope;
+            sum.curvature += loss.curvature;
+        }
+        sum
     }
 
     /// Whether there was anything to learn from.

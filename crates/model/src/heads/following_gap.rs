@@ -39,11 +39,8 @@ fn events(drive: &Drive) -> Vec<Event> {
     });
     let event = |block: std::ops::Range<usize>| {
         let gap_s = mean(&rows.lead_dx_m, &block) / mean(&rows.ego_speed_mps, &block);
-        (gap_s > SHORTEST_S).then(|| Event {
-            time_s: rows.time_s[block.start] - rows.time_s[0],
-            reads: vec![held_up(free_mps, mean(&rows.lead_speed_mps, &block))],
-            outcome: Outcome::Value(gap_s),
-        })
+        let reads = vec![held_up(free_mps, mean(&rows.lead_speed_mps, &block))];
+        (gap_s > SHORTEST_S).then(|| Event::at(drive, block.start, reads, Outcome::Value(gap_s)))
     };
     followed.into_iter().filter_map(event).collect()
 }

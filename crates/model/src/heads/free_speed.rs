@@ -49,11 +49,9 @@ pub(super) fn own_mps(drive: &Drive) -> Option<f64> {
 }
 
 fn events(drive: &Drive) -> Vec<Event> {
-    let rows = drive.rows();
-    let event = |block: Range<usize>| Event {
-        time_s: rows.time_s[block.start] - rows.time_s[0],
-        reads: Vec::new(),
-        outcome: Outcome::Value(mean(&rows.ego_speed_mps, &block)),
+    let event = |block: Range<usize>| {
+        let speed_mps = mean(&drive.rows().ego_speed_mps, &block);
+        Event::at(drive, block.start, Vec::new(), Outcome::Value(speed_mps))
     };
     free(drive).into_iter().map(event).collect()
 }

@@ -72,6 +72,16 @@ pub struct Event {
 }
 
 impl Event {
+    /// What was done at a row of a drive.
+    pub(super) fn at(drive: &Drive, row: usize, reads: Vec<f64>, outcome: Outcome) -> Self {
+        let times = &drive.rows().time_s;
+        Self {
+            time_s: times[row] - times[0],
+            reads,
+            outcome,
+        }
+    }
+
     /// z: the constant, then what is read.
     pub(crate) fn z(&self) -> impl Iterator<Item = f64> + '_ {
         std::iter::once(1.0).chain(self.reads.iter().copied())

@@ -3,9 +3,11 @@
 use super::{
     family::{Family, Outcome},
     head::{CARRIED, Event, Head},
-    situation::STANDSTILL_MPS,
 };
-use maveric_domain::{Drive, drive::Direction};
+use maveric_domain::{
+    Drive, LaneChange,
+    drive::{Direction, STANDSTILL_MPS},
+};
 
 pub(super) const HEAD: Head = Head {
     name: "merge_back_s",
@@ -22,18 +24,13 @@ fn events(drive: &Drive) -> Vec<Event> {
     if !drive.sees().passing() {
         return Vec::new();
     }
-    let rows = drive.rows();
-    let event = |change: &maveric_domain::LaneChange| {
-        let speed = rows.ego_speed_mps[change.start];
+    let event = |change: &LaneChange| {
+        let speed = drive.rows().ego_speed_mps[change.start];
         if change.direction != Direction::Right || speed <= STANDSTILL_MPS {
             return None;
         }
         let gap_s = change.gap_behind_m? / speed;
-        (gap_s > 0.0).then(|| Event {
-            time_s: rows.time_s[change.start] - rows.time_s[0],
-            reads: Vec::new(),
-            outcome: Outcome::Value(gap_s),
-        })
+        (gap_s > 0.0).then(|| Event::at(drive, change.start, Vec::new(), Outcome::Value(gap_s)))
     };
     drive.lane_changes().iter().filter_map(event).collect()
 }

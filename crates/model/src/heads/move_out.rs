@@ -3,7 +3,6 @@
 use super::{
     family::{Family, Outcome},
     head::{CARRIED, Event, Head},
-    situation::{lead_ahead, time_gap_s},
 };
 use maveric_domain::{Drive, drive::Direction};
 
@@ -33,19 +32,16 @@ fn events(drive: &Drive) -> Vec<Event> {
     };
     let event = |change: &maveric_domain::LaneChange| {
         let start = change.start;
-        if change.direction != Direction::Left || !lead_ahead(drive, start) {
+        if change.direction != Direction::Left || !drive.lead_ahead(start) {
             return None;
         }
-        let gap_s = time_gap_s(drive, start).filter(|g| *g > 0.0)?;
-        Some(Event {
-            time_s: rows.time_s[start] - rows.time_s[0],
-            reads: Vec::new(),
-            outcome: if followed(start) {
-                Outcome::AtLeast(gap_s)
-            } else {
-                Outcome::Value(gap_s)
-            },
-        })
+        let gap_s = drive.time_gap_s(start).filter(|g| *g > 0.0)?;
+        let outcome = if followed(start) {
+            Outcome::AtLeast(gap_s)
+        } else {
+            Outcome::Value(gap_s)
+        };
+        Some(Event::at(drive, start, Vec::new(), outcome))
     };
     drive.lane_changes().iter().filter_map(event).collect()
 }

@@ -4,7 +4,6 @@ use super::{
     family::{Family, Outcome},
     free_speed,
     head::{BESIDE, Event, Head},
-    situation::{lead_ahead, time_gap_s},
 };
 use maveric_domain::{Drive, drive::Direction};
 
@@ -41,13 +40,11 @@ fn events(drive: &Drive) -> Vec<Event> {
         return Vec::new();
     };
     let rows = drive.rows();
-    let event = |row: usize, lead_mps: f64, done: f64| Event {
-        time_s: rows.time_s[row] - rows.time_s[0],
-        reads: vec![free_mps - lead_mps],
-        outcome: Outcome::Value(done),
+    let event = |row: usize, lead_mps: f64, done: f64| {
+        Event::at(drive, row, vec![free_mps - lead_mps], Outcome::Value(done))
     };
     let mut starts = drive.lane_changes();
-    starts.retain(|c| c.direction == Direction::Left && lead_ahead(drive, c.start));
+    starts.retain(|c| c.direction == Direction::Left && drive.lead_ahead(c.start));
     let mut events = Vec::new();
     let mut behind: Option<Behind> = None;
     let stayed = |b: &Behind| {
@@ -63,8 +60,8 @@ fn events(drive: &Drive) -> Vec<Event> {
             continue;
         }
         let near = rows.changing[row] == 0
-            && lead_ahead(drive, row)
-            && time_gap_s(drive, row).is_some_and(|g| g < BEHIND_S);
+            && drive.lead_ahead(row)
+            && drive.time_gap_s(row).is_some_and(|g| g < BEHIND_S);
         let same = behind
             .as_ref()
             .is_some_and(|b| b.vehicle == rows.lead_id[row]);

@@ -39,11 +39,8 @@ fn events(drive: &Drive) -> Vec<Event> {
         let lead_mps = mean(&rows.lead_speed_mps, &block);
         let over_mps = mean(&rows.ego_speed_mps, &block) - lead_mps;
         // One who drives away is not passed.
-        (over_mps > 0.0).then(|| Event {
-            time_s: rows.time_s[block.start] - rows.time_s[0],
-            reads: vec![free_mps - lead_mps],
-            outcome: Outcome::Value(over_mps),
-        })
+        let reads = vec![free_mps - lead_mps];
+        (over_mps > 0.0).then(|| Event::at(drive, block.start, reads, Outcome::Value(over_mps)))
     };
     passes.into_iter().filter_map(event).collect()
 }

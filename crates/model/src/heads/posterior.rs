@@ -5,7 +5,7 @@
 //! damped by halving: −ln posterior is convex, and with nothing but normal, uncensored events one step is the answer.
 
 use super::{
-    family::{Family, Outcome},
+    family::{Family, Loss, Outcome},
     fitted::FittedHead,
     head::Event,
     style::{Posterior, StyleHead},
@@ -95,48 +95,28 @@ pub(crate) fn evaluate(
     for (k, head) in heads.iter().enumerate() {
         prior(d + k, head.between_sd.max(LEAST_SD));
     }
-    let mut add =
-        |value: f64, slope: f64, curvature: f64, slopes: &[f64], own_index: Option<usize>| {
-            there.value += value;
-            let reads = || {
-                slopes
-                    .iter()
-                    .copied()
-                    .enumerate()
-                    .chain(own_index.map(|o| (o, 1.0)))
-            };
-            for (i, a) in reads() {
-                there.gradient[i] += slope * a;
-                for (j, b) in reads() {
-                    there.curvature[(i, j)] += curvature * a * b;
-                }
+    let mut add = |loss: Loss, slopes: &[f64], own_index: Option<usize>| {
+        there.value += loss.value;
+        let of_style = slopes.iter().copied().enumerate();
+        let reads = of_style.chain(own_index.map(|o| (o, 1.0)));
+        for (i, a) in reads.clone() {
+            there.gradient[i] += loss.slope * a;
+            for (j, b) in reads.clone() {
+                there.curvature[(i, j)] += loss.curvature * a * b;
             }
-        };
+        }
+    };
     for (k, (head, events)) in heads.iter().zip(events).enumerate() {
         if !head.learned() {
             continue;
         }
-        let (mut value, mut slope, mut curvature) = (0.0, 0.0, 0.0);
-        for event in events {
-            let eta = head.eta(w, event.z()) + x[d + k];
-            let loss = head.family.loss(event.outcome, eta, head.within_sd);
-            value += loss.value;
-            slope += loss.slope;
-            curvature += loss.curvature;
-        }
         // w and u move every event's η alike, so one sum a head is enough.
-        add(value, slope, curvature, &head.slopes, Some(d + k));
+        add(head.loss(w, x[d + k], events), &head.slopes, Some(d + k));
     }
     if let Some((points, style)) = score {
         let eta = style.points(w);
         let loss = Family::Gaussian.loss(Outcome::Value(points), eta, style.reading_sd);
-        add(
-            loss.value,
-            loss.slope,
-            loss.curvature,
-            &style.gradient,
-            None,
-        );
+        add(loss, &style.gradient, None);
     }
     there
 }

@@ -3,28 +3,10 @@
 use maveric_domain::Drive;
 use std::ops::Range;
 
-/// Ego speed below which a gap is no time gap, in m/s.
-pub(super) const STANDSTILL_MPS: f64 = 0.5;
-
-/// Whether the reference vehicle is ahead in ego's own lane at `row`.
-pub(super) fn lead_ahead(drive: &Drive, row: usize) -> bool {
-    let rows = drive.rows();
-    rows.lead_present[row]
-        && rows.lead_dx_m[row] > 0.0
-        && rows.lead_dy_m[row].abs() < 0.5 * drive.road().lane_width_m
-}
-
 /// Whether ego is beside or in front of a reference vehicle in the lane to the right.
 pub(super) fn passing(drive: &Drive, row: usize) -> bool {
     let rows = drive.rows();
     rows.lead_present[row] && rows.lead_dy_m[row] < -0.5 * drive.road().lane_width_m
-}
-
-/// Gap ahead over ego speed, in s; none at standstill.
-pub(super) fn time_gap_s(drive: &Drive, row: usize) -> Option<f64> {
-    let rows = drive.rows();
-    let speed = rows.ego_speed_mps[row];
-    (speed > STANDSTILL_MPS).then(|| rows.lead_dx_m[row] / speed)
 }
 
 /// Runs of rows of one segment and one reference vehicle for which `holds`, their first `settle_s` seconds left out, cut into

@@ -73,45 +73,31 @@ fn reading(which: usize, head: &FittedHead, events: &[Event]) -> Option<Reading>
     }
     let none = vec![0.0; head.slopes.len()];
     let prior = 1.0 / total_variance(head);
-    let loss_at = |deviation: f64| {
-        let (mut value, mut slope, mut curvature) = (0.0, 0.0, 0.0);
-        for event in events {
-            let eta = head.eta(&none, event.z()) + deviation;
-            let loss = head.family.loss(event.outcome, eta, head.within_sd);
-            value += loss.value;
-            slope += loss.slope;
-            curvature += loss.curvature;
-        }
-        (value, slope, curvature)
-    };
+    let loss_at = |deviation: f64| head.loss(&none, deviation, events);
     let mut deviation = 0.0;
     for _ in 0..STEPS {
-        let (value, slope, curvature) = loss_at(deviation);
-        let gradient = slope + prior * deviation;
-        let step = -gradient / (curvature + prior);
+        let loss = loss_at(deviation);
+        let gradient = loss.slope + prior * deviation;
+        let step = -gradient / (loss.curvature + prior);
         // Newton's next error is the square of this one; nearer, rounding alone decides whether a step helps.
         if step.abs() < 1e-8 * (1.0 + deviation.abs()) {
             deviation += step;
             break;
         }
         let total = |value: f64, x: f64| value + 0.5 * prior * x * x;
-        let current = total(value, deviation);
+        let current = total(loss.value, deviation);
         let mut share = 1.0;
-        while share > 1e-6
-            && total(
-                loss_at(deviation + share * step).0,
-                deviation + share * step,
-            ) > current
-        {
+        let at = |x: f64| total(loss_at(x).value, x);
+        while share > 1e-6 && at(deviation + share * step) > current {
             share *= 0.5;
         }
         deviation += share * step;
     }
-    let (_, slope, curvature) = loss_at(deviation);
-    (curvature > 1e-9 * prior).then(|| Reading {
+    let loss = loss_at(deviation);
+    (loss.curvature > 1e-9 * prior).then(|| Reading {
         head: which,
-        deviation: deviation - slope / curvature,
-        variance: 1.0 / curvature,
+        deviation: deviation - loss.slope / loss.curvature,
+        variance: 1.0 / loss.curvature,
     })
 }
 

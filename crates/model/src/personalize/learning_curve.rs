@@ -1,7 +1,12 @@
 //! How much driving it takes: fits to the first minutes of a drive, judged on its last part.
 
 use super::Personalizer;
-use crate::{error::ModelError, linear_algebra::moments, model::Model, params::check};
+use crate::{
+    error::ModelError,
+    linear_algebra::moments,
+    model::Model,
+    params::{check, part},
+};
 use maveric_domain::{Drive, DriveId, Embedding};
 use serde::Serialize;
 
@@ -35,13 +40,7 @@ impl CurveSettings {
             )?;
             last = minutes;
         }
-        let share = self.held_out;
-        check(
-            "held_out",
-            share,
-            share > 0.0 && share < 1.0,
-            "above 0, below 1",
-        )
+        part("held_out", self.held_out)
     }
 }
 

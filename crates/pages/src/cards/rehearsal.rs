@@ -6,7 +6,7 @@ use crate::{
 };
 use maveric_analysis::{Finding, Question, Verdict};
 use maveric_rehearsal::{
-    ALPHA, Cell, Judge, LearnedFrom, Method, POWER, TrialError, findings::halfway, validation::mean,
+    ALPHA, Cell, LearnedFrom, Method, POWER, TrialError, findings::halfway, validation::mean,
 };
 use maveric_report::{Card, ReportError, figures::intervals::IntervalRow};
 use minijinja::context;
@@ -81,7 +81,7 @@ fn power(texts: &Texts, cell: &Cell, finding: &Finding) -> Result<Card, ReportEr
     let planted = (cell.effect_scale - 1.0).abs() < 1e-12;
     let values = context! {
         people => cell.participants,
-        declared => cell.judge() == Judge::Hypotheses,
+        declared => !cell.hypotheses.is_empty(),
         scale => if planted { 1.0 } else { cell.effect_scale },
         scale_words => cell.effect_scale.to_string(),
         questions => finding.parts.len(),

@@ -92,10 +92,7 @@ impl Validation<'_> {
             floor => average(|r| r.floor),
             ceiling => average(|r| r.ceiling),
         };
-        let drawn = Drawn {
-            rows,
-            ..Drawn::default()
-        };
+        let drawn = Drawn::beside(None, rows);
         card(texts, finding, &values, Some(drawn))
     }
 
@@ -117,10 +114,7 @@ impl Validation<'_> {
                 ..IntervalRow::new(label, Some(100.0 * i.rate), Some(percent(i)))
             });
         }
-        let drawn = Drawn {
-            rows,
-            ..Drawn::default()
-        };
+        let drawn = Drawn::beside(None, rows);
         card(texts, finding, &values, Some(drawn)).map(Some)
     }
 

@@ -21,9 +21,6 @@ const BELOW: u32 = 120;
 const WHOLE_WIDTH: usize = 5000;
 
 /// Texts, then every table as wide as the text, then the references.
-///
-/// # Errors
-/// [`ReportError::Template`] where the document cannot be packed.
 pub(super) fn document(
     texts: &[Block],
     tables: &[&Table],

@@ -3,6 +3,7 @@
 use super::StudyPage;
 use crate::{texts::value, words::short};
 use maveric_analysis::Reproduction;
+use maveric_domain::ConditionId;
 use maveric_report::{ReportError, tables::Table};
 use minijinja::context;
 
@@ -11,10 +12,9 @@ impl StudyPage<'_> {
     pub(super) fn accuracy(&self) -> Result<Vec<Table>, ReportError> {
         let a = self.analysis;
         let mut tables = Vec::new();
+        let of_own = |own: ConditionId| self.texts.with(&context! { own => own.to_string() });
         if let Some(first) = a.reproduction.first() {
-            let texts = self
-                .texts
-                .with(&context! { own => first.condition.to_string() });
+            let texts = of_own(first.condition);
             let row = |r: &Reproduction| {
                 let same = r.bias.as_ref().map(|b| b.verdict.words());
                 context! { paper => self.printed_accuracy(r), same, ..value(r) }
@@ -24,9 +24,7 @@ impl StudyPage<'_> {
             tables.push(texts.table("bias", with_bias.map(row))?);
         }
         if let Some(first) = a.nearer.first() {
-            let texts = self
-                .texts
-                .with(&context! { own => first.condition.to_string() });
+            let texts = of_own(first.condition);
             tables.push(texts.table("nearer", &a.nearer)?);
         }
         Ok(tables)

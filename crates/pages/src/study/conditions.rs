@@ -7,8 +7,7 @@ use super::{
 };
 use crate::words::{capital, omnibus, with_unit};
 use maveric_analysis::{BesideLent, Contrast, Kept, Panel};
-use maveric_domain::ConditionId;
-use maveric_domain::design::Compare;
+use maveric_domain::{ConditionId, design::Compare};
 use maveric_report::{
     ReportError,
     figures::{
@@ -104,9 +103,7 @@ impl StudyPage<'_> {
         tables.push(self.contrasts()?);
         tables.extend(self.carry_over()?);
         tables.extend(self.sensitivity()?);
-        if !items.is_empty() {
-            tables.push(self.texts.table("items", items)?);
-        }
+        tables.extend(self.texts.table_if_any("items", items)?);
         for lent in &self.analysis.lent {
             tables.push(self.beside_lent(lent)?);
         }
@@ -187,7 +184,7 @@ impl StudyPage<'_> {
         }))
     }
 
-    fn axis(&self, key: &str, from: maveric_domain::ConditionId) -> Result<String, ReportError> {
+    fn axis(&self, key: &str, from: ConditionId) -> Result<String, ReportError> {
         let values: Value = context! { from => from.to_string() };
         self.texts.with(&values).text(key)
     }

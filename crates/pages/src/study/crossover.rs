@@ -3,7 +3,7 @@
 use super::{StudyPage, titled};
 use crate::{
     texts::value,
-    words::{closed_by, declared_test, interval, other_choice},
+    words::{closed_by, declared_test, interval, label_of_id, other_choice},
 };
 use maveric_analysis::{Balance, Panel, PrimaryOutcome, SensitivityRow};
 use maveric_domain::design::World;
@@ -14,9 +14,7 @@ use minijinja::{Value, context};
 impl StudyPage<'_> {
     /// The primary outcomes in the order written; none where none is declared.
     pub(super) fn primary(&self) -> Result<Option<Table>, ReportError> {
-        let rows = self.primary_rows();
-        let table = || self.texts.table("primary", rows);
-        (!self.analysis.primary.is_empty()).then(table).transpose()
+        self.texts.table_if_any("primary", self.primary_rows())
     }
 
     pub(super) fn primary_rows(&self) -> Vec<Value> {
@@ -34,11 +32,7 @@ impl StudyPage<'_> {
     /// What each condition leaves behind, an outcome a row; none where no test takes the period.
     pub(super) fn carry_over(&self) -> Result<Option<Table>, ReportError> {
         let rows = self.carry_over_rows();
-        let table = |rows| self.texts.table("carry-over", rows);
-        Some(rows)
-            .filter(|rows| !rows.is_empty())
-            .map(table)
-            .transpose()
+        self.texts.table_if_any("carry-over", rows)
     }
 
     /// Declared contrasts by another choice; none where the design asks for none.
@@ -63,11 +57,7 @@ impl StudyPage<'_> {
             };
             rows.extend(by_choice.rows.iter().map(row));
         }
-        let table = |rows| self.texts.table("sensitivity", rows);
-        Some(rows)
-            .filter(|rows: &Vec<Value>| !rows.is_empty())
-            .map(table)
-            .transpose()
+        self.texts.table_if_any("sensitivity", rows)
     }
 
     /// Whether rides of the same number met the same world: whatever could be pressed in was ridden in the seat, as its protocol says.
@@ -86,9 +76,7 @@ impl StudyPage<'_> {
             let sentence = test.and_then(|t| Some(t.statement()?.markup().to_owned()));
             let left = fitted.map(|f| {
                 let effects = f.effects.iter().map(|(id, effect)| {
-                    let label = id
-                        .parse()
-                        .map_or_else(|_| id.to_owned(), |id| self.label(id));
+                    let label = label_of_id(self.design, id);
                     let ends = interval(effect.ci_low.zip(effect.ci_high), 2);
                     format!("{label} {}{ends}", apa::number(effect.estimate, 2))
                 });

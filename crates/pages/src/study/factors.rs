@@ -113,18 +113,20 @@ impl StudyPage<'_> {
             let rows = by_factor.means.iter().filter(shown);
             rows.map(move |mean| self.mean(panel, by_factor, mean))
         });
+        let contrasts = self.factorial_panels().flat_map(|(panel, by_factor)| {
+            let rows = by_factor.contrasts.iter();
+            rows.map(move |contrast| self.factor_contrast(panel, contrast))
+        });
         let simple = self.factorial_panels().flat_map(|(panel, by_factor)| {
             let rows = by_factor.simple.iter();
             rows.map(move |effect| self.simple_effect(panel, effect))
         });
         for (key, rows) in [
             ("level-means", means.collect::<Vec<_>>()),
-            ("factor-contrasts", self.factor_contrasts()),
+            ("factor-contrasts", contrasts.collect()),
             ("simple-effects", simple.collect()),
         ] {
-            if !rows.is_empty() {
-                tables.push(self.texts.table(key, rows)?);
-            }
+            tables.extend(self.texts.table_if_any(key, rows)?);
         }
         Ok(tables)
     }
@@ -178,15 +180,6 @@ impl StudyPage<'_> {
             p => test.and_then(|t| t.p),
             p_holm => effect.p_holm,
         }
-    }
-
-    /// A row a declared contrast of levels.
-    fn factor_contrasts(&self) -> Vec<Value> {
-        let values = self.factorial_panels().flat_map(|(panel, by_factor)| {
-            let rows = by_factor.contrasts.iter();
-            rows.map(move |contrast| self.factor_contrast(panel, contrast))
-        });
-        values.collect()
     }
 
     pub(super) fn factor_contrast(&self, panel: &Panel, contrast: &FactorContrast) -> Value {

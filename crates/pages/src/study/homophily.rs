@@ -1,7 +1,7 @@
 //! Who prefers what, and what goes with it.
 
 use super::StudyPage;
-use crate::texts::value;
+use crate::{texts::value, words};
 use maveric_analysis::{CongruenceCurve, CongruenceRow, HomophilyRow, MixedRow};
 use maveric_domain::design::Quantity;
 use maveric_report::{
@@ -199,7 +199,7 @@ impl StudyPage<'_> {
         });
         let panels = rows.into_iter().map(|row| self.surface(row));
         let all = Congruence {
-            style: super::style(self.design).to_owned(),
+            style: words::style(self.design).to_owned(),
             panels: panels.collect::<Result<_, _>>()?,
             places,
             part: None,

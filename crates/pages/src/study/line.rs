@@ -51,23 +51,19 @@ impl StudyPage<'_> {
             self.texts
                 .table("embedding-line", line.rows.iter().map(row))?,
         ];
-        let steps = steps(self.design, rows);
-        if !steps.is_empty() {
-            let row = |(condition, moved, clamped): &(ConditionId, Vec<f64>, usize)| {
-                let values: Vec<Option<f64>> = moved.iter().copied().map(Some).collect();
-                let shape = maveric_stats::normality(&values)
-                    .ok()
-                    .map(|shape| shape.desc);
-                context! {
-                    condition => condition.to_string(),
-                    meant => self.design.condition(*condition).and_then(Condition::dial),
-                    n => moved.len(),
-                    clamped,
-                    shape => value(&shape),
-                }
-            };
-            tables.push(self.texts.table("dial-steps", steps.iter().map(row))?);
-        }
+        let row = |(condition, moved, clamped): (ConditionId, Vec<f64>, usize)| {
+            let values: Vec<Option<f64>> = moved.iter().copied().map(Some).collect();
+            let shape = maveric_stats::normality(&values).ok();
+            context! {
+                condition => condition.to_string(),
+                meant => self.design.condition(condition).and_then(Condition::dial),
+                n => moved.len(),
+                clamped,
+                shape => value(&shape.map(|shape| shape.desc)),
+            }
+        };
+        let steps = steps(self.design, rows).into_iter().map(row);
+        tables.extend(self.texts.table_if_any("dial-steps", steps)?);
         Ok(tables)
     }
 }

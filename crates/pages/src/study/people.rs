@@ -83,9 +83,7 @@ impl StudyPage<'_> {
         }
         let mut tables = vec![self.participants(groups)?];
         tables.extend(self.consents()?);
-        if !reliabilities.is_empty() {
-            tables.push(self.texts.table("reliabilities", reliabilities)?);
-        }
+        tables.extend(self.texts.table_if_any("reliabilities", reliabilities)?);
         let texts = self.texts.with(&context! { done => self.done()? });
         texts.section("study", figures, tables)
     }

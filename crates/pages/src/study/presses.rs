@@ -1,7 +1,7 @@
 //! What people pressed during the rides, and what the ride was like before.
 
 use super::StudyPage;
-use crate::words::with_unit;
+use crate::words::{label_of_id, with_unit};
 use maveric_analysis::{BeforePress, FEWEST_PEOPLE, FEWEST_PRESSES, PressCourse, Presses};
 use maveric_report::{
     ReportError,
@@ -54,10 +54,8 @@ impl StudyPage<'_> {
         if let Some(rates) = &presses.rates {
             tables.push(self.press_rates(rates)?);
         }
-        if !presses.before.is_empty() {
-            let rows = presses.before.iter().map(before);
-            tables.push(texts.table("before-press", rows)?);
-        }
+        let rows = presses.before.iter().map(before);
+        tables.extend(texts.table_if_any("before-press", rows)?);
         texts.section("presses", figures, tables).map(Some)
     }
 
@@ -65,7 +63,7 @@ impl StudyPage<'_> {
         let rows = rates.rate.iter().map(|(id, rate)| {
             context! {
                 condition => id,
-                label => id.parse().map_or_else(|_| id.to_owned(), |c| self.label(c)),
+                label => label_of_id(self.design, id),
                 presses => rates.events.get(id),
                 minutes => rates.time.get(id),
                 rate,

@@ -25,22 +25,18 @@ impl StudyPage<'_> {
         };
         let texts = self.texts.with(&values);
         let mut tables = Vec::new();
-        if !repeats.rides.is_empty() {
-            let rides = |row: &RidesCounted| {
-                context! {
-                    condition => row.condition.as_str(),
-                    label => self.label(row.condition),
-                    whole => row.whole,
-                    fewer => row.fewer,
-                    rides => row.rides,
-                }
-            };
-            tables.push(texts.table("rides", repeats.rides.iter().map(rides))?);
-        }
-        if !repeats.retest.is_empty() {
-            let rows = repeats.retest.iter();
-            tables.push(texts.table("retest", rows.map(|row| self.retest(row)))?);
-        }
+        let rides = |row: &RidesCounted| {
+            context! {
+                condition => row.condition.as_str(),
+                label => self.label(row.condition),
+                whole => row.whole,
+                fewer => row.fewer,
+                rides => row.rides,
+            }
+        };
+        tables.extend(texts.table_if_any("rides", repeats.rides.iter().map(rides))?);
+        let rows = repeats.retest.iter().map(|row| self.retest(row));
+        tables.extend(texts.table_if_any("retest", rows)?);
         texts.section("repeats", Vec::new(), tables).map(Some)
     }
 

@@ -11,7 +11,7 @@ use std::fs;
 
 impl Workshop<'_> {
     /// Takes the outputs of a stage from the cache, if they are in it.
-    pub(crate) fn restore(
+    pub(super) fn restore(
         &self,
         stage: &Stage,
         now: &Present,

@@ -213,12 +213,7 @@ pub(super) fn alive(
     }
     let mut alive = BTreeSet::new();
     for job in jobs {
-        let mut command = Command::new("hq");
-        let printed = output(command.args(["--output-mode", "json", "job", "info", job]))?;
-        let answer: Value = serde_json::from_str(&printed).map_err(|e| PipelineError::Engine {
-            command: "hq job info".to_owned(),
-            message: e.to_string(),
-        })?;
+        let answer = job_info_hq(job)?;
         let tasks = answer[0]["tasks"].as_array().into_iter().flatten();
         for task in tasks {
             let waits = matches!(task["state"].as_str(), Some("waiting" | "running"));
@@ -257,11 +252,19 @@ pub(super) fn last_state(engine: Executor, task: &str) -> String {
         .unwrap_or_else(unknown)
 }
 
+/// What HyperQueue says of a job.
+fn job_info_hq(job: &str) -> Result<Value, PipelineError> {
+    let mut command = Command::new("hq");
+    let printed = output(command.args(["--output-mode", "json", "job", "info", job]))?;
+    serde_json::from_str(&printed).map_err(|e| PipelineError::Engine {
+        command: "hq job info".to_owned(),
+        message: e.to_string(),
+    })
+}
+
 /// State and error of a task as HyperQueue has them.
 fn last_state_hq(job: &str, number: &str) -> Option<String> {
-    let mut command = Command::new("hq");
-    let printed = output(command.args(["--output-mode", "json", "job", "info", job])).ok()?;
-    let answer: Value = serde_json::from_str(&printed).ok()?;
+    let answer = job_info_hq(job).ok()?;
     let mut tasks = answer[0]["tasks"].as_array()?.iter();
     let task = tasks.find(|task| {
         task["id"]

@@ -9,8 +9,7 @@ use super::engine;
 use super::jobs::{Jobs, Task};
 use super::script;
 use super::submit::{Candidate, submit};
-use crate::attempt::{Attempt, Examined, Run, Workshop};
-use crate::check::Present;
+use crate::attempt::{Attempt, Examined, News, Run, Workshop};
 use crate::schedule::Schedule;
 use crate::{Event, Executor, FailureCause, Graph, PipelineError, Reason, RunOptions, Stage};
 
@@ -32,7 +31,9 @@ enum Standing {
     Dead,
 }
 
-pub(super) struct Follower<'a> {
+/// Brings the wanted stages up to date on a cluster. What was handed in goes on if this
+/// process ends, and the next run follows it again.
+pub(crate) struct Follower<'a> {
     workshop: &'a Workshop<'a>,
     graph: &'a Graph<'a>,
     forced: &'a BTreeSet<usize>,
@@ -48,7 +49,7 @@ pub(super) struct Follower<'a> {
 }
 
 impl<'a> Follower<'a> {
-    pub(super) fn new(
+    pub(crate) fn new(
         engine: Executor,
         workshop: &'a Workshop<'a>,
         graph: &'a Graph<'a>,
@@ -82,7 +83,7 @@ impl<'a> Follower<'a> {
         })
     }
 
-    pub(super) fn follow(
+    pub(crate) fn follow(
         mut self,
         schedule: &mut Schedule<'_>,
         observe: &mut dyn FnMut(Event<'_>),
@@ -156,11 +157,7 @@ impl<'a> Follower<'a> {
 
     /// Whether a stage would be handed in again just as it was.
     fn is_same(&self, index: usize, task: &Task) -> bool {
-        let now = Present::look(
-            self.graph.stage(index),
-            self.workshop.place,
-            &self.workshop.hasher,
-        );
+        let now = self.workshop.look(self.graph.stage(index));
         now.is_ok_and(|now| {
             now.made_from
                 .without_inputs(|path| !task.made_from.has_input(path))
@@ -230,7 +227,7 @@ impl<'a> Follower<'a> {
         observe: &mut dyn FnMut(Event<'_>),
     ) -> Result<Option<Candidate>, PipelineError> {
         let stage = self.graph.stage(index);
-        let makers: BTreeSet<usize> = self.graph.needs(index).iter().map(|n| n.maker).collect();
+        let makers = self.graph.makers(index);
         let stands = |maker: &usize| match self.standing[*maker] {
             Standing::Open if going.contains(maker) => Standing::OnCluster,
             standing => standing,
@@ -245,32 +242,22 @@ impl<'a> Follower<'a> {
             .all(|maker| stands(maker) == Standing::Settled)
         {
             let forced = self.forced.contains(&index);
-            let attempt = match self.workshop.examine(stage, forced)? {
-                Examined::Cannot(failure) => Attempt::Failed(failure),
-                Examined::UpToDate => Attempt::UpToDate,
-                Examined::Stale { now, past, reasons } => {
-                    let mut tell = |news| schedule.hear(index, news, observe);
-                    let workshop = self.workshop;
-                    if let Some(failure) =
-                        workshop.make_room(self.graph, stage, &now.files, &mut tell)?
-                    {
-                        Attempt::Failed(failure)
-                    } else {
-                        workshop.note_replaced(&past, &reasons);
-                        if forced || !workshop.restore(stage, &now, &mut tell)? {
-                            return Ok(Some(Candidate {
-                                index,
-                                now,
-                                reasons,
-                                depth,
-                            }));
-                        }
-                        Attempt::Restored
-                    }
+            let mut tell = |news| schedule.hear(index, news, observe);
+            let examined = self
+                .workshop
+                .examine(self.graph, stage, forced, &mut tell)?;
+            return match examined {
+                Examined::Settled(attempt) => {
+                    self.close(index, attempt, schedule, observe);
+                    Ok(None)
                 }
+                Examined::Stale { now, reasons } => Ok(Some(Candidate {
+                    index,
+                    now,
+                    reasons,
+                    depth,
+                })),
             };
-            self.close(index, attempt, schedule, observe);
-            return Ok(None);
         }
         if makers.iter().any(|maker| stands(maker) == Standing::Open) {
             return Ok(None);
@@ -283,7 +270,7 @@ impl<'a> Follower<'a> {
         if stage.share.is_some() || !across {
             return Ok(None);
         }
-        let now = Present::look(stage, self.workshop.place, &self.workshop.hasher)?;
+        let now = self.workshop.look(stage)?;
         let mut tell = |news| schedule.hear(index, news, observe);
         let room = self
             .workshop
@@ -348,8 +335,9 @@ impl<'a> Follower<'a> {
         let standings: Vec<Standing> = makers.map(|maker| self.standing[maker]).collect();
         let ended = has_ended.then(|| read_ending(&task)).flatten();
         let ended = ended.filter(|_| !standings.contains(&Standing::OnCluster));
-        let attempt = if let Some((code, seconds)) = ended {
-            self.ended(stage, &task, code, seconds, schedule, index, observe)?
+        let attempt = if let Some(ended) = ended {
+            let mut tell = |news| schedule.hear(index, news, observe);
+            self.ended(stage, &task, ended, &mut tell)?
         } else {
             if standings.contains(&Standing::Dead) {
                 // The cluster took it back with what it waited for.
@@ -397,19 +385,12 @@ impl<'a> Follower<'a> {
     }
 
     /// Enters a stage that has ended by itself.
-    #[expect(
-        clippy::too_many_arguments,
-        reason = "one caller, which has them all at hand"
-    )]
     fn ended(
         &self,
         stage: &Stage,
         task: &Task,
-        code: i32,
-        seconds: f64,
-        schedule: &mut Schedule<'_>,
-        index: usize,
-        observe: &mut dyn FnMut(Event<'_>),
+        (code, seconds): (i32, f64),
+        tell: &mut dyn FnMut(News),
     ) -> Result<Attempt, PipelineError> {
         let log = self.keep_log(stage, task)?;
         let failed = |cause| {
@@ -423,7 +404,7 @@ impl<'a> Follower<'a> {
             return failed(FailureCause::Exit { code });
         }
         let stdout = read_text(&script::printed(&task.spool, task.index, "out"));
-        let now = Present::look(stage, self.workshop.place, &self.workshop.hasher)?;
+        let now = self.workshop.look(stage)?;
         let is_open = |path: &str| !task.made_from.has_input(path);
         let run = Run {
             made_from: task.made_from.clone().with_inputs(&now.made_from, is_open),
@@ -431,8 +412,7 @@ impl<'a> Follower<'a> {
             peak_memory: None,
             stdout: &stdout,
         };
-        let mut tell = |news| schedule.hear(index, news, observe);
-        match self.workshop.record(stage, run, &mut tell)? {
+        match self.workshop.record(stage, run, tell)? {
             None => Ok(Attempt::Done {
                 seconds,
                 peak_memory: None,

@@ -132,21 +132,34 @@ fn relative(difference: &NumberDifference) -> f64 {
 mod tests {
     use super::*;
 
+    /// How many numbers were compared and how many differ, the largest differences, what is in one alone, and texts.
+    type Told = (
+        usize,
+        usize,
+        Vec<NumberDifference>,
+        Vec<String>,
+        Vec<String>,
+    );
+
+    fn told(a: &Cells, b: &Cells) -> Told {
+        match difference("t.csv".to_owned(), a, b) {
+            FileDifference::Numbers {
+                compared,
+                differing,
+                largest,
+                unpaired,
+                texts,
+                ..
+            } => (compared, differing, largest, unpaired, texts),
+            other => panic!("these are tables: {other:?}"),
+        }
+    }
+
     #[test]
     fn rows_are_paired_by_as_many_first_cells_as_it_takes() {
         let a = csv_cells(b"who,day,x,note\nann,1,1.0,a\nann,2,2,b\n", b',').unwrap();
         let b = csv_cells(b"who,day,x,note\nann,2,2.5,c\nann,1,1,a\nbob,1,7,d\n", b',').unwrap();
-        let FileDifference::Numbers {
-            compared,
-            differing,
-            largest,
-            unpaired,
-            texts,
-            ..
-        } = difference("t.csv".to_owned(), &a, &b)
-        else {
-            panic!("these are tables");
-        };
+        let (compared, differing, largest, unpaired, texts) = told(&a, &b);
         assert_eq!((compared, differing), (2, 1));
         assert_eq!(
             (largest[0].at.as_str(), largest[0].second),
@@ -179,17 +192,7 @@ mod tests {
             .map(|i| (i, 100.5 * (1.0 - f64::from(i) / 100.0)))
             .collect();
         let (a, b) = (table(&first, "one"), table(&second, "two"));
-        let FileDifference::Numbers {
-            compared,
-            differing,
-            largest,
-            unpaired,
-            texts,
-            ..
-        } = difference("t.csv".to_owned(), &a, &b)
-        else {
-            panic!("these are tables");
-        };
+        let (compared, differing, largest, unpaired, texts) = told(&a, &b);
         assert_eq!((compared, differing, largest.len()), (27, 27, TOLD));
         let order: Vec<&str> = largest.iter().map(|d| d.at.as_str()).collect();
         assert_eq!(order[..3], ["r36, x", "r35, x", "r34, x"]);
@@ -203,9 +206,7 @@ mod tests {
                 .iter()
                 .all(|u| u.ends_with("only in the first run"))
         );
-        let FileDifference::Numbers { unpaired, .. } = difference(String::new(), &b, &a) else {
-            panic!("these are tables");
-        };
+        let (.., unpaired, _) = told(&b, &a);
         assert!(
             unpaired
                 .iter()

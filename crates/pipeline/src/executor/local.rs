@@ -86,27 +86,22 @@ pub(crate) fn run(
         }
         Ok(())
     });
-    match followed {
-        Ok(Followed::Dead(used)) => Ok(Ended::Exited {
-            status: used.status,
-            peak_memory: Some(used.rusage.maxrss).filter(|&bytes| bytes > 0),
-            stdout: kept.stdout,
-            last_lines: kept.last_lines.into(),
-        }),
-        Ok(Followed::Stopped) => {
-            end(group, &messages);
-            Ok(Ended::Interrupted)
+    let last_lines: Vec<String> = kept.last_lines.into();
+    let ended = match followed {
+        Ok(Followed::Dead(used)) => {
+            return Ok(Ended::Exited {
+                status: used.status,
+                peak_memory: Some(used.rusage.maxrss).filter(|&bytes| bytes > 0),
+                stdout: kept.stdout,
+                last_lines,
+            });
         }
-        Ok(Followed::TooLong) => {
-            end(group, &messages);
-            let last_lines = kept.last_lines.into();
-            Ok(Ended::TimedOut { last_lines })
-        }
-        Err(error) => {
-            end(group, &messages);
-            Err(error)
-        }
-    }
+        Ok(Followed::Stopped) => Ok(Ended::Interrupted),
+        Ok(Followed::TooLong) => Ok(Ended::TimedOut { last_lines }),
+        Err(error) => Err(error),
+    };
+    end(group, &messages);
+    ended
 }
 
 /// Why a child is no longer followed.

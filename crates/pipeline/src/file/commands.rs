@@ -37,12 +37,10 @@ impl Commands {
         command: &[String],
         at: usize,
     ) -> Result<Option<CommandFiles>, Located> {
-        let Some((program, words)) = command.split_first() else {
+        let call = command.split_first();
+        let Some((_, words)) = call.filter(|(program, _)| program.as_str() == self.program) else {
             return Ok(None);
         };
-        if program != self.program {
-            return Ok(None);
-        }
         let files = (self.files)(root, words)
             .map_err(|message| FileProblem::NoCommand { message }.located(at))?;
         let Some(files) = files else { return Ok(None) };
@@ -100,12 +98,8 @@ impl CommandFiles {
 
     /// Whether a path is in any of its own.
     pub(super) fn has_in_path(&self, text: &str) -> bool {
-        let mut paths = self
-            .inputs
-            .iter()
-            .chain(&self.if_there)
-            .chain(&self.outputs);
-        paths.any(|path| path.contains(text))
+        let lists = [&self.inputs, &self.if_there, &self.outputs];
+        lists.into_iter().flatten().any(|path| path.contains(text))
     }
 }
 

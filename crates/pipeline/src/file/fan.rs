@@ -99,10 +99,8 @@ pub(super) fn count(key: &str, value: &super::value::Value<'_>) -> Result<u32, L
 
 fn over(path: &str, at: usize) -> Result<(String, String), Located> {
     let bad = || {
-        FileProblem::BadOver {
-            path: path.to_owned(),
-        }
-        .located(at)
+        let path = path.to_owned();
+        FileProblem::BadOver { path }.located(at)
     };
     let (folder, pattern) = match path.rsplit_once('/') {
         Some((folder, last)) if last.contains('*') => (folder, last),

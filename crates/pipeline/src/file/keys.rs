@@ -41,10 +41,8 @@ const fn key(name: &'static str, kind: Kind, about: &'static str) -> Key {
 
 const fn required(name: &'static str, kind: Kind, about: &'static str) -> Key {
     Key {
-        name,
-        kind,
         required: true,
-        about,
+        ..key(name, kind, about)
     }
 }
 

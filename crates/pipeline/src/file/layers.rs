@@ -44,12 +44,9 @@ pub(super) fn with_layers<T>(
 ) -> Result<T, PipelineError> {
     let located = |at: Located| at.into_error(text, path);
     let document = DeTable::parse(text).map_err(|error| {
-        located(
-            FileProblem::Syntax {
-                message: error.message().to_owned(),
-            }
-            .located(error.span().map_or(0, |span| span.start)),
-        )
+        let message = error.message().to_owned();
+        let at = error.span().map_or(0, |span| span.start);
+        located(FileProblem::Syntax { message }.located(at))
     })?;
     let table = document.get_ref();
     check_keys(table, TOP, TOP_KEYS).map_err(located)?;
@@ -60,12 +57,7 @@ pub(super) fn with_layers<T>(
     };
     let base = string("extends", value).map_err(located)?;
     let base = path.parent().unwrap_or(Path::new("")).join(base);
-    let refused = |problem| {
-        located(Located {
-            at: value.span().start,
-            problem,
-        })
-    };
+    let refused = |problem: FileProblem| located(problem.located(value.span().start));
     let real = |path: &Path| std::fs::canonicalize(path).unwrap_or_else(|_| PathBuf::from(path));
     if layers.iter().any(|layer| real(layer.path) == real(&base)) {
         return Err(refused(FileProblem::ExtendsItself { path: base }));
@@ -149,32 +141,23 @@ pub(super) fn merged_stages<'t>(layers: &[Layer<'t>]) -> Result<Vec<Entry<'t>>, 
             }
         }
     }
-    match (entries.is_empty(), layers.first()) {
-        (true, Some(layer)) => Err(layer.error(
-            FileProblem::NoStages.located(
-                layer
-                    .table
-                    .get("stage")
-                    .map_or(0, |value| value.span().start),
-            ),
-        )),
-        _ => Ok(entries),
+    if let ([], Some(layer)) = (&entries[..], layers.first()) {
+        let stage = layer.table.get("stage");
+        let at = stage.map_or(0, |value| value.span().start);
+        return Err(layer.error(FileProblem::NoStages.located(at)));
     }
+    Ok(entries)
 }
 
 fn stages_in(layer: Layer<'_>) -> Result<&[Value<'_>], PipelineError> {
-    match layer
-        .table
-        .get("stage")
-        .map(|value| (value, value.get_ref()))
-    {
-        None => Ok(&[]),
-        Some((_, DeValue::Array(entries))) => Ok(entries),
-        Some((value, _)) => {
-            let expected = "an array of tables, each headed [[stage]]";
-            Err(layer.error(wrong_type("stage", value, expected)))
-        }
-    }
+    let Some(value) = layer.table.get("stage") else {
+        return Ok(&[]);
+    };
+    let DeValue::Array(entries) = value.get_ref() else {
+        let expected = "an array of tables, each headed [[stage]]";
+        return Err(layer.error(wrong_type("stage", value, expected)));
+    };
+    Ok(entries)
 }
 
 fn written_params<'t>(layer: &Layer<'t>) -> Option<&'t DeTable<'t>> {

@@ -296,7 +296,7 @@ fn read_paths(
     used: &mut BTreeSet<String>,
 ) -> Result<Vec<String>, Located> {
     let mut paths = Vec::new();
-    for (written, at) in strings(key, value, params, used)? {
+    for (written, at) in strings(key, value, |text, _| params.substitute(text, used))? {
         let Some(path) = normalise(&written) else {
             return Err(FileProblem::BadPath { path: written }.located(at));
         };

@@ -84,31 +84,27 @@ pub(super) fn required<'t, 'i>(
 }
 
 pub(super) fn check_name(name: &str, at: usize) -> Result<(), Located> {
-    let name = name.to_owned();
-    let problem = FileProblem::BadName { name };
-    match &problem {
-        FileProblem::BadName { name } if is_name(name) => Ok(()),
-        _ => Err(Located { at, problem }),
+    if is_name(name) {
+        return Ok(());
     }
+    let name = name.to_owned();
+    Err(FileProblem::BadName { name }.located(at))
 }
 
-/// The strings of an array, parameters put in, each with the byte where it stands.
+/// The strings of an array, each with the byte where it stands; `substitute` puts parameters in, given those before it.
 pub(super) fn strings(
     key: &str,
     value: &Value<'_>,
-    params: &Params,
-    used: &mut BTreeSet<String>,
+    mut substitute: impl FnMut(&str, &[(String, usize)]) -> Result<String, FileProblem>,
 ) -> Result<Vec<(String, usize)>, Located> {
     let DeValue::Array(entries) = value.get_ref() else {
         return Err(wrong_type(key, value, "an array of strings"));
     };
-    let mut texts = Vec::new();
+    let mut texts: Vec<(String, usize)> = Vec::with_capacity(entries.len());
     for entry in entries {
         let start = entry.span().start;
-        let text = params
-            .substitute(&string(key, entry)?, used)
-            .map_err(|problem| problem.located(start))?;
-        texts.push((text, start));
+        let text = substitute(&string(key, entry)?, &texts);
+        texts.push((text.map_err(|problem| problem.located(start))?, start));
     }
     Ok(texts)
 }
@@ -120,21 +116,13 @@ pub(super) fn command(
     params: &Params,
     used: &mut BTreeSet<String>,
 ) -> Result<Vec<(String, usize)>, Located> {
-    let DeValue::Array(entries) = value.get_ref() else {
-        return Err(wrong_type("cmd", value, "an array of strings"));
-    };
-    let mut words: Vec<(String, usize)> = Vec::with_capacity(entries.len());
-    for entry in entries {
-        let start = entry.span().start;
-        let text = string("cmd", entry)?;
-        let word = if text.contains('{') && is_script(words.iter().map(|(word, _)| &**word)) {
-            params.substitute_in_script(&text, used)
+    strings("cmd", value, |text, before| {
+        if text.contains('{') && is_script(before.iter().map(|(word, _)| word.as_str())) {
+            params.substitute_in_script(text, used)
         } else {
-            params.substitute(&text, used)
-        };
-        words.push((word.map_err(|problem| problem.located(start))?, start));
-    }
-    Ok(words)
+            params.substitute(text, used)
+        }
+    })
 }
 
 pub(super) fn string(key: &str, value: &Value<'_>) -> Result<String, Located> {

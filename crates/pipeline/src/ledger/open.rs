@@ -50,7 +50,6 @@ impl OpenLedger {
     pub(crate) fn forget_gone(&mut self, stages: &[Stage], place: &Place) {
         let ledger = &self.ledger;
         let current: BTreeSet<String> = stages.iter().map(Stage::key).collect();
-        let others = ledger.run.keys().chain(ledger.left.keys());
         let is_gone = |key: &&String| {
             let outputs = ledger.made_by(key);
             !current.contains(*key)
@@ -58,7 +57,7 @@ impl OpenLedger {
                     .keys()
                     .any(|output| place.root.join(output).exists())
         };
-        let gone: Vec<String> = others.filter(is_gone).cloned().collect();
+        let gone: Vec<String> = ledger.keys().filter(is_gone).cloned().collect();
         for key in gone {
             self.ledger.forget(&key);
         }
@@ -68,13 +67,12 @@ impl OpenLedger {
     pub(crate) fn overlapping(&mut self, stage: &Stage) -> Vec<String> {
         let ledger = &self.ledger;
         let owners = self.owners.get_or_insert_with(|| {
-            let keys = ledger.run.keys().chain(ledger.left.keys());
             let owned_by = |key: &String| {
                 let outputs = ledger.made_by(key).into_keys();
                 let owned = |output: &str| (output.to_owned(), key.clone());
                 outputs.map(owned).collect::<Vec<_>>()
             };
-            keys.flat_map(owned_by).collect()
+            ledger.keys().flat_map(owned_by).collect()
         });
         let mut overlapping = BTreeSet::new();
         for output in &stage.outputs {

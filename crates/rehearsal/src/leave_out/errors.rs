@@ -1,9 +1,8 @@
 //! Do standard errors hold? Two drives of one person in one role, each coordinate of the style in units of what both leave open.
 
 use super::{By, Drove, Missing, Styles, Uncounted, order::twice, people};
-use crate::validation::Known;
+use crate::validation::standardised;
 use maveric_domain::ConditionId;
-use nalgebra::{DMatrix, DVector};
 use serde::Serialize;
 
 /// How many coordinates lie within so many standard errors; of so few people there is no verdict.
@@ -32,12 +31,7 @@ pub fn errors_that_hold(
     let mut share = ErrorShare::default();
     for (who, styles) in people(drives).iter().zip(folds) {
         for role in roles {
-            let mut miss = |why| {
-                share.uncounted.push(Uncounted {
-                    participant: who.clone(),
-                    why,
-                });
-            };
+            let mut miss = |why| share.uncounted.push(Uncounted::new(who, why));
             let (first, second) = match twice(drives, who, *role) {
                 Ok(both) => both,
                 Err(why) => {
@@ -46,7 +40,7 @@ pub fn errors_that_hold(
                 }
             };
             let ratios = match (&styles[first], &styles[second]) {
-                (Some(first), Some(second)) => ratios(first, second, prior),
+                (Some(first), Some(second)) => standardised(first, second, prior, 0.0),
                 _ => Vec::new(),
             };
             if ratios.is_empty() {
@@ -56,10 +50,7 @@ pub fn errors_that_hold(
                 } else {
                     second
                 };
-                miss(Missing::Reading {
-                    drive: drives[blank].drive.clone(),
-                    by: By::Line,
-                });
+                miss(Missing::reading(&drives[blank], By::Line));
             }
             share.pairs += usize::from(!ratios.is_empty());
             share.coordinates += ratios.len();
@@ -69,29 +60,6 @@ pub fn errors_that_hold(
         }
     }
     share
-}
-
-/// Each coordinate's difference over its standard error.
-///
-/// With the prior d = m₂ − (I − V₂) m₁ and C = (I − V₂) V₁ (I − V₂)ᵀ + (I − V₂) V₂; without it d = m₂ − m₁ and C = V₁ + V₂.
-fn ratios(first: &Known, second: &Known, prior: bool) -> Vec<f64> {
-    let d = first.0.len();
-    let matrix = |known: &Known| DMatrix::from_fn(d, d, |i, j| known.1[i][j]);
-    let vector = |known: &Known| DVector::from_column_slice(&known.0);
-    let (v1, v2) = (matrix(first), matrix(second));
-    let (m1, m2) = (vector(first), vector(second));
-    let (difference, covariance) = if prior {
-        let rest = DMatrix::identity(d, d) - &v2;
-        let covariance = &rest * v1 * rest.transpose() + &rest * v2;
-        (m2 - rest * m1, covariance)
-    } else {
-        (m2 - m1, v1 + v2)
-    };
-    let ratio = |j: usize| {
-        let variance = covariance[(j, j)];
-        (variance > 0.0).then(|| difference[j] / variance.sqrt())
-    };
-    (0..d).filter_map(ratio).collect()
 }
 
 #[cfg(test)]
@@ -104,12 +72,12 @@ mod tests {
         let nothing = (vec![0.0], vec![vec![1.0]]);
         let sure = (vec![5.0], vec![vec![0.01]]);
         assert!(
-            ratios(&sure, &nothing, true).is_empty(),
+            standardised(&sure, &nothing, true, 0.0).is_empty(),
             "nothing is left open"
         );
-        let ratio = ratios(&nothing, &sure, true)[0];
+        let ratio = standardised(&nothing, &sure, true, 0.0)[0];
         assert!((ratio - 5.0 / (0.99_f64 * 0.99 + 0.99 * 0.01).sqrt()).abs() < 1e-12);
-        let plain = ratios(&nothing, &sure, false)[0];
+        let plain = standardised(&nothing, &sure, false, 0.0)[0];
         assert!((plain - 5.0 / 1.01_f64.sqrt()).abs() < 1e-12);
     }
 

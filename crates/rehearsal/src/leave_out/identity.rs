@@ -1,9 +1,9 @@
 //! Whose drive is it? Read by the model that has not met the driver, among one drive of everybody.
 
-use super::{Drove, Missing, Styles, Uncounted, driven, people};
+use super::{Drove, Missing, Styles, Uncounted, driven, people, share};
 use crate::{error::RehearsalError, leave_out::By, validation::distance};
 use maveric_domain::ConditionId;
-use maveric_stats::{Proportion, proportion_exact};
+use maveric_stats::Proportion;
 use serde::Serialize;
 
 /// How many drivers are found again.
@@ -52,12 +52,7 @@ pub fn whose(
         let (mut n, mut hits, mut candidates, mut chance) = (0, 0, 0, 0.0);
         let mut uncounted = Vec::new();
         for (who, person) in everybody.iter().enumerate() {
-            let mut miss = |why| {
-                uncounted.push(Uncounted {
-                    participant: person.clone(),
-                    why,
-                });
-            };
+            let mut miss = |why| uncounted.push(Uncounted::new(person, why));
             let Some(own) = first[who] else {
                 miss(Missing::Drive { role: among });
                 continue;
@@ -81,10 +76,7 @@ pub fn whose(
             let Some(distance) = apart(own) else {
                 // One of the two shows nothing; the one that is looked for, where it measures nothing itself.
                 let drive = if apart(seen).is_none() { seen } else { own };
-                miss(Missing::Reading {
-                    drive: drives[drive].drive.clone(),
-                    by,
-                });
+                miss(Missing::reading(&drives[drive], by));
                 continue;
             };
             let others = (0..everybody.len()).filter(|&other| other != who);
@@ -94,9 +86,6 @@ pub fn whose(
             chance += 1.0 / (1 + others.len()) as f64;
             hits += usize::from(others.iter().all(|other| distance < *other));
         }
-        let share = (n > 0)
-            .then(|| proportion_exact(hits, n, 0.95))
-            .transpose()?;
         rows.push(Whose {
             among,
             sought,
@@ -105,7 +94,7 @@ pub fn whose(
             candidates: candidates as f64 / n.max(1) as f64,
             chance: chance / n.max(1) as f64,
             hits,
-            share,
+            share: share(hits, n)?,
             uncounted,
         });
     }

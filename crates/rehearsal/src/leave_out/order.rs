@@ -1,9 +1,9 @@
 //! Does a drive lie where its driver was told to drive? Of people whom the model has not met, beside speed alone and time gap alone.
 
-use super::{Drove, Line, Missing, Uncounted, between_people, driven, people};
+use super::{Drove, Line, Missing, Uncounted, between_people, driven, people, share};
 use crate::error::RehearsalError;
 use maveric_domain::{ConditionId, ParticipantId, stream_seed};
-use maveric_stats::{Proportion, WithinSubjects, proportion_exact, within_without_exact};
+use maveric_stats::{Proportion, WithinSubjects, within_without_exact};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 use serde::Serialize;
@@ -205,14 +205,13 @@ pub fn order<E: From<RehearsalError>>(
     for (k, p) in placed.iter().enumerate() {
         let known = |(who, places): &&(usize, Places)| places.right(&p.values[*who]).is_some();
         let n = counted.iter().filter(known).count();
-        let share = proportion_exact(observed[k], n.max(1), 0.95);
         let chance_of = |count: usize| (1 + count) as f64 / (1 + permutations) as f64;
         let tested = permutations > 0 && n > 0;
         readings.push(ReadOrder {
             by: p.by,
             n,
             right: observed[k],
-            share: (n > 0).then_some(share.map_err(RehearsalError::from)?),
+            share: share(observed[k], n)?,
             p: tested.then(|| chance_of(above[k])),
             p_below: tested.then(|| chance_of(below[k])),
             difference: mean_of(&differences[k], None)?,
@@ -281,22 +280,14 @@ fn count_people(
     for (who, person) in everybody.iter().enumerate() {
         match places(drives, roles, person, asked) {
             Ok(places) => counted.push((who, places)),
-            Err(role) => uncounted.push(Uncounted {
-                participant: person.clone(),
-                why: Missing::Drive { role },
-            }),
+            Err(role) => uncounted.push(Uncounted::new(person, Missing::Drive { role })),
         }
     }
     for placed in placed {
         for (who, places) in &counted {
             let missing = places.all().find(|&i| placed.values[*who][i].is_none());
-            uncounted.extend(missing.map(|i| Uncounted {
-                participant: everybody[*who].clone(),
-                why: Missing::Reading {
-                    drive: drives[i].drive.clone(),
-                    by: placed.by,
-                },
-            }));
+            let why = missing.map(|i| Missing::reading(&drives[i], placed.by));
+            uncounted.extend(why.map(|why| Uncounted::new(&everybody[*who], why)));
         }
     }
     (counted, uncounted)

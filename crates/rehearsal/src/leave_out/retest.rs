@@ -54,10 +54,7 @@ pub fn retest(
     for (who, person) in everybody.iter().enumerate() {
         match twice(drives, person, role) {
             Ok((first, second)) => pairs.push((who, first, second)),
-            Err(why) => uncounted.push(Uncounted {
-                participant: person.clone(),
-                why,
-            }),
+            Err(why) => uncounted.push(Uncounted::new(person, why)),
         }
     }
     let position = |who: usize, drive: usize| {
@@ -66,12 +63,7 @@ pub fn retest(
         Some((line.position[drive]? - centre) / sd)
     };
     for &(who, first, second) in &pairs {
-        let mut miss = |why| {
-            uncounted.push(Uncounted {
-                participant: everybody[who].clone(),
-                why,
-            });
-        };
+        let mut miss = |why| uncounted.push(Uncounted::new(&everybody[who], why));
         let lacks = |repeated: &&Repeated<'_>| {
             repeated.values[first].is_none() || repeated.values[second].is_none()
         };
@@ -89,10 +81,7 @@ pub fn retest(
             both.find(|&drive| line.position[drive].is_none())
         });
         if let Some(drive) = off_the_line {
-            miss(Missing::Reading {
-                drive: drives[drive].drive.clone(),
-                by: By::Line,
-            });
+            miss(Missing::reading(&drives[drive], By::Line));
         }
     }
     let score = |who: usize, drive: usize| lines.get(who)?.as_ref()?.score[drive];

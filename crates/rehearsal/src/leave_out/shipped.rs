@@ -1,9 +1,9 @@
 //! What a model that was learned elsewhere says of people, and whether it says that it has met nobody like them.
 
-use super::Uncounted;
+use super::{Uncounted, share};
 use crate::error::RehearsalError;
 use maveric_domain::ParticipantId;
-use maveric_stats::{Proportion, proportion_exact};
+use maveric_stats::Proportion;
 use serde::Serialize;
 
 /// One person's two drives, as the model reads them.
@@ -87,9 +87,6 @@ pub fn shipped(
     };
     let known: Vec<bool> = people.iter().filter_map(|p| p.ordinary_beyond).collect();
     let ordinary_beyond = known.iter().filter(|beyond| **beyond).count();
-    let share = (!known.is_empty())
-        .then(|| proportion_exact(ordinary_beyond, known.len(), 0.95))
-        .transpose()?;
     Ok(Shipped {
         n: people.iter().filter(|p| p.line.is_some()).count(),
         right_within: count(true, Some(false)),
@@ -99,7 +96,7 @@ pub fn shipped(
         unknown: count(true, None) + count(false, None),
         ordinary: known.len(),
         ordinary_beyond,
-        share,
+        share: share(ordinary_beyond, known.len())?,
         wrong_and_sure: people
             .iter()
             .filter(|p| p.wrong_and_sure())

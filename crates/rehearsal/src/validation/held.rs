@@ -55,7 +55,7 @@ pub fn held(
         .collect();
     let errors: Vec<Vec<f64>> = both
         .iter()
-        .map(|(a, b)| standardised(a, b, prior))
+        .map(|(a, b)| standardised(a, b, prior, NOTHING))
         .collect();
     let counted: usize = errors.iter().map(Vec::len).sum();
     let coordinates = both.iter().map(|(a, _)| a.0.len()).sum();
@@ -91,8 +91,9 @@ pub fn held(
     })
 }
 
-/// d_j / √C_jj of each coordinate that both drives say something of.
-fn standardised(first: &Known, again: &Known, prior: bool) -> Vec<f64> {
+/// d_j / √C_jj of each coordinate of a variance above `least`: of which both drives say something. With the prior
+/// d = m₂ − (I − V₂) m₁ and C = (I − V₂) V₁ (I − V₂)ᵀ + (I − V₂) V₂; without it d = m₂ − m₁ and C = V₁ + V₂.
+pub(crate) fn standardised(first: &Known, again: &Known, prior: bool, least: f64) -> Vec<f64> {
     let matrix = |known: &Known| {
         let d = known.0.len();
         DMatrix::from_fn(d, d, |i, j| known.1[i][j])
@@ -111,7 +112,7 @@ fn standardised(first: &Known, again: &Known, prior: bool) -> Vec<f64> {
     let each = difference
         .iter()
         .zip(covariance.diagonal().iter().copied().collect::<Vec<f64>>());
-    each.filter(|(_, variance)| *variance > NOTHING)
+    each.filter(|(_, variance)| *variance > least)
         .map(|(d, variance)| d / variance.sqrt())
         .collect()
 }

@@ -12,6 +12,7 @@ mod retest;
 pub use across::{Across, across};
 pub use dial::{Dial, FULL, Right, dial};
 pub use fidelity::{Fidelity, accuracies, fidelity};
+pub(crate) use held::standardised;
 pub use held::{Held, ShareOfPeople, held};
 pub(crate) use identity::distance;
 pub use identity::{

@@ -130,14 +130,11 @@ pub fn join(
             };
             let ours = find(&claim.key)?;
             let stem = claim.key.strip_suffix(".r");
-            let ours_p = match stem.or_else(|| claim.key.strip_suffix(".difference")) {
-                Some(stem) => find(&format!("{stem}.p"))?,
-                None => None,
+            let beside = |stem: Option<&str>, end: &str| {
+                stem.map_or(Ok(None), |stem| find(&format!("{stem}.{end}")))
             };
-            let pairs = match stem {
-                Some(stem) => find(&format!("{stem}.n"))?,
-                None => None,
-            };
+            let ours_p = beside(stem.or_else(|| claim.key.strip_suffix(".difference")), "p")?;
+            let pairs = beside(stem, "n")?;
             let few = find("n")?.into_iter().chain(pairs).any(|n| n < FEWEST);
             let verdict = match (ours, claim.rule) {
                 (None, _) => Verdict::NotComputed,

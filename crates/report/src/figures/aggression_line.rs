@@ -79,7 +79,7 @@ pub fn aggression_line(input: &AggressionLine, context: &Context) -> Result<Figu
             ticks: 4,
             radius: 1.6,
         };
-        cloud.paint(canvas, place, &labels);
+        cloud.paint(canvas, place, &labels, &[]);
     })
 }
 

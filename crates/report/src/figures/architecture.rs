@@ -172,10 +172,7 @@ impl Row<'_> {
         let text = Look::new(size::AXIS).centred();
         let inputs = self.inputs.into_iter().filter(|line| !line.is_empty());
         let inputs: Vec<&str> = inputs.collect();
-        let widest = inputs
-            .iter()
-            .map(|line| text.width(line))
-            .fold(0.0, f64::max);
+        let widest = text.widest(&inputs);
         for (k, words) in inputs.iter().enumerate() {
             let offset = (k as f64 - (inputs.len() as f64 - 1.0) / 2.0) * 11.0;
             canvas.text(words, (left, low + offset), text);

@@ -125,20 +125,9 @@ impl Scale {
         self.from + (value - self.low) / (self.high - self.low) * (self.to - self.from)
     }
 
-    pub(crate) fn low(&self) -> f64 {
-        self.low
-    }
-
-    pub(crate) fn high(&self) -> f64 {
-        self.high
-    }
-
-    fn widest_label(&self) -> f64 {
-        let look = Look::new(size::TICK);
-        self.labels
-            .iter()
-            .map(|label| look.width(label))
-            .fold(0.0, f64::max)
+    /// The lowest and the highest value on it.
+    pub(crate) fn ends(&self) -> (f64, f64) {
+        (self.low, self.high)
     }
 }
 
@@ -285,7 +274,8 @@ impl Frame {
         if !labels.y.is_empty() {
             left += cap_height(size::AXIS) + 5.0;
         }
-        left += y.widest_label().max(labels.numbers) + TICK_LENGTH + 2.0;
+        let widest = Look::new(size::TICK).widest(&y.labels);
+        left += widest.max(labels.numbers) + TICK_LENGTH + 2.0;
         let names = x.names(outer.right - left);
         if x.labels.iter().any(|label| !label.is_empty()) {
             let height = names.as_ref().map_or(cap_height(size::TICK), Names::height);
@@ -297,11 +287,16 @@ impl Frame {
             right: outer.right,
             bottom,
         };
-        let x = x.placed(place.left, place.right);
-        let y = y.placed(place.bottom, place.top);
-        let frame = Self { x, y, place };
+        let frame = Self::laid(x, y, place);
         frame.axes(canvas, outer, labels, names.as_ref());
         frame
+    }
+
+    /// Axes of which x runs to the right and y upwards.
+    pub(crate) fn laid(x: Scale, y: Scale, place: Place) -> Self {
+        let x = x.placed(place.left, place.right);
+        let y = y.placed(place.bottom, place.top);
+        Self { x, y, place }
     }
 
     fn axes(
@@ -419,8 +414,8 @@ mod tests {
     #[test]
     fn a_scale_reaches_a_little_beyond_its_values_and_lies_where_it_is_placed() {
         let scale = Scale::over([30.0, 10.0, 20.0], 4).placed(100.0, 300.0);
-        close(scale.low(), 9.2);
-        close(scale.high(), 30.8);
+        close(scale.low, 9.2);
+        close(scale.high, 30.8);
         close(scale.at(9.2), 100.0);
         close(scale.at(30.8), 300.0);
         close(scale.at(20.0), 200.0);

@@ -16,9 +16,6 @@ use plotters::style::{
 };
 
 /// Draws one figure: opens the page, lets `paint` draw, closes it.
-///
-/// # Errors
-/// [`ReportError::Drawing`] if a coordinate was not finite or plotters failed.
 pub(crate) fn sketch(
     head: &Head,
     paint: impl FnOnce(&mut Canvas<'_>),
@@ -28,12 +25,7 @@ pub(crate) fn sketch(
         reason,
     };
     for face in Face::ALL {
-        let style = match face {
-            Face::Regular => FontStyle::Normal,
-            Face::Italic => FontStyle::Italic,
-            Face::Semibold => FontStyle::Bold,
-        };
-        register_font(FAMILY, style, face.ttf())
+        register_font(FAMILY, font_style(face), face.ttf())
             .map_err(|_| failed(format!("the bundled font {face:?} cannot be used")))?;
     }
     let mut svg = String::new();
@@ -145,11 +137,9 @@ impl Look {
         }
     }
 
-    pub(crate) fn semibold(self) -> Self {
-        Self {
-            face: Face::Semibold,
-            ..self
-        }
+    pub(crate) fn semibold(mut self) -> Self {
+        self.face = Face::Semibold;
+        self
     }
 
     pub(crate) fn colour(self, colour: RGBColor) -> Self {
@@ -157,43 +147,33 @@ impl Look {
     }
 
     /// Centred on the point from left to right.
-    pub(crate) fn middle(self) -> Self {
-        Self {
-            h: HPos::Center,
-            ..self
-        }
+    pub(crate) fn middle(mut self) -> Self {
+        self.h = HPos::Center;
+        self
     }
 
     /// Ending at the point.
-    pub(crate) fn end(self) -> Self {
-        Self {
-            h: HPos::Right,
-            ..self
-        }
+    pub(crate) fn end(mut self) -> Self {
+        self.h = HPos::Right;
+        self
     }
 
     /// Centred on the point from top to bottom.
-    pub(crate) fn centred(self) -> Self {
-        Self {
-            v: VPos::Center,
-            ..self
-        }
+    pub(crate) fn centred(mut self) -> Self {
+        self.v = VPos::Center;
+        self
     }
 
     /// Hanging from the point.
-    pub(crate) fn hanging(self) -> Self {
-        Self {
-            v: VPos::Top,
-            ..self
-        }
+    pub(crate) fn hanging(mut self) -> Self {
+        self.v = VPos::Top;
+        self
     }
 
     /// Reading upwards.
-    pub(crate) fn turned(self) -> Self {
-        Self {
-            turned: true,
-            ..self
-        }
+    pub(crate) fn turned(mut self) -> Self {
+        self.turned = true;
+        self
     }
 
     fn lacks(self, run: &markup::Run) -> bool {
@@ -213,6 +193,21 @@ impl Look {
             face.width_em(&run.text) * size
         };
         markup::runs(text).iter().map(run_width).sum()
+    }
+
+    /// Width of the widest of several texts, in points.
+    pub(crate) fn widest(self, texts: &[impl AsRef<str>]) -> f64 {
+        let widths = texts.iter().map(|text| self.width(text.as_ref()));
+        widths.fold(0.0, f64::max)
+    }
+}
+
+/// A face as plotters names it.
+fn font_style(face: Face) -> FontStyle {
+    match face {
+        Face::Regular => FontStyle::Normal,
+        Face::Italic => FontStyle::Italic,
+        Face::Semibold => FontStyle::Bold,
     }
 }
 
@@ -355,17 +350,13 @@ impl Canvas<'_> {
         self.unknown_signs |= markup::runs(text).iter().any(|run| look.lacks(run));
         let point = self.at(at);
         let em = look.size * UNITS_PER_POINT * LINE_EM;
-        let style = match look.face {
-            Face::Regular => FontStyle::Normal,
-            Face::Italic => FontStyle::Italic,
-            Face::Semibold => FontStyle::Bold,
-        };
         let turn = if look.turned {
             FontTransform::Rotate270
         } else {
             FontTransform::None
         };
-        let style = TextStyle::from((FAMILY, em, style).into_font().transform(turn))
+        let font = (FAMILY, em, font_style(look.face)).into_font();
+        let style = TextStyle::from(font.transform(turn))
             .color(&look.colour)
             .pos(Pos::new(look.h, look.v));
         let drawn = self.area.draw_text(text, &style, point);
@@ -429,15 +420,7 @@ mod tests {
 
     #[test]
     fn a_coordinate_that_is_not_finite_is_an_error_and_not_a_picture() {
-        let head = Head {
-            name: "x".into(),
-            shown_mm: (10.0, 10.0),
-            size_mm: (10.0, 10.0),
-            title: String::new(),
-            description: String::new(),
-            metadata: String::new(),
-        };
-        let drawn = sketch(&head, |canvas| {
+        let drawn = sketch(&Head::square(10.0), |canvas| {
             canvas.line((0.0, 0.0), (f64::NAN, 1.0), Pen::new(INK, 1.0));
         });
         assert!(matches!(drawn, Err(ReportError::Drawing { .. })));

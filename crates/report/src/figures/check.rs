@@ -28,6 +28,17 @@ impl Check<'_> {
         }
     }
 
+    /// The name of the figure, or of whatever is checked, can be that of a file and an anchor.
+    pub(crate) fn name(self) -> Result<(), ReportError> {
+        let usable = |sign: char| sign.is_ascii_lowercase() || sign.is_ascii_digit() || sign == '-';
+        if !self.0.is_empty() && self.0.chars().all(usable) {
+            return Ok(());
+        }
+        Err(ReportError::BadName {
+            name: self.0.to_owned(),
+        })
+    }
+
     /// There are at least `expected` of them.
     pub(crate) fn at_least(
         self,

@@ -16,7 +16,7 @@ pub struct ConditionLook {
     pub label: String,
     /// Red, green and blue.
     pub colour: [u8; 3],
-    marker: Marker,
+    pub(crate) marker: Marker,
 }
 
 impl ConditionLook {
@@ -30,9 +30,7 @@ impl ConditionLook {
             ..self
         }
     }
-}
 
-impl ConditionLook {
     /// The baseline and the conditions of a design, in its order: their own colours, else along a scale from blue over purple to orange
     /// by their place on the dial (by their order where nothing turns a dial), other cars beside it.
     pub fn of(design: &Design) -> Vec<Self> {
@@ -104,10 +102,6 @@ impl ConditionLook {
     /// What stands for it in a legend.
     pub(crate) fn key(&self) -> Key {
         Key::Point(self.marker, self.rgb())
-    }
-
-    pub(crate) fn marker(&self) -> Marker {
-        self.marker
     }
 
     /// The label with marks made harmless, for a caption.

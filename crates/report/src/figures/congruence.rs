@@ -139,19 +139,11 @@ pub fn congruence(input: &Congruence, context: &Context) -> Result<Figure, Repor
     } else {
         TWO_COLUMNS_MM
     };
-    let part = input
-        .part
-        .map(|(part, of)| format!(", part {part} of {of}"));
+    let (name, part) = of_part(NAME, input.part);
     let plan = Plan {
-        name: match input.part {
-            None | Some((1, _)) => NAME.to_owned(),
-            Some((part, _)) => format!("{NAME}-{part}"),
-        },
+        name,
         size_mm: (width, PANEL_MM * grid.rows() + 12.0),
-        title: format!(
-            "Predicted rating over the car’s style{}",
-            part.unwrap_or_default()
-        ),
+        title: format!("Predicted rating over the car’s style{part}"),
         caption: caption(input),
         alt: sentences(input.panels.iter().map(told_of)),
         shows: Shows::Participants,

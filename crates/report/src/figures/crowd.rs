@@ -32,31 +32,42 @@ pub(crate) fn paint(
         }
         return;
     }
-    let cells = cells(frame, points.iter().map(|&(x, y)| (x, y, 0.0)));
+    let points = points.iter().map(|&(x, y)| (x, y, 0.0));
+    paint_density(canvas, frame, points, |_| colour);
+}
+
+/// Shades each cell by how many points (x, y, any third number) lie there, in the colour of the mean of their third numbers.
+pub(crate) fn paint_density(
+    canvas: &mut Canvas<'_>,
+    frame: &Frame,
+    points: impl IntoIterator<Item = (f64, f64, f64)>,
+    colour: impl Fn(f64) -> RGBColor,
+) {
+    let cells = cells(frame, points);
     let most = cells.iter().map(|cell| cell.count).max().unwrap_or(1);
     for cell in &cells {
         let (a, b) = cell.corners(frame);
-        canvas.fill_rect(a, b, colour, shade(cell.count, most));
+        canvas.fill_rect(a, b, colour(cell.mean()), shade(cell.count, most));
     }
 }
 
 /// How dark a cell is: the root of its share, never invisible.
-pub(crate) fn shade(count: usize, most: usize) -> f64 {
+fn shade(count: usize, most: usize) -> f64 {
     0.1 + 0.8 * (count as f64 / most as f64).sqrt()
 }
 
 /// A cell of the density.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Cell {
+struct Cell {
     column: i64,
     row: i64,
-    pub(crate) count: usize,
+    count: usize,
     sum: f64,
 }
 
 impl Cell {
     /// Two opposite corners on the page, cut at the frame.
-    pub(crate) fn corners(&self, frame: &Frame) -> ((f64, f64), (f64, f64)) {
+    fn corners(&self, frame: &Frame) -> ((f64, f64), (f64, f64)) {
         let left = frame.place.left + self.column as f64 * CELL;
         let top = frame.place.top + self.row as f64 * CELL;
         let end = (
@@ -67,13 +78,13 @@ impl Cell {
     }
 
     /// Mean of the third number of the points in it.
-    pub(crate) fn mean(&self) -> f64 {
+    fn mean(&self) -> f64 {
         self.sum / self.count as f64
     }
 }
 
 /// Counts points (x, y, any third number) in cells of the page, row by row.
-pub(crate) fn cells(frame: &Frame, points: impl IntoIterator<Item = (f64, f64, f64)>) -> Vec<Cell> {
+fn cells(frame: &Frame, points: impl IntoIterator<Item = (f64, f64, f64)>) -> Vec<Cell> {
     let mut cells: BTreeMap<(i64, i64), (usize, f64)> = BTreeMap::new();
     for (x, y, third) in points {
         let (x, y) = frame.at(x, y);
@@ -100,16 +111,14 @@ mod tests {
 
     /// A panel of 100 by 40 points on the page, of which x is 0 to 100 and y 0 to 40 upwards.
     fn frame() -> Frame {
-        Frame {
-            x: Scale::between(0.0, 100.0, 5).placed(20.0, 120.0),
-            y: Scale::between(0.0, 40.0, 4).placed(50.0, 10.0),
-            place: Place {
-                left: 20.0,
-                top: 10.0,
-                right: 120.0,
-                bottom: 50.0,
-            },
-        }
+        let place = Place {
+            left: 20.0,
+            top: 10.0,
+            right: 120.0,
+            bottom: 50.0,
+        };
+        let (x, y) = (Scale::between(0.0, 100.0, 5), Scale::between(0.0, 40.0, 4));
+        Frame::laid(x, y, place)
     }
 
     #[test]

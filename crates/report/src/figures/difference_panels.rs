@@ -145,15 +145,9 @@ pub fn difference_panels(
         ),
         None => "The outcomes in each condition".to_owned(),
     };
-    let part = input
-        .part
-        .map(|(part, of)| format!(", part {part} of {of}"));
-    let part = part.unwrap_or_default();
+    let (name, part) = of_part(NAME, input.part);
     let plan = Plan {
-        name: match input.part {
-            None | Some((1, _)) => NAME.to_owned(),
-            Some((part, _)) => format!("{NAME}-{part}"),
-        },
+        name,
         size_mm: (width, height * grid.rows() + 3.0),
         title: format!("{what}{part}"),
         caption: caption(input, context, (grid, width)),
@@ -214,7 +208,7 @@ fn drawn<'a>(panel: &'a DifferencePanel, context: &Context) -> Panel<'a> {
             let look = context.look(condition);
             Slot {
                 name: look.words(),
-                look: (look.marker(), look.rgb()),
+                look: (look.marker, look.rgb()),
                 mean,
             }
         });

@@ -52,7 +52,7 @@ impl ExampleConditions {
 }
 
 pub(crate) fn norm(vector: &[f64]) -> f64 {
-    vector.iter().map(|x| x * x).sum::<f64>().sqrt()
+    dot(vector, vector).sqrt()
 }
 
 pub(crate) fn dot(a: &[f64], b: &[f64]) -> f64 {
@@ -137,6 +137,6 @@ pub(crate) fn paint_point(
 }
 
 pub(crate) fn paint_condition(canvas: &mut Canvas<'_>, at: (f64, f64), look: &ConditionLook) {
-    canvas.marker(at, 4.6, look.marker(), PAPER);
-    canvas.marker(at, 3.8, look.marker(), look.rgb());
+    canvas.marker(at, 4.6, look.marker, PAPER);
+    canvas.marker(at, 3.8, look.marker, look.rgb());
 }

@@ -105,12 +105,7 @@ pub(crate) fn paint(
     } else {
         let velocities = input.points.iter().map(|point| point.mean_velocity_mps);
         let drives = drives.iter().zip(velocities).map(|(&(x, y), v)| (x, y, v));
-        let cells = crowd::cells(&frame, drives);
-        let most = cells.iter().map(|cell| cell.count).max().unwrap_or(1);
-        for cell in &cells {
-            let ((a, b), shade) = (cell.corners(&frame), crowd::shade(cell.count, most));
-            canvas.fill_rect(a, b, palette.colour(cell.mean()), shade);
-        }
+        crowd::paint_density(canvas, &frame, drives, |mps| palette.colour(mps));
     }
     for (condition, w) in input.example.iter().flat_map(|e| &e.conditions) {
         let (x, y) = projected(w);

@@ -117,7 +117,7 @@ fn paint(
         for (s, (value, look)) in row.iter().zip(looks).enumerate() {
             let y = rows.y(i) - (s as f64 - (looks.len() as f64 - 1.0) / 2.0) * step;
             if let Some(interval) = value {
-                let mark = (1.6, look.marker(), look.rgb());
+                let mark = (1.6, look.marker, look.rgb());
                 panel.level_interval(*interval, y, Pen::new(look.rgb(), stroke::BOX), mark);
             }
         }

@@ -11,6 +11,7 @@ use crate::error::ReportError;
 use crate::{apa, markup};
 use maveric_domain::{ConditionId, SpeedUnit};
 use serde::{Deserialize, Serialize};
+use std::fmt::Write as _;
 
 /// Whose numbers are shown.
 #[derive(Debug, Clone, PartialEq, Eq, Default, Serialize, Deserialize)]
@@ -263,9 +264,7 @@ pub(crate) fn draw(
         caption += " A question mark stands for a sign that the figure’s font lacks.";
     }
     if let Some(who) = stand_ins {
-        caption += " ";
-        caption += &markup::capital(who);
-        caption += ".";
+        let _ = write!(caption, " {}.", markup::capital(who));
     }
     if shown && context.beyond > 0 {
         let many = if context.beyond == 1 {
@@ -273,12 +272,11 @@ pub(crate) fn draw(
         } else {
             "people are"
         };
-        caption += " ";
-        caption += &context.beyond.to_string();
-        caption += " ";
-        caption += many;
-        caption +=
-            " beyond what the model has learned from; the dial was turned for them all the same.";
+        let _ = write!(
+            caption,
+            " {} {many} beyond what the model has learned from; the dial was turned for them all the same.",
+            context.beyond
+        );
     }
     Ok(Figure {
         name: plan.name,

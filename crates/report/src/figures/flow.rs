@@ -1,5 +1,6 @@
 //! The flow of participants: how many there were at each step, and why the others were left out.
 
+use super::names::wrapped;
 use super::prelude::*;
 
 /// Counts of people.
@@ -102,31 +103,14 @@ fn reasons(left: &[(String, usize)]) -> String {
     }
 }
 
-/// Cut at a blank so that no line is longer than fits.
-fn wrapped(text: &str) -> Vec<String> {
-    let mut lines = vec![String::new()];
-    for word in text.split_whitespace() {
-        let last = lines.len() - 1;
-        let long = lines[last].chars().count() + word.chars().count() + 1 > LETTERS;
-        if long && !lines[last].is_empty() {
-            lines.push(word.to_owned());
-        } else {
-            if !lines[last].is_empty() {
-                lines[last].push(' ');
-            }
-            lines[last].push_str(word);
-        }
-    }
-    lines
-}
-
 fn listed(title: &str, left: &[(String, usize)]) -> Vec<String> {
     if left.is_empty() {
         return Vec::new();
     }
     let mut lines = vec![format!("{title}: {}", count(left))];
+    let fits = |line: &str| line.chars().count() <= LETTERS;
     for (why, n) in left {
-        lines.extend(wrapped(&format!("{n}: {why}")));
+        lines.extend(wrapped(&format!("{n}: {why}"), fits));
     }
     lines
 }

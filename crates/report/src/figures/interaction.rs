@@ -133,10 +133,7 @@ fn paint(canvas: &mut Canvas<'_>, place: Place, input: &InteractionPanel, y: Sca
         .iter()
         .map(|line| markup::literal(&shortened(&line.name, room)))
         .collect();
-    let widest = names
-        .iter()
-        .map(|name| look.width(name))
-        .fold(0.0, f64::max);
+    let widest = look.widest(&names);
     let k = input.levels.len();
     let levels = input.levels.iter().map(|level| markup::literal(level));
     let x = Scale::of_names(-0.5, k as f64 - 0.5, levels);

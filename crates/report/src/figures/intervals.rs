@@ -134,7 +134,7 @@ pub fn intervals(
         };
         let mut panel = Panel::open(canvas, place, &labels, (x, rows.axis()));
         if let Some((low, high)) = input.bounds {
-            let (least, most) = (panel.frame.x.low(), panel.frame.x.high());
+            let (least, most) = panel.frame.x.ends();
             let ends = [low, high].map(|end| end.clamp(least, most));
             panel.stripe(ends, PALE, 1.0);
         }

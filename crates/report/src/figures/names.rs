@@ -29,13 +29,15 @@ impl Names {
     /// A long name among many that fit is cut, if enough of it is left to tell it from the others.
     pub(crate) fn set(names: &[String], space: f64) -> Self {
         let room = space - GAP;
-        let lines: Vec<Vec<String>> = names.iter().map(|name| wrapped(name, room)).collect();
+        let look = Look::new(size::TICK);
+        let line_fits = |line: &str| look.width(line) <= room;
+        let lines = names.iter().map(|name| wrapped(name, line_fits));
+        let lines: Vec<Vec<String>> = lines.collect();
         let cut = |lines: &Vec<String>| lines.iter().map(|l| shortened(l, room)).collect();
         let set: Vec<Vec<String>> = lines.iter().map(cut).collect();
         let long = || lines.iter().zip(&set).filter(|(whole, cut)| whole != cut);
-        let look = Look::new(size::TICK);
         let fits = set.iter().all(|l| l.len() <= MOST_LINES)
-            && set.iter().flatten().all(|line| look.width(line) <= room);
+            && set.iter().flatten().all(|line| line_fits(line));
         let different = (1..set.len()).all(|i| !set[..i].contains(&set[i]));
         if fits && different && long().count() * MOST_WHOLE <= names.len() {
             return Self::Level(set);
@@ -55,13 +57,12 @@ impl Names {
 
     /// Points from the ticks to the foot of the lowest.
     pub(crate) fn height(&self) -> f64 {
-        let look = Look::new(size::TICK);
         match self {
             Self::Level(names) => {
                 let lines = names.iter().map(Vec::len).max().unwrap_or(1);
                 cap_height(size::TICK) + LINE * lines.saturating_sub(1) as f64
             }
-            Self::Turned(names) => names.iter().map(|n| look.width(n)).fold(0.0, f64::max),
+            Self::Turned(names) => Look::new(size::TICK).widest(names),
         }
     }
 
@@ -82,13 +83,12 @@ impl Names {
     }
 }
 
-/// A name on as few lines as its words need.
-fn wrapped(name: &str, room: f64) -> Vec<String> {
-    let look = Look::new(size::TICK);
+/// A text on as few lines as its words need where each line is to fit.
+pub(crate) fn wrapped(text: &str, fits: impl Fn(&str) -> bool) -> Vec<String> {
     let mut lines: Vec<String> = Vec::new();
-    for word in name.split_whitespace() {
+    for word in text.split_whitespace() {
         match lines.last_mut() {
-            Some(line) if look.width(&format!("{line} {word}")) <= room => {
+            Some(line) if fits(&format!("{line} {word}")) => {
                 line.push(' ');
                 line.push_str(word);
             }

@@ -364,6 +364,20 @@ fn write_runs(out: &mut String, text: &str, face: Face, em: f64) {
 mod tests {
     use super::*;
 
+    impl Head {
+        /// Of a drawing of no interest, of so many millimetres a side.
+        pub(crate) fn square(side_mm: f64) -> Self {
+            Self {
+                name: "x".into(),
+                shown_mm: (side_mm, side_mm),
+                size_mm: (side_mm, side_mm),
+                title: String::new(),
+                description: String::new(),
+                metadata: String::new(),
+            }
+        }
+    }
+
     #[test]
     fn lengths_are_short_and_exact() {
         let written = [0, 5, 50, 123, -7, -1200].map(|v| Hundredths(v).to_string());

@@ -83,7 +83,8 @@ impl<'p, 'c> Panel<'p, 'c> {
 
     /// A dashed line from side to side, where the panel reaches so far.
     pub(crate) fn rule(&mut self, y: f64) {
-        if (self.frame.y.low()..=self.frame.y.high()).contains(&y) {
+        let (least, most) = self.frame.y.ends();
+        if (least..=most).contains(&y) {
             self.level(y, Pen::new(INK, stroke::AXIS).dashed(2.0, 1.5));
         }
     }
@@ -96,7 +97,7 @@ impl<'p, 'c> Panel<'p, 'c> {
         pen: Pen,
         mark: Mark,
     ) {
-        let (least, most) = (self.frame.y.low(), self.frame.y.high());
+        let (least, most) = self.frame.y.ends();
         self.line([low, high].map(|end| (x, end.clamp(least, most))), pen);
         self.mark((x, value), mark);
     }
@@ -130,25 +131,15 @@ mod tests {
     use crate::figures::{canvas::sketch, page::Head};
 
     fn drawn(paint: impl FnOnce(&mut Panel<'_, '_>)) -> String {
-        let head = Head {
-            name: "x".into(),
-            shown_mm: (50.0, 50.0),
-            size_mm: (50.0, 50.0),
-            title: String::new(),
-            description: String::new(),
-            metadata: String::new(),
-        };
-        let sketch = sketch(&head, |canvas| {
-            let frame = Frame {
-                x: Scale::between(0.0, 1.0, 2).placed(10.0, 110.0),
-                y: Scale::between(0.0, 10.0, 5).placed(80.0, 30.0),
-                place: Place {
-                    left: 10.0,
-                    top: 30.0,
-                    right: 110.0,
-                    bottom: 80.0,
-                },
+        let sketch = sketch(&Head::square(50.0), |canvas| {
+            let place = Place {
+                left: 10.0,
+                top: 30.0,
+                right: 110.0,
+                bottom: 80.0,
             };
+            let (x, y) = (Scale::between(0.0, 1.0, 2), Scale::between(0.0, 10.0, 5));
+            let frame = Frame::laid(x, y, place);
             paint(&mut Panel { canvas, frame });
         });
         let svg = sketch.unwrap().svg;

@@ -122,7 +122,7 @@ fn paint(canvas: &mut Canvas<'_>, place: Place, input: &PerpendicularPanel) {
             let (sin, cos) = libm::sincos(degrees.to_radians());
             (degrees, level + cosine * cos + sine * sin)
         };
-        let (least, most) = (panel.frame.y.low(), panel.frame.y.high());
+        let (least, most) = panel.frame.y.ends();
         let curve = (0..=90).map(|step| point(4.0 * f64::from(step)));
         let inside = curve.filter(|(_, change)| (least..=most).contains(change));
         panel.line(inside, Pen::new(GREEN, stroke::STRONG));

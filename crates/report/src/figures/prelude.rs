@@ -12,7 +12,7 @@ pub(super) use super::theme::{
     BLUE, GREEN, GREY, GRID, INK, MUTED, Marker, OCHRE, ONE_COLUMN_MM, ORANGE, PALE, PAPER, PURPLE,
     TWO_COLUMNS_MM, size, stroke,
 };
-pub(super) use super::words::{counted, described, sentences};
+pub(super) use super::words::{counted, described, of_part, sentences};
 pub(super) use crate::error::ReportError;
 pub(super) use crate::{apa::number, markup};
 pub(super) use plotters::style::RGBColor;

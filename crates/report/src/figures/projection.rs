@@ -46,8 +46,8 @@ impl View {
                 Scale::over([low, high], 4)
             }
         });
-        let low = [0, 1, 2].map(|axis: usize| scales[axis].low());
-        let high = [0, 1, 2].map(|axis: usize| scales[axis].high());
+        let low = [0, 1, 2].map(|axis: usize| scales[axis].ends().0);
+        let high = [0, 1, 2].map(|axis: usize| scales[axis].ends().1);
         let centre = [0, 1, 2].map(|axis: usize| f64::midpoint(low[axis], high[axis]));
         let seen = |azimuth: f64| {
             let (right, up, _) = axes(azimuth);

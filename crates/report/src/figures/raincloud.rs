@@ -47,7 +47,7 @@ pub(crate) fn paint(
     ink: RGBColor,
 ) {
     let edge = middle + VIOLIN * slot;
-    let (least, most) = (frame.y.low(), frame.y.high());
+    let (least, most) = frame.y.ends();
     let inside = curve
         .iter()
         .filter(|(value, _)| (least..=most).contains(value));

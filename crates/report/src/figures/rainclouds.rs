@@ -56,7 +56,7 @@ pub(crate) fn paint(canvas: &mut Canvas<'_>, place: Place, input: &Panel<'_>) {
     let names: Vec<String> = input.slots.iter().map(|slot| slot.name.clone()).collect();
     let below = self::names(&names, place.right - place.left).height();
     let plot = (place.bottom - place.top - 42.0 + cap_height(size::TICK) - below).max(40.0);
-    let (low, top) = (data.low(), data.high());
+    let (low, top) = data.ends();
     let high = low + (top - low) * plot / (plot - room).max(plot / 3.0);
     // Ticks only where there are data: what lies above them is room for the brackets.
     let data = Scale::between(low, top, 4);

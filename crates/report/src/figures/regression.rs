@@ -20,33 +20,17 @@ pub(crate) struct Cloud<'a> {
 }
 
 impl Cloud<'_> {
-    /// Draws axes, line with band where the points determine one, and the points.
-    pub(crate) fn paint(self, canvas: &mut Canvas<'_>, place: Place, labels: &Labels<'_>) {
-        let line = Regression::fit(self.points);
-        self.paint_on(canvas, place, labels, line.as_ref(), &[]);
-    }
-
-    /// Draws axes, some other straight lines by their ends, and the points.
-    pub(crate) fn paint_with(
+    /// Draws axes, the points, and other straight lines by their ends; without others the line with its band, where the points determine one.
+    pub(crate) fn paint(
         self,
         canvas: &mut Canvas<'_>,
         place: Place,
         labels: &Labels<'_>,
-        lines: &[[(f64, f64); 2]],
-    ) {
-        self.paint_on(canvas, place, labels, None, lines);
-    }
-
-    fn paint_on(
-        self,
-        canvas: &mut Canvas<'_>,
-        place: Place,
-        labels: &Labels<'_>,
-        line: Option<&Regression>,
         others: &[[(f64, f64); 2]],
     ) {
+        let line = Regression::fit(self.points).filter(|_| others.is_empty());
         let x = Scale::over(self.points.iter().map(|point| point.0), self.ticks);
-        let y = self.y_scale(line);
+        let y = self.y_scale(line.as_ref());
         let mut panel = Panel::open(canvas, place, labels, (x, y));
         if let Some(line) = line {
             line.paint(&mut panel);
@@ -100,7 +84,7 @@ impl Regression {
 
     /// Shades the band and draws the line. A band that leaves the panel is cut there.
     fn paint(&self, panel: &mut Panel<'_, '_>) {
-        let (least, most) = (panel.frame.y.low(), panel.frame.y.high());
+        let (least, most) = panel.frame.y.ends();
         let inside = |value: f64| value.clamp(least, most);
         let band: Vec<(f64, f64, f64)> = self.band().collect();
         let upper = band.iter().map(|&(x, _, high)| (x, inside(high)));

@@ -42,9 +42,7 @@ impl Rows {
 
     /// Width of the widest name, in points.
     pub(crate) fn width(&self) -> f64 {
-        let look = Look::new(size::TICK);
-        let widths = self.names.iter().map(|name| look.width(name));
-        widths.fold(0.0, f64::max)
+        Look::new(size::TICK).widest(&self.names)
     }
 }
 

@@ -67,10 +67,7 @@ pub fn scatter(input: &Scatter, context: &Context) -> Result<Figure, ReportError
             ticks: 5,
             radius: 1.5,
         };
-        match &input.people[..] {
-            [] => cloud.paint(canvas, place, &labels),
-            people => cloud.paint_with(canvas, place, &labels, people),
-        }
+        cloud.paint(canvas, place, &labels, &input.people);
     })
 }
 

@@ -143,10 +143,10 @@ impl Marker {
 /// Marker and colour of the group or condition at a place in a list; the sixth begins anew.
 pub(crate) fn nth_look(place: usize) -> (Marker, RGBColor) {
     const LOOKS: [(Marker, RGBColor); 5] = [
-        (Marker::TriangleDown, RGBColor(0x00, 0x5a, 0xb5)),
-        (Marker::TriangleUp, RGBColor(0xd5, 0x5e, 0x00)),
-        (Marker::Square, RGBColor(0x88, 0x2e, 0x72)),
-        (Marker::Diamond, RGBColor(0x0f, 0x9d, 0x7a)),
+        (Marker::TriangleDown, BLUE),
+        (Marker::TriangleUp, ORANGE),
+        (Marker::Square, PURPLE),
+        (Marker::Diamond, GREEN),
         (Marker::Circle, OCHRE),
     ];
     LOOKS[place % LOOKS.len()]
@@ -192,10 +192,7 @@ pub(crate) fn viridis(share: f64) -> RGBColor {
     let stepped = (share.clamp(0.0, 1.0) * 39.0).round() / 39.0;
     let place = stepped * (VIRIDIS.len() - 1) as f64;
     let low = (place.floor() as usize).min(VIRIDIS.len() - 2);
-    let part = place - low as f64;
-    let (a, b) = (VIRIDIS[low], VIRIDIS[low + 1]);
-    let mix = |a: u8, b: u8| (f64::from(a) + (f64::from(b) - f64::from(a)) * part).round() as u8;
-    RGBColor(mix(a.0, b.0), mix(a.1, b.1), mix(a.2, b.2))
+    mixed(VIRIDIS[low], VIRIDIS[low + 1], place - low as f64)
 }
 
 /// `#rrggbb` in lower case, as figures and the dark page's rules write it.
@@ -217,7 +214,7 @@ pub(crate) fn on_dark(colour: RGBColor) -> String {
     let mut lighter = colour;
     // A contrast of 4.5 with the dark ground, whose luminance is 0.0086.
     while luminance(lighter) < 0.214 {
-        lighter = mixed(lighter, RGBColor(0xff, 0xff, 0xff), 0.1);
+        lighter = mixed(lighter, PAPER, 0.1);
     }
     hex(lighter)
 }

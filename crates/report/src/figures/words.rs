@@ -19,6 +19,16 @@ pub(crate) fn counted(counts: impl Iterator<Item = usize> + Clone, by: &str) -> 
     }
 }
 
+/// The name of a part of a figure that takes several, and how its title ends; `part` is its number and that of all.
+pub(crate) fn of_part(name: &str, part: Option<(usize, usize)>) -> (String, String) {
+    let name = match part {
+        Some((part @ 2.., _)) => format!("{name}-{part}"),
+        _ => name.to_owned(),
+    };
+    let end = part.map(|(part, count)| format!(", part {part} of {count}"));
+    (name, end.unwrap_or_default())
+}
+
 /// Sentences one after the other.
 pub(crate) fn sentences(parts: impl IntoIterator<Item = String>) -> String {
     parts.into_iter().collect::<Vec<_>>().join(" ")

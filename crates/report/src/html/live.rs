@@ -24,10 +24,7 @@ pub enum LiveContent {
 }
 
 impl Live {
-    /// Checks its numbers.
-    ///
-    /// # Errors
-    /// [`ReportError::Live`] for a number that is not finite, or nothing to show.
+    /// Refuses a number that is not finite, or nothing to show.
     pub(crate) fn check(&self) -> Result<(), ReportError> {
         let checked = match &self.content {
             LiveContent::StyleSpace(space) => space.check(),

@@ -45,11 +45,9 @@ pub(crate) fn page(
         .map(|(card, plot)| card_value(card, plot.as_ref(), &known))
         .collect();
     let provenance = &report.provenance;
-    let inputs: Vec<[String; 2]> = provenance
-        .inputs
-        .iter()
-        .map(|input| [input.path.clone(), input.hash.clone()])
-        .collect();
+    let inputs = provenance.inputs.iter();
+    let inputs = inputs.map(|input| [input.path.clone(), input.hash.clone()]);
+    let inputs: Vec<[String; 2]> = inputs.collect();
     let mut used = vec![scripts::TABLES, scripts::PANELS];
     used.extend(report.ledger.is_some().then_some(scripts::LEDGER));
     let players = || shown.iter().filter_map(|live| live.player.as_ref());

@@ -4,12 +4,12 @@ use super::live::Live;
 use crate::card::Card;
 use crate::claims::LedgerRow;
 use crate::error::ReportError;
-use crate::figures::{Context, Figure};
+use crate::figures::{Context, Figure, check::Check};
 use crate::tables::{Exclusion, Table};
 use std::collections::BTreeSet;
 
 /// Everything that goes into `index.html` and the files beside it.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Default)]
 pub struct Report {
     /// Title of the page. Plain text.
     pub title: String,
@@ -114,21 +114,11 @@ impl Report {
             title: title.into(),
             subtitle: subtitle.into(),
             context: context.clone(),
-            cards: Vec::new(),
-            summary: Vec::new(),
-            sections: Vec::new(),
-            supplement: Vec::new(),
-            live: Vec::new(),
-            ledger: None,
-            methods: Methods::default(),
-            exclusions: Vec::new(),
-            warnings: Vec::new(),
             provenance: Provenance {
                 version: env!("CARGO_PKG_VERSION").to_owned(),
                 ..Provenance::default()
             },
-            glossary: Vec::new(),
-            beside: Vec::new(),
+            ..Self::default()
         }
     }
 
@@ -145,44 +135,20 @@ impl Report {
     pub fn check(&self) -> Result<(), ReportError> {
         let mut seen = BTreeSet::new();
         for card in &self.cards {
-            let usable =
-                |sign: char| sign.is_ascii_lowercase() || sign.is_ascii_digit() || sign == '-';
-            if card.name.is_empty() || !card.name.chars().all(usable) {
-                return Err(ReportError::BadName {
-                    name: card.name.clone(),
-                });
-            }
-            if !seen.insert(("cards", &card.name)) {
-                return Err(ReportError::DuplicateName {
-                    name: card.name.clone(),
-                });
-            }
+            take(&mut seen, "cards", &card.name)?;
         }
         for section in self.all_sections() {
-            let figures = section
-                .figures
-                .iter()
-                .map(|figure| ("figures", &figure.name));
-            let tables = section.tables.iter().map(|table| ("tables", &table.name));
-            for (kind, name) in figures.chain(tables) {
-                let usable =
-                    |sign: char| sign.is_ascii_lowercase() || sign.is_ascii_digit() || sign == '-';
-                if name.is_empty() || !name.chars().all(usable) {
-                    return Err(ReportError::BadName { name: name.clone() });
-                }
-                // The page adds these two tables itself.
-                let taken = kind == "tables" && matches!(name.as_str(), "exclusions" | "claims");
-                if taken || !seen.insert((kind, name)) {
-                    return Err(ReportError::DuplicateName { name: name.clone() });
-                }
+            for figure in &section.figures {
+                take(&mut seen, "figures", &figure.name)?;
             }
             for table in &section.tables {
-                table.check()?;
+                take(&mut seen, "tables", &table.name)?;
             }
+            section.tables.iter().try_for_each(Table::check)?;
         }
         for live in &self.live {
             live.check()?;
-            if !seen.contains(&("figures", &live.below)) {
+            if !seen.contains(&("figures", live.below.as_str())) {
                 return Err(ReportError::Live {
                     below: live.below.clone(),
                     reason: "the page has no figure of that name".to_owned(),
@@ -191,4 +157,20 @@ impl Report {
         }
         Ok(())
     }
+}
+
+/// Takes a name that can be one, and that nothing else of its kind has.
+fn take<'a>(
+    seen: &mut BTreeSet<(&'static str, &'a str)>,
+    kind: &'static str,
+    name: &'a str,
+) -> Result<(), ReportError> {
+    Check(name).name()?;
+    // The page adds these two tables itself.
+    let taken = kind == "tables" && matches!(name, "exclusions" | "claims");
+    if taken || !seen.insert((kind, name)) {
+        let name = name.to_owned();
+        return Err(ReportError::DuplicateName { name });
+    }
+    Ok(())
 }

@@ -99,7 +99,7 @@ impl StyleSpace {
             "ellipse": self.ellipse.map(|axes| axes.map(|axis| rounded(&axis))),
             "score": [self.score.0, self.score.1, self.score.2],
             "dial": self.dial.iter().map(ToString::to_string).collect::<Vec<_>>(),
-            "looks": self.looks(context).map(|look| json!([look.id.to_string(), look.label, look.marker().corners()])).collect::<Vec<_>>(),
+            "looks": self.looks(context).map(|look| json!([look.id.to_string(), look.label, look.marker.corners()])).collect::<Vec<_>>(),
         })
     }
 
@@ -114,7 +114,7 @@ impl StyleSpace {
 
     /// Which marker is which condition, and the ellipse, in words.
     pub(super) fn key(&self, context: &Context) -> String {
-        let one = |look: &ConditionLook| format!("{} {}", look.marker().words(), look.label);
+        let one = |look: &ConditionLook| format!("{} {}", look.marker.words(), look.label);
         let key = self.looks(context).map(one).collect::<Vec<_>>().join(", ");
         match self.ellipse {
             Some(_) => {

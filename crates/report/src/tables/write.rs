@@ -30,12 +30,8 @@ impl Table {
 
     /// Aligned columns for a terminal: title, rows and notes; without rows no header.
     pub fn to_text(&self) -> String {
-        let plain = |cells: Vec<String>| -> Vec<String> {
-            cells.iter().map(|cell| markup::plain(cell)).collect()
-        };
-        let headers = self.columns.iter().map(|column| column.header.clone());
-        let mut rows = vec![plain(headers.collect())];
-        rows.extend(self.shown().into_iter().map(plain));
+        let (heads, rows) = self.written(markup::plain);
+        let rows: Vec<Vec<String>> = std::iter::once(heads).chain(rows).collect();
         let width = |j: usize| {
             let cells = rows.iter().filter_map(|row| row.get(j));
             cells.map(|cell| cell.chars().count()).max().unwrap_or(0)
@@ -70,15 +66,10 @@ impl Table {
             if cells.is_empty() {
                 return String::new();
             }
-
             format!("| {} |\n", cells.join(" | "))
         };
-        out += &line(
-            self.columns
-                .iter()
-                .map(|column| markdown(&column.header))
-                .collect(),
-        );
+        let (heads, rows) = self.written(markdown);
+        out += &line(heads);
         let rule = |align| if align == Align::Right { "--:" } else { ":--" }.to_owned();
         out += &line(
             self.columns
@@ -86,8 +77,8 @@ impl Table {
                 .map(|column| rule(column.align))
                 .collect(),
         );
-        for row in self.shown() {
-            out += &line(row.iter().map(|cell| markdown(cell)).collect());
+        for row in rows {
+            out += &line(row);
         }
         for note in &self.notes {
             let _ = write!(out, "\n{}\n", markdown(note));
@@ -121,15 +112,11 @@ impl Table {
             latex(&self.title),
             self.name
         );
-        out += &line(
-            self.columns
-                .iter()
-                .map(|column| latex(&column.header))
-                .collect(),
-        );
+        let (heads, rows) = self.written(latex);
+        out += &line(heads);
         out += "\\midrule\n";
-        for row in self.shown() {
-            out += &line(row.iter().map(|cell| latex(cell)).collect());
+        for row in rows {
+            out += &line(row);
         }
         out += "\\bottomrule\n\\end{tabularx}\n";
         for note in &self.notes {
@@ -137,6 +124,14 @@ impl Table {
         }
         out += "\\end{table}\n";
         out
+    }
+
+    /// Heads and rows as shown, in another writing than our marks.
+    fn written(&self, write: fn(&str) -> String) -> (Vec<String>, Vec<Vec<String>>) {
+        let heads = self.columns.iter().map(|column| write(&column.header));
+        let cells = |row: Vec<String>| row.iter().map(|cell| write(cell)).collect();
+        let rows = self.shown().into_iter().map(cells);
+        (heads.collect(), rows.collect())
     }
 
     /// An HTML `table` with caption and notes; everything escaped.

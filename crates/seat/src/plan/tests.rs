@@ -2,32 +2,24 @@ use super::*;
 use maveric_domain::design::{williams, williams_rows};
 use std::collections::BTreeSet;
 
+const ELSEWHERE: &str = "[model]\nfile = \"model.maveric\"\n";
+const MINE: &str = "[[condition]]\nid = \"mine\"\ncar = { dial = 0, recorded = true }\n";
+const CALM: &str = "[[condition]]\nid = \"calm\"\ncar = { dial = -5, recorded = true }\n";
+const MEAN: &str = "[[condition]]\nid = \"mean\"\ncar = { mean = true, recorded = true }\n";
+
+/// A design with these tables.
+fn design(tables: &str) -> Design {
+    let text = format!(
+        "[study]\ntitle = \"Three cars\"\n[style]\nscore = \"adb.total\"\n[baseline]\nid = \"own\"\n{tables}"
+    );
+    Design::from_toml(&text).unwrap()
+}
+
 /// The worlds of somebody: practice, drive, then a condition and its world for each ride.
 fn worlds(line: &str, whose: Whose<'_>, index: usize) -> (Vec<String>, Vec<(String, String)>) {
-    let text = format!(
-        r#"
-            [study]
-            title = "Three cars"
-            [model]
-            file = "model.maveric"
-            [style]
-            score = "adb.total"
-            [baseline]
-            id = "own"
-            [[condition]]
-            id = "calm"
-            car = {{ dial = -5, recorded = true }}
-            [[condition]]
-            id = "mine"
-            car = {{ dial = 0, recorded = true }}
-            [[condition]]
-            id = "mean"
-            car = {{ mean = true, recorded = true }}
-            [protocol]
-            {line}
-            "#
-    );
-    let design = Design::from_toml(&text).unwrap();
+    let design = design(&format!(
+        "{ELSEWHERE}{CALM}{MINE}{MEAN}[protocol]\n{line}\n"
+    ));
     let riding = Riding {
         order: &williams(3, index),
         stretch: 1.0,
@@ -53,29 +45,8 @@ fn seeds(rides: &[(String, String)]) -> Vec<&String> {
 
 #[test]
 fn which_ride_was_in_the_own_style_is_asked_by_the_numbers_that_the_rides_had() {
-    let text = r#"
-            [study]
-            title = "Three cars"
-            [model]
-            file = "model.maveric"
-            [style]
-            score = "adb.total"
-            [baseline]
-            id = "own"
-            [[condition]]
-            id = "mine"
-            car = { dial = 0, recorded = true }
-            [[condition]]
-            id = "calm"
-            car = { dial = -5, recorded = true }
-            [[condition]]
-            id = "mean"
-            car = { mean = true, recorded = true }
-            [protocol]
-            which = ["mean", "mine"]
-            debrief = "debrief.md"
-        "#;
-    let design = Design::from_toml(text).unwrap();
+    let which = "[protocol]\nwhich = [\"mean\", \"mine\"]\ndebrief = \"debrief.md\"\n";
+    let design = design(&format!("{ELSEWHERE}{MINE}{CALM}{MEAN}{which}"));
     let scale = include_str!("../../../../study_data/further_scales/which.toml");
     let scale = Scale::from_toml(scale).unwrap();
     let asked = |order: &[usize]| {
@@ -103,28 +74,11 @@ fn which_ride_was_in_the_own_style_is_asked_by_the_numbers_that_the_rides_had() 
 
 #[test]
 fn the_consent_asks_for_a_style_where_it_may_be_lent_to_others_who_take_part_and_nowhere_else() {
-    const ELSEWHERE: &str = "[model]\nfile = \"model.maveric\"";
-    const HERE: &str = "[people]\nlearn = { part = \"learn\" }\ntest = { part = \"test\" }";
-    const BOTH: &str = "[people]\nlearn = { part = \"all\" }\ntest = { part = \"all\" }";
+    const HERE: &str = "[people]\nlearn = { part = \"learn\" }\ntest = { part = \"test\" }\n";
+    const BOTH: &str = "[people]\nlearn = { part = \"all\" }\ntest = { part = \"all\" }\n";
     let asked = |learned: &str, car: &str, rides: bool| {
-        let text = format!(
-            r#"
-                [study]
-                title = "Two cars"
-                {learned}
-                [style]
-                score = "adb.total"
-                [baseline]
-                id = "own"
-                [[condition]]
-                id = "mine"
-                car = {{ dial = 0, recorded = true }}
-                [[condition]]
-                id = "other"
-                car = {{ {car}, recorded = true }}
-                "#
-        );
-        let design = Design::from_toml(&text).unwrap();
+        let other = format!("[[condition]]\nid = \"other\"\ncar = {{ {car}, recorded = true }}\n");
+        let design = design(&format!("{learned}{MINE}{other}"));
         let texts = Texts {
             consent: Some("You drive.".to_owned()),
             ..Texts::default()

@@ -111,7 +111,13 @@ impl<'a> AutomatedDriver<'a> {
             lane: steering.lane(),
             activity: self.lane_state,
         };
-        let setpoints = checked(self.planner.plan(&view), scene.time_s)?;
+        let setpoints = self.planner.plan(&view);
+        for (name, found) in [
+            ("speed_mps", setpoints.speed_mps),
+            ("following_distance_m", setpoints.following_distance_m),
+        ] {
+            finite(name, found, scene.time_s)?;
+        }
         self.setpoints = Some(setpoints);
         let lane_offset_m = self.lane_offset_m(scene.time_s)?;
         self.sideways
@@ -147,14 +153,7 @@ impl<'a> AutomatedDriver<'a> {
     /// Where in its lane the car drives: where the planner asks, well within the lane.
     fn lane_offset_m(&self, time_s: f64) -> Result<f64, SimulatorError> {
         let offset_m = self.planner.lane_offset_m();
-        if !offset_m.is_finite() {
-            return Err(SimulatorError::Setpoint {
-                name: "lane_offset_m",
-                found: offset_m,
-                time_s,
-                expected: "a finite number",
-            });
-        }
+        finite("lane_offset_m", offset_m, time_s)?;
         let room_m = 0.5 * (self.road.lane_width_m - self.vehicle.width_m) - LEAST_TO_LINE_M;
         Ok(offset_m.clamp(-room_m.max(0.0), room_m.max(0.0)))
     }
@@ -237,7 +236,7 @@ impl<'a> AutomatedDriver<'a> {
                 let (ego_lane, left) = (steering.lane(), steering.lane() + 1);
                 let lead = ahead_or_entering(scene, &self.road, ego_lane, claims);
                 let may = left < self.road.lanes
-                    && gaps_are_safe(s, scene, &self.road, left, claims, s.margin_m)
+                    && self.gaps_are_safe(scene, left, s.margin_m)
                     && duration_s(s, speed, lead).is_some();
                 lead.filter(|_| may)
             }
@@ -254,14 +253,7 @@ impl<'a> AutomatedDriver<'a> {
             return None;
         }
         // Without the margin that starting needs: a change does not flutter at the edge of the rule.
-        if gaps_are_safe(
-            self.settings,
-            scene,
-            &self.road,
-            steering.lane(),
-            self.sideways.claims(),
-            0.0,
-        ) {
+        if self.gaps_are_safe(scene, steering.lane(), 0.0) {
             return None;
         }
         self.lane_state = LaneState::GoingBack;
@@ -277,6 +269,11 @@ impl<'a> AutomatedDriver<'a> {
         })
     }
 
+    fn gaps_are_safe(&self, scene: &Scene, lane: u8, margin_m: f64) -> bool {
+        let claims = self.sideways.claims();
+        gaps_are_safe(self.settings, scene, &self.road, lane, claims, margin_m)
+    }
+
     fn note(&mut self, scene: &Scene, kind: InterventionKind) {
         self.interventions.push(Intervention {
             time_s: scene.time_s,
@@ -290,14 +287,7 @@ impl<'a> AutomatedDriver<'a> {
             self.lane_state = LaneState::Keeping;
             return None;
         };
-        let safe = gaps_are_safe(
-            self.settings,
-            scene,
-            &self.road,
-            lane,
-            self.sideways.claims(),
-            self.settings.margin_m,
-        );
+        let safe = self.gaps_are_safe(scene, lane, self.settings.margin_m);
         let duration = duration_s(
             self.settings,
             scene.ego.speed_mps,
@@ -321,24 +311,14 @@ impl<'a> AutomatedDriver<'a> {
     }
 }
 
-fn checked(setpoints: Setpoints, time_s: f64) -> Result<Setpoints, SimulatorError> {
-    let refuse = |name, found, expected| {
-        Err(SimulatorError::Setpoint {
-            name,
-            found,
-            time_s,
-            expected,
-        })
-    };
-    if !setpoints.speed_mps.is_finite() {
-        return refuse("speed_mps", setpoints.speed_mps, "a finite number");
+fn finite(name: &'static str, found: f64, time_s: f64) -> Result<(), SimulatorError> {
+    if found.is_finite() {
+        return Ok(());
     }
-    if !setpoints.following_distance_m.is_finite() {
-        return refuse(
-            "following_distance_m",
-            setpoints.following_distance_m,
-            "a finite number",
-        );
-    }
-    Ok(setpoints)
+    Err(SimulatorError::Setpoint {
+        name,
+        found,
+        time_s,
+        expected: "a finite number",
+    })
 }

@@ -149,7 +149,6 @@ mod tests {
         scenario::Scenario,
         testing::{AT_ONCE, other, scene},
     };
-    use maveric_domain::{EgoState, VehicleState};
 
     #[test]
     fn it_brakes_for_a_car_that_cuts_in_and_counts_that_once() {
@@ -158,22 +157,7 @@ mod tests {
         let mut brake = EmergencyBrake::default();
         let mut noted = Vec::new();
         let mut command = |gap_m: f64| {
-            let scene = Scene {
-                time_s: 0.0,
-                ego: EgoState {
-                    x_m: 0.0,
-                    y_m: 0.0,
-                    speed_mps: 30.0,
-                    length_m: 4.7,
-                },
-                vehicles: vec![VehicleState {
-                    id: VehicleId(1),
-                    x_m: gap_m + 4.7,
-                    y_m: 1.5,
-                    speed_mps: 22.0,
-                    length_m: 4.7,
-                }],
-            };
+            let scene = scene(0.0, 30.0, &[other(1, gap_m, 1.5, 22.0)]);
             let road = scenario.road();
             let (command, note) = brake.override_command(
                 &s.controllers,

@@ -62,7 +62,7 @@ impl Sideways {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use maveric_domain::{EgoState, VehicleState};
+    use crate::testing::{other, scene};
 
     #[test]
     fn a_vehicle_that_moves_over_claims_the_lane_before_it_is_in_it() {
@@ -73,19 +73,7 @@ mod tests {
             let y_m = 3.66 - 0.05 * 0.9 * f64::from(row);
             let scene = Scene {
                 time_s: 0.05 * f64::from(row),
-                ego: EgoState {
-                    x_m: 0.0,
-                    y_m: 0.0,
-                    speed_mps: 25.0,
-                    length_m: 4.7,
-                },
-                vehicles: vec![VehicleState {
-                    id: VehicleId(3),
-                    x_m: 30.0,
-                    y_m,
-                    speed_mps: 25.0,
-                    length_m: 4.7,
-                }],
+                ..scene(0.0, 25.0, &[other(3, 25.0, y_m, 25.0)])
             };
             sideways.observe(&settings, &scene, &Road::PAPER, 1.9);
             if sideways.claims()[0] == Some(0) && claimed_at.is_none() {

@@ -1,5 +1,10 @@
 //! A habit of synthetic people is declared once: what a person has, and the law by which a population has it, follow.
 
+use crate::{
+    error::SimulatorError,
+    scenario::setting::{Range, check},
+};
+
 /// Declares a kind of people, `$person` drawn from `$population` by a `Draw`, a line a habit:
 /// `key = default law, range, how("stream");`, where `how` is the method of `Draw` and the stream its source of chance.
 ///
@@ -56,3 +61,27 @@ macro_rules! people {
 }
 
 pub(super) use people;
+
+/// Latents beyond this are taken as this, so that no parameter leaves the finite numbers.
+const LATENT_LIMIT: f64 = 10.0;
+
+/// A latent as a law reads it: within the limit, and 0 if it is not a number.
+pub(super) fn latent(value: f64) -> f64 {
+    if value.is_nan() {
+        0.0
+    } else {
+        value.clamp(-LATENT_LIMIT, LATENT_LIMIT)
+    }
+}
+
+/// Refuses bounds of the law `name` outside `range`, or the wrong way round.
+pub(super) fn check_bounds(
+    name: &str,
+    [lowest, highest]: [f64; 2],
+    range: Range,
+) -> Result<(), SimulatorError> {
+    check(&format!("{name}.lowest"), lowest, range)?;
+    check(&format!("{name}.highest"), highest, range)?;
+    let above = Range::Because(lowest, f64::MAX, "`lowest` or above");
+    check(&format!("{name}.highest"), highest, above)
+}

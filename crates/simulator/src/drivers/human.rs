@@ -47,6 +47,8 @@ impl<'a> HumanDriver<'a> {
         seed: u64,
     ) -> Self {
         let stream = |name| Pcg64Mcg::seed_from_u64(stream_seed(seed, &["driver", name]));
+        let wander =
+            |sd, time_s, name| OrnsteinUhlenbeck::new(sd, time_s, PLANNING_STEP_S, stream(name));
         let noise = &params.noise;
         Self {
             params,
@@ -54,19 +56,13 @@ impl<'a> HumanDriver<'a> {
             road,
             line,
             perception: Perception::new(
-                OrnsteinUhlenbeck::new(
-                    noise.gap_error_sd,
-                    noise.gap_error_time_s,
-                    PLANNING_STEP_S,
-                    stream("perception"),
-                ),
+                wander(noise.gap_error_sd, noise.gap_error_time_s, "perception"),
                 noise.delay_s,
             ),
-            wander: OrnsteinUhlenbeck::new(
+            wander: wander(
                 noise.speed_wander_sd_mps,
                 noise.speed_wander_time_s,
-                PLANNING_STEP_S,
-                stream("wander"),
+                "wander",
             ),
             passing: Passing::new(params, stream("encounters")),
             passed: None,

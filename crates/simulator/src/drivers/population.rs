@@ -1,14 +1,15 @@
 //! How latent traits become driving parameters: the table of calibration section 2.
 
-use super::{bounds, habit::people};
+use super::{
+    bounds,
+    habit::{check_bounds, latent, people},
+};
 use crate::{
     error::SimulatorError,
-    normal::standard_normal,
+    normal::normal_of,
     scenario::setting::{Range, Value, check, settings},
 };
-use maveric_domain::{LatentTraits, MetresPerSecond, stream_seed};
-use rand::SeedableRng;
-use rand_pcg::Pcg64Mcg;
+use maveric_domain::{LatentTraits, MetresPerSecond};
 use serde::{Deserialize, Serialize};
 
 /// How one parameter depends on the latents, a person's own part and the day.
@@ -41,10 +42,7 @@ pub struct Law {
 
 impl Value for Law {
     fn check(&self, name: &str, range: Range) -> Result<(), SimulatorError> {
-        check(&format!("{name}.lowest"), self.lowest, range)?;
-        check(&format!("{name}.highest"), self.highest, range)?;
-        let above = Range::Because(self.lowest, f64::MAX, "`lowest` or above");
-        check(&format!("{name}.highest"), self.highest, above)?;
+        check_bounds(name, [self.lowest, self.highest], range)?;
         for (key, number, range) in [
             ("centre", self.centre, Range::Finite),
             ("scale", self.scale, Range::Finite),
@@ -142,9 +140,6 @@ people! {
     }
 }
 
-/// Latents beyond this are taken as this, so that no parameter leaves the finite numbers.
-const LATENT_LIMIT: f64 = 10.0;
-
 struct Draw {
     traits: LatentTraits,
     person_seed: u64,
@@ -152,29 +147,15 @@ struct Draw {
 }
 
 impl Draw {
-    fn normal(seed: u64, kind: &str, name: &str) -> f64 {
-        standard_normal(&mut Pcg64Mcg::seed_from_u64(stream_seed(
-            seed,
-            &[kind, name],
-        )))
-    }
-
     fn z(&self, name: &str, law: &Law) -> f64 {
-        let latent = |value: f64| {
-            if value.is_nan() {
-                0.0
-            } else {
-                value.clamp(-LATENT_LIMIT, LATENT_LIMIT)
-            }
-        };
         law.a * latent(self.traits.aggressiveness)
             + law.b * latent(self.traits.spacing)
             + law.c * latent(self.traits.pace)
-            + law.own * Self::normal(self.person_seed, "own", name)
+            + law.own * normal_of(self.person_seed, &["own", name])
     }
 
     fn day(&self, name: &str, law: &Law) -> f64 {
-        law.day * Self::normal(self.day_seed, "day", name)
+        law.day * normal_of(self.day_seed, &["day", name])
     }
 
     fn additive(&self, name: &str, law: &Law) -> f64 {
@@ -265,7 +246,7 @@ mod tests {
     fn the_table_of_calibration_holds_over_a_thousand_people() {
         let speeds: Vec<f64> = (0..1000)
             .map(|seed| {
-                let normal = |name| Draw::normal(seed, "test", name);
+                let normal = |name| normal_of(seed, &["test", name]);
                 let traits = LatentTraits {
                     aggressiveness: normal("a"),
                     spacing: normal("b"),

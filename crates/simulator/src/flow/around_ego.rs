@@ -162,10 +162,7 @@ impl AroundEgo {
     /// Writes those in sight down as the next row of the recording.
     pub(crate) fn record(&self, tracks: &mut [ObjectTrack]) {
         for shown in self.shown.iter().flatten() {
-            let track = &mut tracks[shown.track];
-            track.x_m.push(shown.state.x_m);
-            track.y_m.push(shown.state.y_m);
-            track.speed_mps.push(shown.state.speed_mps);
+            tracks[shown.track].push(&shown.state);
         }
     }
 }

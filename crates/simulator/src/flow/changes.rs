@@ -176,10 +176,8 @@ impl Flow {
                 entries.pop();
             }
         }
-        if self.changing > 0 || !self.pairs.is_empty() {
-            // Entries have gone: indices of pairs are found again before they are used, in the next step.
-            self.pairs.clear();
-        }
+        // Entries have gone: indices of pairs are found again before they are used, in the next step.
+        self.pairs.clear();
     }
 }
 

@@ -82,8 +82,8 @@ impl FlowSettings {
     }
 
     fn check_lane(&self, section: &str, lane: u8) -> Result<(), SimulatorError> {
-        let range = Range::Because(0.0, f64::from(self.lanes) - 1.0, "a lane of the road");
-        check(&format!("{section}.lane"), f64::from(lane), range)
+        let name = format!("{section}.lane");
+        check(&name, f64::from(lane), Range::lane_of(self.lanes))
     }
 
     pub(super) fn check_departures(&self, departures: &[Departure]) -> Result<(), SimulatorError> {

@@ -31,11 +31,6 @@ settings! {
 impl RoadSettings {
     /// Refuses the lane at `name` unless this road has it.
     pub(super) fn check_lane(&self, name: &str, lane: u8) -> Result<(), SimulatorError> {
-        let last = f64::from(self.lanes) - 1.0;
-        check(
-            name,
-            f64::from(lane),
-            Range::Because(0.0, last, "a lane of the road"),
-        )
+        check(name, f64::from(lane), Range::lane_of(self.lanes))
     }
 }

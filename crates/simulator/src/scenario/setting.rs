@@ -25,6 +25,11 @@ impl From<RangeInclusive<f64>> for Range {
 }
 
 impl Range {
+    /// The number of a lane, on a road of so many.
+    pub(crate) fn lane_of(lanes: u8) -> Self {
+        Self::Because(0.0, f64::from(lanes) - 1.0, "a lane of the road")
+    }
+
     /// What is expected of the number that has the path `name`.
     pub(crate) fn words(self, name: &str) -> String {
         match self {

@@ -159,6 +159,14 @@ mod tests {
         }
     }
 
+    /// These settings with either integrator.
+    fn both(settings: &VehicleSettings) -> [VehicleSettings; 2] {
+        [Integrator::InTurn, Integrator::Rk4].map(|integrator| VehicleSettings {
+            integrator,
+            ..settings.clone()
+        })
+    }
+
     fn straight() -> CentreLine {
         CentreLine::default()
     }
@@ -172,11 +180,7 @@ mod tests {
 
     #[test]
     fn braking_stops_after_the_distance_of_lag_and_limit_and_does_not_reverse() {
-        for integrator in [Integrator::InTurn, Integrator::Rk4] {
-            let settings = VehicleSettings {
-                integrator,
-                ..settings(0.01)
-            };
+        for settings in both(&settings(0.01)) {
             let mut car = KinematicBicycle::new(&settings, 0.0, 30.0);
             for _ in 0..1000 {
                 car.step(command(-100.0, 0.0), &straight());
@@ -186,14 +190,15 @@ mod tests {
             // v0²/2b + v0 τ − b τ²/2, but for a part of e^{−T/τ}.
             let (b, lag) = (settings.braking_limit_mps2, settings.brake_lag_s);
             let exact = 30.0 * 30.0 / (2.0 * b) + 30.0 * lag - 0.5 * b * lag * lag;
-            let tolerance = if integrator == Integrator::Rk4 {
+            let tolerance = if settings.integrator == Integrator::Rk4 {
                 0.001
             } else {
                 0.35
             };
             assert!(
                 (car.x_m - exact).abs() < tolerance,
-                "{integrator:?} {} {exact}",
+                "{:?} {} {exact}",
+                settings.integrator,
                 car.x_m
             );
         }
@@ -221,11 +226,7 @@ mod tests {
 
     #[test]
     fn a_held_steering_angle_drives_a_circle_of_the_right_radius() {
-        for integrator in [Integrator::InTurn, Integrator::Rk4] {
-            let settings = VehicleSettings {
-                integrator,
-                ..settings(0.01)
-            };
+        for settings in both(&settings(0.01)) {
             let mut car = KinematicBicycle::new(&settings, 0.0, 10.0);
             car.steering_rad = 0.1;
             let (mut low, mut high) = (f64::MAX, f64::MIN);
@@ -238,7 +239,8 @@ mod tests {
             let radius = 0.5 * settings.wheelbase_m / slip.sin();
             assert!(
                 (0.5 * (high - low) - radius).abs() < 0.002,
-                "{integrator:?}"
+                "{:?}",
+                settings.integrator
             );
         }
     }
@@ -249,11 +251,7 @@ mod tests {
             jerk_limit_mps3: 5.0,
             ..settings(0.01)
         };
-        for integrator in [Integrator::InTurn, Integrator::Rk4] {
-            let settings = VehicleSettings {
-                integrator,
-                ..settings.clone()
-            };
+        for settings in both(&settings) {
             let mut car = KinematicBicycle::new(&settings, 0.0, 30.0);
             for tick in 0..600 {
                 let (a, steering) = (car.acceleration_mps2, car.steering_rad);

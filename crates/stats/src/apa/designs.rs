@@ -1,15 +1,15 @@
 //! The sentences of factors, groups, bounds and models.
 
 use super::{
-    F, Interval, Statement, Statements, bounded, chi2, degrees, f, number,
+    F, Interval, Statement, Statements, bounded, chi2, degrees, f, number, of_n,
     parts::ranks,
-    results::{says_itself, those},
+    results::{of_each, says_itself, those},
     t,
 };
 use crate::{
     Adjustment, AlignedRanks, BayesCorrelationAnalysis, BayesTAnalysis, ByDesign, ChosenTest,
-    EffectMethod, EffectTest, Equivalence, Factorial, FactorialEffect, FactorialFinding,
-    GroupsAnalysis, MixedFinding, Ordinal, OrdinalFinding, OrdinalParameter, PERIOD, Prior,
+    CochranQ, EffectMethod, Equivalence, Factorial, FactorialEffect, FactorialFinding,
+    GroupsAnalysis, McNemar, McNemarTest, MixedFinding, Ordinal, OrdinalFinding, PERIOD, Prior,
     RandomIntercept, SmallSample, SphericityCorrection, TermTest,
 };
 
@@ -48,20 +48,16 @@ impl Factorial {
 
 impl Statements for Factorial {
     fn statements(&self) -> Vec<(String, Statement)> {
-        let effects = self.anova.iter();
-        let named_statement =
-            |(name, e): (&str, &FactorialEffect)| Some((name.to_owned(), self.effect(name, e)?));
-        effects.filter_map(named_statement).collect()
+        of_each(&self.anova, |name, effect| self.effect(name, effect))
     }
 }
 
 impl Statements for AlignedRanks {
     fn statements(&self) -> Vec<(String, Statement)> {
-        let effects = self.art.iter().filter_map(|(name, effect)| {
+        of_each(&self.art, |_, effect| {
             let df = [effect.df1 as f64, effect.df2 as f64];
-            Some((name.to_owned(), Statement::f_test(df, effect.f?, effect.p?)))
-        });
-        effects.collect()
+            Some(Statement::f_test(df, effect.f?, effect.p?))
+        })
     }
 }
 
@@ -71,8 +67,7 @@ impl Statements for GroupsAnalysis {
         let Some(several) = &self.several else {
             let welch = || {
                 let test = self.welch_t.values().next()?;
-                let statement =
-                    Statement::with_df("*t*", &[test.df?], test.t?).p(test.p?, Adjustment::None);
+                let statement = t(test.t?, test.df?, test.p?, Adjustment::None, None);
                 let size = self.hedges.values().next()?;
                 let ci = Interval::from_ends(0.95, size.g_ci_low, size.g_ci_high);
                 Some(match size.g {
@@ -99,9 +94,8 @@ impl Statements for GroupsAnalysis {
             Some(statement.and("*ε*^{2}", &bounded(test.epsilon2?, 2)))
         };
         let mut statements = those([("welch_anova", welch()), ("kruskal", ranks())]);
-        statements.extend(several.games_howell.iter().filter_map(|(name, pair)| {
-            let test = Statement::with_df("*t*", &[pair.df?], pair.t?).p(pair.p?, Adjustment::None);
-            Some((name.to_owned(), test))
+        statements.extend(of_each(&several.games_howell, |_, pair| {
+            Some(t(pair.t?, pair.df?, pair.p?, Adjustment::None, None))
         }));
         statements
     }
@@ -110,7 +104,7 @@ impl Statements for GroupsAnalysis {
 /// `t(23) = 2.41, p = .012, 90% CI [−0.20, 0.11]`: the larger of both one-sided tests.
 impl Statements for Equivalence {
     fn statements(&self) -> Vec<(String, Statement)> {
-        let pairs = self.tost.iter().filter_map(|(name, test)| {
+        of_each(&self.tost, |_, test| {
             let (lower, upper) = (test.t_lower?, test.t_upper?);
             let weaker = if lower.abs() < upper.abs() {
                 lower
@@ -119,9 +113,8 @@ impl Statements for Equivalence {
             };
             let statement = t(weaker, test.df as f64, test.p?, Adjustment::None, None);
             let ci = Interval::from_ends(0.9, test.ci90_low, test.ci90_high);
-            Some((name.to_owned(), statement.ci(ci, number)))
-        });
-        pairs.collect()
+            Some(statement.ci(ci, number))
+        })
     }
 }
 
@@ -152,12 +145,10 @@ impl Statement {
 /// `BF10 = 17.26 (Cauchy prior of the standardised effect, scale .71)`, by the names of the pairs.
 impl Statements for BayesTAnalysis {
     fn statements(&self) -> Vec<(String, Statement)> {
-        let tests = self.bayes_t.iter();
-        let statements = tests.filter_map(|(name, t)| {
-            let factor = bayes_factor(t.bf10.and(t.bf01).and(t.log_bf10)?);
-            Some((name.to_owned(), factor.under(&self.prior, "scale")))
-        });
-        statements.collect()
+        of_each(&self.bayes_t, |_, test| {
+            let factor = bayes_factor(test.bf10.and(test.bf01).and(test.log_bf10)?);
+            Some(factor.under(&self.prior, "scale"))
+        })
     }
 }
 
@@ -177,6 +168,37 @@ impl Statements for BayesCorrelationAnalysis {
     }
 }
 
+impl McNemarTest {
+    /// `8 against 1, p_Holm = .021, difference = .35, 95% CI [.05, .58]`.
+    fn statement(&self, p: f64, adjusted: Adjustment) -> Statement {
+        let (low, high) = (self.difference_ci_low, self.difference_ci_high);
+        Statement(format!("{} against {}", self.only_a, self.only_b))
+            .p(p, adjusted)
+            .and("difference", &bounded(self.difference, 2))
+            .ci(Interval::from_ends(0.95, Some(low), Some(high)), bounded)
+    }
+}
+
+impl Statements for McNemar {
+    fn statements(&self) -> Vec<(String, Statement)> {
+        let test = &self.mcnemar;
+        let statement = test.p_mid.map(|p| test.statement(p, Adjustment::None));
+        those([("mcnemar", statement)])
+    }
+}
+
+impl Statements for CochranQ {
+    fn statements(&self) -> Vec<(String, Statement)> {
+        let test = &self.cochran_q;
+        let omnibus = || Some(of_n("*Q*", test.q?, [test.df?, self.n], test.p?, test.w));
+        let mut statements = those([("cochran_q", omnibus())]);
+        statements.extend(of_each(&self.pairs, |_, pair| {
+            Some(pair.test.statement(pair.p_holm?, Adjustment::Holm))
+        }));
+        statements
+    }
+}
+
 impl TermTest {
     /// `F(2, 23.40) = 4.10, p = .030`; none without degrees of freedom.
     pub fn statement(&self) -> Option<Statement> {
@@ -187,10 +209,7 @@ impl TermTest {
 
 impl Statements for RandomIntercept {
     fn statements(&self) -> Vec<(String, Statement)> {
-        let terms = self.anova.iter();
-        let named_statement =
-            |(name, test): (&str, &TermTest)| Some((name.to_owned(), test.statement()?));
-        terms.filter_map(named_statement).collect()
+        of_each(&self.anova, |_, test| test.statement())
     }
 }
 
@@ -217,21 +236,13 @@ impl Statements for Ordinal {
             Some(statement.p(test.p?, Adjustment::None))
         };
         let mut statements = those([("lr", lr())]);
-        let statement_of = |parameter: &OrdinalParameter| {
+        statements.extend(of_each(&self.quadrature.coef, |_, parameter| {
             let ci = Interval::from_ends(0.95, parameter.ci_low, parameter.ci_high);
             let value = number(parameter.estimate?, 2);
             let statement = Statement(format!("*b* = {value}")).ci(ci, number);
-            Some(
-                statement
-                    .and("*z*", &number(parameter.z?, 2))
-                    .p(parameter.p?, Adjustment::None),
-            )
-        };
-        let coefficients = self.quadrature.coef.iter();
-        statements.extend(
-            coefficients
-                .filter_map(|(name, parameter)| Some((name.to_owned(), statement_of(parameter)?))),
-        );
+            let statement = statement.and("*z*", &number(parameter.z?, 2));
+            Some(statement.p(parameter.p?, Adjustment::None))
+        }));
         statements
     }
 }
@@ -258,10 +269,9 @@ impl Statements for OrdinalFinding {
 /// Each effect by the test that decides about it; F over a stratum with partial eta squared.
 impl Statements for FactorialFinding {
     fn statements(&self) -> Vec<(String, Statement)> {
-        let tests = self.tests.iter();
-        let named_statement = |(name, test): (&str, &EffectTest)| {
+        of_each(&self.tests, |name, test| {
             let (value, p) = (test.statistic?, test.p?);
-            let statement = match (test.method, test.df1, test.df2) {
+            Some(match (test.method, test.df1, test.df2) {
                 (
                     EffectMethod::Strata | EffectMethod::StrataGreenhouseGeisser,
                     Some(a),
@@ -282,16 +292,10 @@ impl Statements for FactorialFinding {
                     })
                 }
                 (_, Some(a), Some(b)) => Statement::f_test([a, b], value, p),
-                (_, Some(df), None) => {
-                    let (n, chi2) = (self.anova.n, number(value, 2));
-                    let text = format!("*χ*^{{2}}({}, *N* = {n}) = {chi2}", degrees(df));
-                    Statement(text).p(p, Adjustment::None)
-                }
+                (_, Some(df), None) => chi2(value, df.round() as usize, self.anova.n, p, None),
                 (method, ..) => ranks(method, value).p(p, Adjustment::None),
-            };
-            Some((name.to_owned(), statement))
-        };
-        tests.filter_map(named_statement).collect()
+            })
+        })
     }
 }
 
@@ -310,15 +314,12 @@ impl Statements for ByDesign {
                 };
                 let mut statements = groups.found.statements();
                 statements.retain(|(name, _)| name != skipped && !(ranks && name.contains('|')));
-                let dunn = groups.found.several.as_ref().filter(|_| ranks);
-                statements.extend(
-                    dunn.into_iter()
-                        .flat_map(|several| several.dunn.iter())
-                        .filter_map(|(name, pair)| {
-                            let z = Statement(format!("*z* = {}", number(pair.z?, 2)));
-                            Some((name.to_owned(), z.p(pair.p_holm?, Adjustment::Holm)))
-                        }),
-                );
+                if let Some(several) = groups.found.several.as_ref().filter(|_| ranks) {
+                    statements.extend(of_each(&several.dunn, |_, pair| {
+                        let z = Statement(format!("*z* = {}", number(pair.z?, 2)));
+                        Some(z.p(pair.p_holm?, Adjustment::Holm))
+                    }));
+                }
                 statements
             }
             Self::Mixed(chosen) => chosen.found.statements(),

@@ -5,9 +5,9 @@ use std::fmt;
 use super::{F, Interval, Statement, bounded, chi2, f, number, r, r_rm, rho, t, wilcoxon};
 use crate::{
     Adjustment, AlphaAnalysis, Bootstrap, Comparison, Correlation, Effect, Friedman,
-    FriedmanAnalysis, Levene, Mauchly, Normality, Omnibus, OmnibusTest, Posthoc, PosthocPair,
-    PosthocTest, RmAnova, RmAnovaAnalysis, RmCorrelationAnalysis, Sphericity, SphericityCorrection,
-    VarianceTests, WithinAnalysis,
+    FriedmanAnalysis, Levene, Mauchly, Named, Normality, Omnibus, OmnibusTest, Posthoc,
+    PosthocPair, PosthocTest, RmAnova, RmAnovaAnalysis, RmCorrelationAnalysis, Sphericity,
+    SphericityCorrection, VarianceTests, WithinAnalysis,
 };
 
 /// A result that can be said as APA has it.
@@ -64,6 +64,15 @@ pub(super) fn those<const N: usize>(
     statements.into_iter().filter_map(named).collect()
 }
 
+/// Those of the results that have a sentence, under their names.
+pub(super) fn of_each<T>(
+    results: &Named<T>,
+    sentence: impl Fn(&str, &T) -> Option<Statement>,
+) -> Vec<(String, Statement)> {
+    let named = |(name, result): (&str, &T)| Some((name.to_owned(), sentence(name, result)?));
+    results.iter().filter_map(named).collect()
+}
+
 /// Level at which Mauchly's test asks for a correction.
 const ALPHA: f64 = 0.05;
 
@@ -115,14 +124,11 @@ impl Statements for WithinAnalysis {
         let anova = of_anova(&self.rm_anova, &self.mauchly, &self.sphericity);
         let friedman = of_friedman(&self.friedman, self.n);
         let mut statements = those([("rm_anova", anova), ("friedman", friedman)]);
-        statements.extend(self.paired.iter().filter_map(|(name, pair)| {
+        statements.extend(of_each(&self.paired, |_, pair| {
             let ci = Interval::from_ends(0.95, pair.dz_ci_low, pair.dz_ci_high);
             let dz = pair.dz.map(|dz| (dz, ci));
-            let (value, p) = (pair.t?, pair.p_holm?);
-            Some((
-                name.to_owned(),
-                t(value, pair.df as f64, p, Adjustment::Holm, dz),
-            ))
+            let (df, p) = (pair.df as f64, pair.p_holm?);
+            Some(t(pair.t?, df, p, Adjustment::Holm, dz))
         }));
         statements
     }
@@ -183,9 +189,7 @@ impl Statements for Comparison {
 
 impl Statements for Posthoc {
     fn statements(&self) -> Vec<(String, Statement)> {
-        let named_statement =
-            |(name, pair): (&str, &PosthocPair)| Some((name.to_owned(), self.pair(pair)?));
-        self.pairs.iter().filter_map(named_statement).collect()
+        of_each(&self.pairs, |_, pair| self.pair(pair))
     }
 }
 
@@ -274,10 +278,8 @@ impl Statements for AlphaAnalysis {
         let alpha = &self.alpha;
         let statement = || {
             let raw = Statement(format!("*α* = {}", bounded(alpha.raw?, 2)));
-            Some(raw.ci(
-                Interval::from_ends(0.95, alpha.ci_low, alpha.ci_high),
-                bounded,
-            ))
+            let ci = Interval::from_ends(0.95, alpha.ci_low, alpha.ci_high);
+            Some(raw.ci(ci, bounded))
         };
         let omega = alpha
             .omega
@@ -289,17 +291,13 @@ impl Statements for AlphaAnalysis {
 impl Statements for Bootstrap {
     fn statements(&self) -> Vec<(String, Statement)> {
         let (level, estimate) = (self.settings.confidence, self.estimate);
-        let statement = |name: &str, low: Option<f64>, high: Option<f64>| {
-            let ci = Some(Interval::from_ends(level, low, high)?);
-            Some(Statement(format!("{name} {}", number(estimate?, 2))).ci(ci, number))
+        let statement = |ends: crate::Interval| {
+            let ci = Some(Interval::from_ends(level, ends.low, ends.high)?);
+            Some(Statement(format!("estimate {}", number(estimate?, 2))).ci(ci, number))
         };
-        let (bca, percentile) = (self.bca, self.percentile);
         those([
-            ("bca", statement("estimate", bca.low, bca.high)),
-            (
-                "percentile",
-                statement("estimate", percentile.low, percentile.high),
-            ),
+            ("bca", statement(self.bca)),
+            ("percentile", statement(self.percentile)),
         ])
     }
 }

@@ -79,20 +79,18 @@ pub fn bayes_correlation(
     let prior = |kappa| Prior::new("stretched beta", kappa, "correlation");
     let (prior, prior_kappa1) = (prior(1.0 / 3.0), prior(1.0));
     let (third, flat) = (factor(prior.scale), factor(prior_kappa1.scale));
-    let logs = ["log_bf10", "log_bf10_kappa1"].map(|name| format!("bayes_r.{name}"));
-    let factors = ["bf10", "bf01", "bf10_kappa1"].map(|name| format!("bayes_r.{name}"));
-    if r.is_none() {
-        undefined.note("bayes_r.r", "a column does not vary");
-    }
+    let factors = ["bf10", "bf01", "bf10_kappa1"];
     if inside.is_none() {
         let reason = if r.is_none() {
             "a column does not vary"
         } else {
             "the pairs lie on a line: the factor has no limit"
         };
-        for name in logs.iter().chain(&factors) {
-            undefined.note(name, reason);
+        if r.is_none() {
+            undefined.note("bayes_r.r", reason);
         }
+        undefined.note_below("bayes_r", &["log_bf10", "log_bf10_kappa1"], reason);
+        undefined.note_below("bayes_r", &factors, reason);
     }
     let bayes_r = BayesCorrelation {
         n,
@@ -104,9 +102,7 @@ pub fn bayes_correlation(
         bf10_kappa1: flat.and_then(power),
     };
     if bayes_r.bf10.is_none() || bayes_r.bf01.is_none() || bayes_r.bf10_kappa1.is_none() {
-        for name in &factors {
-            undefined.note(name, TOO_LARGE);
-        }
+        undefined.note_below("bayes_r", &factors, TOO_LARGE);
     }
     Ok(BayesCorrelationAnalysis {
         missing: pairs.missing,

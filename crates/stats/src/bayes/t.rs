@@ -85,9 +85,8 @@ pub fn bayes_paired(data: &WithinSubjects) -> BayesTAnalysis {
 /// [`StatsError::NotFinite`]; [`StatsError::BadParameter`] if `mu` is not finite; [`StatsError::TooFew`] below two values.
 pub fn bayes_one(values: &[Option<f64>], mu: f64) -> Result<BayesTAnalysis, StatsError> {
     let (differences, constant) = less(values, mu)?;
-    let (test, reasons) = of_sample(&differences, constant);
     let mut undefined = Reasons::default();
-    undefined.absorb("bayes_t.value", reasons);
+    let test = undefined.result("bayes_t.value", of_sample(&differences, constant));
     Ok(BayesTAnalysis {
         n: differences.len(),
         dropped: Vec::new(),

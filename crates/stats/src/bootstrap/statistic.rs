@@ -92,13 +92,9 @@ impl Sample {
             }
             (Statistic::Alpha, BootstrapData::Sheets { items, people }) => {
                 let complete = complete::rows(items, "sheet", 2)?;
-                StatsError::same_length(
-                    "people",
-                    people.len(),
-                    complete.kept.len() + complete.missing,
-                )?;
-                let kept: Vec<String> = complete.kept.iter().map(|&i| people[i].clone()).collect();
-                let index = Index::from_labels(&kept);
+                let sheets = complete.kept.len() + complete.missing;
+                StatsError::same_length("people", people.len(), sheets)?;
+                let index = Index::from_labels(complete.kept.iter().map(|&i| &people[i]));
                 complete::enough("person", index.names.len(), 0, 2)?;
                 let columns: Vec<Vec<f64>> = complete.columns.iter().map(|c| centred(c)).collect();
                 let mut sums = vec![vec![0.0; 4 + columns.len()]; index.names.len()];

@@ -1,6 +1,6 @@
 //! What a condition leaves behind for the one after it: a look at how much the verdict rests on there being nothing.
 
-use std::{collections::BTreeMap, fmt};
+use std::collections::BTreeSet;
 
 use serde::{Deserialize, Serialize};
 
@@ -40,13 +40,15 @@ pub struct CarriedOver {
 }
 
 /// Why carry-over is not estimated.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, thiserror::Error)]
 #[serde(rename_all = "snake_case", tag = "reason")]
 #[non_exhaustive]
 pub enum NoCarryOver {
     /// There are two, and carry-over is one thing with the order.
+    #[error("of two conditions carry-over is one thing with the order")]
     TwoConditions,
     /// Hardly anybody shares an order.
+    #[error("{people} people in {orders} different orders are fewer than two people an order")]
     FewPeople {
         /// How many have at least one value.
         people: usize,
@@ -54,36 +56,20 @@ pub enum NoCarryOver {
         orders: usize,
     },
     /// The orders do not tell it from conditions and periods.
+    #[error("the orders do not tell carry-over from conditions and periods")]
     NotConnected,
     /// Several factors, groups or covariates.
+    #[error("carry-over is estimated of one factor within people, without groups and covariates")]
     SeveralFactors,
     /// The answers are ordered, and their model has no carry-over term.
+    #[error("a model of ordered answers has no carry-over here")]
     OrderedAnswers,
     /// The model refuses the data.
+    #[error("{problem}")]
     Refused {
         /// What it says.
         problem: String,
     },
-}
-
-impl fmt::Display for NoCarryOver {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::TwoConditions => f.write_str("of two conditions carry-over is one thing with the order"),
-            Self::FewPeople { people, orders } => write!(
-                f,
-                "{people} people in {orders} different orders are fewer than two people an order"
-            ),
-            Self::NotConnected => {
-                f.write_str("the orders do not tell carry-over from conditions and periods")
-            }
-            Self::SeveralFactors => f.write_str(
-                "carry-over is estimated of one factor within people, without groups and covariates",
-            ),
-            Self::OrderedAnswers => f.write_str("a model of ordered answers has no carry-over here"),
-            Self::Refused { problem } => f.write_str(problem),
-        }
-    }
 }
 
 /// Fits first-order carry-over beside condition and period: a sensitivity analysis, never a reason to change the verdict.
@@ -162,10 +148,7 @@ fn fitted(data: &DesignColumns<'_>) -> Result<CarriedOver, NoCarryOver> {
     Ok(CarriedOver {
         test: test.clone(),
         effects: model.coef.iter().filter_map(of_term).collect(),
-        contrast: contrast
-            .iter()
-            .map(|(pair, c)| (pair.to_owned(), c.clone()))
-            .collect(),
+        contrast: contrast.clone(),
         variance_ratio: with / without,
     })
 }
@@ -197,12 +180,7 @@ impl Met {
             levels.join(":")
         };
         let cells = Index::from_labels(&(0..rows).map(cell).collect::<Vec<_>>());
-        let people = Index::from_labels(data.subjects);
-        let mut of_person = vec![Vec::new(); people.names.len()];
-        for row in (0..rows).filter(|row| data.values[*row].is_some()) {
-            of_person[people.rows[row]].push(row);
-        }
-        of_person.retain(|rows| !rows.is_empty());
+        let of_person = data.filled_rows();
         let mut before = vec![None; rows];
         for person_rows in &of_person {
             for &row in person_rows {
@@ -229,15 +207,15 @@ impl Met {
 
     /// How many different orders there are.
     fn orders(&self) -> usize {
-        let mut orders: BTreeMap<Vec<(usize, usize)>, usize> = BTreeMap::new();
-        for rows in &self.of_person {
-            let mut order: Vec<(usize, usize)> = rows
-                .iter()
+        let order_of = |rows: &Vec<usize>| {
+            let met = rows.iter();
+            let mut order: Vec<(usize, usize)> = met
                 .map(|&row| (self.period[row], self.condition[row]))
                 .collect();
             order.sort_unstable();
-            *orders.entry(order).or_default() += 1;
-        }
+            order
+        };
+        let orders: BTreeSet<_> = self.of_person.iter().map(order_of).collect();
         orders.len()
     }
 

@@ -99,7 +99,13 @@ impl Effects<'_> {
                 }
                 EffectMethod::Regression => {
                     let test = regressions.iter().find(|test| test.name == name);
-                    test.map_or_else(|| EffectTest::untested(method), of_regression)
+                    test.map_or_else(
+                        || EffectTest::untested(method),
+                        |test| {
+                            let sphericity = test.sphericity.as_ref();
+                            EffectTest::f(method, test.f, [test.df1, test.df2], test.p, sphericity)
+                        },
+                    )
                 }
                 ranks => self.ranks(name, ranks)?,
             };
@@ -136,14 +142,8 @@ impl Effects<'_> {
         let Some(effect) = self.anova.anova.get(name) else {
             return EffectTest::untested(method);
         };
-        let sphericity = self.anova.sphericity.get(name);
-        EffectTest::f(
-            method,
-            effect.f,
-            [effect.df1, effect.df2],
-            effect.p,
-            sphericity,
-        )
+        let (df, sphericity) = ([effect.df1, effect.df2], self.anova.sphericity.get(name));
+        EffectTest::f(method, effect.f, df, effect.p, sphericity)
     }
 
     fn ranks(&self, name: &str, method: EffectMethod) -> Result<EffectTest, StatsError> {
@@ -230,15 +230,4 @@ fn of_unpooled(test: Option<Unpooled>) -> EffectTest {
         (effect.df1, effect.df2, effect.p) = (Some(test.df1), Some(test.df2), Some(test.p));
     }
     effect
-}
-
-fn of_regression(test: &Regressed) -> EffectTest {
-    let df = [test.df1, test.df2];
-    EffectTest::f(
-        EffectMethod::Regression,
-        test.f,
-        df,
-        test.p,
-        test.sphericity.as_ref(),
-    )
 }

@@ -187,23 +187,21 @@ pub enum ByDesign {
 impl ByDesign {
     /// Why this test, one sentence a step.
     pub fn reasons(&self) -> &[String] {
-        match self {
-            Self::OneFactor(comparison) => &comparison.reasons,
-            Self::Factorial(chosen) => &chosen.reasons,
-            Self::Groups(chosen) => &chosen.reasons,
-            Self::Mixed(chosen) => &chosen.reasons,
-            Self::Ordinal(chosen) => &chosen.reasons,
-        }
+        self.reasons_and_checks().0
     }
 
     /// Every check that was made.
     pub fn checks(&self) -> &[AssumptionCheck] {
+        self.reasons_and_checks().1
+    }
+
+    fn reasons_and_checks(&self) -> (&[String], &[AssumptionCheck]) {
         match self {
-            Self::OneFactor(comparison) => &comparison.checks,
-            Self::Factorial(chosen) => &chosen.checks,
-            Self::Groups(chosen) => &chosen.checks,
-            Self::Mixed(chosen) => &chosen.checks,
-            Self::Ordinal(chosen) => &chosen.checks,
+            Self::OneFactor(comparison) => (&comparison.reasons[..], &comparison.checks[..]),
+            Self::Factorial(chosen) => (&chosen.reasons[..], &chosen.checks[..]),
+            Self::Groups(chosen) => (&chosen.reasons[..], &chosen.checks[..]),
+            Self::Mixed(chosen) => (&chosen.reasons[..], &chosen.checks[..]),
+            Self::Ordinal(chosen) => (&chosen.reasons[..], &chosen.checks[..]),
         }
     }
 

@@ -12,10 +12,7 @@ pub(super) fn independent(
     choice: &DesignChoice,
     mut reasons: Vec<String>,
 ) -> Result<ByDesign, StatsError> {
-    if let Some(name) = Index::from_labels(data.subjects).repeated {
-        let what = "subject".to_owned();
-        return Err(StatsError::DoubleName { what, name });
-    }
+    Index::from_labels(data.subjects).distinct("subject")?;
     let rows = group.iter().zip(data.values);
     let (names, values): (Vec<String>, Vec<Option<f64>>) = rows
         .filter_map(|(group, value)| Some((group.clone()?, *value)))

@@ -12,11 +12,6 @@ use crate::{
     within_subjects::Index,
 };
 
-/// How many subjects lack a cell that others have.
-pub(super) fn incomplete(data: &DesignColumns<'_>) -> usize {
-    subjects_with_gaps(data).len()
-}
-
 /// The rows of subjects who lack no cell, where somebody does.
 pub(super) fn listwise(data: &DesignColumns<'_>) -> Option<DesignTable> {
     let gaps = subjects_with_gaps(data);
@@ -25,7 +20,8 @@ pub(super) fn listwise(data: &DesignColumns<'_>) -> Option<DesignTable> {
     (!gaps.is_empty()).then(|| DesignTable::rows(data, &rows, None))
 }
 
-fn subjects_with_gaps<'a>(data: &DesignColumns<'a>) -> BTreeSet<&'a str> {
+/// The subjects who lack a cell that others have.
+pub(super) fn subjects_with_gaps<'a>(data: &DesignColumns<'a>) -> BTreeSet<&'a str> {
     let rows = data.values.len().min(data.subjects.len());
     if data.within.is_empty() || data.within.iter().any(|(_, cells)| cells.len() < rows) {
         return BTreeSet::new();
@@ -172,13 +168,13 @@ pub(super) fn products<'a>(data: &DesignColumns<'a>) -> Result<Vec<Product<'a>>,
             let factors = effects.iter().find(|e| e.join(":") == **effect);
             let Some(factors) = factors.filter(|_| is_covariate) else {
                 let known: Vec<String> = effects.iter().map(|e| e.join(":")).collect();
-                return Err(StatsError::Formula {
-                    text: format!("{covariate}:{effect}"),
-                    expected: format!(
+                return Err(StatsError::formula(
+                    format!("{covariate}:{effect}"),
+                    format!(
                         "a covariate with an effect within subjects ({})",
                         known.join(", ")
                     ),
-                });
+                ));
             };
             products.push((*covariate, factors.clone()));
         }

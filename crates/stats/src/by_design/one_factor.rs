@@ -5,8 +5,8 @@ use super::{
     RankCheck, SmallSample,
 };
 use crate::{
-    Named, Reasons, StatsError, WithinSubjects, apa, compare, compare_without_exact, ordinal,
-    within, within_without_exact,
+    Named, Reasons, StatsError, WithinSubjects, analysis::analyse, apa, compare::run,
+    friedman::Exact, ordinal,
 };
 
 /// Different answers at most of an item.
@@ -84,7 +84,7 @@ pub(super) fn one_factor(
         );
         reasons
             .push("the rank test of the complete subjects stands beside it, as a check".to_owned());
-        let beside = complete.ok().map(|data| rank_check(&data, choice.exact));
+        let beside = complete.ok().map(|data| rank_check(&data, choice.exact()));
         return Ok(ByDesign::Ordinal(Box::new(Chosen {
             chosen: ChosenTest::Ordinal,
             reasons,
@@ -98,22 +98,13 @@ pub(super) fn one_factor(
             },
         })));
     }
-    let complete = complete?;
-    let mut comparison = if choice.exact {
-        compare(&complete, choice.alpha)?
-    } else {
-        compare_without_exact(&complete, choice.alpha)?
-    };
+    let mut comparison = run(&complete?, choice.alpha, choice.exact(), None)?;
     comparison.reasons.splice(0..0, reasons);
     Ok(ByDesign::OneFactor(Box::new(comparison)))
 }
 
-fn rank_check(data: &WithinSubjects, exact: bool) -> RankCheck {
-    let tests = if exact {
-        within(data)
-    } else {
-        within_without_exact(data)
-    };
+fn rank_check(data: &WithinSubjects, exact: Exact) -> RankCheck {
+    let tests = analyse(data, exact);
     let mut undefined = Reasons::default();
     for (name, reason) in tests.undefined.iter() {
         if name.starts_with("friedman") || name.starts_with("wilcoxon") {

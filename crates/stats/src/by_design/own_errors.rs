@@ -3,7 +3,7 @@
 use super::DesignColumns;
 use crate::{
     MarginalContrast, Named,
-    numerics::{matrix::Matrix, moments::dot, spectrum::orthogonalised},
+    numerics::{matrix::Matrix, moments::dot, spectrum::principal_axes},
     within_subjects::{Index, pairs},
 };
 
@@ -44,13 +44,8 @@ struct Fit {
 impl Fit {
     fn new(data: &DesignColumns<'_>, conditions: &[String]) -> Option<Self> {
         let levels = Index::from_labels(conditions);
-        let subjects = Index::from_labels(data.subjects);
         let k = levels.names.len();
-        let mut by_person: Vec<Vec<usize>> = vec![Vec::new(); subjects.names.len()];
-        for row in (0..data.values.len()).filter(|row| data.values[*row].is_some()) {
-            by_person[subjects.rows[row]].push(row);
-        }
-        by_person.retain(|rows| !rows.is_empty());
+        let by_person = data.filled_rows();
         let complete = |rows: &Vec<usize>| {
             let mut met: Vec<usize> = rows.iter().map(|&row| levels.rows[row]).collect();
             met.sort_unstable();
@@ -152,14 +147,10 @@ impl Fit {
 
 /// The symmetric matrix whose square is the inverse.
 fn inverse_root(matrix: &Matrix) -> Option<Matrix> {
-    let lower = matrix.cholesky()?.lower();
-    let n = lower.rows;
-    let columns = (0..n).map(|j| (0..n).map(|i| lower[(i, j)]).collect());
-    // Eigenvectors times the root of their eigenvalue.
-    let axes = orthogonalised(columns.collect());
+    let n = matrix.rows;
     let mut root = Matrix::zeros(n, n);
-    for axis in &axes {
-        let value = dot(axis, axis);
+    for axis in principal_axes(matrix)? {
+        let value = dot(&axis, &axis);
         root.add(
             &Matrix::from(n, n, |i, j| axis[i] * axis[j]),
             1.0 / (value * value.sqrt()),

@@ -6,7 +6,7 @@ use super::{
     Chosen, ChosenTest, DesignColumns, DesignPlan, DesignTable, EffectTest, FactorialFinding,
     factors::{shaped, tested},
 };
-use crate::{Adjustment, StatsError};
+use crate::{Adjustment, StatsError, within_subjects::each_pair};
 
 /// The effect of one factor at one level of another.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -40,28 +40,26 @@ pub fn simple_effects(
     let levels: Vec<(&str, &Vec<String>)> = whole.found.anova.levels.iter().collect();
     let normal = whole.chosen != ChosenTest::Ranks;
     let mut tests = Vec::new();
-    for (i, first) in levels.iter().enumerate() {
-        for second in &levels[i + 1..] {
-            let mut family = Vec::new();
-            for (factor, at) in [(first, second), (second, first)] {
-                for level in at.1 {
-                    let part = DesignTable::at_level(data, at.0, level);
-                    let test = test_of(&part.columns(), factor.0, normal);
-                    let why_not = test.as_ref().err().map(ToString::to_string);
-                    family.push(SimpleTest {
-                        factor: factor.0.to_owned(),
-                        at: at.0.to_owned(),
-                        level: level.clone(),
-                        test: test.ok(),
-                        why_not,
-                        p_holm: None,
-                    });
-                }
+    for (first, second) in each_pair(&levels) {
+        let mut family = Vec::new();
+        for (factor, at) in [(first, second), (second, first)] {
+            for level in at.1 {
+                let part = DesignTable::at_level(data, at.0, level);
+                let test = test_of(&part.columns(), factor.0, normal);
+                let why_not = test.as_ref().err().map(ToString::to_string);
+                family.push(SimpleTest {
+                    factor: factor.0.to_owned(),
+                    at: at.0.to_owned(),
+                    level: level.clone(),
+                    test: test.ok(),
+                    why_not,
+                    p_holm: None,
+                });
             }
-            let p = |effect: &SimpleTest| effect.test.as_ref()?.p;
-            Adjustment::Holm.correct(&mut family, p, |effect, holm| effect.p_holm = holm);
-            tests.extend(family);
         }
+        let p = |effect: &SimpleTest| effect.test.as_ref()?.p;
+        Adjustment::Holm.correct(&mut family, p, |effect, holm| effect.p_holm = holm);
+        tests.extend(family);
     }
     Ok(tests)
 }

@@ -8,8 +8,8 @@ use super::{
     own_errors::own_errors,
 };
 use crate::{
-    MarginalContrast, Named, Ordinal, PosthocTest, StatsError, WithinSubjects,
-    compare::compare_as,
+    MarginalContrast, Ordinal, PosthocTest, StatsError, WithinSubjects,
+    compare::run,
     ordinal::{Difference, by_period},
 };
 
@@ -26,10 +26,9 @@ pub(super) fn with_period_or_declared(
     if periods {
         StatsError::same_length(PERIOD, data.periods.len(), data.values.len())?;
         if !is_connected(data) {
-            return Err(StatsError::NoFit {
-                reason: "condition and period cannot be told apart in the orders that there are"
-                    .to_owned(),
-            });
+            return Err(StatsError::no_fit(
+                "condition and period cannot be told apart in the orders that there are",
+            ));
         }
     }
     let one_factor = match (&data.within[..], &data.between[..], &data.covariates[..]) {
@@ -58,12 +57,12 @@ pub(super) fn with_period_or_declared(
         );
     }
     match (test, one_factor) {
-        (Some(_), Some(_)) if periods => Err(no_test(
+        (Some(_), Some(_)) if periods => Err(StatsError::no_fit(
             "a test of ranks or differences takes no period, and orders are known",
         )),
         (Some(test), Some(conditions)) => {
             let complete = WithinSubjects::from_long(data.subjects, conditions, data.values)?;
-            let comparison = compare_as(&complete, choice.alpha, choice.exact, test)?;
+            let comparison = run(&complete, choice.alpha, choice.exact(), Some(test))?;
             Ok(ByDesign::OneFactor(Box::new(comparison)))
         }
         (None, Some(conditions)) if as_answers => ordered(data, conditions, reasons),
@@ -80,15 +79,9 @@ pub(super) fn with_period_or_declared(
             }
             Ok(by_design)
         }
-        _ => Err(no_test(
+        _ => Err(StatsError::no_fit(
             "the test that was asked for is of one factor within subjects alone",
         )),
-    }
-}
-
-fn no_test(reason: &str) -> StatsError {
-    StatsError::NoFit {
-        reason: reason.to_owned(),
     }
 }
 
@@ -122,7 +115,11 @@ fn ordered(
         None
     };
     let freedom = small_sample.as_ref().map(|test| test.df2 as f64);
-    let contrast = pairs_by_t(pairs, freedom);
+    let by_t = |(name, (estimate, se)): (String, Difference)| {
+        let contrast = MarginalContrast::from_estimate(estimate, se, freedom);
+        (name, contrast)
+    };
+    let contrast = MarginalContrast::family(pairs.into_iter().map(by_t));
     Ok(ByDesign::Ordinal(Box::new(Chosen {
         chosen: ChosenTest::Ordinal,
         reasons,
@@ -135,11 +132,4 @@ fn ordered(
             beside: None,
         },
     })))
-}
-
-/// Differences of coefficients with their tests.
-fn pairs_by_t(pairs: Vec<(String, Difference)>, df: Option<f64>) -> Named<MarginalContrast> {
-    let contrast =
-        |(name, (estimate, se))| (name, MarginalContrast::from_estimate(estimate, se, df));
-    MarginalContrast::family(pairs.into_iter().map(contrast))
 }

@@ -2,6 +2,8 @@
 
 use serde::{Deserialize, Serialize};
 
+use crate::factorial::sets_of_factors;
+
 /// What a design is made of, without its data.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct DesignShape {
@@ -179,15 +181,13 @@ impl DesignShape {
     pub(super) fn effects(&self) -> Vec<(String, Mask, Mask)> {
         let factors: Vec<&(String, usize)> = self.between.iter().chain(&self.within).collect();
         let split = self.between.len();
-        let mut masks: Vec<Mask> = (1..1 << factors.len()).collect();
-        // Within one order the first factors first.
-        masks.sort_by_key(|mask| (mask.count_ones(), std::cmp::Reverse(mask.reverse_bits())));
         let one = |mask: Mask| {
             let names = factors.iter().enumerate().filter(|(f, _)| has(mask, *f));
             let names: Vec<&str> = names.map(|(_, (name, _))| name.as_str()).collect();
             (names.join(":"), mask & ((1 << split) - 1), mask >> split)
         };
-        masks.into_iter().map(one).collect()
+        let sets = sets_of_factors(factors.len()).into_iter();
+        sets.map(one).collect()
     }
 
     /// The factors of a part within subjects, joined by `:`.

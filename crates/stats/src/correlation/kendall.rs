@@ -84,10 +84,8 @@ pub(super) fn test(x: &[f64], y: &[f64]) -> (Kendall, Reasons) {
     let interval = (n > 4.0 && tau.abs() < 1.0)
         .then(|| super::fisher_interval(tau, (0.437 / (n - 4.0)).sqrt()));
     if interval.is_none() {
-        reasons.note_all(
-            &["ci_low", "ci_high"],
-            "the interval needs at least five pairs and a tau inside -1 to 1",
-        );
+        let reason = "the interval needs at least five pairs and a tau inside -1 to 1";
+        reasons.note_ends(&["ci"], reason);
     }
     let result = Kendall {
         tau_b: Some(tau),

@@ -68,10 +68,7 @@ pub(super) fn test(x: &[f64], y: &[f64]) -> (Pearson, Reasons) {
         .filter(|_| n > 3.0)
         .map(|r| fisher_interval(r, 1.0 / (n - 3.0).sqrt()));
     if interval.is_none() {
-        reasons.note_all(
-            &["ci_low", "ci_high"],
-            "the interval needs at least four pairs",
-        );
+        reasons.note_ends(&["ci"], "the interval needs at least four pairs");
     }
     let result = Pearson {
         r,

@@ -64,19 +64,12 @@ pub fn rm_correlation(
 ) -> Result<RmCorrelationAnalysis, StatsError> {
     StatsError::same_length("subject", subjects.len(), x.len())?;
     let complete = complete::rows(&[("x", x), ("y", y)], "pair", 1)?;
-    let kept: Vec<String> = complete
-        .kept
-        .iter()
-        .map(|&row| subjects[row].clone())
-        .collect();
-    let index = Index::from_labels(&kept);
+    let index = Index::from_labels(complete.kept.iter().map(|&row| &subjects[row]));
+    let n = complete.kept.len();
     complete::enough("subject", index.names.len(), 0, 2)?;
     let within = |column: &[f64]| {
         let mut result = vec![0.0; column.len()];
-        for subject in 0..index.names.len() {
-            let rows: Vec<usize> = (0..column.len())
-                .filter(|&r| index.rows[r] == subject)
-                .collect();
+        for rows in index.members() {
             let values: Vec<f64> = rows.iter().map(|&r| column[r]).collect();
             for (row, value) in rows.into_iter().zip(centred(&values)) {
                 result[row] = value;
@@ -86,7 +79,7 @@ pub fn rm_correlation(
     };
     let (dx, dy) = (within(&complete.columns[0]), within(&complete.columns[1]));
     let mut undefined = Reasons::default();
-    let df = kept.len().saturating_sub(index.names.len() + 1);
+    let df = n.saturating_sub(index.names.len() + 1);
     let r = if df == 0 {
         None
     } else {
@@ -104,17 +97,15 @@ pub fn rm_correlation(
         .filter(|_| df > 1)
         .map(|r| fisher_interval(r, 1.0 / (df as f64 - 1.0).sqrt()));
     if interval.is_none() {
-        undefined.note_all(
-            &["rm_corr.ci_low", "rm_corr.ci_high"],
-            "the interval needs at least two degrees of freedom",
-        );
+        let reason = "the interval needs at least two degrees of freedom";
+        undefined.note_ends(&["rm_corr.ci"], reason);
     }
     let slope = r.map(|_| {
         let product: f64 = dx.iter().zip(&dy).map(|(a, b)| a * b).sum();
         product / dx.iter().map(|a| a * a).sum::<f64>()
     });
     Ok(RmCorrelationAnalysis {
-        n: kept.len(),
+        n,
         subjects: index.names.len(),
         missing: complete.missing,
         rm_corr: RmCorrelation {

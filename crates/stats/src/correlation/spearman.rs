@@ -77,30 +77,21 @@ pub(super) fn test(x: &[f64], y: &[f64]) -> (Spearman, Reasons) {
     let mut reasons = Reasons::default();
     let ((rx, ties_x), (ry, ties_y)) = (centred_ranks(x), centred_ranks(y));
     let Some(rho) = of_ranks(&rx, &ry) else {
-        reasons.note(
-            "",
-            "a column does not vary, so its ranks are all alike and rho is 0/0",
-        );
+        let reason = "a column does not vary, so its ranks are all alike and rho is 0/0";
+        reasons.note("", reason);
         return (Spearman::default(), reasons);
     };
     let n = x.len() as f64;
     let df = n - 2.0;
     let p_t = (df > 0.0).then(|| p_of_r(rho, df));
     if p_t.is_none() {
-        reasons.note_all(
-            &["p_t", "p_r_default"],
-            "two pairs leave no degrees of freedom",
-        );
+        let names = ["p_t", "p_r_default"];
+        reasons.note_all(&names, "two pairs leave no degrees of freedom");
     }
     let p_exact = spearman_exact::p_value(&rx, &ry);
     if p_exact.is_none() {
-        reasons.note(
-            "p_exact",
-            format!(
-                "not computed: more than {} pairs",
-                spearman_exact::MOST_PAIRS
-            ),
-        );
+        let most = spearman_exact::MOST_PAIRS;
+        reasons.note("p_exact", format!("not computed: more than {most} pairs"));
     }
     // R counts no further than to 1290: n (n² - 1) would overflow its integers.
     let p_r_default = if ties_x || ties_y || x.len() > 1290 {
@@ -114,10 +105,7 @@ pub(super) fn test(x: &[f64], y: &[f64]) -> (Spearman, Reasons) {
         |variance: f64| (n > 3.0).then(|| fisher_interval(rho, (variance / (n - 3.0)).sqrt()));
     let (fisher, bonett) = (interval(1.0), interval(1.0 + 0.5 * rho * rho));
     if fisher.is_none() {
-        reasons.note_all(
-            &["ci_low", "ci_high", "ci_bw_low", "ci_bw_high"],
-            "the interval needs at least four pairs",
-        );
+        reasons.note_ends(&["ci", "ci_bw"], "the interval needs at least four pairs");
     }
     let result = Spearman {
         rho: Some(rho),

@@ -118,16 +118,15 @@ pub(super) fn tests(cells: &Cells, undefined: &mut Reasons) -> Tests {
     for effect in Effect::all(cells.design) {
         let name = effect.name(cells.design);
         let sums = effect.sums(cells);
-        let (test, reasons) = describe(effect, cells, &sums, subjects, subjects + within);
-        undefined.absorb(&format!("anova.{name}"), reasons);
+        let test = describe(effect, cells, &sums, subjects, subjects + within);
+        let test = undefined.result(&format!("anova.{name}"), test);
         if sums.errors.len() > 1 {
             let spectrum =
                 sphericity::Spectrum::new(sums.errors, cells.freedom, cells.design.cells());
-            let (test_of, reasons) = spectrum.mauchly();
-            undefined.absorb(&format!("mauchly.{name}"), reasons);
-            mauchly.push((name.clone(), test_of));
-            let (epsilon, reasons) = spectrum.corrections(test.f, test.df1, test.df2);
-            undefined.absorb(&format!("sphericity.{name}"), reasons);
+            let sphericity = undefined.result(&format!("mauchly.{name}"), spectrum.mauchly());
+            mauchly.push((name.clone(), sphericity));
+            let epsilon = spectrum.corrections(test.f, test.df1, test.df2);
+            let epsilon = undefined.result(&format!("sphericity.{name}"), epsilon);
             epsilons.push((name.clone(), epsilon));
         }
         anova.push((name, test));
@@ -155,29 +154,19 @@ fn describe(
         .filter(|f| f.is_finite());
     let interval = f.and_then(|f| f_ncp_interval(f, d1, d2, 0.05));
     if f.is_none() {
-        let names = ["F", "p", "omega2_partial"];
-        reasons.note_all(
-            &names,
-            "the error sum of squares is zero, so F has no finite value",
-        );
+        let reason = "the error sum of squares is zero, so F has no finite value";
+        reasons.note_all(&["F", "p", "omega2_partial"], reason);
     }
     if interval.is_none() {
-        let names = [
-            "eta2_partial_ci90_low",
-            "eta2_partial_ci90_high",
-            "eta2_generalized_ci90_low",
-            "eta2_generalized_ci90_high",
-        ];
-        reasons.note_all(&names, "there is no F to invert");
+        let intervals = ["eta2_partial_ci90", "eta2_generalized_ci90"];
+        reasons.note_ends(&intervals, "there is no F to invert");
     }
     if ss + ss_error <= 0.0 {
         reasons.note("eta2_partial", "neither effect nor error varies: it is 0/0");
     }
     if ss + all_errors <= 0.0 {
-        reasons.note(
-            "eta2_generalized",
-            "neither effect nor errors vary: it is 0/0",
-        );
+        let reason = "neither effect nor errors vary: it is 0/0";
+        reasons.note("eta2_generalized", reason);
     }
     let ms_subjects = subjects / cells.freedom as f64;
     let below = if effect.is_within(cells) {

@@ -2,14 +2,14 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::{Effect, FactorialDesign, anova, cells::Cells};
+use super::{Effect, FactorialDesign, anova, cells::Cells, design::level_in};
 use crate::{
     Named, Reasons,
     numerics::{
         decimal::{Written, tolerance},
         distributions::f_upper,
     },
-    ranks,
+    ranks::{self, greatest_common_divisor},
 };
 
 /// F of one effect on the ranks aligned for it.
@@ -82,8 +82,8 @@ pub fn aligned_ranks(design: &FactorialDesign) -> AlignedRanks {
     let aligner = Aligner::new(design);
     let of_effect = |effect: Effect| {
         let name = effect.name(design);
-        let (test, reasons) = of_ranks(effect, design, &aligner.ranks(effect));
-        undefined.absorb(&format!("art.{name}"), reasons);
+        let test = of_ranks(effect, design, &aligner.ranks(effect));
+        let test = undefined.result(&format!("art.{name}"), test);
         (name, test)
     };
     let art = Effect::all(design).into_iter().map(of_effect).collect();
@@ -125,7 +125,7 @@ impl Aligner {
                 .iter()
                 .flatten()
                 .filter(|c| **c > 0)
-                .try_fold(1, |multiple, &count| {
+                .try_fold(1_i128, |multiple, &count| {
                     let next = multiple / greatest_common_divisor(multiple, count) * count;
                     (next < 1 << MOST_BITS).then_some(next)
                 });
@@ -184,31 +184,17 @@ fn whole(values: &[f64]) -> (Vec<i128>, i128) {
     }
 }
 
-fn greatest_common_divisor(a: i128, b: i128) -> i128 {
-    if b == 0 {
-        a
-    } else {
-        greatest_common_divisor(b, a % b)
-    }
-}
-
 /// The level of each factor in each row, a row a subject and cell.
 fn levels(design: &FactorialDesign) -> Vec<Vec<usize>> {
     let width = design.cells();
-    let level_of = |row: usize, factors: &[super::Factor], cell: usize| {
-        let below: usize = factors[row + 1..].iter().map(|f| f.levels.len()).product();
-        cell / below % factors[row].levels.len()
-    };
-    let rows = 0..design.n() * width;
+    let rows = || 0..design.n() * width;
     let between = (0..design.between.len()).map(|f| {
-        rows.clone()
-            .map(|r| level_of(f, &design.between, design.group[r / width]))
-            .collect()
+        let level = |row: usize| level_in(&design.between, f, design.group[row / width]);
+        rows().map(level).collect()
     });
     let within = (0..design.within.len()).map(|f| {
-        rows.clone()
-            .map(|r| level_of(f, &design.within, r % width))
-            .collect()
+        let level = |row: usize| level_in(&design.within, f, row % width);
+        rows().map(level).collect()
     });
     between.chain(within).collect()
 }

@@ -1,7 +1,10 @@
 //! Means of groups and cells, residuals, and linear combinations of both.
 
 use super::design::FactorialDesign;
-use crate::numerics::{matrix::Matrix, moments::dot};
+use crate::numerics::{
+    matrix::Matrix,
+    moments::{dot, largest},
+};
 
 /// Rows of weights over the cells of several factors.
 pub(super) type Rows = Vec<Vec<f64>>;
@@ -33,7 +36,7 @@ pub(super) fn difference(levels: usize, a: usize, b: usize) -> Rows {
 }
 
 /// Helmert's contrasts, orthogonal and of length 1.
-pub(super) fn contrasts(levels: usize) -> Rows {
+pub(crate) fn contrasts(levels: usize) -> Rows {
     (1..levels)
         .map(|j| {
             let norm = ((j * (j + 1)) as f64).sqrt();
@@ -107,7 +110,7 @@ impl<'a> Cells<'a> {
             means,
             residuals,
             pivot,
-            scale: values.iter().fold(0.0, |m, v| m.max(v.abs())),
+            scale: largest(values),
             freedom: n - groups,
         }
     }

@@ -69,7 +69,7 @@ impl FactorialDesign {
         check_shape(subjects, within, between, values)?;
         let within_index: Vec<Index> = within
             .iter()
-            .map(|(_, cells)| Index::from_labels(cells))
+            .map(|(_, cells)| Index::from_labels(*cells))
             .collect();
         let within: Vec<Factor> = within
             .iter()
@@ -77,9 +77,8 @@ impl FactorialDesign {
             .map(|((name, _), index)| factor(name, index.names.clone()))
             .collect::<Result<_, _>>()?;
         let people = Index::from_labels(subjects);
-        if let (true, Some(name)) = (within.is_empty(), people.repeated) {
-            let what = "subject".to_owned();
-            return Err(StatsError::DoubleName { what, name });
+        if within.is_empty() {
+            people.distinct("subject")?;
         }
         let n = people.names.len();
         let levels: Vec<Levels> = between
@@ -88,26 +87,18 @@ impl FactorialDesign {
             .collect::<Result<_, _>>()?;
         let counts: Vec<usize> = within.iter().map(|f| f.levels.len()).collect();
         let width: usize = counts.iter().product();
-        // The outer option says whether the cell had a row at all.
-        let mut cells: Vec<Option<Option<f64>>> = vec![None; n * width];
-        for (row, &value) in values.iter().enumerate() {
-            if let Some(value) = value {
-                complete::usable(value, "value", row)?;
-            }
+        let cell = |row: usize| {
             let of_row: Vec<usize> = within_index.iter().map(|index| index.rows[row]).collect();
-            let cell = position(&counts, &of_row);
-            if cells[people.rows[row] * width + cell]
-                .replace(value)
-                .is_some()
-            {
-                return Err(StatsError::DoubleCell {
-                    subject: subjects[row].clone(),
-                    condition: name_of(&within, cell),
-                });
-            }
-        }
+            position(&counts, &of_row)
+        };
+        let place = |row: usize| people.rows[row] * width + cell(row);
+        let double = |row: usize| StatsError::DoubleCell {
+            subject: subjects[row].clone(),
+            condition: name_of(&within, cell(row)),
+        };
+        let cells = complete::cells(values, n * width, place, double)?;
         for cell in 0..width {
-            if (0..n).all(|i| cells[i * width + cell].flatten().is_none()) {
+            if (0..n).all(|i| cells[i * width + cell].is_none()) {
                 let cell = name_of(&within, cell);
                 return Err(StatsError::EmptyCell { cell });
             }
@@ -123,10 +114,8 @@ impl FactorialDesign {
             values: Vec::new(),
         };
         for (i, name) in people.names.into_iter().enumerate() {
-            let row: Option<Vec<f64>> = cells[i * width..(i + 1) * width]
-                .iter()
-                .map(|cell| cell.flatten())
-                .collect();
+            let row = cells[i * width..(i + 1) * width].iter().copied();
+            let row: Option<Vec<f64>> = row.collect();
             let levels: Option<Vec<usize>> = levels.iter().map(|l| l.of_subject[i]).collect();
             if let (Some(row), Some(levels)) = (row, levels) {
                 design.values.extend(row);
@@ -203,12 +192,8 @@ impl FactorialDesign {
 
     /// The level of a factor between subjects, a subject each.
     pub(crate) fn levels_of(&self, between: usize) -> Vec<String> {
-        let below: usize = self.between[between + 1..]
-            .iter()
-            .map(|f| f.levels.len())
-            .product();
         let levels = &self.between[between].levels;
-        let level = |&g: &usize| levels[g / below % levels.len()].clone();
+        let level = |&g: &usize| levels[level_in(&self.between, between, g)].clone();
         self.group.iter().map(level).collect()
     }
 
@@ -219,12 +204,12 @@ impl FactorialDesign {
 
     /// Cells of the factors between subjects, 1 without any.
     pub(super) fn groups(&self) -> usize {
-        self.between.iter().map(|f| f.levels.len()).product()
+        cells_of(&self.between)
     }
 
     /// Cells of the factors within subjects, 1 without any.
     pub(super) fn cells(&self) -> usize {
-        self.within.iter().map(|f| f.levels.len()).product()
+        cells_of(&self.within)
     }
 }
 
@@ -240,8 +225,7 @@ impl Levels {
         people: &[String],
         rows: &[usize],
     ) -> Result<Self, StatsError> {
-        let present: Vec<String> = column.iter().flatten().cloned().collect();
-        let index = Index::from_labels(&present);
+        let index = Index::from_labels(column.iter().flatten());
         let mut of_subject = vec![None; people.len()];
         let mut next = index.rows.iter();
         for (&person, cell) in rows.iter().zip(*column) {
@@ -270,12 +254,7 @@ pub(crate) fn check_between(subjects: &[String], column: &BetweenColumn) -> Resu
 }
 
 fn factor(name: &str, levels: Vec<String>) -> Result<Factor, StatsError> {
-    if levels.len() < 2 {
-        return Err(StatsError::OneLevel {
-            factor: name.to_owned(),
-            level: levels.into_iter().next().unwrap_or_default(),
-        });
-    }
+    StatsError::two_levels(name, &levels)?;
     let name = name.to_owned();
     Ok(Factor { name, levels })
 }
@@ -288,15 +267,19 @@ fn position(counts: &[usize], levels: &[usize]) -> usize {
         .fold(0, |place, (count, level)| place * count + level)
 }
 
+fn cells_of(factors: &[Factor]) -> usize {
+    factors.iter().map(|f| f.levels.len()).product()
+}
+
+/// The level of factor `f` in a cell, the last factor counting fastest.
+pub(super) fn level_in(factors: &[Factor], f: usize, cell: usize) -> usize {
+    cell / cells_of(&factors[f + 1..]) % factors[f].levels.len()
+}
+
 /// The levels of a cell, joined by `:`.
 fn name_of(factors: &[Factor], cell: usize) -> String {
-    let mut rest = cell;
-    let mut names: Vec<&str> = Vec::new();
-    for factor in factors.iter().rev() {
-        names.push(&factor.levels[rest % factor.levels.len()]);
-        rest /= factor.levels.len();
-    }
-    names.reverse();
+    let level = |f: usize| factors[f].levels[level_in(factors, f, cell)].as_str();
+    let names: Vec<&str> = (0..factors.len()).map(level).collect();
     names.join(":")
 }
 

@@ -7,7 +7,7 @@ use super::{
     cells::{Cells, Rows, average, contrasts, difference, level, products},
 };
 use crate::{
-    Adjustment, Named, Reasons,
+    Named, Reasons,
     numerics::{
         distributions::{f_upper, t_quantile_two_sided, t_two_sided},
         matrix::Matrix,
@@ -184,9 +184,8 @@ impl<'a> Means<'a> {
             let (estimate, se) = self.estimate(&parts);
             let some = se > 0.0;
             if !some {
-                for part in ["t", "p", "p_holm"] {
-                    undefined.note(&format!("{prefix}.{name}.{part}"), NO_ERROR);
-                }
+                let parts = ["t", "p", "p_holm"];
+                undefined.note_below(&format!("{prefix}.{name}"), &parts, NO_ERROR);
             }
             if self.t95.is_none() {
                 undefined.note(&format!("{prefix}.{name}"), NO_QUANTILE);
@@ -204,9 +203,8 @@ impl<'a> Means<'a> {
             };
             (name, contrast)
         };
-        let mut pairs: Named<CellContrast> = pairs(levels).into_iter().map(of_pair).collect();
-        Adjustment::Holm.correct(pairs.values_mut(), |c| c.p, |c, p| c.p_holm = p);
-        pairs
+        let pairs: Named<CellContrast> = pairs(levels).into_iter().map(of_pair).collect();
+        pairs.with_holm(|c| c.p, |c, p| c.p_holm = p)
     }
 
     pub(super) fn simple(&self, undefined: &mut Reasons) -> Named<Named<SimpleEffect>> {
@@ -256,18 +254,13 @@ impl<'a> Means<'a> {
         } else {
             self.wald_between(&parts)
         };
-        let mut note = |names: &[&str], reason: &str| {
-            for part in names {
-                undefined.note(&format!("{prefix}.{part}"), reason);
-            }
-        };
         if f.is_none() {
             let reason = if df2 < df1 && is_within {
                 "fewer degrees of freedom than contrasts: their covariance is singular"
             } else {
                 "the contrasts do not vary between subjects, or one determines the others"
             };
-            note(&["F", "p", "F_exact", "p_exact"], reason);
+            undefined.note_below(prefix, &["F", "p", "F_exact", "p_exact"], reason);
         }
         let p = f.map(|f| f_upper(f, df1 as f64, df2 as f64));
         let exact = (is_within && df1 > 1).then(|| {

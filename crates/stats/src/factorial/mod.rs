@@ -12,6 +12,7 @@ mod weights;
 
 pub use anova::FactorialEffect;
 pub use art::{AlignedRanks, ArtEffect, ArtStrata, aligned_ranks};
+pub(crate) use cells::contrasts;
 pub(crate) use design::check_between;
 pub use design::{BetweenColumn, Factor, FactorialDesign, WithinColumn};
 pub use means::{CellContrast, ExactTest, MarginalMean, SimpleEffect};
@@ -103,6 +104,13 @@ pub fn factorial(design: &FactorialDesign) -> Factorial {
     }
 }
 
+/// Every set of some of so many factors, a bit each: the smallest first, within one size those of the first factors first.
+pub(crate) fn sets_of_factors(count: usize) -> Vec<usize> {
+    let mut sets: Vec<usize> = (1..1 << count).collect();
+    sets.sort_by_key(|set| (set.count_ones(), std::cmp::Reverse(set.reverse_bits())));
+    sets
+}
+
 /// A set of factors: bit f stands for the f-th, those between subjects first.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 struct Effect(usize);
@@ -110,12 +118,8 @@ struct Effect(usize);
 impl Effect {
     /// All effects, main effects first.
     fn all(design: &FactorialDesign) -> Vec<Self> {
-        let factors = design.factors().len();
-        let mut effects: Vec<Self> = (1..1_usize << factors).map(Self).collect();
-        // Within one order the first factors come first.
-        let key = |e: &Self| (e.0.count_ones(), e.0.reverse_bits());
-        effects.sort_by_key(|e| (key(e).0, std::cmp::Reverse(key(e).1)));
-        effects
+        let sets = sets_of_factors(design.factors().len()).into_iter();
+        sets.map(Self).collect()
     }
 
     fn has(self, factor: usize) -> bool {

@@ -5,8 +5,8 @@ use super::{
     cells::{Cells, Rows, contrasts, products},
 };
 use crate::{
-    Sphericity, StatsError,
-    numerics::{distributions::f_upper, moments::dot},
+    Sphericity, StatsError, complete,
+    numerics::{distributions::f_upper, moments::dot, projection::residuals},
     sphericity::Spectrum,
 };
 
@@ -90,15 +90,9 @@ pub(crate) fn regressed(
         terms.push((name, vec![centred(&covariate.values)]));
     }
     let all_columns: Vec<&Vec<f64>> = terms.iter().flat_map(|(_, columns)| columns).collect();
-    let freedom = (design.n())
-        .checked_sub(all_columns.len())
-        .filter(|df| *df > 0);
-    let freedom = freedom.ok_or_else(|| StatsError::TooFew {
-        unit: "subject".to_owned(),
-        found: design.n(),
-        dropped: design.dropped().len(),
-        expected: all_columns.len() + 1,
-    })?;
+    let (n, dropped) = (design.n(), design.dropped().len());
+    complete::enough("subject", n, dropped, all_columns.len() + 1)?;
+    let freedom = n - all_columns.len();
     let errors = residuals(&all_columns, &scores).map_err(|column| StatsError::Collinear {
         name: covariates[column + covariates.len() - all_columns.len()]
             .name
@@ -135,31 +129,4 @@ fn centred(values: &[f64]) -> Vec<f64> {
     let first = values.first().copied().unwrap_or_default();
     let mean = values.iter().map(|v| v - first).sum::<f64>() / values.len() as f64;
     values.iter().map(|v| v - first - mean).collect()
-}
-
-/// Rows less their projection on the columns; else the first column that those before it determine.
-fn residuals(columns: &[&Vec<f64>], rows: &Rows) -> Result<Rows, usize> {
-    let mut basis: Vec<Vec<f64>> = Vec::new();
-    let less = |mut row: Vec<f64>, basis: &[Vec<f64>]| {
-        // Twice, so that rounding leaves nothing.
-        for _ in 0..2 {
-            for other in basis {
-                let along = dot(&row, other);
-                for (value, o) in row.iter_mut().zip(other) {
-                    *value -= along * o;
-                }
-            }
-        }
-        row
-    };
-    for (at, column) in columns.iter().enumerate() {
-        let size = dot(column, column).sqrt();
-        let rest = less((*column).clone(), &basis);
-        let left = dot(&rest, &rest).sqrt();
-        if left <= 1e-9 * size {
-            return Err(at);
-        }
-        basis.push(rest.into_iter().map(|v| v / left).collect());
-    }
-    Ok(rows.iter().map(|row| less(row.clone(), &basis)).collect())
 }

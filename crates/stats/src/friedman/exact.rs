@@ -6,6 +6,7 @@
 //! where there are 24^24 arrangements.
 
 use super::RankTable;
+use crate::ranks::greatest_common_divisor;
 
 /// Transitions after which the exact p is given up.
 const MOST_TRANSITIONS: usize = 40_000_000;
@@ -18,7 +19,8 @@ const MOST_CONDITIONS: usize = 8;
 pub(super) fn p_value(table: &RankTable) -> Option<f64> {
     // Ranks from 0 and without their common factor keep the states few; the statistic is
     // unchanged but for scale and offset, which the spread does not see.
-    let factor = common_factor(&table.doubled);
+    let from_0 = table.doubled.iter().map(|rank| rank - 2);
+    let factor = from_0.fold(0_i64, greatest_common_divisor).max(1);
     let largest = table.n as u64 * u64::try_from(2 * (table.k as i64 - 1) / factor).ok()?;
     let packing = Packing::new(table.k, largest)?;
     let mut rows: Vec<Vec<u64>> = table
@@ -204,16 +206,6 @@ impl Packing {
             }
         }
     }
-}
-
-fn common_factor(doubled: &[i64]) -> i64 {
-    let gcd = |mut a: i64, mut b: i64| {
-        while b != 0 {
-            (a, b) = (b, a % b);
-        }
-        a
-    };
-    doubled.iter().fold(0, |g, &r| gcd(r - 2, g)).max(1)
 }
 
 /// Sorted rank sums and their probability: an open-addressing table with a fixed hash, so

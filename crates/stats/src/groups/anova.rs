@@ -65,8 +65,7 @@ pub(super) fn fisher(samples: &Samples) -> (OneWayAnova, Reasons) {
         reasons.note_all(&["F", "p"], "the values do not vary within groups");
     }
     if interval.is_none() {
-        let names = ["eta2_ci90_low", "eta2_ci90_high"];
-        reasons.note_all(&names, "there is no F to invert");
+        reasons.note_ends(&["eta2_ci90"], "there is no F to invert");
     }
     let ss_total = ss_between + ss_within;
     let varies = ss_total > 0.0;

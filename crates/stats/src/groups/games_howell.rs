@@ -41,7 +41,7 @@ pub(super) fn test(a: &Sample, b: &Sample, k: usize) -> (GamesHowell, Reasons) {
     });
     if half.is_none() {
         let reason = "the studentised range has no quantile at these degrees of freedom";
-        reasons.note_all(&["ci_low", "ci_high"], reason);
+        reasons.note_ends(&["ci"], reason);
     }
     let result = GamesHowell {
         t,

@@ -2,11 +2,12 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::Samples;
+use super::{Sample, Samples};
 use crate::{
-    Adjustment, Named, Reasons,
+    Named, Reasons,
     numerics::distributions::{chi2_upper, normal_two_sided},
     ranks,
+    within_subjects::each_pair,
 };
 
 /// Kruskal and Wallis' test.
@@ -66,20 +67,19 @@ pub(super) fn tests(samples: &Samples) -> (Kruskal, Named<Dunn>, Reasons) {
         p: chi2.map(|h| chi2_upper(h, df as f64)),
         epsilon2: chi2.map(|h| h / (n - 1.0)),
     };
-    let mut pairs = Vec::new();
-    for (i, a) in samples.all.iter().enumerate() {
-        for (j, b) in samples.all.iter().enumerate().skip(i + 1) {
+    let ranked: Vec<(&Sample, f64)> = samples.all.iter().zip(means).collect();
+    let pairs: Named<Dunn> = each_pair(&ranked)
+        .map(|((a, rank_a), (b, rank_b))| {
             let error = (variance * (1.0 / a.n() + 1.0 / b.n())).sqrt();
-            let z = varies.then(|| (means[i] - means[j]) / error);
+            let z = varies.then(|| (rank_a - rank_b) / error);
             let test = Dunn {
                 z,
                 p: z.map(normal_two_sided),
                 p_holm: None,
             };
-            pairs.push((format!("{}|{}", a.name, b.name), test));
-        }
-    }
-    let mut pairs: Named<Dunn> = pairs.into_iter().collect();
-    Adjustment::Holm.correct(pairs.values_mut(), |t| t.p, |t, p| t.p_holm = p);
-    (kruskal, pairs, reasons)
+            (format!("{}|{}", a.name, b.name), test)
+        })
+        .collect();
+    let dunn = pairs.with_holm(|t| t.p, |t, p| t.p_holm = p);
+    (kruskal, dunn, reasons)
 }

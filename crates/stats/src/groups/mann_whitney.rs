@@ -5,8 +5,8 @@ use serde::{Deserialize, Serialize};
 use super::Sample;
 use crate::{
     PMethod, Reasons,
-    numerics::distributions::{normal_quantile, normal_two_sided},
-    ranks,
+    numerics::distributions::{fisher_ends, normal_quantile, normal_two_sided},
+    ranks::{self, greatest_common_divisor},
 };
 
 /// Sums that the exact distribution may take: about a quarter of a second.
@@ -71,17 +71,17 @@ pub(super) fn test(a: &Sample, b: &Sample) -> (MannWhitney, Reasons) {
     }
     let biserial = 2.0 * u / product - 1.0;
     let half = normal_quantile(0.975) * ((n + 1.0) / (3.0 * product)).sqrt();
-    let interval = (biserial.abs() < 1.0).then(|| libm::atanh(biserial));
+    let interval = (biserial.abs() < 1.0).then(|| fisher_ends(biserial, half));
     if interval.is_none() {
-        let names = ["rank_biserial_ci_low", "rank_biserial_ci_high"];
-        reasons.note_all(&names, "the groups do not overlap: Fisher's z is infinite");
+        let reason = "the groups do not overlap: Fisher's z is infinite";
+        reasons.note_ends(&["rank_biserial_ci"], reason);
     }
     let corrected = (away.abs() - 0.5).max(0.0);
     let result = MannWhitney {
         u,
         rank_biserial: biserial,
-        rank_biserial_ci_low: interval.map(|z| libm::tanh(z - half)),
-        rank_biserial_ci_high: interval.map(|z| libm::tanh(z + half)),
+        rank_biserial_ci_low: interval.map(|(low, _)| low),
+        rank_biserial_ci_high: interval.map(|(_, high)| high),
         z: sd.map(|sd| away / sd),
         p: None,
         p_method: None,
@@ -108,7 +108,7 @@ fn exact(doubled: &[i64], size: usize, sum: i64) -> Option<(f64, f64)> {
     // Ranks from 0, in the largest steps that they all share: the fewest sums.
     let least = doubled.iter().copied().min()?;
     let shifted = doubled.iter().map(|r| r - least);
-    let step = shifted.clone().fold(0, greatest_common_divisor).max(1);
+    let step = shifted.clone().fold(0_i64, greatest_common_divisor).max(1);
     let ranks: Vec<usize> = shifted.map(|r| (r / step) as usize).collect();
     let seen = ((sum - least * size as i64) / step) as usize;
     let mut sorted = ranks.clone();
@@ -143,14 +143,6 @@ fn exact(doubled: &[i64], size: usize, sum: i64) -> Option<(f64, f64)> {
     let two = beyond(&|s| distance(s) >= distance(seen));
     let smaller = beyond(&|s| s <= seen).min(beyond(&|s| s >= seen));
     Some((two.min(1.0), (2.0 * smaller).min(1.0)))
-}
-
-fn greatest_common_divisor(a: i64, b: i64) -> i64 {
-    if b == 0 {
-        a
-    } else {
-        greatest_common_divisor(b, a % b)
-    }
 }
 
 #[cfg(test)]

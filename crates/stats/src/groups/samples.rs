@@ -6,7 +6,7 @@ use crate::{
         decimal,
         moments::{is_constant, mean_and_square_sum},
     },
-    within_subjects::Index,
+    within_subjects::{Index, each_pair},
 };
 
 /// One group.
@@ -89,15 +89,11 @@ impl Samples {
         undefined: &mut Reasons,
         test: impl Fn(&Sample, &Sample) -> (T, Reasons),
     ) -> Named<T> {
-        let mut pairs = Vec::new();
-        for (i, a) in self.all.iter().enumerate() {
-            for b in &self.all[i + 1..] {
-                let name = format!("{}|{}", a.name, b.name);
-                let (result, reasons) = test(a, b);
-                undefined.absorb(&format!("{prefix}.{name}"), reasons);
-                pairs.push((name, result));
-            }
-        }
-        pairs.into_iter().collect()
+        let of_pair = |(a, b): (&Sample, &Sample)| {
+            let name = format!("{}|{}", a.name, b.name);
+            let result = undefined.result(&format!("{prefix}.{name}"), test(a, b));
+            (name, result)
+        };
+        each_pair(&self.all).map(of_pair).collect()
     }
 }

@@ -105,10 +105,7 @@ fn test(
     let t = error.map(|(se, _)| mean_diff / se);
     let half = error.and_then(|(se, df)| Some(se * t_quantile_two_sided(0.05, df)?));
     if half.is_none() {
-        reasons.note_all(
-            &["ci_low", "ci_high"],
-            "t has no quantile at these degrees of freedom",
-        );
+        reasons.note_ends(&["ci"], "t has no quantile at these degrees of freedom");
     }
     let result = MeanDifference {
         mean_diff,
@@ -142,8 +139,8 @@ pub(super) fn hedges(a: &Sample, b: &Sample) -> (Hedges, Reasons) {
         Some((low * size, high * size))
     });
     if interval.is_none() {
-        let names = ["d_ci_low", "d_ci_high", "g_ci_low", "g_ci_high"];
-        reasons.note_all(&names, "no noncentral t leaves 2.5 % beyond this t");
+        let reason = "no noncentral t leaves 2.5 % beyond this t";
+        reasons.note_ends(&["d_ci", "g_ci"], reason);
     }
     let corrected = interval.zip(factor);
     let result = Hedges {

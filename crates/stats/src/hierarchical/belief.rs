@@ -19,18 +19,9 @@ impl Belief {
     /// [`StatsError::LengthMismatch`] if the shapes differ; [`StatsError::NotFinite`].
     pub fn new(mean: Vec<f64>, covariance: Vec<Vec<f64>>) -> Result<Self, StatsError> {
         let size = mean.len();
-        let wrong = |found: usize| StatsError::LengthMismatch {
-            name: "covariance".to_owned(),
-            found,
-            expected: size,
-        };
-        if covariance.len() != size {
-            return Err(wrong(covariance.len()));
-        }
+        StatsError::same_length("covariance", covariance.len(), size)?;
         for (row, values) in std::iter::once(&mean).chain(&covariance).enumerate() {
-            if values.len() != size {
-                return Err(wrong(values.len()));
-            }
+            StatsError::same_length("covariance", values.len(), size)?;
             if let Some(&value) = values.iter().find(|v| !v.is_finite()) {
                 return Err(StatsError::NotFinite {
                     name: "belief".to_owned(),

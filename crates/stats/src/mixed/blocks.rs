@@ -20,9 +20,8 @@ pub(crate) struct Blocks {
     pub(crate) rows: usize,
     pub(crate) p: usize,
     pub(crate) q: usize,
-    xx: Matrix,
-    xy: Matrix,
-    yy: f64,
+    /// Those at Γ = 0.
+    sums: Weighted,
 }
 
 /// With W = I + Z Γ Zᵀ: XᵀW⁻¹X, XᵀW⁻¹y, yᵀW⁻¹y and ln |W|.
@@ -70,22 +69,24 @@ impl Blocks {
         let (p, q) = subjects
             .first()
             .map_or((0, 0), |b| (b.x.columns, b.z.columns));
-        let mut sums = Self {
-            rows: subjects.iter().map(|b| b.y.rows).sum(),
-            p,
-            q,
+        let mut sums = Weighted {
             xx: Matrix::zeros(p, p),
             xy: Matrix::zeros(p, 1),
             yy: 0.0,
-            subjects: Vec::new(),
+            ln_determinant: 0.0,
         };
         for block in &subjects {
             sums.xx.add(&block.x.transposed_times(&block.x), 1.0);
             sums.xy.add(&block.x.transposed_times(&block.y), 1.0);
             sums.yy += block.y.transposed_times(&block.y)[(0, 0)];
         }
-        sums.subjects = subjects;
-        sums
+        Self {
+            rows: subjects.iter().map(|b| b.y.rows).sum(),
+            subjects,
+            p,
+            q,
+            sums,
+        }
     }
 
     /// Root mean square of a random column.
@@ -97,12 +98,7 @@ impl Blocks {
 
     /// The sums for Γ = L Lᵀ, by Woodbury's identity: Γ may be singular.
     pub(crate) fn weighted(&self, l: &Matrix) -> Option<Weighted> {
-        let mut sums = Weighted {
-            xx: self.xx.clone(),
-            xy: self.xy.clone(),
-            yy: self.yy,
-            ln_determinant: 0.0,
-        };
+        let mut sums = self.sums.clone();
         let lt = l.transposed();
         for block in &self.subjects {
             let mut inner = lt.times(&block.zz).times(l);

@@ -1,7 +1,7 @@
 //! The columns of a model: factors in treatment coding, covariates less their means.
 
 use super::formula::Formula;
-use crate::{StatsError, numerics::moments::dot, within_subjects::Index};
+use crate::{StatsError, numerics::projection::residuals, within_subjects::Index};
 
 /// One predictor, a value a row.
 #[derive(Debug, Clone, Copy)]
@@ -189,26 +189,10 @@ impl<'a> Columns<'a> {
 
     /// The first column that those before it determine.
     pub(super) fn collinear(&self, rows: usize) -> Option<String> {
-        let mut basis: Vec<Vec<f64>> = Vec::new();
-        for j in 0..self.count() {
-            let mut column: Vec<f64> = (0..rows).map(|i| self.value(i, j)).collect();
-            let size = dot(&column, &column).sqrt();
-            // Twice, so that rounding leaves nothing of the others.
-            for _ in 0..2 {
-                for other in &basis {
-                    let along = dot(&column, other);
-                    for (c, o) in column.iter_mut().zip(other) {
-                        *c -= along * o;
-                    }
-                }
-            }
-            let left = dot(&column, &column).sqrt();
-            if left <= 1e-9 * size {
-                return Some(self.name(j));
-            }
-            basis.push(column.into_iter().map(|c| c / left).collect());
-        }
-        None
+        let column = |j: usize| -> Vec<f64> { (0..rows).map(|i| self.value(i, j)).collect() };
+        let columns: Vec<Vec<f64>> = (0..self.count()).map(column).collect();
+        let dependent = residuals(&columns, &[]).err();
+        dependent.map(|j| self.name(j))
     }
 
     /// Levels of predictor `p` if it is no covariate.
@@ -321,37 +305,24 @@ fn code(name: &str, predictor: &Predictor, kept: &[usize]) -> Result<Coded, Stat
             })
         }
         Predictor::SumToZero(cells) => {
-            let levels =
-                Index::from_labels(&cells.iter().flatten().cloned().collect::<Vec<_>>()).names;
+            let levels = Index::from_labels(cells.iter().flatten()).names;
             let place = |cell: &String| levels.iter().position(|level| level == cell);
             let of_row = kept
                 .iter()
                 .map(|&row| cells[row].as_ref().and_then(place))
                 .collect();
-            if levels.len() < 2 {
-                return Err(one_level(name, levels));
-            }
+            StatsError::two_levels(name, &levels)?;
             Ok(Coded::SumToZero { levels, of_row })
         }
         Predictor::Factor(cells) => {
             // In order of appearance in all rows, without levels that no row has that is used.
-            let labels: Vec<String> = cells.iter().flatten().cloned().collect();
-            let used: Vec<String> = kept.iter().filter_map(|&row| cells[row].clone()).collect();
-            let mut levels = Index::from_labels(&labels).names;
-            levels.retain(|level| used.contains(level));
-            if levels.len() < 2 {
-                return Err(one_level(name, levels));
-            }
+            let used: Vec<&String> = kept.iter().filter_map(|&row| cells[row].as_ref()).collect();
+            let mut levels = Index::from_labels(cells.iter().flatten()).names;
+            levels.retain(|level| used.contains(&level));
+            StatsError::two_levels(name, &levels)?;
             let place = |cell: &String| levels.iter().position(|level| level == cell);
-            let of_row = used.iter().filter_map(place).collect();
+            let of_row = used.into_iter().filter_map(place).collect();
             Ok(Coded::Factor { levels, of_row })
         }
-    }
-}
-
-fn one_level(factor: &str, levels: Vec<String>) -> StatsError {
-    StatsError::OneLevel {
-        factor: factor.to_owned(),
-        level: levels.into_iter().next().unwrap_or_default(),
     }
 }

@@ -51,14 +51,7 @@ impl Components {
                 l[(c, c)] = theta;
             }
         }
-        let (beta, xx_inverse, variance, deviance) = profile(blocks, &l, MixedMethod::Reml)?;
-        Some(Fit {
-            l,
-            beta,
-            xx_inverse,
-            variance,
-            deviance,
-        })
+        profile(blocks, l, MixedMethod::Reml)
     }
 
     /// The top of the restricted likelihood, to its last digits; a variance whose top is at 0 is exactly 0.

@@ -12,7 +12,7 @@ use super::{
     model_rows::{ModelRows, no_fit},
     ratio::{Ratio, RatioTest},
 };
-use crate::{Named, Reasons, StatsError, mean, standard_deviation};
+use crate::{Named, Reasons, StatsError, complete, mean, standard_deviation};
 
 /// Level, slope and bend over what is people's own, and one more to vary around them.
 const FEWEST_PEOPLE: usize = 4;
@@ -216,14 +216,7 @@ pub fn congruence(data: &CongruenceData, bound: f64) -> Result<Congruence, Stats
 /// Refuses one row a person, and distances that have no curvature.
 fn enough(rows: &ModelRows, moved: &[Option<f64>]) -> Result<(), StatsError> {
     let (n_obs, n_subjects) = (rows.values.len(), rows.people.len());
-    if n_obs == n_subjects {
-        return Err(StatsError::TooFew {
-            unit: "row".to_owned(),
-            found: n_obs,
-            dropped: rows.missing,
-            expected: n_subjects + 1,
-        });
-    }
+    complete::enough("row", n_obs, rows.missing, n_subjects + 1)?;
     let places = distinct(rows.kept.iter().filter_map(|&row| moved[row]).collect());
     if places < 3 {
         let three = "at least 3 different distances, as two have no curvature";

@@ -36,11 +36,8 @@ impl Formula {
     pub fn crossed(factors: &[&str], covariates: &[&str]) -> Result<Self, StatsError> {
         let names: Vec<&str> = factors.iter().chain(covariates).copied().collect();
         if names.is_empty() {
-            return Err(StatsError::parameter(
-                "predictors",
-                "at least 1 of them",
-                0.0,
-            ));
+            let expected = "at least 1 of them";
+            return Err(StatsError::parameter("predictors", expected, 0.0));
         }
         StatsError::distinct("predictor", &names)?;
         let subsets = 1..1_usize << factors.len();
@@ -61,10 +58,8 @@ impl Formula {
     pub fn and_product(mut self, covariate: &str, factors: &[&str]) -> Result<Self, StatsError> {
         let place = |name: &&str| {
             let place = self.predictors.iter().position(|known| known == name);
-            place.ok_or_else(|| StatsError::Formula {
-                text: (*name).to_owned(),
-                expected: format!("one of {}", self.predictors.join(", ")),
-            })
+            let known = || format!("one of {}", self.predictors.join(", "));
+            place.ok_or_else(|| StatsError::formula(*name, known()))
         };
         let names = std::iter::once(&covariate).chain(factors);
         let term = names.map(place).collect::<Result<Vec<usize>, _>>()?;
@@ -108,11 +103,10 @@ impl Formula {
 
     fn place(&mut self, name: &str, text: &str) -> Result<usize, StatsError> {
         if name.is_empty() || name.contains(['-', '(', ')', '^', '|', '~']) {
-            return Err(StatsError::Formula {
-                text: text.trim().to_owned(),
-                expected: "names of columns joined by + (both), : (their product) or * (both and their product)"
-                    .to_owned(),
-            });
+            return Err(StatsError::formula(
+                text.trim(),
+                "names of columns joined by + (both), : (their product) or * (both and their product)",
+            ));
         }
         if let Some(place) = self.predictors.iter().position(|p| p == name) {
             return Ok(place);
@@ -128,10 +122,8 @@ impl Formula {
                 let mut part = term.clone();
                 part.remove(left_out);
                 if !part.is_empty() && !self.terms.contains(&part) {
-                    return Err(StatsError::Formula {
-                        text: self.name(term),
-                        expected: format!("`{}` as a term beside it", self.name(&part)),
-                    });
+                    let expected = format!("`{}` as a term beside it", self.name(&part));
+                    return Err(StatsError::formula(self.name(term), expected));
                 }
             }
         }

@@ -4,8 +4,9 @@ use serde::{Deserialize, Serialize};
 
 use super::{columns::Weight, described::Described, formula::Formula};
 use crate::{
-    Adjustment, MarginalMean, Named, Reasons,
+    MarginalMean, Named, Reasons,
     numerics::distributions::{t_quantile_two_sided, t_two_sided},
+    within_subjects::each_pair,
 };
 
 /// The difference of two marginal means of a mixed model.
@@ -48,9 +49,8 @@ impl MarginalContrast {
 
     /// The contrasts of one family by name, with Holm's correction.
     pub(crate) fn family(pairs: impl IntoIterator<Item = (String, Self)>) -> Named<Self> {
-        let mut pairs: Named<Self> = pairs.into_iter().collect();
-        Adjustment::Holm.correct(pairs.values_mut(), |pair| pair.p, |pair, p| pair.p_holm = p);
-        pairs
+        let pairs: Named<Self> = pairs.into_iter().collect();
+        pairs.with_holm(|pair| pair.p, |pair, p| pair.p_holm = p)
     }
 }
 
@@ -145,15 +145,13 @@ impl Described<'_> {
         let mut by_term = Vec::new();
         for (term, cells) in self.cells(formula) {
             let mut pairs = Vec::new();
-            for (i, a) in cells.iter().enumerate() {
-                for b in cells[i + 1..].iter().filter(|b| a.is_beside(b)) {
-                    let name = format!("{}|{}", a.name(), b.name());
-                    let contrast = self.contrast(a, b);
-                    if contrast.p.is_none() {
-                        undefined.note(&format!("contrast.{term}.{name}"), NO_FREEDOM);
-                    }
-                    pairs.push((name, contrast));
+            for (a, b) in each_pair(&cells).filter(|(a, b)| a.is_beside(b)) {
+                let name = format!("{}|{}", a.name(), b.name());
+                let contrast = self.contrast(a, b);
+                if contrast.p.is_none() {
+                    undefined.note(&format!("contrast.{term}.{name}"), NO_FREEDOM);
                 }
+                pairs.push((name, contrast));
             }
             by_term.push((term, MarginalContrast::family(pairs)));
         }

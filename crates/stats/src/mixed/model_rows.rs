@@ -4,9 +4,8 @@ use super::{
     blocks::Blocks,
     columns::{Columns, Predictor},
     formula::Formula,
-    groups,
 };
-use crate::{StatsError, complete};
+use crate::{StatsError, complete, within_subjects::Index};
 
 /// Rows with all values, and whose they are.
 pub(super) struct ModelRows<'a> {
@@ -46,7 +45,7 @@ impl<'a> ModelRows<'a> {
         let kept: Vec<usize> = (complete.kept.iter().copied())
             .filter(|&row| !used.iter().any(|p| p.is_missing(row)))
             .collect();
-        let people = groups(subjects, &kept);
+        let people = Index::from_labels(kept.iter().map(|&row| &subjects[row])).members();
         let columns = Columns::new(formula, &used, &kept)?;
         let (n, missing) = (kept.len(), y.len() - kept.len());
         complete::enough("subject", people.len(), missing, least)?;
@@ -83,9 +82,9 @@ impl<'a> ModelRows<'a> {
 
 /// Why there is no top of the likelihood.
 pub(super) fn no_fit() -> StatsError {
-    StatsError::NoFit {
-        reason: "the predictors explain all of the values, so nothing is left to estimate a variance from".to_owned(),
-    }
+    StatsError::no_fit(
+        "the predictors explain all of the values, so nothing is left to estimate a variance from",
+    )
 }
 
 /// The predictors of the formula, in its order.
@@ -95,12 +94,8 @@ fn find<'a>(
 ) -> Result<Vec<Predictor<'a>>, StatsError> {
     let one = |name: &String| {
         let predictor = predictors.iter().find(|(known, _)| known == name);
-        predictor
-            .map(|(_, p)| *p)
-            .ok_or_else(|| StatsError::Formula {
-                text: name.clone(),
-                expected: "the name of a predictor".to_owned(),
-            })
+        let predictor = predictor.map(|(_, p)| *p);
+        predictor.ok_or_else(|| StatsError::formula(name, "the name of a predictor"))
     };
     formula.predictors().iter().map(one).collect()
 }

@@ -1,7 +1,5 @@
 //! People who differ in their level: a mixed model with a random intercept, tested term by term.
 
-use std::cmp::Ordering;
-
 use serde::{Deserialize, Serialize};
 
 use super::{
@@ -15,12 +13,8 @@ use super::{
 };
 use crate::{
     MarginalMean, Named, Reasons, StatsError,
-    numerics::{
-        distributions::f_upper,
-        matrix::{Cholesky, Matrix},
-        moments::dot,
-        spectrum::orthogonalised,
-    },
+    factorial::contrasts,
+    numerics::{distributions::f_upper, matrix::Matrix, moments::dot, spectrum::principal_axes},
 };
 
 /// Variances of a model with a random intercept.
@@ -170,13 +164,9 @@ fn restricted(
     let by: Vec<(&str, FactorRows)> = by
         .iter()
         .map(|name| {
-            columns
-                .factor(name)
-                .map(|rows| (*name, rows))
-                .ok_or_else(|| StatsError::Formula {
-                    text: (*name).to_owned(),
-                    expected: "the name of a factor of the formula".to_owned(),
-                })
+            let factor = columns.factor(name).map(|rows| (*name, rows));
+            let expected = "the name of a factor of the formula";
+            factor.ok_or_else(|| StatsError::formula(*name, expected))
         })
         .filter(|factor| {
             !factor
@@ -206,49 +196,38 @@ fn restricted(
     // With a single row of each subject nothing is within subjects.
     let at_zero = if alone { AtZero::Pooled } else { at_zero };
     let described = Described::new(&blocks, &fit, columns, rows.offset, &components, at_zero);
-    let mut result = described.result(formula);
+    let mut undefined = Reasons::default();
+    let residual = fit.variance;
     let ratios = components.ratios(&fit.l);
-    result.variance_by = by
-        .iter()
-        .zip(&ratios[1..])
-        .map(|((name, _), ratio)| ((*name).to_owned(), fit.variance * ratio))
-        .collect();
-    (result.n_obs, result.n_subjects, result.missing) =
-        (rows.values.len(), people.len(), rows.missing);
-    Ok(result)
+    let subject = residual * ratios[0];
+    let variance_by = by.iter().zip(&ratios[1..]);
+    Ok(RandomIntercept {
+        formula: formula.to_string(),
+        n_obs: rows.values.len(),
+        n_subjects: people.len(),
+        missing: rows.missing,
+        variance: InterceptVariance { subject, residual },
+        variance_by: variance_by
+            .map(|((name, _), ratio)| ((*name).to_owned(), residual * ratio))
+            .collect(),
+        icc: subject / (subject + residual),
+        reml_criterion: fit.deviance,
+        log_likelihood: -0.5 * fit.deviance,
+        coef: described.coefficients(&mut undefined),
+        anova: described.terms(formula, &mut undefined),
+        emm: described.means(formula, &mut undefined),
+        contrast: described.contrasts(formula, &mut undefined),
+        undefined,
+    })
 }
 
 impl Described<'_> {
-    fn result(&self, formula: &Formula) -> RandomIntercept {
-        let mut undefined = Reasons::default();
-        let fit = self.estimates.fit;
-        let residual = fit.variance;
-        let subject = residual * fit.l[(0, 0)].powi(2);
-        RandomIntercept {
-            formula: formula.to_string(),
-            n_obs: 0,
-            n_subjects: 0,
-            missing: 0,
-            variance: InterceptVariance { subject, residual },
-            variance_by: Named::default(),
-            icc: subject / (subject + residual),
-            reml_criterion: fit.deviance,
-            log_likelihood: -0.5 * fit.deviance,
-            coef: self.coefficients(&mut undefined),
-            anova: self.terms(formula, &mut undefined),
-            emm: self.means(formula, &mut undefined),
-            contrast: self.contrasts(formula, &mut undefined),
-            undefined,
-        }
-    }
-
     fn coefficients(&self, undefined: &mut Reasons) -> Named<FixedEffect> {
         let one = |(name, weights): (String, Vec<f64>)| {
             let effect = self.estimates.effect(&weights);
             if effect.ci_low.is_none() {
-                for part in ["df", "p", "ci_low", "ci_high"] {
-                    undefined.note(&format!("coef.{name}.{part}"), NO_FREEDOM);
-                }
+                let parts = ["df", "p", "ci_low", "ci_high"];
+                undefined.note_below(&format!("coef.{name}"), &parts, NO_FREEDOM);
             }
             (name, effect)
         };
@@ -260,9 +239,7 @@ impl Described<'_> {
             let name = formula.name(term);
             let test = self.wald(&self.hypothesis(term));
             if test.p.is_none() {
-                for part in ["df2", "p"] {
-                    undefined.note(&format!("anova.{name}.{part}"), NO_FREEDOM);
-                }
+                undefined.note_below(&format!("anova.{name}"), &["df2", "p"], NO_FREEDOM);
             }
             (name, test)
         };
@@ -276,10 +253,10 @@ impl Described<'_> {
         for &p in term {
             let choices: Vec<Weight> = match self.columns.levels(p) {
                 None => vec![Weight::Slope],
-                Some(levels) => helmert(levels.len())
-                    .into_iter()
-                    .map(Weight::Levels)
-                    .collect(),
+                Some(levels) => {
+                    let rows = contrasts(levels.len());
+                    rows.into_iter().map(Weight::Levels).collect()
+                }
             };
             rows = choices
                 .iter()
@@ -309,15 +286,8 @@ impl Described<'_> {
                 products.sum::<f64>() + row[0] * offset
             })
             .collect();
-        let lower = covariance.cholesky().map(Cholesky::lower);
         // Independent combinations of independent columns have a covariance of full rank.
-        let axes = lower.map_or_else(Vec::new, |l| {
-            orthogonalised(
-                (0..q)
-                    .map(|j| (0..q).map(|i| l[(i, j)]).collect())
-                    .collect(),
-            )
-        });
+        let axes = principal_axes(&covariance).unwrap_or_default();
         let (mut sum, mut freedoms) = (0.0, Vec::new());
         for axis in &axes {
             // Of length √variance along the axis.
@@ -338,20 +308,6 @@ impl Described<'_> {
             p: df2.map(|df2| f_upper(f, q as f64, df2)),
         }
     }
-}
-
-/// Orthonormal contrasts of `k` levels: each against those before it.
-fn helmert(k: usize) -> Vec<Vec<f64>> {
-    let one = |i: usize| {
-        let size = ((i * (i + 1)) as f64).sqrt();
-        let weight = |j: usize| match j.cmp(&i) {
-            Ordering::Less => -1.0 / size,
-            Ordering::Equal => i as f64 / size,
-            Ordering::Greater => 0.0,
-        };
-        (0..k).map(weight).collect()
-    };
-    (1..k).map(one).collect()
 }
 
 /// Degrees of freedom of an F from those of its axes.

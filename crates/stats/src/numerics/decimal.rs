@@ -52,13 +52,9 @@ impl<'a> Written<'a> {
             Self::Rounded { values } => {
                 let pairs: Vec<[f64; 2]> = pairs.map(|(a, b)| [values[a], values[b]]).collect();
                 let raw = |[a, b]: &[f64; 2]| a - b;
-                // Two short decimals are equal or not.
                 let sized = |pair| (f64::abs(raw(pair)), tolerance(pair));
                 let sizes: Vec<(f64, f64)> = pairs.iter().map(sized).collect();
-                let equal = |[a, b]: &[f64; 2]| {
-                    let exact = is_decimal(*a) && is_decimal(*b);
-                    (a - b).abs() <= if exact { 0.0 } else { tolerance(&[*a, *b]) }
-                };
+                let equal = |pair: &[f64; 2]| f64::abs(raw(pair)) <= reach(pair);
                 let groups = groups(&sizes);
                 let signed = |(pair, group): (&[f64; 2], i64)| match equal(pair) {
                     true => 0,
@@ -87,15 +83,7 @@ pub(crate) fn tied(values: &[f64]) -> Cow<'_, [f64]> {
     match Written::from_values(values) {
         Written::Decimals(_) => Cow::Borrowed(values),
         Written::Rounded { .. } => {
-            // A short decimal ties with its equal alone.
-            let with_reach = |&value: &f64| {
-                let reach = if is_decimal(value) {
-                    0.0
-                } else {
-                    tolerance(&[value])
-                };
-                (value, reach)
-            };
+            let with_reach = |&value: &f64| (value, reach(&[value]));
             let groups = groups(&values.iter().map(with_reach).collect::<Vec<_>>());
             let most = groups.iter().max().map_or(0, |&g| g as usize + 1);
             let mut first = vec![f64::INFINITY; most];
@@ -142,6 +130,15 @@ fn dense(signed: &[i64]) -> Vec<i64> {
 pub(crate) fn tolerance(values: &[f64]) -> f64 {
     let largest = super::moments::largest(values);
     TIED_UNITS * 10.0_f64.powi(exponent(largest) - 14)
+}
+
+/// The same, but short decimals are equal or not.
+fn reach(values: &[f64]) -> f64 {
+    if values.iter().all(|value| is_decimal(*value)) {
+        0.0
+    } else {
+        tolerance(values)
+    }
 }
 
 /// The power of ten of the first digit of a number that is not negative; 0 of 0.

@@ -49,12 +49,16 @@ pub(crate) fn normal_quantile(p: f64) -> f64 {
 /// 97.5 % point of the normal distribution.
 const NORMAL_975: f64 = 1.959_963_984_540_054;
 
-/// tanh(atanh(r) ± z · error), which is r itself at ±1.
+/// The 95 % interval of a correlation, with the standard error of Fisher's z.
 pub(crate) fn fisher_interval(r: f64, error: f64) -> (f64, f64) {
+    fisher_ends(r, NORMAL_975 * error)
+}
+
+/// tanh(atanh(r) ± half), which is r itself at ±1.
+pub(crate) fn fisher_ends(r: f64, half: f64) -> (f64, f64) {
     if r.abs() >= 1.0 {
         return (r, r);
     }
-    let half = NORMAL_975 * error;
     (
         libm::tanh(libm::atanh(r) - half),
         libm::tanh(libm::atanh(r) + half),

@@ -31,7 +31,11 @@ impl Matrix {
     }
 
     pub(crate) fn identity(size: usize) -> Self {
-        Self::from(size, size, |i, j| if i == j { 1.0 } else { 0.0 })
+        Self::diagonal(size, |_| 1.0)
+    }
+
+    pub(crate) fn diagonal(size: usize, entry: impl Fn(usize) -> f64) -> Self {
+        Self::from(size, size, |i, j| if i == j { entry(i) } else { 0.0 })
     }
 
     pub(crate) fn from(rows: usize, columns: usize, entry: impl Fn(usize, usize) -> f64) -> Self {

@@ -8,6 +8,7 @@ pub(crate) mod minimise;
 pub(crate) mod moments;
 pub(crate) mod noncentral;
 mod normal_scale;
+pub(crate) mod projection;
 pub(crate) mod roots;
 pub(crate) mod special;
 pub(crate) mod spectrum;

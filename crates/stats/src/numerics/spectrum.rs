@@ -3,7 +3,7 @@
 //! The covariance matrix is never formed: squaring would lose half of the digits of the
 //! smallest value, which is what Mauchly's W hangs on.
 
-use super::moments::dot;
+use super::{matrix::Matrix, moments::dot};
 
 /// Squared singular values of the matrix with these columns (each of the same length), in
 /// no order; as many as there are columns.
@@ -16,8 +16,16 @@ pub(crate) fn squared_singular_values(mut columns: Vec<Vec<f64>>) -> Vec<f64> {
     orthogonalised(columns).iter().map(|c| dot(c, c)).collect()
 }
 
+/// Eigenvectors of a symmetric matrix, each times the root of its eigenvalue; `None` if it is not positive definite to working precision.
+pub(crate) fn principal_axes(matrix: &Matrix) -> Option<Vec<Vec<f64>>> {
+    let lower = matrix.cholesky()?.lower();
+    let rows = 0..lower.rows;
+    let column = |j: usize| -> Vec<f64> { rows.clone().map(|i| lower[(i, j)]).collect() };
+    Some(orthogonalised(rows.clone().map(column).collect()))
+}
+
 /// Columns turned among themselves until they are orthogonal: with G their matrix, eigenvectors of G Gᵀ times the root of their eigenvalue.
-pub(crate) fn orthogonalised(mut columns: Vec<Vec<f64>>) -> Vec<Vec<f64>> {
+fn orthogonalised(mut columns: Vec<Vec<f64>>) -> Vec<Vec<f64>> {
     let width = columns.len();
     for _ in 0..60 {
         let mut turned = false;

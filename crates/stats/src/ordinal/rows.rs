@@ -49,13 +49,8 @@ impl Answers {
         categories.sort_unstable();
         categories.dedup();
         let named = Index::from_labels(conditions);
-        if named.names.len() < 2 {
-            return Err(StatsError::TooFewConditions {
-                found: named.names.len(),
-            });
-        }
-        let used: Vec<String> = kept.kept.iter().map(|&row| subjects[row].clone()).collect();
-        let people = Index::from_labels(&used);
+        StatsError::two_conditions(named.names.len())?;
+        let people = Index::from_labels(kept.kept.iter().map(|&row| &subjects[row]));
         complete::enough("subject", people.names.len(), kept.missing, 2)?;
         let mut met: Vec<usize> = kept
             .kept
@@ -81,9 +76,8 @@ impl Answers {
             }
         }
         if categories.len() < 2 {
-            return Err(StatsError::NoFit {
-                reason: format!("all answers are {}", categories[0]),
-            });
+            let reason = format!("all answers are {}", categories[0]);
+            return Err(StatsError::no_fit(reason));
         }
         Ok(Self {
             rows,
@@ -123,10 +117,8 @@ impl Answers {
         let occurs = |category: usize| rows.iter().any(|row| row.category == category);
         let kept: Vec<usize> = (0..self.categories.len()).filter(|c| occurs(*c)).collect();
         if kept.len() < 2 {
-            return Err(StatsError::NoFit {
-                reason: "the conditions separate the answers whole, so no coefficient is finite"
-                    .to_owned(),
-            });
+            let reason = "the conditions separate the answers whole, so no coefficient is finite";
+            return Err(StatsError::no_fit(reason));
         }
         for row in &mut rows {
             row.category = kept.partition_point(|c| *c < row.category);

@@ -183,29 +183,17 @@ fn quote_others(result: &Wilcoxon, raw: &[f64], main: &SignedRanks) -> WilcoxonC
 fn reasons(result: &Wilcoxon) -> Reasons {
     let mut reasons = Reasons::default();
     if result.n_used == 0 {
+        let reason = "all differences are zero";
+        let sums = ["W_plus", "W_minus", "z", "rank_biserial"];
+        reasons.note_all(&sums, reason);
+        reasons.note_ends(&["rank_biserial_ci"], reason);
         reasons.note_all(
-            &[
-                "W_plus",
-                "W_minus",
-                "z",
-                "p",
-                "p_method",
-                "p_holm",
-                "p_exact",
-                "p_exact_holm",
-                "p_normal",
-                "p_normal_cc",
-                "p_normal_cc_holm",
-                "p_pratt",
-                "p_pratt_exact",
-                "p_r_default",
-                "p_r_default_holm",
-                "rank_biserial",
-                "rank_biserial_ci_low",
-                "rank_biserial_ci_high",
-            ],
-            "all differences are zero",
+            &["p_normal", "p_pratt", "p_pratt_exact", "p_method"],
+            reason,
         );
+        for p in ["p", "p_exact", "p_normal_cc", "p_r_default"] {
+            reasons.note_all(&[p, &format!("{p}_holm")], reason);
+        }
         return reasons;
     }
     if result.p_exact.is_none() {
@@ -213,10 +201,8 @@ fn reasons(result: &Wilcoxon) -> Reasons {
         reasons.note_all(&["p_exact", "p_exact_holm", "p_pratt_exact"], &reason);
     }
     if result.rank_biserial_ci_low.is_none() {
-        reasons.note_all(
-            &["rank_biserial_ci_low", "rank_biserial_ci_high"],
-            "the correlation is at its limit, where Fisher's z is infinite",
-        );
+        let reason = "the correlation is at its limit, where Fisher's z is infinite";
+        reasons.note_ends(&["rank_biserial_ci"], reason);
     }
     reasons
 }

@@ -8,7 +8,7 @@ use crate::{
     complete, correlation,
     numerics::{
         distributions::f_quantile_upper,
-        moments::{centred, is_constant},
+        moments::{centred, is_constant, mean_and_square_sum},
     },
 };
 
@@ -125,10 +125,8 @@ pub fn alpha(
             let others: Vec<usize> = (0..k).filter(|&j| j != i).collect();
             let alpha = raw_alpha(&covariances, &others);
             if alpha.is_none() {
-                undefined.note(
-                    &format!("drop.{i}.alpha"),
-                    "fewer than two items that vary are left",
-                );
+                let reason = "fewer than two items that vary are left";
+                undefined.note(&format!("drop.{i}.alpha"), reason);
             }
             ItemDropped {
                 name: (*name).to_owned(),
@@ -218,16 +216,6 @@ fn say_why(alpha: &Alpha, k: usize, undefined: &mut Reasons) {
     };
     for (name, value, reason) in [
         ("alpha.raw", alpha.raw, "the sum of the items does not vary"),
-        (
-            "alpha.ci_low",
-            alpha.ci_low,
-            "there is no alpha to put an interval around, or one person answered all sheets",
-        ),
-        (
-            "alpha.ci_high",
-            alpha.ci_high,
-            "there is no alpha to put an interval around, or one person answered all sheets",
-        ),
         ("alpha.mean_r", alpha.mean_r, constant),
         ("alpha.standardized", alpha.standardized, standardized),
         (
@@ -244,6 +232,11 @@ fn say_why(alpha: &Alpha, k: usize, undefined: &mut Reasons) {
         if value.is_none() {
             undefined.note(name, reason);
         }
+    }
+    if alpha.ci_low.is_none() {
+        let reason =
+            "there is no alpha to put an interval around, or one person answered all sheets";
+        undefined.note_ends(&["alpha.ci"], reason);
     }
     if alpha.omega.is_none() {
         let reason = if k < 3 {
@@ -274,22 +267,18 @@ fn item_statistics(
             .collect();
         let r_drop = correlation::coefficient(&columns[i], &rest);
         if r_drop.is_none() {
-            undefined.note(
-                &format!("item.{i}.r_drop"),
-                "the item, or the sum of the others, does not vary",
-            );
+            let reason = "the item, or the sum of the others, does not vary";
+            undefined.note(&format!("item.{i}.r_drop"), reason);
         }
         if is_constant(&columns[i]) {
             warnings.push(format!("item {name} does not vary"));
         }
-        if r_drop.is_some_and(|r| r < 0.0) {
+        if let Some(r) = r_drop.filter(|r| *r < 0.0) {
             warnings.push(format!(
-                "item {name} goes against the others (r = {:.2}): is it reverse keyed?",
-                r_drop.unwrap_or(0.0)
+                "item {name} goes against the others (r = {r:.2}): is it reverse keyed?"
             ));
         }
-        let (mean, squares) =
-            crate::numerics::moments::mean_and_square_sum(columns[i].iter().copied());
+        let (mean, squares) = mean_and_square_sum(columns[i].iter().copied());
         statistics.push(ItemStatistics {
             name: (*name).to_owned(),
             mean,

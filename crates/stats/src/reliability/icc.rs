@@ -116,22 +116,20 @@ pub fn icc(occasions: &[(&str, &[Option<f64>])]) -> Result<Icc, StatsError> {
     };
     if sem_interval.is_none() {
         let reason = "everybody's readings are alike on all occasions";
-        result.undefined.note_all(&["sem_low", "sem_high"], reason);
+        result.undefined.note_ends(&["sem"], reason);
     }
     let total = between + (k - 1.0) * rest + k / n * (over_times - rest);
     let flat = columns.iter().flatten().copied().collect::<Vec<f64>>();
     if is_constant(&flat) || total <= 0.0 {
-        let reason = "all readings are alike";
-        result
-            .undefined
-            .note_all(&["icc", "ci_low", "ci_high"], reason);
+        let names = ["icc", "ci_low", "ci_high"];
+        result.undefined.note_all(&names, "all readings are alike");
         return Ok(result);
     }
     let estimate = (between - rest) / total;
     result.icc = Some(estimate);
     if alike {
         let reason = "everybody's readings are alike on all occasions";
-        result.undefined.note_all(&["ci_low", "ci_high"], reason);
+        result.undefined.note_ends(&["ci"], reason);
         return Ok(result);
     }
     let free = {
@@ -147,7 +145,7 @@ pub fn icc(occasions: &[(&str, &[Option<f64>])]) -> Result<Icc, StatsError> {
     (result.ci_low, result.ci_high) = (low, high);
     if low.is_none() || high.is_none() {
         let reason = "the F distribution has no such quantile";
-        result.undefined.note_all(&["ci_low", "ci_high"], reason);
+        result.undefined.note_ends(&["ci"], reason);
     }
     Ok(result)
 }

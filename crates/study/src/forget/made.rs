@@ -41,13 +41,12 @@ fn refuse_running(ledger: &Path) -> Result<(), StudyError> {
     let Ok(file) = std::fs::File::options().write(true).open(&held) else {
         return Ok(());
     };
-    match file.try_lock() {
-        Err(std::fs::TryLockError::WouldBlock) => Err(StudyError::NotPossible {
-            problem: format!("a run is under way ({})", held.to_slash_lossy()),
-            help: Some("wait until it has ended, or end it; nothing was removed".to_owned()),
-        }),
-        _ => Ok(()),
+    if let Err(std::fs::TryLockError::WouldBlock) = file.try_lock() {
+        let problem = format!("a run is under way ({})", held.to_slash_lossy());
+        let help = "wait until it has ended, or end it; nothing was removed";
+        return Err(StudyError::not_possible(problem).with_help(help));
     }
+    Ok(())
 }
 
 /// The files that a ledger names and that lie in the study's folder; a folder of which it lists no file, whole.

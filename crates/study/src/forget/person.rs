@@ -1,18 +1,22 @@
 //! Everything of somebody's, taken out of a study's folder.
 
-use super::{about::is_about, made, models, rows};
+use super::{made, models, rows};
 use crate::{
+    deciding::hash_of,
     design::DesignFile,
     error::StudyError,
     forgotten::FORGOTTEN_FILE,
-    named::names,
+    named::{is_about, names},
     run_folder::{embeddings_path, training_path},
     stages::{
         export::METADATA,
         import::{column_of_people, has_row_of},
         ingest::logs_of,
     },
-    tables::{Table, collected::NOTES},
+    tables::{
+        Table,
+        collected::{NOTES, SEAT},
+    },
 };
 use maveric_domain::{ParticipantId, design::Software};
 use serde::Serialize;
@@ -21,8 +25,6 @@ use std::{
     path::{Path, PathBuf},
 };
 
-/// Folder of what the seat keeps of drives and rides.
-const SEAT: &str = "seat";
 /// How the seat's own file begins, and what lies beside it while it is open.
 const DATABASE: &str = "seat.db";
 
@@ -51,10 +53,9 @@ pub struct Forgotten {
 /// [`StudyError`] where a file cannot be read, changed or removed, a run is under way, or the study is no folder; calling again goes on.
 pub fn forget_person(study: &DesignFile, id: &ParticipantId) -> Result<Forgotten, StudyError> {
     if study.path.is_none() {
-        return Err(StudyError::NotPossible {
-            problem: format!("{id} cannot be forgotten: there is no study's folder"),
-            help: Some("stand in the folder of its study.toml, or name that file".to_owned()),
-        });
+        let problem = format!("{id} cannot be forgotten: there is no study's folder");
+        let help = "stand in the folder of its study.toml, or name that file";
+        return Err(StudyError::not_possible(problem).with_help(help));
     }
     let folder = study.folder();
     let by_runs = made::by_runs(&folder)?;
@@ -63,7 +64,7 @@ pub fn forget_person(study: &DesignFile, id: &ParticipantId) -> Result<Forgotten
     let learned = models_of(study, &folder, id)?;
     let mut known = study.forgotten()?;
     let hashes: Result<Vec<String>, StudyError> =
-        learned.iter().map(|model| models::hash_of(model)).collect();
+        learned.iter().map(|model| hash_of(model)).collect();
     known.add(id, hashes?);
     known.write(&folder)?;
 
@@ -109,10 +110,9 @@ pub fn forget_person(study: &DesignFile, id: &ParticipantId) -> Result<Forgotten
 /// Whether a file among the logs, or of the seat, has its name of somebody: one that cannot be read says whose it is by that alone.
 fn is_kept_under(study: &DesignFile, path: &Path, id: &ParticipantId) -> bool {
     let folders = [study.design.files().logs.as_path(), Path::new(SEAT)];
-    let inside = folders.into_iter().any(|folder| {
-        let folder: PathBuf = study.resolve(folder).components().collect();
-        path.starts_with(folder)
-    });
+    let inside = folders
+        .into_iter()
+        .any(|folder| path.starts_with(place_of(study, folder)));
     let name = path.file_name().unwrap_or_default().to_string_lossy();
     let rest = name.strip_prefix(id.as_str());
     inside && rest.is_some_and(|rest| rest.starts_with(['-', '.']))
@@ -128,8 +128,12 @@ fn inputs(study: &DesignFile) -> BTreeSet<PathBuf> {
         &files.logs,
         &files.scales,
     ];
-    let whole = |path: &PathBuf| study.resolve(path).components().collect();
-    read.into_iter().map(whole).collect()
+    read.into_iter().map(|path| place_of(study, path)).collect()
+}
+
+/// A path of the design as [`files_below`] gives it.
+fn place_of(study: &DesignFile, path: &Path) -> PathBuf {
+    study.resolve(path).components().collect()
 }
 
 /// The models below the folder that learned from somebody; not one that `[model]` names, which was learned elsewhere.
@@ -169,11 +173,7 @@ fn column_of_ids(study: &DesignFile, path: &Path) -> Result<Option<String>, Stud
 }
 
 fn is_answers(study: &DesignFile, path: &Path) -> bool {
-    let answers: PathBuf = study
-        .resolve(&study.design.files().answers)
-        .components()
-        .collect();
-    *path == answers
+    *path == place_of(study, &study.design.files().answers)
 }
 
 /// Whether a file names somebody, in its path or as a word of its text. Whose a log is was read already, and a number is a word of many
@@ -187,11 +187,7 @@ fn names_still(study: &DesignFile, path: &Path, id: &ParticipantId) -> Result<bo
     if is_answers(study, path) && has_row_of(study, id)? {
         return Ok(true);
     }
-    let logs: PathBuf = study
-        .resolve(&study.design.files().logs)
-        .components()
-        .collect();
-    if path.starts_with(logs) {
+    if path.starts_with(place_of(study, &study.design.files().logs)) {
         return Ok(false);
     }
     let bytes = std::fs::read(path).map_err(StudyError::read(path))?;
@@ -219,22 +215,14 @@ fn files_below(folder: &Path) -> Result<Vec<PathBuf>, StudyError> {
 
 /// Removes a file, or a folder with all that is in it, and the folders above it that are empty then.
 fn remove(path: &Path, folder: &Path, removed: &mut Vec<PathBuf>) -> Result<(), StudyError> {
-    let failed = |path: &Path| {
-        let path = path.to_owned();
-        move |source| StudyError::Io {
-            action: "remove",
-            path,
-            source,
-        }
-    };
     let Ok(metadata) = std::fs::symlink_metadata(path) else {
         return Ok(());
     };
     if metadata.is_dir() {
         removed.extend(files_below(path)?);
-        std::fs::remove_dir_all(path).map_err(failed(path))?;
+        std::fs::remove_dir_all(path).map_err(StudyError::io("remove", path))?;
     } else {
-        std::fs::remove_file(path).map_err(failed(path))?;
+        std::fs::remove_file(path).map_err(StudyError::io("remove", path))?;
         removed.push(path.to_owned());
     }
     let above = path.ancestors().skip(1);

@@ -33,11 +33,8 @@ pub(super) fn take_out(
     let blank_counts = rows.len() == theirs.len();
     let is_row = |line: &[u8]| blank_counts || !blank(line);
     if rows.iter().filter(|line| is_row(line)).count() != theirs.len() {
-        return Err(StudyError::BadFile {
-            path: path.to_owned(),
-            problem: format!("rows of {id} that cannot be told from the others"),
-            help: Some("take them out by hand".to_owned()),
-        });
+        let problem = format!("rows of {id} that cannot be told from the others");
+        return Err(StudyError::file(path, problem).with_help("take them out by hand"));
     }
     let mut kept = above.concat();
     let mut is_theirs = theirs.iter();

@@ -7,14 +7,15 @@ use crate::{
     stages::ingest::{Ingest, logs_of_study},
     tables::{
         Table,
-        drives::{ExclusionRow, list_of},
+        drives::ExclusionRow,
         own_measures::{OwnMeasures, read_own_measures},
         participants::Enrolled,
+        read_rows,
         surveys::read_answers,
     },
 };
 use maveric_domain::{
-    Moment, Occasion, ParticipantId, Ride,
+    DriveMeta, Moment, Occasion, ParticipantId, Ride,
     design::{Condition, Quantity, Software},
 };
 use maveric_ingest::named_after;
@@ -195,13 +196,9 @@ impl<'a> Sources<'a> {
 
     /// Log, drive, answers and own measures of a person at a time.
     pub(super) fn cells(&self, person: &Person, moment: Moment) -> [Awaited; 4] {
+        let answers = self.answers(person, moment);
         let Moment::After(ride) = moment else {
-            return [
-                Awaited::No,
-                Awaited::No,
-                self.answers(person, moment),
-                Awaited::No,
-            ];
+            return [Awaited::No, Awaited::No, answers, Awaited::No];
         };
         let design = &self.study.design;
         // Whoever is learned from drives the baseline once.
@@ -211,12 +208,7 @@ impl<'a> Sources<'a> {
         }
         let cell = (person.id.clone(), ride);
         let [log, drive] = self.driven(&cell);
-        [
-            log,
-            drive,
-            self.answers(person, moment),
-            self.measured(person, &cell),
-        ]
+        [log, drive, answers, self.measured(person, &cell)]
     }
 
     fn driven(&self, cell: &Cell) -> [Awaited; 2] {
@@ -283,12 +275,8 @@ impl<'a> Sources<'a> {
         let cell = &(cell.0.clone(), cell.1.condition);
         let is_condition = design.condition(cell.1).is_some();
         let Some(own) = &self.own_measures else {
-            let why = format!("{} is not there", files.measures.to_slash_lossy());
-            return if is_condition {
-                Awaited::Missing(why)
-            } else {
-                Awaited::No
-            };
+            let why = || format!("{} is not there", files.measures.to_slash_lossy());
+            return is_condition.then(why).map_or(Awaited::No, Awaited::Missing);
         };
         if !is_condition && !own.rows.iter().any(|(_, condition)| *condition == cell.1) {
             return Awaited::No;
@@ -358,10 +346,9 @@ impl Drives {
     fn read(results: &Path) -> Result<Self, StudyError> {
         let mut drives = Self::default();
         for list in lists(results) {
-            let listed = list_of(&list)?.into_iter();
-            drives
-                .made
-                .extend(listed.map(|m| (m.participant.clone(), m.ride())));
+            let listed: Vec<DriveMeta> = read_rows(&list)?;
+            let cell = |m: &DriveMeta| (m.participant.clone(), m.ride());
+            drives.made.extend(listed.iter().map(cell));
             let path = list.with_file_name("exclusions.csv");
             if !path.is_file() {
                 continue;

@@ -243,10 +243,9 @@ impl Ablate {
         let files = (&*self.drives, self.scores.as_deref());
         let driven = recordings::read(&study, files, scale, warnings)?;
         let people = people(&driven.drove()).len();
-        recordings::enough(people).map_err(|why| StudyError::BadFile {
-            path: self.drives.clone(),
-            problem: why,
-            help: Some("record more people in the roles of the design".to_owned()),
+        recordings::enough(people).map_err(|why| {
+            StudyError::file(&self.drives, why)
+                .with_help("record more people in the roles of the design")
         })?;
         let scored = |recorded: Recorded| {
             let points = recorded.drove.points;
@@ -267,6 +266,14 @@ fn values(variant: &VariantResult, loss: Loss) -> Vec<Option<f64>> {
         .collect()
 }
 
+/// How far a variant lies above the reference, on the drives of both.
+fn differences(variant: &VariantResult, reference: &VariantResult, loss: Loss) -> Vec<f64> {
+    let pairs = values(variant, loss)
+        .into_iter()
+        .zip(values(reference, loss));
+    pairs.filter_map(|(v, r)| Some(v? - r?)).collect()
+}
+
 /// A variant with each loss: its mean, and on how many of the drives of both it is lower than the reference.
 #[derive(Serialize)]
 struct Row<'a> {
@@ -285,10 +292,7 @@ fn rows(ablated: &Ablated) -> impl Iterator<Item = Row<'_>> {
     let reference = &ablated.variants[0];
     let row = |variant: &VariantResult, loss: Loss| {
         let known: Vec<f64> = values(variant, loss).into_iter().flatten().collect();
-        let pairs = values(variant, loss)
-            .into_iter()
-            .zip(values(reference, loss));
-        let both: Vec<f64> = pairs.filter_map(|(v, r)| Some(v? - r?)).collect();
+        let both = differences(variant, reference, loss);
         let compared = variant.name != reference.name && !both.is_empty();
         LossRow {
             mean: mean(&known),
@@ -351,11 +355,8 @@ fn parts(ablated: &Ablated, texts: &PageTexts) -> Result<Option<Finding>, StudyE
     let mut parts = Vec::new();
     for variant in others {
         for (title, _, loss) in LOSSES {
-            let pairs = values(variant, loss)
-                .into_iter()
-                .zip(values(reference, loss));
-            let differences = pairs.filter_map(|(v, r)| Some(v? - r?));
-            let differences: Vec<f64> = differences.filter(|d| *d != 0.0).collect();
+            let mut differences = differences(variant, reference, loss);
+            differences.retain(|d| *d != 0.0);
             let worse = differences.iter().filter(|d| **d > 0.0).count();
             let share = proportion(worse, differences.len(), 0.95).ok();
             if let Some(share) = share {

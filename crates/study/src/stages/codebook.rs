@@ -5,7 +5,6 @@ use crate::{
     design::DesignFile,
     error::StudyError,
     outcome::{Outcome, Watch},
-    outputs::spare_inputs,
     run_folder::read_scales,
     stage::{Files, Stage},
     tables::{TableName, write_rows},
@@ -38,7 +37,6 @@ pub struct Describe {
     pub out: PathBuf,
 }
 
-/// The files of a codebook.
 const PATHS: [&str; 3] = ["codebook.csv", "codebook.md", "codebook_measures.csv"];
 
 /// What was described.
@@ -73,23 +71,7 @@ struct MeasureRow {
     id: String,
     title: String,
     unit: String,
-    aggression: String,
-}
-
-impl From<&OwnMeasure> for MeasureRow {
-    fn from(measure: &OwnMeasure) -> Self {
-        Self {
-            id: measure.id.clone(),
-            title: measure.title.clone(),
-            unit: measure.unit.clone(),
-            aggression: match measure.aggression {
-                Some(Sign::Plus) => "up",
-                Some(Sign::Minus) => "down",
-                None => "not known",
-            }
-            .to_owned(),
-        }
-    }
+    aggression: &'static str,
 }
 
 impl Stage for Describe {
@@ -107,7 +89,6 @@ impl Stage for Describe {
     /// Writes the codebook of every scale of a folder: Markdown for people; a CSV row an item of each subscale.
     fn work(&self, watch: Watch<'_>) -> Result<Outcome<Codebook>, StudyError> {
         let paths = PATHS.map(|name| self.out.join(name));
-        spare_inputs([&*self.scales], paths.iter().map(PathBuf::as_path))?;
         let study = DesignFile::here(self.design.as_deref())?;
         let scales = read_scales(&self.scales)?;
         watch.check()?;
@@ -129,9 +110,6 @@ impl Stage for Describe {
 }
 
 /// Writes the codebook of these scales and of a design's own measures into a folder.
-///
-/// # Errors
-/// As [`write_rows`].
 pub(crate) fn write_codebook(
     scales: &[Scale],
     design: Option<&Design>,
@@ -168,8 +146,18 @@ pub(crate) fn write_codebook(
         rows.extend(unscored.map(|item| row(None, item)));
     }
     write_rows(TableName::Codebook, &csv, &rows)?;
+    let measure = |measure: &OwnMeasure| MeasureRow {
+        id: measure.id.clone(),
+        title: measure.title.clone(),
+        unit: measure.unit.clone(),
+        aggression: match measure.aggression {
+            Some(Sign::Plus) => "up",
+            Some(Sign::Minus) => "down",
+            None => "not known",
+        },
+    };
     let measures = design.into_iter().flat_map(Design::measures);
-    let measures: Vec<MeasureRow> = measures.map(MeasureRow::from).collect();
+    let measures: Vec<MeasureRow> = measures.map(measure).collect();
     if !measures.is_empty() {
         write_rows(TableName::CodebookMeasures, &of_measures, &measures)?;
     }

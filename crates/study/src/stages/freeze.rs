@@ -79,21 +79,15 @@ impl Frozen {
 pub fn freeze(design: Option<&Path>, date: &str) -> Result<Outcome<Frozen>, StudyError> {
     let study = DesignFile::find(design)?;
     let Some(path) = &study.path else {
-        return Err(StudyError::NotPossible {
-            problem: "the paper's design is built in and cannot be frozen".to_owned(),
-            help: Some("name a study's own: --design study.toml".to_owned()),
-        });
+        let problem = "the paper's design is built in and cannot be frozen";
+        let help = "name a study's own: --design study.toml";
+        return Err(StudyError::not_possible(problem).with_help(help));
     };
     let lock = path.with_file_name(LOCK_FILE);
     if lock.exists() {
-        return Err(StudyError::BadFile {
-            path: lock,
-            problem: "the design was frozen before".to_owned(),
-            help: Some(
-                "a changed key or file is declared under `[amendments]` with its reason; the lock stays"
-                    .to_owned(),
-            ),
-        });
+        let problem = "the design was frozen before";
+        let help = "a changed key or file is declared under `[amendments]` with its reason; the lock stays";
+        return Err(StudyError::file(lock, problem).with_help(help));
     }
     let text = read_text(path)?;
     let files = study.design.files();
@@ -163,9 +157,6 @@ fn count(folder: &Path) -> usize {
 
 /// What the page says of the declaration: that nothing differs, or one sentence a difference, and of what the lock vouches; nothing where
 /// the design was never frozen.
-///
-/// # Errors
-/// [`StudyError`] if the lock, the design or a file that decides cannot be read.
 pub(crate) fn declared(study: &DesignFile) -> Result<Vec<String>, StudyError> {
     let Some(path) = &study.path else {
         return Ok(Vec::new());

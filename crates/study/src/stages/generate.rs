@@ -89,20 +89,15 @@ pub struct Generated {
 
 /// Reads a population, or the people of the scenario in that file; without a file takes the people of `scenario`.
 fn read_people(path: Option<&Path>, scenario: &Scenario) -> Result<People, StudyError> {
-    match path {
-        None => Ok(People::Drivers(Box::new(
-            scenario.settings().drivers.clone(),
-        ))),
-        Some(path) => {
-            let text = read_text(path)?;
-            toml::from_str(&text).or_else(|error| match toml::from_str::<Scenario>(&text) {
-                Ok(scenario) => Ok(People::Drivers(Box::new(
-                    scenario.settings().drivers.clone(),
-                ))),
-                Err(_) => Err(StudyError::file(path, format!("not a population: {error}"))),
-            })
-        }
-    }
+    let drivers = |s: &Scenario| People::Drivers(Box::new(s.settings().drivers.clone()));
+    let Some(path) = path else {
+        return Ok(drivers(scenario));
+    };
+    let text = read_text(path)?;
+    toml::from_str(&text).or_else(|error| match toml::from_str::<Scenario>(&text) {
+        Ok(scenario) => Ok(drivers(&scenario)),
+        Err(_) => Err(StudyError::file(path, format!("not a population: {error}"))),
+    })
 }
 
 impl Stage for Generate {
@@ -125,12 +120,11 @@ impl Stage for Generate {
     fn work(&self, watch: Watch<'_>) -> Result<Outcome<Generated>, StudyError> {
         let people = self.learn.saturating_add(self.test);
         if people > MOST_PEOPLE {
-            return Err(StudyError::NotPossible {
-                problem: format!(
-                    "{people} people, expected at most {MOST_PEOPLE}: each drives, and a log is about a megabyte"
-                ),
-                help: Some("make up fewer, or several studies with seeds of their own".to_owned()),
-            });
+            let problem = format!(
+                "{people} people, expected at most {MOST_PEOPLE}: each drives, and a log is about a megabyte"
+            );
+            let help = "make up fewer, or several studies with seeds of their own";
+            return Err(StudyError::not_possible(problem).with_help(help));
         }
         let study = DesignFile::find(self.design.as_deref())?;
         let place = Place::new(self, &study, Path::new(""))?;
@@ -237,10 +231,9 @@ impl Place {
                 study.resolve(&files.answers),
             ),
             None => {
-                return Err(StudyError::NotPossible {
-                    problem: "there is no folder to write into".to_owned(),
-                    help: Some("give --out FOLDER, or --design FILE of a study".to_owned()),
-                });
+                let problem = "there is no folder to write into";
+                let help = "give --out FOLDER, or --design FILE of a study";
+                return Err(StudyError::not_possible(problem).with_help(help));
             }
         };
         Ok(Self {
@@ -266,14 +259,12 @@ impl Place {
         if table.rows() == 0 || table.has("latent_pace") {
             return Ok(());
         }
-        Err(StudyError::BadFile {
-            path: self.people.clone(),
-            problem: format!(
-                "holds {} not made up",
-                count(table.rows(), "person who was", "people who were")
-            ),
-            help: Some("make people up in a folder of their own: --out FOLDER".to_owned()),
-        })
+        let problem = format!(
+            "holds {} not made up",
+            count(table.rows(), "person who was", "people who were")
+        );
+        let help = "make people up in a folder of their own: --out FOLDER";
+        Err(StudyError::file(&self.people, problem).with_help(help))
     }
 }
 

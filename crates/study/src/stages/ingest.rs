@@ -240,24 +240,20 @@ fn some_let_in_and_none_twice(
     left_out: &[LeftOutDrive],
 ) -> Result<(), StudyError> {
     if let (true, Some(first)) = (drives.is_empty(), left_out.first()) {
-        return Err(StudyError::NotPossible {
-            problem: format!("no drive is let in; {}: {}", first.meta.drive, first.why),
-            help: Some(
-                "say whose drives these are under [names] of the mapping, or add people and conditions to the study".to_owned(),
-            ),
-        });
+        let problem = format!("no drive is let in; {}: {}", first.meta.drive, first.why);
+        let help = "say whose drives these are under [names] of the mapping, or add people and conditions to the study";
+        return Err(StudyError::not_possible(problem).with_help(help));
     }
     let mut ids = BTreeSet::new();
-    match drives.iter().find(|d| !ids.insert(&d.meta.drive)) {
-        None => Ok(()),
-        Some(twice) => Err(StudyError::NotPossible {
-            problem: format!(
-                "two logs, or two vehicles of one, make the drive `{}`",
-                twice.meta.drive
-            ),
-            help: Some("leave one of them out, or ingest them into two folders".to_owned()),
-        }),
+    if let Some(twice) = drives.iter().find(|d| !ids.insert(&d.meta.drive)) {
+        let problem = format!(
+            "two logs, or two vehicles of one, make the drive `{}`",
+            twice.meta.drive
+        );
+        let help = "leave one of them out, or ingest them into two folders";
+        return Err(StudyError::not_possible(problem).with_help(help));
     }
+    Ok(())
 }
 
 /// What was left out, repaired or is doubtful, in sentences; the drives by name.

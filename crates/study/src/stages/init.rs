@@ -92,8 +92,6 @@ after = [\"aggressiveness\", \"rosas\", \"godspeed_intelligence\", \"jian_trust\
 # language = \"de\"                      # what the seat says by itself: en (default) or de
 # withdraw_until = \"2027-01-31\"        # last day on which people can take back what they gave
 ";
-/// The paper's design.
-const PAPER: &str = maveric_data::DESIGNS_PAPER;
 
 /// Make the folder of a study of your own: its design, scales, a mapping, and what goes where
 #[derive(Debug, Clone, Default, clap::Args)]
@@ -160,11 +158,9 @@ impl Stage for Init {
             if entry.map_err(StudyError::read(folder))?.path().file_name()
                 != aside.path().file_name()
             {
-                return Err(StudyError::BadFile {
-                    path: folder.clone(),
-                    problem: "is not empty, expected a new or an empty folder".to_owned(),
-                    help: Some("choose another name; nothing is overwritten".to_owned()),
-                });
+                let problem = "is not empty, expected a new or an empty folder";
+                let help = "choose another name; nothing is overwritten";
+                return Err(StudyError::file(folder, problem).with_help(help));
             }
         }
         let fresh = aside.path().join("study");
@@ -227,7 +223,7 @@ fn texts(options: &Init) -> Result<(String, &'static str), StudyError> {
         } else {
             "software = \"otree\" # the seat writes \"table\": then leave this and the next line out\ncolumns = \"surveys/columns.toml\""
         };
-        let paper = PAPER
+        let paper = maveric_data::DESIGNS_PAPER
             .replace("#:schema schema.json\n", "")
             .replace("\"../scales\"", &format!("\"scales\"\n{software}"))
             .replace("../scenarios/paper.toml", "scenario.toml")

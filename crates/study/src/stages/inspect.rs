@@ -74,13 +74,9 @@ pub struct SuggestedMapping {
 /// [`StudyError::Ingest`] for what is no table; [`StudyError::BadFile`] where the file is there already.
 fn suggest(path: &Path, into: Option<&Path>) -> Result<Outcome<Looked>, StudyError> {
     if let Some(into) = into.filter(|into| into.symlink_metadata().is_ok()) {
-        return Err(StudyError::BadFile {
-            path: into.to_owned(),
-            problem: "is there already, and a proposal is written over no mapping".to_owned(),
-            help: Some(
-                "name a new file with --into, and take [names] and [road] over into it from the mapping that you have".to_owned(),
-            ),
-        });
+        let problem = "is there already, and a proposal is written over no mapping";
+        let help = "name a new file with --into, and take [names] and [road] over into it from the mapping that you have";
+        return Err(StudyError::file(into, problem).with_help(help));
     }
     let mapping = suggest_mapping(path)?;
     let summary = match into {

@@ -209,16 +209,12 @@ impl Measure {
             };
             let folder = path.parent().unwrap_or(path);
             if let Some(first) = from.insert(id, folder) {
-                return Err(StudyError::BadFile {
-                    path: folder.to_owned(),
-                    problem: format!(
-                        "holds drive {id}, which {} holds too",
-                        first.to_slash_lossy()
-                    ),
-                    help: Some(
-                        "measure each drive once: leave out one of the folders or files".to_owned(),
-                    ),
-                });
+                let problem = format!(
+                    "holds drive {id}, which {} holds too",
+                    first.to_slash_lossy()
+                );
+                let help = "measure each drive once: leave out one of the folders or files";
+                return Err(StudyError::file(folder, problem).with_help(help));
             }
         }
         let (mut met, mut left_out) = (Vec::new(), Vec::new());
@@ -236,11 +232,9 @@ impl Measure {
         let declared = study.filter(|s| !s.design.measures().is_empty());
         let Some(study) = declared else {
             if self.drives.is_empty() {
-                return Err(StudyError::NotPossible {
-                    problem: "nothing to measure: no folder of drives, and the study declares no [[measure]] of its own"
-                        .to_owned(),
-                    help: Some("name a folder of drives with --drives".to_owned()),
-                });
+                let problem = "nothing to measure: no folder of drives, and the study declares no [[measure]] of its own";
+                let help = "name a folder of drives with --drives";
+                return Err(StudyError::not_possible(problem).with_help(help));
             }
             return Ok(Outcome {
                 value: 0,

@@ -82,11 +82,9 @@ pub fn orders(
         .transpose()?
         .filter(|table| table.rows() == 0);
     if out.exists() && (empty.is_none() || options.people.is_none()) {
-        return Err(StudyError::BadFile {
-            path: out,
-            problem: "is there already".to_owned(),
-            help: Some("name another table by --out; without --people it has the people of the design's own, each with an order".to_owned()),
-        });
+        let problem = "is there already";
+        let help = "name another table by --out; without --people it has the people of the design's own, each with an order";
+        return Err(StudyError::file(out, problem).with_help(help));
     }
     let (table, orders) = match options.people {
         Some(n) => new_people(
@@ -135,10 +133,9 @@ fn new_people(
     more: &[String],
 ) -> Result<Written, StudyError> {
     if !(1..=MOST_PEOPLE).contains(&n) {
-        return Err(StudyError::NotPossible {
-            problem: format!("--people {n}: expected 1 to {MOST_PEOPLE}"),
-            help: None,
-        });
+        return Err(StudyError::not_possible(format!(
+            "--people {n}: expected 1 to {MOST_PEOPLE}"
+        )));
     }
     let digits = n.to_string().len().max(2);
     let orders: Vec<Vec<ConditionId>> = (0..n).map(|person| plan.order(person)).collect();
@@ -165,11 +162,9 @@ fn new_people(
 /// The design's own table of people, with an order for each who is tested and has none.
 fn same_people(study: &DesignFile, plan: &OrderPlan, path: &Path) -> Result<Written, StudyError> {
     if !path.is_file() {
-        return Err(StudyError::BadFile {
-            path: path.to_owned(),
-            problem: "is not there: nobody can be given an order".to_owned(),
-            help: Some("say how many people there will be: --people 24".to_owned()),
-        });
+        let problem = "is not there: nobody can be given an order";
+        let help = "say how many people there will be: --people 24";
+        return Err(StudyError::file(path, problem).with_help(help));
     }
     let gate = Gate::new(study, Some(path))?;
     let factors = study.design.factors();

@@ -174,7 +174,7 @@ impl Stage for Personalize {
         let mut summary = Vec::new();
         let learning_curve = match &self.learning_curve {
             Some(path) => {
-                let curve = learning_curve::of_drives(&personalizer, &drives, self, watch)?;
+                let curve = learning_curve::of_drives(&personalizer, &drives, (self, path), watch)?;
                 warnings.extend(curve.warnings);
                 summary.push(format!(
                     "learning curve of {} drives: {}",
@@ -263,13 +263,11 @@ impl Personalize {
     }
 
     fn shows_nothing(&self, drives: usize) -> StudyError {
-        StudyError::NotPossible {
-            problem: format!(
-                "{}: none of {drives} drives shows how its driver drives",
-                self.drives.to_slash_lossy()
-            ),
-            help: Some("record longer drives".to_owned()),
-        }
+        let problem = format!(
+            "{}: none of {drives} drives shows how its driver drives",
+            self.drives.to_slash_lossy()
+        );
+        StudyError::not_possible(problem).with_help("record longer drives")
     }
 }
 
@@ -307,15 +305,13 @@ fn scored_without_drive(
     if !scored.is_empty() && without == scored.len() {
         let first =
             |names: &BTreeSet<&str>| names.iter().next().copied().unwrap_or("none").to_owned();
-        return Err(StudyError::BadFile {
-            path: path.to_owned(),
-            problem: format!(
-                "none of its {without} scored participants (first: {}) drives here (first: {})",
-                first(&scored),
-                first(&drive)
-            ),
-            help: Some("give the scores of these drivers, or leave --scores out".to_owned()),
-        });
+        let problem = format!(
+            "none of its {without} scored participants (first: {}) drives here (first: {})",
+            first(&scored),
+            first(&drive)
+        );
+        let help = "give the scores of these drivers, or leave --scores out";
+        return Err(StudyError::file(path, problem).with_help(help));
     }
     Ok(without)
 }

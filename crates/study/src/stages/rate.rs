@@ -152,17 +152,14 @@ impl Stage for Rate {
             asking.ask(person, &drives, &mut sheets)?;
         }
         if sheets.raters == 0 {
-            return Err(StudyError::NotPossible {
-                problem: format!(
-                    "no participant of {} has an own drive in {}",
-                    self.participants.to_slash_lossy(),
-                    self.measures.to_slash_lossy()
-                ),
-                help: Some(
-                    "measure the drives of the same study: --drives drives/study2 --drives av/drives"
-                        .to_owned(),
-                ),
-            });
+            let problem = format!(
+                "no participant of {} has an own drive in {}",
+                self.participants.to_slash_lossy(),
+                self.measures.to_slash_lossy()
+            );
+            let help =
+                "measure the drives of the same study: --drives drives/study2 --drives av/drives";
+            return Err(StudyError::not_possible(problem).with_help(help));
         }
         write_answers(&self.out, &sheets.answers, &sheets.probes)?;
         let mut summary = vec![format!(

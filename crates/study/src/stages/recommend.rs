@@ -7,7 +7,6 @@ use crate::{
     error::StudyError,
     once::told_once,
     outcome::{Outcome, Watch},
-    outputs::spare_inputs,
     run_folder::{read_study, study_files},
     stage::{Files, Stage},
     tables::dial::read_turns,
@@ -59,7 +58,6 @@ impl Stage for Recommend {
     /// Recommends a setting of the dial to the people of a study, each by a model learned from all others and by their own ratings, and by where they
     /// left the dial in a ride in the seat.
     fn work(&self, watch: Watch<'_>) -> Result<Outcome<Recommended>, StudyError> {
-        spare_inputs(self.design.as_deref(), self.out.as_deref())?;
         let study = DesignFile::find(self.design.as_deref())?;
         let turns = read_turns(&study.resolve(Path::new("seat")))?;
         let data = read_study(&self.results, &study, None)?.with_turns(&turns);
@@ -138,10 +136,9 @@ fn unknown(name: &str, data: &StudyData) -> StudyError {
         .iter()
         .map(ParticipantId::as_str)
         .collect();
-    StudyError::NotPossible {
-        problem: format!("no participant `{name}` with an own drive in this study"),
-        help: Some(format!("participants are {}", known.join(", "))),
-    }
+    let problem = format!("no participant `{name}` with an own drive in this study");
+    let help = format!("participants are {}", known.join(", "));
+    StudyError::not_possible(problem).with_help(help)
 }
 
 /// Reasons that a line names.

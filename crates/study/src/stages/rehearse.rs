@@ -20,7 +20,7 @@ use crate::{
     stage::{Files, Stage},
     stages::report::write_page,
 };
-use maveric_analysis::{BesideLent, Finding, Purpose};
+use maveric_analysis::{Finding, Purpose};
 use maveric_domain::{ConditionId, design::FEWEST_DONORS, stream_seed};
 use maveric_rehearsal::{RehearsalError, Studied, World, findings, found_in};
 use serde::Serialize;
@@ -165,7 +165,12 @@ impl Stage for Rehearse {
             let seed = stream_seed(self.seed, &["rehearsal", scale, size, index]);
             let study = worlds[cell / self.participants.len()].study(n, seed)?;
             let analysis = maveric_analysis::analyse(&study.data, Purpose::Simulation)?;
-            let lent = analysis.lent.iter().map(|lent| LentStyles::of(lent, n));
+            let lent = analysis.lent.iter().map(|lent| LentStyles {
+                condition: lent.condition,
+                participants: n,
+                people: lent.people,
+                beyond_reach: lent.beyond_reach,
+            });
             Ok((found_in(&analysis), lent.collect::<Vec<LentStyles>>()))
         })?;
         let (studied, lent): (Vec<Studied>, Vec<Vec<LentStyles>>) = studied.into_iter().unzip();
@@ -220,17 +225,6 @@ struct LentStyles {
     beyond_reach: usize,
 }
 
-impl LentStyles {
-    fn of(lent: &BesideLent, participants: usize) -> Self {
-        Self {
-            condition: lent.condition,
-            participants,
-            people: lent.people,
-            beyond_reach: lent.beyond_reach,
-        }
-    }
-}
-
 /// What a reader has to know of how donors were drawn, over all studies of a size.
 fn beyond_reach(lent: &[LentStyles]) -> Vec<String> {
     let mut counts: BTreeMap<(ConditionId, usize), (usize, usize)> = BTreeMap::new();
@@ -250,18 +244,15 @@ fn beyond_reach(lent: &[LentStyles]) -> Vec<String> {
 }
 
 fn few_donors(error: &RehearsalError) -> StudyError {
-    StudyError::NotPossible {
-        problem: error.to_string(),
-        help: Some(format!("such as --participants {}", FEWEST_DONORS + 1)),
-    }
+    let problem = error.to_string();
+    let help = format!("such as --participants {}", FEWEST_DONORS + 1);
+    StudyError::not_possible(problem).with_help(help)
 }
 
 fn check(options: &Rehearse) -> Result<(), StudyError> {
     let refuse = |problem: String| {
-        Err(StudyError::NotPossible {
-            problem,
-            help: Some("such as --participants 24 --effects-times 0 --studies 4000".to_owned()),
-        })
+        let help = "such as --participants 24 --effects-times 0 --studies 4000";
+        Err(StudyError::not_possible(problem).with_help(help))
     };
     if options.participants.is_empty() || options.effect_scales.is_empty() || options.studies == 0 {
         return refuse("no size, no scale of the effects or no study to rehearse".to_owned());

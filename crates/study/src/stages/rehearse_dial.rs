@@ -92,10 +92,9 @@ impl Stage for RehearseDial {
         let ascend = self.participants.is_sorted_by(|a, b| a < b);
         let sizes = self.participants.iter().all(|n| (6..=500).contains(n));
         if self.participants.is_empty() || !ascend || !sizes || self.studies == 0 {
-            return Err(StudyError::NotPossible {
-            problem: "studies to learn from must have 6 to 500 participants, ascending, and there must be one at least".to_owned(),
-            help: Some("such as --participants 24,48,96 --studies 20".to_owned()),
-        });
+            let problem = "studies to learn from must have 6 to 500 participants, ascending, and there must be one at least";
+            let help = "such as --participants 24,48,96 --studies 20";
+            return Err(StudyError::not_possible(problem).with_help(help));
         }
         let given = [&self.population, &self.effects, &self.scales];
         let world = read_world(

@@ -15,12 +15,7 @@ use crate::{
     stage::{Files, Stage},
 };
 pub(crate) use inputs::hashed;
-use maveric_pages::glossary;
-use maveric_report::{
-    Context, Report,
-    html::{Methods, Provenance, RenderedFile},
-    markup,
-};
+use maveric_report::{Report, html::RenderedFile, markup};
 use path_slash::PathExt as _;
 use serde::Serialize;
 use std::path::{Path, PathBuf};
@@ -52,7 +47,6 @@ pub struct DrawReport {
 }
 
 impl DrawReport {
-    /// The value of a parameter of the run.
     fn parameter(&self, key: &str) -> Option<&str> {
         let mut parameters = self.parameters.iter();
         let (_, value) = parameters.find(|(name, _)| name == key)?;
@@ -95,16 +89,10 @@ impl Stage for DrawReport {
         } else if folder.join("following.json").exists() {
             evaluation::page(self)?
         } else {
-            return Err(StudyError::BadFile {
-                path: folder.clone(),
-                problem:
-                    "holds neither analysis.json nor following.json, so there is nothing to report"
-                        .to_owned(),
-                help: Some(
-                    "run a pipeline first, or `maveric stats study` over a study's results"
-                        .to_owned(),
-                ),
-            });
+            let problem =
+                "holds neither analysis.json nor following.json, so there is nothing to report";
+            let help = "run a pipeline first, or `maveric stats study` over a study's results";
+            return Err(StudyError::file(folder, problem).with_help(help));
         };
         watch.step(1, 2, "report")?;
         let files = maveric_report::render(&page)?;
@@ -130,30 +118,6 @@ fn parameter(text: &str) -> Result<(String, String), String> {
     let parts = text.split_once('=').filter(|(key, _)| !key.is_empty());
     let (key, value) = parts.ok_or_else(|| format!("`{text}` is not KEY=VALUE, such as seed=1"))?;
     Ok((key.to_owned(), value.to_owned()))
-}
-
-/// A page with its head, the words that it explains, how its numbers were made and the command that repeats them; the results are
-/// still to come.
-pub(crate) fn page_of(
-    head: (&str, String),
-    context: &Context,
-    method: impl Into<String>,
-    (seed, command): (u64, &str),
-) -> Report {
-    let new = Report::new(head.0, head.1, context);
-    Report {
-        glossary: glossary(),
-        methods: Methods {
-            text: vec![method.into()],
-            files: Vec::new(),
-        },
-        provenance: Provenance {
-            seed: Some(seed),
-            command: command.to_owned(),
-            ..new.provenance
-        },
-        ..new
-    }
 }
 
 /// Draws a page with its figures and tables into a folder; gives the page's path.

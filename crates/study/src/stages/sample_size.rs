@@ -72,11 +72,9 @@ pub(super) fn sample_size(
         })?;
     }
     let Some(first) = planted.first().filter(|_| !lines.is_empty()) else {
-        return Err(StudyError::BadFile {
-            path,
-            problem: "has no test of this design with its effects as they are planted".to_owned(),
-            help: Some("rehearse this design: maveric rehearse --design FILE --effects-times 1 --participants 12,24,48".to_owned()),
-        });
+        let problem = "has no test of this design with its effects as they are planted";
+        let help = "rehearse this design: maveric rehearse --design FILE --effects-times 1 --participants 12,24,48";
+        return Err(StudyError::file(path, problem).with_help(help));
     };
     let values = BTreeMap::from([
         ("path", path.to_slash_lossy().into_owned()),
@@ -121,13 +119,11 @@ fn wanted(
             let inner = t.key.strip_prefix("panel.")?.strip_suffix(".omnibus")?;
             Some(inner.to_owned())
         };
-        let mut seen = BTreeMap::new();
-        for (at, outcome) in keys.filter_map(outcome_of).enumerate() {
-            seen.entry(outcome).or_insert(at);
+        for outcome in keys.filter_map(outcome_of) {
+            if !outcomes.contains(&outcome) {
+                outcomes.push(outcome);
+            }
         }
-        let mut listed: Vec<(usize, String)> = seen.into_iter().map(|(o, at)| (at, o)).collect();
-        listed.sort();
-        outcomes = listed.into_iter().map(|(_, outcome)| outcome).collect();
     }
     let mut tests = Vec::new();
     for outcome in &outcomes {
@@ -138,26 +134,20 @@ fn wanted(
             false,
         ));
     }
-    let mut pairs: Vec<(String, [_; 2])> = Vec::new();
-    if design.hypotheses().is_empty() && design.conditions().len() < 3 {
-        let contrasts = design.contrasts();
-        let pairs_of = |o: &String| {
-            contrasts
-                .iter()
-                .map(|pair| (o.clone(), *pair))
-                .collect::<Vec<_>>()
-        };
-        pairs = outcomes.iter().flat_map(pairs_of).collect();
+    if !design.hypotheses().is_empty() || design.conditions().len() >= 3 {
+        return Ok(tests);
     }
-    for (outcome, [first, second]) in pairs {
-        let values = BTreeMap::from([
-            ("title", title(&outcome)),
-            ("first", design.label(first)),
-            ("second", design.label(second)),
-        ]);
-        let words = texts.with(&values).text("contrast")?;
-        for (a, b) in [(first, second), (second, first)] {
-            tests.push((words.clone(), format!("panel.{outcome}.{a}-{b}"), true));
+    for outcome in &outcomes {
+        for [first, second] in design.contrasts() {
+            let values = BTreeMap::from([
+                ("title", title(outcome)),
+                ("first", design.label(first)),
+                ("second", design.label(second)),
+            ]);
+            let words = texts.with(&values).text("contrast")?;
+            for (a, b) in [(first, second), (second, first)] {
+                tests.push((words.clone(), format!("panel.{outcome}.{a}-{b}"), true));
+            }
         }
     }
     Ok(tests)

@@ -264,10 +264,7 @@ impl Stage for ScoreAnswers {
         let collected = (&mut answers, &mut probes, &mut times);
         let left_out = let_in(study.as_ref(), self, &scales, collected)?;
         if answers.is_empty() && probes.is_empty() {
-            return Err(StudyError::NotPossible {
-                problem: "the surveys hold no answers".to_owned(),
-                help: None,
-            });
+            return Err(StudyError::not_possible("the surveys hold no answers"));
         }
         let participants: Option<Vec<ParticipantId>> = self
             .participants

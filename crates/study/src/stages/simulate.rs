@@ -339,16 +339,12 @@ impl Simulate {
             return Ok(vec![None; conditions.len()]);
         };
         let Some(path) = &self.variability else {
-            return Err(StudyError::NotPossible {
-                problem: format!(
-                    "the car of condition {} varies, and nothing says how people's own drives do",
-                    first.condition
-                ),
-                help: Some(
-                    "write it with `maveric personalize --variability FILE` and give it with --variability FILE"
-                        .to_owned(),
-                ),
-            });
+            let problem = format!(
+                "the car of condition {} varies, and nothing says how people's own drives do",
+                first.condition
+            );
+            let help = "write it with `maveric personalize --variability FILE` and give it with --variability FILE";
+            return Err(StudyError::not_possible(problem).with_help(help));
         };
         let known = read_variability(path)?;
         let baseline = design.and_then(maveric_domain::Design::baseline_id);
@@ -371,7 +367,6 @@ impl Simulate {
     }
 }
 
-/// A ride to drive.
 struct Ride<'a> {
     row: &'a ConditionRow,
     id: DriveId,

@@ -326,11 +326,7 @@ fn head_line(head: &HeadReport) -> String {
     let Some(kept) = &head.kept_back else {
         return learned;
     };
-    let worse = if kept.head < kept.own_mean {
-        ""
-    } else {
-        " (no better than the own mean)"
-    };
+    let worse = no_better(kept.head, kept.own_mean);
     let unit = if head.unit == "1" {
         ""
     } else {
@@ -340,6 +336,14 @@ fn head_line(head: &HeadReport) -> String {
         "{learned}; off by {:.2} {unit} on {} kept back, the own mean by {:.2}, everybody's by {:.2}{worse}",
         kept.head, kept.events, kept.own_mean, kept.everybody
     )
+}
+
+fn no_better(error: f64, of_own_mean: f64) -> &'static str {
+    if error < of_own_mean {
+        ""
+    } else {
+        " (no better than the own mean)"
+    }
 }
 
 /// How well the style says the score, in a line.
@@ -362,11 +366,7 @@ fn validation_line(selection: &Selection) -> String {
     let (networks, own) = (&selection.networks, &selection.own_means);
     let beside = |what: &str, unit: &str, network: Option<f64>, own: Option<f64>| {
         let (network, own) = (network?, own?);
-        let worse = if network < own {
-            ""
-        } else {
-            " (no better than the own mean)"
-        };
+        let worse = no_better(network, own);
         Some(format!(
             "{what} off by {network:.2} {unit}, the own mean by {own:.2}{worse}"
         ))
@@ -393,15 +393,16 @@ fn validation_line(selection: &Selection) -> String {
     )
 }
 
+/// ADB scores with a value.
+fn adb_scores(scores: &[Score]) -> impl Iterator<Item = &Score> {
+    let is_one = |s: &&Score| s.scale == "adb" && s.subscale == "total" && s.value.is_some();
+    scores.iter().filter(is_one)
+}
+
 /// ADB scores of participants without a drive here.
 fn without_drive(scores: &[Score], drives: &[Drive]) -> usize {
-    let foreign = |s: &&Score| {
-        s.scale == "adb"
-            && s.subscale == "total"
-            && s.value.is_some()
-            && !drives.iter().any(|d| d.meta().participant == s.participant)
-    };
-    scores.iter().filter(foreign).count()
+    let drives_here = |s: &Score| drives.iter().any(|d| d.meta().participant == s.participant);
+    adb_scores(scores).filter(|s| !drives_here(s)).count()
 }
 
 /// Scores that are all of other people are the wrong file, and not a study without scores.
@@ -411,29 +412,21 @@ fn refuse_foreign_scores(
     drives: &[Drive],
     foreign: usize,
 ) -> Result<(), StudyError> {
-    let total = scores
-        .iter()
-        .filter(|s| s.scale == "adb" && s.subscale == "total" && s.value.is_some())
-        .count();
+    let total = adb_scores(scores).count();
     if foreign == 0 || foreign < total {
         return Ok(());
     }
     let of_scores = scores.iter().find(|s| s.scale == "adb");
     let of_scores = of_scores.map(|s| s.participant.to_string());
     let of_drives = drives.first().map(|d| d.meta().participant.to_string());
-    Err(StudyError::BadFile {
-        path: path.to_owned(),
-        problem: format!(
-            "none of its {total} ADB scores is of a participant who drives here: the first is of {}, the first \
+    let problem = format!(
+        "none of its {total} ADB scores is of a participant who drives here: the first is of {}, the first \
              drive of {}",
-            of_scores.unwrap_or_default(),
-            of_drives.unwrap_or_default()
-        ),
-        help: Some(
-            "give the scores of these participants, or none: there is then no style head"
-                .to_owned(),
-        ),
-    })
+        of_scores.unwrap_or_default(),
+        of_drives.unwrap_or_default()
+    );
+    let help = "give the scores of these participants, or none: there is then no style head";
+    Err(StudyError::file(path, problem).with_help(help))
 }
 
 /// Tells how the epochs go: losses, bound, rate.

@@ -180,14 +180,13 @@ impl Validate {
     /// page with figures and tables.
     fn drove_twice(&self, watch: Watch<'_>) -> Result<Outcome<Validated>, StudyError> {
         if self.models.is_empty() || self.worlds == 0 {
-            return Err(StudyError::NotPossible {
-                problem: format!(
-                    "{} models on {} roads: expected at least one of each",
-                    self.models.len(),
-                    self.worlds
-                ),
-                help: Some("name models with --model FILE".to_owned()),
-            });
+            let problem = format!(
+                "{} models on {} roads: expected at least one of each",
+                self.models.len(),
+                self.worlds
+            );
+            let help = "name models with --model FILE";
+            return Err(StudyError::not_possible(problem).with_help(help));
         }
         let people = people::read(&self.run)?;
         let scenario = read_scenario(self.scenario.as_deref(), self.duration_s)?;
@@ -212,8 +211,6 @@ impl Validate {
         let synthetic = first().any(|by| by == DrivenBy::Synthetic);
         let texts = tables::texts(&models, self, (people.test.len(), synthetic))?;
         let tables = tables::tables(&models, &retest, &texts)?;
-        let markdown: Vec<String> = tables.iter().map(Table::to_markdown).collect();
-        let text = markdown.join("\n");
         let collisions: u32 = models.iter().map(|m| m.collisions).sum();
         let value = Validated {
             synthetic,
@@ -223,7 +220,7 @@ impl Validate {
             findings: examine::findings(&models),
             models,
         };
-        let mut summary = write(&self.out, &text, &value)?;
+        let mut summary = write(&self.out, &tables, &value)?;
         let warnings = warnings(&people, collisions, &texts)?;
         let page = page::page(&value, self, (&texts, tables), &warnings)?;
         let page = write_page(&self.out, &page)?;
@@ -237,8 +234,14 @@ impl Validate {
     }
 }
 
-/// Writes what was found as text and as data, before a page of it could fail; gives the lines of the text.
-fn write(out: &Path, text: &str, result: &impl Serialize) -> Result<Vec<String>, StudyError> {
+/// Writes what was found as tables and as data, before a page of it could fail; gives the lines of the tables.
+fn write<'a>(
+    out: &Path,
+    tables: impl IntoIterator<Item = &'a Table>,
+    result: &impl Serialize,
+) -> Result<Vec<String>, StudyError> {
+    let tables: Vec<String> = tables.into_iter().map(Table::to_markdown).collect();
+    let text = tables.join("\n");
     atomic_write_bytes(&out.join("validation.md"), text.as_bytes())?;
     write_json(&out.join("validation.json"), result)?;
     Ok(text.lines().map(str::to_owned).collect())

@@ -39,29 +39,19 @@ pub fn read_consents(path: &Path) -> Result<Vec<ConsentRow>, StudyError> {
         step: usize,
         text_sha256: String,
         at: Option<String>,
-    }
-    #[derive(Deserialize)]
-    struct Asked {
         style_lent: Option<bool>,
     }
     let table = Table::read(path)?;
-    let agreed: Vec<Agreed> = table.records()?;
-    // Where nobody is asked there is no such column.
-    let asked: Vec<Asked> = if table.has("style_lent") {
-        table.records()?
-    } else {
-        Vec::new()
-    };
-    let lent = asked.into_iter().map(|row| row.style_lent);
-    let lent = lent.chain(std::iter::repeat(None));
-    let row = |(row, style_lent): (Agreed, Option<bool>)| ConsentRow {
+    // Where nobody is asked there is no column `style_lent`.
+    let agreed: Vec<Agreed> = table.records_beside(&table.absent(&["style_lent"]))?;
+    let row = |row: Agreed| ConsentRow {
         participant: row.participant,
         step: row.step,
         text_sha256: row.text_sha256,
         at: row.at,
-        style_lent,
+        style_lent: row.style_lent,
     };
-    Ok(agreed.into_iter().zip(lent).map(row).collect())
+    Ok(agreed.into_iter().map(row).collect())
 }
 
 /// What the experimenter noted, or was told by the seat.
@@ -131,13 +121,15 @@ pub struct PaymentRow {
     pub ended: Option<String>,
 }
 
-/// Their files in the seat's folder.
+/// The seat's folder in the study's.
+pub(crate) const SEAT: &str = "seat";
+/// Its files there.
 pub const EVENTS: &str = "events.csv";
 /// As [`EVENTS`].
 pub const CONSENTS: &str = "consents.csv";
 /// Where [`CONSENTS`] is, from the study's folder.
 pub fn consents_of_study() -> PathBuf {
-    Path::new("seat").join(CONSENTS)
+    Path::new(SEAT).join(CONSENTS)
 }
 
 /// As [`EVENTS`].

@@ -11,10 +11,7 @@ use std::path::Path;
 pub use maveric_domain::{ConditionRow, SweepPoint};
 
 /// Writes conditions, one row each; those of a sweep with its points.
-///
-/// # Errors
-/// As [`write_rows`].
-pub fn write_conditions(path: &Path, rows: &[ConditionRow]) -> Result<(), StudyError> {
+pub(crate) fn write_conditions(path: &Path, rows: &[ConditionRow]) -> Result<(), StudyError> {
     let written = rows
         .iter()
         .map(|row| (row, coordinates(&row.embedding), &row.lent, &row.sweep));
@@ -29,9 +26,7 @@ pub fn read_conditions(path: &Path) -> Result<Vec<ConditionRow>, StudyError> {
     let table = Table::read(path)?;
     let mut beside = vec![("embedding", read_coordinates(&table)?)];
     // A table of before does not say it.
-    if !table.has("beyond_why") {
-        beside.push(("beyond_why", vec![None; table.rows()]));
-    }
+    beside.extend(table.absent(&["beyond_why"]));
     let mut rows: Vec<ConditionRow> = table.records_beside(&beside)?;
     if table.has("donor") {
         for (row, lent) in rows.iter_mut().zip(table.records_with("donor")?) {

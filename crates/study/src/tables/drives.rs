@@ -1,6 +1,6 @@
 //! Drives as files: one Parquet file a drive, and `drives.csv` beside them.
 
-use super::{Table, TableBuilder, TableName, read_rows, write_rows};
+use super::{Table, TableBuilder, TableName, write_rows};
 use crate::{
     atomic_write::{atomic_write, files_ending},
     error::StudyError,
@@ -32,10 +32,7 @@ pub fn write_drive(folder: &Path, drive: &Drive) -> Result<PathBuf, StudyError> 
 }
 
 /// Writes `<folder>/<drive>.parquet`, with what the drive was made from in its metadata.
-///
-/// # Errors
-/// [`StudyError::Io`], [`StudyError::Ingest`].
-pub fn write_drive_of(
+pub(crate) fn write_drive_of(
     folder: &Path,
     drive: &Drive,
     provenance: &Provenance,
@@ -46,9 +43,6 @@ pub fn write_drive_of(
 }
 
 /// Writes a drive's rows as a table, a row a sample; what is not there is an empty cell.
-///
-/// # Errors
-/// As [`TableBuilder::write`].
 pub(crate) fn write_samples(path: &Path, drive: &Drive) -> Result<(), StudyError> {
     let mut frame = drive_frame(drive).drop_many(["following_distance_m"]);
     // Without a reference vehicle its columns hold values of a free road, which nobody measured.
@@ -64,14 +58,6 @@ pub(crate) fn write_samples(path: &Path, drive: &Drive) -> Result<(), StudyError
         replaced.map_err(|e| StudyError::file(path, e.to_string()))?;
     }
     TableBuilder::from(frame).write(path)
-}
-
-/// The drives that a list has.
-///
-/// # Errors
-/// As [`Table`] does, naming row and column.
-pub(crate) fn list_of(list: &Path) -> Result<Vec<DriveMeta>, StudyError> {
-    read_rows(list)
 }
 
 /// Reads one drive back.
@@ -102,17 +88,12 @@ pub fn drives_in(
 }
 
 /// The files of the drives of a folder, ordered by name.
-///
-/// # Errors
-/// As [`drives_in`].
 pub(crate) fn drive_paths(folder: &Path) -> Result<Vec<PathBuf>, StudyError> {
     let paths = drive_files(folder)?;
     if paths.is_empty() {
-        return Err(StudyError::BadFile {
-            path: folder.to_owned(),
-            problem: "holds no drives (*.parquet)".to_owned(),
-            help: Some("make drives from logs with `maveric ingest LOG… --out DIR`".to_owned()),
-        });
+        let problem = "holds no drives (*.parquet)";
+        let help = "make drives from logs with `maveric ingest LOG… --out DIR`";
+        return Err(StudyError::file(folder, problem).with_help(help));
     }
     if folder.join(LIST).is_file() {
         refuse_foreign(folder, [])?;
@@ -139,17 +120,12 @@ pub(crate) fn refuse_foreign<'a>(
         let stem = path.file_stem();
         stem.is_some_and(|stem| known_ids.contains(stem.to_string_lossy().as_ref()))
     };
-    match drive_files(folder)?.into_iter().find(|path| !known(path)) {
-        None => Ok(()),
-        Some(path) => Err(StudyError::BadFile {
-            path,
-            problem: format!("is a drive that {} does not list", list.to_slash_lossy()),
-            help: Some(
-                "nobody knows how it was made: move it elsewhere, or ingest its log with the others"
-                    .to_owned(),
-            ),
-        }),
-    }
+    let Some(path) = drive_files(folder)?.into_iter().find(|path| !known(path)) else {
+        return Ok(());
+    };
+    let problem = format!("is a drive that {} does not list", list.to_slash_lossy());
+    let help = "nobody knows how it was made: move it elsewhere, or ingest its log with the others";
+    Err(StudyError::file(path, problem).with_help(help))
 }
 
 /// The drives' files of a folder, by name; none where there is no such folder.
@@ -205,9 +181,6 @@ pub(crate) struct EndedEarly {
 }
 
 /// What the `exclusions.csv` of a folder of drives lists; nothing where there is none.
-///
-/// # Errors
-/// As [`Table`] does.
 pub(crate) fn exclusions(folder: &Path) -> Result<Vec<ExclusionRow>, StudyError> {
     let path = folder.join("exclusions.csv");
     if !path.is_file() {
@@ -258,9 +231,6 @@ pub(crate) fn former_drives<'a>(
 }
 
 /// Removes a file of an earlier call; one that is not there is fine.
-///
-/// # Errors
-/// [`StudyError::Io`].
 pub(crate) fn remove_former(file: &Path) -> Result<(), StudyError> {
     match std::fs::remove_file(file) {
         Err(error) if error.kind() != std::io::ErrorKind::NotFound => {
@@ -272,10 +242,7 @@ pub(crate) fn remove_former(file: &Path) -> Result<(), StudyError> {
 
 /// Writes `<folder>/drives.csv`: one row a drive. Drives that an earlier list has and this one has not are removed:
 /// whatever reads the folder would take them for drives of this study.
-///
-/// # Errors
-/// [`StudyError::Io`], [`StudyError::BadTable`].
-pub fn write_drive_list(
+pub(crate) fn write_drive_list(
     folder: &Path,
     drives: &[(DriveMeta, usize, f64)],
 ) -> Result<(), StudyError> {

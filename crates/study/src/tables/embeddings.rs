@@ -68,14 +68,12 @@ pub fn read_embeddings(path: &Path) -> Result<Vec<EmbeddingRow>, StudyError> {
     let covariances = read_covariances(&table, d)?;
     let mut beside = vec![("embedding", embeddings), ("covariance", covariances)];
     // Tables without covariances have no errors beside them, and older ones do not say what is beyond their model.
-    let absent = [
+    beside.extend(table.absent(&[
         "line_position_se",
         "support_p",
         "beyond_why",
         "posted_unseen",
-    ];
-    let absent = absent.into_iter().filter(|name| !table.has(name));
-    beside.extend(absent.map(|name| (name, vec![None; table.rows()])));
+    ]));
     table.records_beside(&beside)
 }
 
@@ -89,14 +87,12 @@ pub fn read_styles(path: &Path, size: usize) -> Result<Vec<EmbeddingRow>, StudyE
     if numbers == size {
         return Ok(rows);
     }
-    Err(StudyError::BadFile {
-        path: path.to_owned(),
-        problem: match numbers {
-            0 => "has no row, expected one for everybody, or one a person".to_owned(),
-            _ => format!("has styles of {numbers} numbers (w1, …), and the model's have {size}"),
-        },
-        help: Some("write it with `maveric personalize` and the study's model".to_owned()),
-    })
+    let problem = match numbers {
+        0 => "has no row, expected one for everybody, or one a person".to_owned(),
+        _ => format!("has styles of {numbers} numbers (w1, …), and the model's have {size}"),
+    };
+    let help = "write it with `maveric personalize` and the study's model";
+    Err(StudyError::file(path, problem).with_help(help))
 }
 
 /// The style of `who` in a file of embeddings: of their own row, or of its only row; that one alone where nobody knows who they will be.

@@ -14,10 +14,7 @@ pub use maveric_domain::MeasuredDrive;
 const COUNTED: &str = "counted_s";
 
 /// Writes measurements.
-///
-/// # Errors
-/// As [`write_rows`].
-pub fn write_measurements(path: &Path, drives: &[MeasuredDrive]) -> Result<(), StudyError> {
+pub(crate) fn write_measurements(path: &Path, drives: &[MeasuredDrive]) -> Result<(), StudyError> {
     let written = drives
         .iter()
         .map(|d| (&d.meta, (COUNTED, d.counted_s), &d.values));
@@ -25,10 +22,7 @@ pub fn write_measurements(path: &Path, drives: &[MeasuredDrive]) -> Result<(), S
 }
 
 /// Reads measurements back; every column that is not about the drive itself is a measure.
-///
-/// # Errors
-/// As [`Table`] does, naming row and column.
-pub fn read_measurements(path: &Path) -> Result<Vec<MeasuredDrive>, StudyError> {
+pub(crate) fn read_measurements(path: &Path) -> Result<Vec<MeasuredDrive>, StudyError> {
     let table = Table::read(path)?;
     table.each_once(&["drive"])?;
     let about = [
@@ -43,11 +37,7 @@ pub fn read_measurements(path: &Path) -> Result<Vec<MeasuredDrive>, StudyError> 
     let about: BTreeSet<&str> = about.collect();
     let metas = table.records::<DriveMeta>()?.into_iter();
     // Without the column, as in a table of another program, counts are those of whole drives.
-    let counted = if table.has(COUNTED) {
-        table.numbers(COUNTED)?
-    } else {
-        vec![None; metas.len()]
-    };
+    let counted = table.numbers_if_there(COUNTED)?;
     let mut drives: Vec<MeasuredDrive> = metas
         .zip(counted)
         .map(|(meta, counted_s)| MeasuredDrive {
@@ -81,20 +71,15 @@ pub(crate) fn one_drive_a_condition<'a>(
         let Some(first) = seen.insert((&meta.participant, meta.ride()), &meta.drive) else {
             continue;
         };
-        return Err(StudyError::BadFile {
-            path: path.to_owned(),
-            problem: format!(
-                "holds two drives of {} in condition {} ({}): {first} and {}",
-                meta.participant,
-                meta.condition,
-                meta.occasion(),
-                meta.drive
-            ),
-            help: Some(
-                "measure one of them, give the other a condition of its own, or say by `{session}` and `{trial}` under [names] of the mapping which is which"
-                    .to_owned(),
-            ),
-        });
+        let problem = format!(
+            "holds two drives of {} in condition {} ({}): {first} and {}",
+            meta.participant,
+            meta.condition,
+            meta.occasion(),
+            meta.drive
+        );
+        let help = "measure one of them, give the other a condition of its own, or say by `{session}` and `{trial}` under [names] of the mapping which is which";
+        return Err(StudyError::file(path, problem).with_help(help));
     }
     Ok(())
 }

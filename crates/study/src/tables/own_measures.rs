@@ -6,7 +6,7 @@ use maveric_domain::{
     ConditionId, OwnMeasurement, ParticipantId,
     design::{ABOUT_A_ROW, DesignError},
     nearest,
-    occasion::is_first,
+    occasion::{OCCASION, is_first},
 };
 use maveric_measures::objective;
 use path_slash::PathExt as _;
@@ -45,16 +45,9 @@ pub fn read_own_measures(
         return Ok(None);
     }
     let table = Table::read(&path)?;
-    let keys = ABOUT_A_ROW.map(|key| (key, table.has(key)));
-    let [_, _, (_, sessions), (_, trials)] = keys;
     let people = known_people(study, participants, &table)?;
     let conditions = known_conditions(study, &table)?;
-    let given: Vec<&str> = keys
-        .into_iter()
-        .filter(|(_, there)| *there)
-        .map(|(key, _)| key)
-        .collect();
-    one_row_each(&table, &given, sessions || trials)?;
+    one_row_each(&table)?;
     let cells: Vec<(ParticipantId, ConditionId)> = people.into_iter().zip(conditions).collect();
     // Of a study that declares its sessions, the first is compared.
     let counts: Vec<bool> = if study.design.protocol().session_count() == 1 {
@@ -96,10 +89,7 @@ pub fn read_own_measures(
 }
 
 /// Reads the means back.
-///
-/// # Errors
-/// As [`Table`] does, naming row and column.
-pub fn read_own_measurements(path: &Path) -> Result<Vec<OwnMeasurement>, StudyError> {
+pub(crate) fn read_own_measurements(path: &Path) -> Result<Vec<OwnMeasurement>, StudyError> {
     let table = Table::read(path)?;
     table.each_once(&["participant", "condition", "measure"])?;
     table.records()
@@ -179,24 +169,19 @@ pub(crate) fn known_conditions(
 }
 
 /// Refuses a second source of one value: two rows of one person and condition that no session or trial tells apart.
-fn one_row_each(table: &Table, keys: &[&str], told_apart: bool) -> Result<(), StudyError> {
-    table.each_once(keys).map_err(|error| match error {
-        StudyError::BadCell {
-            path,
-            row,
-            column,
-            found,
-            expected,
-        } if !told_apart => StudyError::BadCell {
-            path,
-            row,
-            column,
-            found,
-            expected: format!(
-                "{expected}; several are averaged where a column `session` or `trial` tells them apart"
-            ),
-        },
-        other => other,
+fn one_row_each(table: &Table) -> Result<(), StudyError> {
+    let mut keys = ABOUT_A_ROW.to_vec();
+    keys.retain(|key| table.has(key));
+    table.each_once(&keys).map_err(|mut error| {
+        let told_apart = keys.iter().any(|key| OCCASION.contains(key));
+        if let StudyError::BadCell { expected, .. } = &mut error
+            && !told_apart
+        {
+            expected.push_str(
+                "; several are averaged where a column `session` or `trial` tells them apart",
+            );
+        }
+        error
     })
 }
 

@@ -148,21 +148,17 @@ pub fn read_enrolled(path: &Path, design: &Design) -> Result<Vec<Enrolled>, Stud
     let mut seen = BTreeSet::new();
     (0..table.rows())
         .map(|i| {
+            let bad = |column: &str, found: &str, expected: &str| {
+                table.bad_cell(i, column, found, expected)
+            };
             if !seen.insert(&id[i]) {
-                return Err(table.bad_cell(
-                    i,
-                    "participant",
-                    id[i].as_str(),
-                    "each participant once",
-                ));
+                return Err(bad("participant", id[i].as_str(), "each participant once"));
             }
             let cells: BTreeMap<String, String> = columns
                 .iter()
                 .filter_map(|(name, cells)| Some((name.clone(), cells[i].clone()?)))
                 .collect();
             let cell = |name: &str| cells.get(name).map(String::as_str);
-            let bad =
-                |column, found: &str, expected: String| table.bad_cell(i, column, found, expected);
             for (column, values) in people.values() {
                 let Some(found) = cell(column).filter(|found| !values.contains(found)) else {
                     continue;
@@ -171,7 +167,7 @@ pub fn read_enrolled(path: &Path, design: &Design) -> Result<Vec<Enrolled>, Stud
                 let meant = values.iter().find(|v| v.eq_ignore_ascii_case(found));
                 if let Some(meant) = meant {
                     let expected = format!("`{meant}`, as [people] of the study's design has it");
-                    return Err(table.bad_cell(i, column, found, expected));
+                    return Err(bad(column, found, &expected));
                 }
             }
             Ok(Enrolled {
@@ -182,21 +178,16 @@ pub fn read_enrolled(path: &Path, design: &Design) -> Result<Vec<Enrolled>, Stud
                 population: cell("population").map(str::to_owned),
                 age_years: match cell("age") {
                     None | Some("NA") => None,
-                    Some(text) => Some(years(text).ok_or_else(|| {
-                        bad(
-                            "age",
-                            text,
-                            "years from 0 to 130, or a band such as 30-39".to_owned(),
-                        )
-                    })?),
+                    Some(text) => {
+                        let expected = "years from 0 to 130, or a band such as 30-39";
+                        Some(years(text).ok_or_else(|| bad("age", text, expected))?)
+                    }
                 },
                 gender: cell("gender").map(str::to_owned),
                 professional: match cell("professional") {
                     None | Some("false") => false,
                     Some("true") => true,
-                    Some(other) => {
-                        return Err(bad("professional", other, "true or false".to_owned()));
-                    }
+                    Some(other) => return Err(bad("professional", other, "true or false")),
                 },
                 order: conditions(&table, i, cell("order").unwrap_or_default(), design)?,
                 cells,

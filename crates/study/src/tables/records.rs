@@ -34,9 +34,6 @@ impl Table {
 
     /// As [`Table::records`], with fields that are not one column: for each its name and what it is in every row, nothing where it is
     /// missing.
-    ///
-    /// # Errors
-    /// As [`Table::records`].
     pub(super) fn records_beside<T: DeserializeOwned>(
         &self,
         lists: &[(&str, Vec<Option<Vec<f64>>>)],
@@ -45,10 +42,15 @@ impl Table {
         Ok(rows.into_iter().flatten().collect())
     }
 
+    /// Those of these columns that the table does not have, missing in every row: for [`Table::records_beside`].
+    pub(super) fn absent<'n>(&self, names: &[&'n str]) -> Vec<(&'n str, Vec<Option<Vec<f64>>>)> {
+        let absent = names.iter().filter(|name| !self.has(name));
+        absent
+            .map(|name| (*name, vec![None; self.rows()]))
+            .collect()
+    }
+
     /// As [`Table::records`], of those rows alone in which this column is not empty.
-    ///
-    /// # Errors
-    /// As [`Table::records`].
     pub(super) fn records_with<T: DeserializeOwned>(
         &self,
         column: &str,
@@ -95,7 +97,6 @@ impl Table {
     }
 }
 
-/// The fields of a row.
 fn columns<'de, T: Deserialize<'de>>() -> &'static [&'static str] {
     let mut fields: &'static [&'static str] = &[];
     // It is given no value, so it can only fail; what it asked for is what is wanted.
@@ -232,16 +233,9 @@ impl<'de> Deserializer<'de> for OneCell<'_> {
 }
 
 /// What a cell should have been.
-#[derive(Debug)]
+#[derive(Debug, thiserror::Error)]
+#[error("{0}")]
 struct Expected(String);
-
-impl fmt::Display for Expected {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(&self.0)
-    }
-}
-
-impl std::error::Error for Expected {}
 
 impl de::Error for Expected {
     fn custom<T: fmt::Display>(said: T) -> Self {

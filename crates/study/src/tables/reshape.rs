@@ -49,13 +49,12 @@ impl Table {
         let kept: Vec<usize> = (0..mask.len()).filter(|&row| mask[row]).collect();
         if kept.is_empty() {
             let seen: BTreeSet<&str> = cells.iter().flatten().map(String::as_str).collect();
-            return Err(StudyError::NotPossible {
-                problem: format!(
-                    "{}: no row has `{wanted}` in column `{column}`",
-                    self.path.to_slash_lossy()
-                ),
-                help: Some(format!("its values are {}", first_names(&seen, 8))),
-            });
+            let problem = format!(
+                "{}: no row has `{wanted}` in column `{column}`",
+                self.path.to_slash_lossy()
+            );
+            let help = format!("its values are {}", first_names(&seen, 8));
+            return Err(StudyError::not_possible(problem).with_help(help));
         }
         let mask = BooleanChunked::from_slice("kept".into(), &mask);
         let frame = self
@@ -73,9 +72,6 @@ impl Table {
 
     /// A row a cell: the columns of conditions under each other, named in `within` with their numbers in `value`; the other columns
     /// are repeated. `subject` names a column to be added that numbers the rows of before from 1.
-    ///
-    /// # Errors
-    /// As [`Table::numbers`].
     pub(crate) fn melted(
         &self,
         conditions: &[String],

@@ -120,9 +120,6 @@ fn words_as_moments(table: &Table) -> Result<Vec<Moment>, StudyError> {
         .text("moment")?
         .into_iter()
         .map(Option::unwrap_or_default);
-    let wrong = |row: usize, column: &str, found: &str, expected: &str| {
-        table.bad_cell(row, column, found, expected)
-    };
     if !table.has("condition") {
         // A table of before knows no end of the study: `post` can only be a condition.
         let moment = |(row, word): (usize, String)| match word.parse() {
@@ -130,7 +127,7 @@ fn words_as_moments(table: &Table) -> Result<Vec<Moment>, StudyError> {
             Ok(moment) => Ok(moment),
             Err(error) => {
                 let expected = format!("`pre`, or the condition after which it was asked: {error}");
-                Err(wrong(row, "moment", &word, &expected))
+                Err(table.bad_cell(row, "moment", word, expected))
             }
         };
         return words.enumerate().map(moment).collect();
@@ -139,11 +136,11 @@ fn words_as_moments(table: &Table) -> Result<Vec<Moment>, StudyError> {
         let id = condition.as_ref().map(|id| id.parse()).transpose();
         let id = id.map_err(|_| {
             let given = condition.as_deref().unwrap_or_default();
-            wrong(row, "condition", given, "the id of a condition, or nothing")
+            table.bad_cell(row, "condition", given, "the id of a condition, or nothing")
         })?;
         moment_of(&word, id).ok_or_else(|| {
             let expected = "`pre` or `post` without a condition, `after` or `probe` with one";
-            wrong(row, "moment", &word, expected)
+            table.bad_cell(row, "moment", &word, expected)
         })
     };
     words
@@ -173,14 +170,8 @@ pub fn read_answered(path: &Path) -> Result<Answered, StudyError> {
     let table = Table::read(path)?;
     let cells: Vec<Cells> = table.records()?;
     let moments = moments(&table)?;
-    let numbers = |column: &str| {
-        if table.has(column) {
-            table.numbers(column)
-        } else {
-            Ok(vec![None; table.rows()])
-        }
-    };
-    let (at_s, seconds) = (numbers("at_s")?, numbers("seconds")?);
+    let at_s = table.numbers_if_there("at_s")?;
+    let seconds = table.numbers_if_there("seconds")?;
     let mut answered = Answered::default();
     let mut sheets: BTreeMap<(ParticipantId, Moment, String), (f64, f64)> = BTreeMap::new();
     for (row, (cells, moment)) in cells.into_iter().zip(moments).enumerate() {
@@ -239,26 +230,26 @@ pub fn read_answers(path: &Path) -> Result<Vec<Answer>, StudyError> {
     Ok(read_answered(path)?.answers)
 }
 
-/// A row with its moment as the table has it: without session and trial, which stand beside it.
-pub(crate) fn beside_occasion<T: Clone>(
-    row: &T,
+/// Writes rows with their moments as a table has them: without session and trial, which stand beside them.
+pub(crate) fn write_moments<T: Clone + Serialize>(
+    table: TableName,
+    path: &Path,
+    rows: &[T],
     moment: fn(&mut T) -> &mut Moment,
-) -> (T, Occasion) {
-    let mut row = row.clone();
-    let moment = moment(&mut row);
-    let occasion = moment.ride().map_or(Occasion::FIRST, |ride| ride.occasion);
-    *moment = moment.on(Occasion::FIRST);
-    (row, occasion)
+) -> Result<(), StudyError> {
+    let beside_occasion = |row: &T| {
+        let mut row = row.clone();
+        let moment = moment(&mut row);
+        let occasion = moment.ride().map_or(Occasion::FIRST, |ride| ride.occasion);
+        *moment = moment.on(Occasion::FIRST);
+        (row, occasion)
+    };
+    write_rows(table, path, rows.iter().map(beside_occasion))
 }
 
 /// Writes scores.
-///
-/// # Errors
-/// As [`write_rows`].
-pub fn write_scores(path: &Path, scores: &[Score]) -> Result<(), StudyError> {
-    let rows = scores.iter();
-    let rows = rows.map(|score| beside_occasion(score, |s| &mut s.moment));
-    write_rows(TableName::Scores, path, rows)
+pub(crate) fn write_scores(path: &Path, scores: &[Score]) -> Result<(), StudyError> {
+    write_moments(TableName::Scores, path, scores, |s| &mut s.moment)
 }
 
 /// Writes answers, with `condition` and `at_s` where somebody was asked during a drive or at the end.
@@ -271,9 +262,7 @@ pub fn write_answers(
     probes: &[ProbeAnswer],
 ) -> Result<(), StudyError> {
     if probes.is_empty() && answers.iter().all(|a| a.moment != Moment::Post) {
-        let rows = answers.iter();
-        let rows = rows.map(|answer| beside_occasion(answer, |a| &mut a.moment));
-        return write_rows(TableName::Answers, path, rows);
+        return write_moments(TableName::Answers, path, answers, |a| &mut a.moment);
     }
     let sheets = answers.iter().map(|a| {
         let ride = a.moment.ride();
@@ -337,23 +326,16 @@ pub(crate) fn refuse_unclear(
     let Some((who, scale)) = sheets.iter().find(|(_, m)| unclear(m)).map(|(s, _)| *s) else {
         return Ok(());
     };
-    Err(StudyError::BadFile {
-        path: path.to_owned(),
-        problem: format!(
-            "column `moment`: {who} answered `{scale}` at `{}`, which marks the time before the drives, and after every condition but `{shared}`",
-            Moment::Pre
-        ),
-        help: Some(format!(
-            "write `{clear}` for what was asked after the condition `{shared}`"
-        )),
-    })
+    let problem = format!(
+        "column `moment`: {who} answered `{scale}` at `{}`, which marks the time before the drives, and after every condition but `{shared}`",
+        Moment::Pre
+    );
+    let help = format!("write `{clear}` for what was asked after the condition `{shared}`");
+    Err(StudyError::file(path, problem).with_help(help))
 }
 
 /// Reads scores.
-///
-/// # Errors
-/// As [`Table`] does, naming row and column.
-pub fn read_scores(path: &Path) -> Result<Vec<Score>, StudyError> {
+pub(crate) fn read_scores(path: &Path) -> Result<Vec<Score>, StudyError> {
     let table = Table::read(path)?;
     let mut key = vec!["participant", "moment", "scale", "subscale"];
     key.extend(OCCASION.into_iter().filter(|column| table.has(column)));

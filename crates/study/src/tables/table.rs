@@ -1,7 +1,6 @@
 //! A table in memory, with errors that name the row.
 
 use crate::error::StudyError;
-use maveric_domain::nearest;
 use polars::prelude::*;
 use std::{
     io::Read as _,
@@ -49,10 +48,8 @@ impl Table {
     /// [`StudyError::Io`], [`StudyError::BadFile`] for a folder or an empty file, [`StudyError::BadTable`].
     pub fn read(path: &Path) -> Result<Self, StudyError> {
         if path.is_dir() {
-            return Err(StudyError::file(
-                path,
-                "is a folder, expected a CSV or Parquet file",
-            ));
+            let problem = "is a folder, expected a CSV or Parquet file";
+            return Err(StudyError::file(path, problem));
         }
         let mut bytes = Vec::new();
         if path == Path::new("-") {
@@ -68,10 +65,8 @@ impl Table {
 
     pub(super) fn parse(path: &Path, bytes: Vec<u8>) -> Result<Self, StudyError> {
         if bytes.iter().all(u8::is_ascii_whitespace) {
-            return Err(StudyError::file(
-                path,
-                "is empty, expected a table with a header line",
-            ));
+            let problem = "is empty, expected a table with a header line";
+            return Err(StudyError::file(path, problem));
         }
         let bad = |format, problem| StudyError::BadTable {
             path: path.to_owned(),
@@ -135,24 +130,15 @@ impl Table {
         let columns = self.columns();
         if let Some(second) = columns.iter().find_map(|c| c.strip_prefix(&again)) {
             let first = columns.iter().position(|c| c == wanted).unwrap_or_default() + 1;
-            return Err(StudyError::BadFile {
-                path: self.path.clone(),
-                problem: format!(
-                    "has the column `{wanted}` twice: columns {first} and {}",
-                    second.trim_end_matches(')')
-                ),
-                help: Some("take one of them out, or give it another name".to_owned()),
-            });
+            let problem = format!(
+                "has the column `{wanted}` twice: columns {first} and {}",
+                second.trim_end_matches(')')
+            );
+            let help = "take one of them out, or give it another name";
+            return Err(StudyError::file(&self.path, problem).with_help(help));
         }
-        self.frame.column(wanted).map_err(|_| {
-            let nearest = nearest(wanted, columns.iter().map(String::as_str)).map(str::to_owned);
-            StudyError::NoColumn {
-                path: self.path.clone(),
-                wanted: wanted.to_owned(),
-                found: columns,
-                nearest,
-            }
-        })
+        let column = self.frame.column(wanted);
+        column.map_err(|_| StudyError::no_column(&self.path, wanted, columns))
     }
 
     /// A column as text; a missing cell is `None`.
@@ -175,10 +161,8 @@ impl Table {
     }
 
     pub(super) fn bad_column(&self, column: &str, error: &PolarsError) -> StudyError {
-        StudyError::file(
-            &self.path,
-            format!("column `{column}` cannot be read: {error}"),
-        )
+        let problem = format!("column `{column}` cannot be read: {error}");
+        StudyError::file(&self.path, problem)
     }
 
     /// A fault in a cell; `row` counts from 0 here and from 1 in the message.
@@ -237,11 +221,20 @@ impl Table {
         floats.iter().enumerate().map(number).collect()
     }
 
+    /// As [`Table::numbers`]; where there is no such column, every cell is missing.
+    pub(crate) fn numbers_if_there(&self, column: &str) -> Result<Vec<Option<f64>>, StudyError> {
+        if self.has(column) {
+            self.numbers(column)
+        } else {
+            Ok(vec![None; self.rows()])
+        }
+    }
+
     /// A column in which every cell is a finite number.
     ///
     /// # Errors
     /// As [`Table::numbers`], and [`StudyError::BadCell`] for a missing cell.
-    pub fn all_numbers(&self, column: &str) -> Result<Vec<f64>, StudyError> {
+    pub(crate) fn all_numbers(&self, column: &str) -> Result<Vec<f64>, StudyError> {
         let cells = self.numbers(column)?;
         let filled = |(row, cell): (usize, Option<f64>)| {
             cell.ok_or_else(|| self.bad_cell(row, column, "", "a number"))

@@ -60,10 +60,7 @@ impl VariabilityRow {
 }
 
 /// Reads the drives, one row each.
-///
-/// # Errors
-/// As [`Table`] does, naming row and column.
-pub fn read_variability(path: &Path) -> Result<Vec<VariabilityRow>, StudyError> {
+pub(crate) fn read_variability(path: &Path) -> Result<Vec<VariabilityRow>, StudyError> {
     let table = Table::read(path)?;
     table.each_once(&["drive"])?;
     table.records()

@@ -1,6 +1,6 @@
 //! Which channels make the drive.
 
-use super::{found::Found, rigs, slots::Role};
+use super::{candidate::Candidate, rigs, slots::Role};
 use crate::{
     error::IngestError,
     mapping::{McapMapping, Topics, names::matches},
@@ -8,7 +8,7 @@ use crate::{
 use maveric_domain::nearest;
 use std::path::Path;
 
-/// Which channels make the drive: indices into what was found.
+/// Which channels make the drive: indices into the candidates.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(crate) struct Choice {
     /// Ego's pose; the others' channel where ego is told from it.
@@ -38,7 +38,7 @@ pub(crate) fn parent(topic: &str) -> &str {
 pub(crate) fn choose(
     path: &Path,
     given: Option<&McapMapping>,
-    candidates: &[Found<'_>],
+    candidates: &[Candidate<'_>],
 ) -> Result<Choice, IngestError> {
     let chooser = Chooser { path, candidates };
     let (mapping, rig) = rigs::applied(given, candidates);
@@ -103,7 +103,7 @@ pub(crate) fn choose(
 
 struct Chooser<'a> {
     path: &'a Path,
-    candidates: &'a [Found<'a>],
+    candidates: &'a [Candidate<'a>],
 }
 
 impl Chooser<'_> {
@@ -123,17 +123,14 @@ impl Chooser<'_> {
     ) -> Result<Option<usize>, IngestError> {
         let candidates = || roles.iter().flat_map(|&role| self.with_role(role));
         for pattern in &topics.0 {
-            for &role in roles {
-                let fits = self
-                    .with_role(role)
-                    .filter(|&i| matches(pattern, self.candidates[i].topic));
-                let most = fits.max_by_key(|&i| {
-                    let f = &self.candidates[i];
-                    (f.messages, std::cmp::Reverse(f.topic))
-                });
-                if most.is_some() {
-                    return Ok(most);
-                }
+            let fits = |topic: &str| matches(pattern, topic);
+            let best = |&role: &Role| {
+                let best = self.best(role, &fits);
+                best.filter(|&i| fits(self.candidates[i].topic))
+            };
+            let most = roles.iter().find_map(best);
+            if most.is_some() {
+                return Ok(most);
             }
         }
         match topics.0.first().filter(|_| must) {
@@ -155,12 +152,12 @@ impl Chooser<'_> {
     }
 }
 
-fn describe(candidates: &[Found<'_>]) -> String {
+fn describe(candidates: &[Candidate<'_>]) -> String {
     const MOST: usize = 6;
     if candidates.is_empty() {
         return "it has no channels".to_owned();
     }
-    let one = |f: &Found<'_>| {
+    let one = |f: &Candidate<'_>| {
         let why = match &f.role {
             Err(why) => format!(", {why}"),
             Ok(Some(_)) if f.messages == 0 => ", no messages".to_owned(),

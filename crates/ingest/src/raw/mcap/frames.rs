@@ -23,9 +23,10 @@ static NUMBERS: LazyLock<(Vec<f64>, Vec<f64>)> = LazyLock::new(|| {
 });
 
 /// Whose frame the others' places are in.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub(crate) enum Whose {
     /// That of ego's poses, or nothing is said.
+    #[default]
     Fixed,
     /// Another one that stands still.
     Another,

@@ -1,10 +1,10 @@
 //! MCAP: the drives that rigs put into it.
 
 mod beside_ego;
+mod candidate;
 pub(crate) mod channels;
 pub(crate) mod choice;
 pub(crate) mod decisions;
-pub(crate) mod found;
 mod frames;
 pub(crate) mod metadata;
 pub(crate) mod read;

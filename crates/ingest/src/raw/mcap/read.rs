@@ -2,12 +2,11 @@
 
 use super::{
     beside_ego::place_by_ego,
+    candidate::Candidate,
     channels::{Decoder, Decoders, Times},
     choice::{Choice, choose, parent},
-    found::Found,
     frames::{FrameNames, Frames, Whose},
     metadata::{self, DriveRecord},
-    roles::Convention,
     signals::{EgoRow, Objects, Receipt, ego_row, flatten, settle_speeds, stamp_ns, turn},
     slots::Role,
 };
@@ -15,7 +14,7 @@ use crate::{
     clock::one_clock,
     error::IngestError,
     mapping::{McapMapping, TwistFrame},
-    quality::{Warning, WarningKind},
+    quality::{Warning, WarningKind, report},
     raw::{ObjectSample, ObjectSamples, RawDrive, Sighting, Sightings, SpeedSample},
 };
 use maveric_bag::{
@@ -49,7 +48,7 @@ pub(crate) fn collect(
 ) -> Result<Collected, IngestError> {
     if let Some(topics) = chosen(path, parts, mapping) {
         let collected = collect_from(parts, mapping, recover, false, Some(&topics))?;
-        let candidates: Vec<Found<'_>> = collected.streams.iter().map(found).collect();
+        let candidates: Vec<Candidate<'_>> = collected.streams.iter().map(candidate).collect();
         let choice = choose(path, mapping, &candidates);
         let same = choice.is_ok_and(|c| topics_of(&c, &candidates).keys().eq(topics.keys()));
         let whole = collected.walked.iter().all(|w| w.damage.is_empty());
@@ -92,19 +91,19 @@ fn chosen(path: &Path, parts: &[PathBuf], mapping: Option<&McapMapping>) -> Opti
     }
     let candidates = streams
         .iter()
-        .map(|((topic, type_name), (role, count))| Found {
+        .map(|((topic, type_name), (role, count))| Candidate {
             topic,
             type_name,
             messages: *count as usize,
             role: role.as_ref().copied().map_err(String::as_str),
         });
-    let candidates: Vec<Found<'_>> = candidates.collect();
+    let candidates: Vec<Candidate<'_>> = candidates.collect();
     let choice = choose(path, mapping, &candidates).ok()?;
     Some(topics_of(&choice, &candidates))
 }
 
 /// The topics of a choice.
-fn topics_of(choice: &Choice, candidates: &[Found<'_>]) -> Chosen {
+fn topics_of(choice: &Choice, candidates: &[Candidate<'_>]) -> Chosen {
     let places = [
         Some(choice.ego),
         choice.objects,
@@ -161,9 +160,6 @@ fn collect_from(
 /// fix with the speed of another channel, or the object that is known to be ego; the others come from the objects'
 /// channel beside ego's topic, else any. Mapping and rig come before these rules. `parts` are the files, `path` is
 /// what they are called by together.
-///
-/// # Errors
-/// As [`crate::read_log`].
 pub(crate) fn drive(
     path: &Path,
     parts: &[PathBuf],
@@ -186,42 +182,38 @@ pub(crate) fn drive(
         }
         Some(Err(e)) => return Err(e),
     };
-    let mut warn = |kind, count: usize, what: String| {
-        if count > 0 {
-            warnings.push(Warning::new(path, kind, count, what));
-        }
-    };
-    let what = "messages belong to no channel that the file declares".to_owned();
-    warn(WarningKind::BadMessage, collected.undeclared, what);
+    let bad = WarningKind::BadMessage;
+    let what = "messages belong to no channel that the file declares";
+    report(&mut warnings, path, bad, collected.undeclared, what);
     let most = MOST_RECORD >> 20;
     let what = format!("messages of more than {most} MiB are passed over");
-    warn(WarningKind::BadMessage, collected.too_long, what);
+    report(&mut warnings, path, bad, collected.too_long, &what);
     let streams = collected.streams;
-    let candidates: Vec<Found<'_>> = streams.iter().map(found).collect();
+    let candidates: Vec<Candidate<'_>> = streams.iter().map(candidate).collect();
     let choice = choose(path, mapping, &candidates)?;
     for stream in &streams {
         let (topic, samples) = (&stream.channel.topic, &stream.taken);
         if let Err(why) = &samples.decoder {
             let what = format!("channel `{topic}` is refused: {why}");
             // A channel without a message is refused as well.
-            warn(WarningKind::RefusedChannel, samples.messages.max(1), what);
+            let count = samples.messages.max(1);
+            warnings.push(Warning::new(path, WarningKind::RefusedChannel, count, what));
         }
         let why = samples.bad_why.as_deref().unwrap_or_default();
         let what = format!("messages of `{topic}` do not fit their definition: {why}");
-        warn(WarningKind::BadMessage, samples.bad, what);
+        report(&mut warnings, path, bad, samples.bad, &what);
     }
-    if let Some(what) = &choice.others {
-        warn(WarningKind::Choice, 1, what.clone());
-    }
+    let chosen = |what| Warning::new(path, WarningKind::Choice, 1, what);
+    warnings.extend(choice.others.as_ref().map(chosen));
     let drive = drive_of(path, streams, &choice, record.as_ref(), &mut warnings);
     Ok((drive, record, warnings))
 }
 
 /// What is known of a stream when choosing.
-pub(crate) fn found(stream: &Stream<Samples>) -> Found<'_> {
+pub(crate) fn candidate(stream: &Stream<Samples>) -> Candidate<'_> {
     let samples = &stream.taken;
     let role = samples.role();
-    Found {
+    Candidate {
         topic: &stream.channel.topic,
         type_name: stream.schema.as_ref().map_or("", |s| s.name.as_str()),
         // Most transforms are of no use: those of joints and sensors.
@@ -345,6 +337,7 @@ fn seen(record: Option<&DriveRecord>, lists_others: bool) -> Sees {
 }
 
 /// The others, in the frame that they are told in.
+#[derive(Default)]
 struct Others {
     objects: ObjectSamples,
     sightings: Sightings,
@@ -359,11 +352,7 @@ impl Others {
         warn: &mut impl FnMut(WarningKind, usize, &str),
     ) -> Self {
         let Some(stream) = stream else {
-            return Self {
-                objects: ObjectSamples::default(),
-                sightings: Sightings::default(),
-                whose: Whose::Fixed,
-            };
+            return Self::default();
         };
         let whose = of_ego.map_or(Whose::Fixed, |of_ego| stream.frame.beside(of_ego));
         let kind = WarningKind::Choice;
@@ -376,23 +365,22 @@ impl Others {
             sightings: stream.sightings,
             whose,
         };
-        let count = others.objects.len();
-        match whose {
-            Whose::Fixed => {}
+        let what = match whose {
+            Whose::Fixed => return others,
             Whose::Another => {
-                let what = "the others are said to be in another fixed frame than ego: they are taken to be in the same";
-                warn(kind, count, what);
+                "the others are said to be in another fixed frame than ego: they are taken to be in the same"
             }
             Whose::Ego => {
-                let what = "the others are in ego's own frame: they are placed by where ego is, and their speeds are differentiated";
-                warn(kind, count, what);
+                "the others are in ego's own frame: they are placed by where ego is, and their speeds are differentiated"
             }
             Whose::Unknown => {
-                let what = "the others are left out: their frame is neither ego's nor one that stands still, so nobody knows where they are";
-                warn(kind, count, what);
-                others.objects.truncate(0);
-                others.sightings.truncate(0);
+                "the others are left out: their frame is neither ego's nor one that stands still, so nobody knows where they are"
             }
+        };
+        warn(kind, others.objects.len(), what);
+        if whose == Whose::Unknown {
+            others.objects.truncate(0);
+            others.sightings.truncate(0);
         }
         others
     }
@@ -478,7 +466,7 @@ impl Take for Samples {
         let before_ego = self.ego.len();
         let (frame, other_frames) = (&mut self.frame, &mut self.other_frames);
         let (ego, frames, mark) = (&mut self.ego, &mut self.frames, &mut self.mark);
-        let (role, convention): (Role, Convention) = (reading.role, reading.convention);
+        let (role, convention) = (reading.role, reading.convention);
         let row = &mut self.row;
         let walked = decoder.codec.run(message.data, row, &mut |row| {
             if role == Role::Objects

@@ -1,6 +1,6 @@
 //! Rigs out of the box: what their channels mean, chosen by looking at them.
 
-use super::found::Found;
+use super::candidate::Candidate;
 use crate::mapping::{Mapping, McapMapping, SHIPPED_RIGS, Topics};
 use maveric_bag::plain_name;
 use std::{path::Path, sync::LazyLock};
@@ -18,7 +18,7 @@ static RIGS: LazyLock<Vec<(&'static str, McapMapping)>> = LazyLock::new(|| {
 /// What `given` leaves out is taken from the rig that it names, or else the first one that the channels show.
 pub(crate) fn applied(
     given: Option<&McapMapping>,
-    candidates: &[Found<'_>],
+    candidates: &[Candidate<'_>],
 ) -> (McapMapping, Option<&'static str>) {
     let types: Vec<String> = candidates.iter().map(|f| plain_name(f.type_name)).collect();
     let channels: Vec<(&str, &str)> = candidates
@@ -61,8 +61,8 @@ pub(crate) fn applied(
 mod tests {
     use super::*;
 
-    fn channel(topic: &'static str, type_name: &'static str) -> Found<'static> {
-        Found {
+    fn channel(topic: &'static str, type_name: &'static str) -> Candidate<'static> {
+        Candidate {
             topic,
             type_name,
             messages: 1,
@@ -73,7 +73,7 @@ mod tests {
     #[test]
     fn rigs_are_known_by_their_channels_and_a_mapping_comes_first() {
         assert_eq!(RIGS.len(), SHIPPED_RIGS.len());
-        let rig = |found: &[Found<'_>]| applied(None, found).1;
+        let rig = |candidates: &[Candidate<'_>]| applied(None, candidates).1;
         let odometry = "nav_msgs/msg/Odometry";
         let own = [
             channel("/carla/ego_vehicle/odometry", odometry),

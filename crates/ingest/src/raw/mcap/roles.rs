@@ -48,11 +48,7 @@ impl Reading {
         let ego = |role, stamp: &[_], pose: &str, twist: &str| {
             let mut paths = place(EGO_SLOTS, stamp, pose, twist);
             paths.extend([FRAME, OWN_FRAME].map(str::to_owned));
-            Self {
-                role,
-                paths,
-                convention: Convention::Mapped,
-            }
+            Self::new(role, paths, Convention::Mapped)
         };
         Some(match wanted.as_str() {
             "nav_msgs/Odometry" => ego(Role::Odometry, &HEADER, "pose.pose", "twist.twist"),
@@ -73,11 +69,9 @@ impl Reading {
             "carla_msgs/CarlaEgoVehicleStatus" | "carla_msgs/CarlaVehicleStatus" => {
                 Self::speed("velocity")
             }
-            "carla_msgs/CarlaEgoVehicleInfo" | "carla_msgs/CarlaVehicleInfo" => Self {
-                role: Role::Identity,
-                paths: vec!["id".to_owned()],
-                convention: Convention::Mapped,
-            },
+            "carla_msgs/CarlaEgoVehicleInfo" | "carla_msgs/CarlaVehicleInfo" => {
+                Self::new(Role::Identity, vec!["id".to_owned()], Convention::Mapped)
+            }
             "derived_object_msgs/ObjectArray" => Self::derived(),
             "autoware_perception_msgs/TrackedObjects"
             | "autoware_auto_perception_msgs/TrackedObjects" => Self::autoware(""),
@@ -85,6 +79,14 @@ impl Reading {
             | "autoware_auto_perception_msgs/PredictedObjects" => Self::autoware("initial_"),
             _ => return None,
         })
+    }
+
+    fn new(role: Role, paths: Vec<String>, convention: Convention) -> Self {
+        Self {
+            role,
+            paths,
+            convention,
+        }
     }
 
     fn mapped(mapped: &MessageMapping) -> Self {
@@ -95,15 +97,10 @@ impl Reading {
             path => path.cloned().unwrap_or_default(),
         };
         let mut paths: Vec<String> = role.slots().iter().map(path).collect();
-        paths.extend(match role {
-            Role::Objects => Some(FRAME.to_owned()),
-            _ => None,
-        });
-        Self {
-            role,
-            paths,
-            convention: Convention::Mapped,
+        if role == Role::Objects {
+            paths.push(FRAME.to_owned());
         }
+        Self::new(role, paths, Convention::Mapped)
     }
 
     /// A row for each transform; behind ego's slots stand the names of the frames.
@@ -124,77 +121,52 @@ impl Reading {
             paths.join("|")
         };
         let paths = paths.iter().map(of_each).collect();
-        Self {
-            role: Role::Frames,
-            paths,
-            convention: Convention::Mapped,
-        }
+        Self::new(Role::Frames, paths, Convention::Mapped)
     }
 
     fn fix(stamp: &[(&str, &str)]) -> Self {
         let place = [("x", "longitude"), ("y", "latitude")];
-        Self {
-            role: Role::Fix,
-            paths: filled(EGO_SLOTS, &[stamp, &place].concat()),
-            convention: Convention::Mapped,
-        }
+        let paths = filled(EGO_SLOTS, &[stamp, &place].concat());
+        Self::new(Role::Fix, paths, Convention::Mapped)
     }
 
     fn speed(path: &str) -> Self {
-        Self {
-            role: Role::Speed,
-            paths: filled(EGO_SLOTS, &[&HEADER[..], &[("speed", path)]].concat()),
-            convention: Convention::Mapped,
-        }
+        let paths = filled(EGO_SLOTS, &[&HEADER[..], &[("speed", path)]].concat());
+        Self::new(Role::Speed, paths, Convention::Mapped)
     }
 
     fn derived() -> Self {
-        let mut paths = place(&OBJECT_SLOTS, &HEADER, "objects[].pose", "objects[].twist");
-        fill(
-            &mut paths,
-            &OBJECT_SLOTS,
-            &[
-                ("id", "objects[].id"),
-                ("shape", "objects[].shape.type?"),
-                ("size0", "objects[].shape.dimensions[0]?"),
-                ("size1", "objects[].shape.dimensions[1]?"),
-                ("class", "objects[].classification?"),
-            ],
-        );
-        paths.push(FRAME.to_owned());
-        Self {
-            role: Role::Objects,
-            paths,
-            convention: Convention::Derived,
-        }
+        let known = [
+            ("id", "objects[].id"),
+            ("shape", "objects[].shape.type?"),
+            ("size0", "objects[].shape.dimensions[0]?"),
+            ("size1", "objects[].shape.dimensions[1]?"),
+            ("class", "objects[].classification?"),
+        ];
+        let paths = object("objects[].pose", "objects[].twist", &known);
+        Self::new(Role::Objects, paths, Convention::Derived)
     }
 
     fn autoware(prefix: &str) -> Self {
         let kinematics =
             |what: &str| format!("objects[].kinematics.{prefix}{what}_with_covariance.{what}");
-        let mut paths = place(
-            &OBJECT_SLOTS,
-            &HEADER,
-            &kinematics("pose"),
-            &kinematics("twist"),
-        );
-        fill(
-            &mut paths,
-            &OBJECT_SLOTS,
-            &[
-                ("shape", "objects[].shape.type?"),
-                ("size0", "objects[].shape.dimensions.x?"),
-                ("class", "objects[].classification[0].label?"),
-            ],
-        );
-        paths.push(FRAME.to_owned());
+        let known = [
+            ("shape", "objects[].shape.type?"),
+            ("size0", "objects[].shape.dimensions.x?"),
+            ("class", "objects[].classification[0].label?"),
+        ];
+        let mut paths = object(&kinematics("pose"), &kinematics("twist"), &known);
         paths.extend((0..16).map(|i| format!("objects[].object_id.uuid[{i}]")));
-        Self {
-            role: Role::Objects,
-            paths,
-            convention: Convention::Autoware,
-        }
+        Self::new(Role::Objects, paths, Convention::Autoware)
     }
+}
+
+/// Paths of an object, by those of its pose and its twist and the others that are known.
+fn object(pose: &str, twist: &str, known: &[(&str, &str)]) -> Vec<String> {
+    let mut paths = place(&OBJECT_SLOTS, &HEADER, pose, twist);
+    fill(&mut paths, &OBJECT_SLOTS, known);
+    paths.push(FRAME.to_owned());
+    paths
 }
 
 /// Paths of a pose and a twist of `geometry_msgs`, where they are given.

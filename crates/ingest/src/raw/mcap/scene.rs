@@ -9,7 +9,7 @@ use super::decisions::DecisionKind;
 use maveric_domain::{Drive, LaneActivity, Recording, Road, Scene, TraceRow};
 use messages::{
     Color, Cube, Deletion, Entity, FrameTransform, Line, Log, Point, Pose, SceneUpdate, Signals,
-    Text, Time,
+    Text, Time, short,
 };
 
 pub(super) const STATIC: Channel = Channel::scene("/maveric/scene/road");
@@ -53,8 +53,8 @@ impl Channel {
 }
 
 /// The road's frame, and the one that moves with ego.
-const MAP: &str = "map";
-const EGO: &str = "ego_vehicle";
+pub(super) const MAP: &str = "map";
+pub(super) const EGO: &str = "ego_vehicle";
 /// Cars further away are not shown, in m.
 const SIGHT_M: f64 = 250.0;
 /// Rows a second at which things that move are written, at most.
@@ -62,8 +62,9 @@ pub(super) const SCENE_RATE_HZ: f64 = 10.0;
 /// Lane markings: a dash of 3 m every 12 m.
 const DASH_M: (f64, f64) = (3.0, 12.0);
 const ROAD_AHEAD_M: f64 = 500.0;
-const HEIGHT_M: f64 = 1.5;
-const WIDTH_M: f64 = 1.9;
+/// Width and height that vehicles are given, in m: recordings do not say them.
+pub(super) const WIDTH_M: f64 = 1.9;
+pub(super) const HEIGHT_M: f64 = 1.5;
 
 const EGO_COLOUR: Color = Color::rgb(0.53, 0.18, 0.45);
 const REFERENCE_COLOUR: Color = Color::rgb(0.35, 0.35, 0.35);
@@ -76,6 +77,15 @@ fn json(message: &impl serde::Serialize) -> Vec<u8> {
     serde_json::to_vec(message).unwrap_or_default()
 }
 
+/// A vehicle whose centre is at a place in its entity's frame.
+fn cube(x_m: f64, y_m: f64, length_m: f64, color: Color) -> Cube {
+    Cube {
+        pose: Pose::at(x_m, y_m, 0.5 * HEIGHT_M),
+        size: Point::new(length_m, WIDTH_M, HEIGHT_M),
+        color,
+    }
+}
+
 /// The lanes and ego itself.
 pub(super) fn road(recording: &Recording, time_ns: u64) -> Vec<u8> {
     let (road, ego) = (recording.road(), recording.ego());
@@ -85,11 +95,7 @@ pub(super) fn road(recording: &Recording, time_ns: u64) -> Vec<u8> {
     lanes.lines = lane_lines(road, from_m, to_m);
     let mut car = Entity::new(Time::from_nanos(time_ns), EGO, "ego");
     car.frame_locked = true;
-    car.cubes.push(Cube {
-        pose: Pose::at(0.0, 0.0, 0.5 * HEIGHT_M),
-        size: Point::new(ego.length_m, WIDTH_M, HEIGHT_M),
-        color: EGO_COLOUR,
-    });
+    car.cubes.push(cube(0.0, 0.0, ego.length_m, EGO_COLOUR));
     json(&SceneUpdate {
         deletions: Vec::new(),
         entities: vec![lanes, car],
@@ -130,11 +136,8 @@ pub(super) fn cars(scene: &Scene, reference: Option<u32>, time_ns: u64) -> Vec<u
         } else {
             CAR_COLOUR
         };
-        entity.cubes.push(Cube {
-            pose: Pose::at(vehicle.x_m, vehicle.y_m, 0.5 * HEIGHT_M),
-            size: Point::new(vehicle.length_m, WIDTH_M, HEIGHT_M),
-            color,
-        });
+        let cube = cube(vehicle.x_m, vehicle.y_m, vehicle.length_m, color);
+        entity.cubes.push(cube);
     }
     json(&SceneUpdate {
         deletions: Vec::new(),
@@ -144,11 +147,14 @@ pub(super) fn cars(scene: &Scene, reference: Option<u32>, time_ns: u64) -> Vec<u
 
 /// Where ego's frame is.
 pub(super) fn frame(scene: &Scene, yaw_rad: f64, time_ns: u64) -> Vec<u8> {
-    json(&FrameTransform::new(
-        Time::from_nanos(time_ns),
-        (MAP, EGO),
-        Pose::turned(scene.ego.x_m, scene.ego.y_m, 0.0, yaw_rad),
-    ))
+    let pose = Pose::turned(scene.ego.x_m, scene.ego.y_m, 0.0, yaw_rad);
+    json(&FrameTransform {
+        timestamp: Time::from_nanos(time_ns),
+        parent_frame_id: MAP,
+        child_frame_id: EGO,
+        translation: pose.position,
+        rotation: pose.orientation,
+    })
 }
 
 /// The planned path and the safety layer's mark, if either changed since the row before.
@@ -212,14 +218,18 @@ pub(super) fn signals(
     time_ns: u64,
 ) -> Vec<u8> {
     let rows = drive.rows();
-    let lead = rows.lead_present[row];
-    json(&Signals::new(
-        Time::from_nanos(time_ns),
-        rows.ego_speed_mps[row],
-        rows.lane[row],
-        lead.then(|| (rows.lead_dx_m[row], rows.lead_speed_mps[row])),
-        trace,
-    ))
+    let of_lead = |column: &[f64]| rows.lead_present[row].then(|| short(column[row]));
+    json(&Signals {
+        timestamp: Time::from_nanos(time_ns),
+        speed_mps: short(rows.ego_speed_mps[row]),
+        lane: rows.lane[row],
+        gap_m: of_lead(&rows.lead_dx_m),
+        lead_speed_mps: of_lead(&rows.lead_speed_mps),
+        asked_speed_mps: trace.map(|t| short(t.asked.speed_mps)),
+        asked_gap_m: trace.map(|t| short(t.asked.following_distance_m)),
+        lane_wish: trace.map(|t| t.asked.wish.as_str()),
+        acceleration_mps2: trace.map(|t| short(t.acceleration_mps2)),
+    })
 }
 
 pub(super) fn decision(kind: DecisionKind, drive: &str, time_ns: u64) -> Vec<u8> {

@@ -6,7 +6,7 @@ use super::{
 };
 use crate::{
     mapping::TwistFrame,
-    raw::{EgoSample, EgoSamples, ObjectSample, ObjectSamples},
+    raw::{EgoSample, EgoSamples, GIVEN_FROM, ObjectSample, ObjectSamples},
 };
 use std::collections::BTreeMap;
 
@@ -32,21 +32,21 @@ fn quaternion(row: &[f64]) -> [f64; 4] {
     [Slot::Qx, Slot::Qy, Slot::Qz, Slot::Qw].map(|slot| slot.at(row))
 }
 
-/// Heading from a quaternion; none where it is all zeros, as in a message nobody filled in.
-fn heading([x, y, z, w]: [f64; 4]) -> Option<f64> {
+/// Where a quaternion points, as a vector of any length; nowhere if it is all zeros, as in a message nobody filled in.
+fn forward([x, y, z, w]: [f64; 4]) -> Option<(f64, f64)> {
     let norm2 = x * x + y * y + z * z + w * w;
-    (norm2 > 0.5).then(|| libm::atan2(2.0 * (w * z + x * y), w * w + x * x - y * y - z * z))
+    (norm2 > 0.5).then_some((w * w + x * x - y * y - z * z, 2.0 * (w * z + x * y)))
+}
+
+fn heading(quaternion: [f64; 4]) -> Option<f64> {
+    forward(quaternion).map(|(x, y)| libm::atan2(y, x))
 }
 
 /// An object's heading as a vector, of any length; east where it is not known.
 fn direction(row: &[f64]) -> (f64, f64) {
-    let [x, y, z, w] = quaternion(row);
     match Slot::Yaw.known(row) {
         Some(yaw) => (libm::cos(yaw), libm::sin(yaw)),
-        None if x * x + y * y + z * z + w * w > 0.5 => {
-            (w * w + x * x - y * y - z * z, 2.0 * (w * z + x * y))
-        }
-        None => (1.0, 0.0),
+        None => forward(quaternion(row)).unwrap_or((1.0, 0.0)),
     }
 }
 
@@ -57,7 +57,7 @@ pub(crate) struct EgoRow {
     pub(crate) twist: Option<(f64, f64)>,
 }
 
-/// When a message receipt.
+/// When a message came.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) struct Receipt {
     /// Time of receipt, in ns.
@@ -100,9 +100,6 @@ pub(crate) struct Objects {
     /// Numbers given to UUIDs, texts and numbers that are no usual ones, in the order of their first appearance.
     numbers: BTreeMap<u128, u32>,
 }
-
-/// Usual numbers of vehicles are below this, and those that are given to other names are not.
-const GIVEN_FROM: u32 = 1 << 31;
 
 impl Objects {
     /// An object's slots: the pose is of its centre. None for what is no vehicle.

@@ -7,7 +7,7 @@ use super::{
 use crate::error::IngestError;
 use maveric_bag::{BagError, CdrWriter, Writer};
 use maveric_domain::{Drive, DriveMeta, Recording, Scene, TraceRow, VehicleState};
-use std::io::Write;
+use std::{io::Write, iter::Peekable};
 
 /// Topic of ego's odometry.
 pub(crate) const EGO_TOPIC: &str = "/carla/ego_vehicle/odometry";
@@ -24,9 +24,6 @@ const OBJECT_ARRAY: (&str, &str) = (
     include_str!("schemas/object_array.txt"),
 );
 
-/// Width and height that vehicles are given, in m: recordings do not say them.
-const WIDTH_M: f64 = 1.9;
-const HEIGHT_M: f64 = 1.5;
 /// Speed below which a movement has no direction, in m/s.
 const STILL_MPS: f64 = 0.5;
 
@@ -147,11 +144,11 @@ fn write(
         let time_ns = (scene.time_s * 1e9).round() as i64;
         (file.row, file.time_ns) = (row, time_ns.max(0) as u64);
         bytes.restart();
-        header(&mut bytes, time_ns, "map");
+        header(&mut bytes, time_ns);
         odometry(&mut bytes, &scene, yaw);
         file.message(ego_channel, bytes.bytes())?;
         bytes.restart();
-        header(&mut bytes, time_ns, "map");
+        header(&mut bytes, time_ns);
         objects(&mut bytes, &scene, time_ns);
         file.message(objects_channel, bytes.bytes())?;
         if let Some(beside) = &mut beside {
@@ -170,7 +167,7 @@ fn write(
 /// The decisions that are still to be written.
 struct Decisions {
     channel: Option<u16>,
-    rest: std::vec::IntoIter<(usize, DecisionKind)>,
+    rest: Peekable<std::vec::IntoIter<(usize, DecisionKind)>>,
 }
 
 impl Decisions {
@@ -178,7 +175,7 @@ impl Decisions {
         let channel = (!trace.is_empty()).then(|| file.json_channel(scene::DECISIONS));
         Ok(Self {
             channel: channel.transpose()?,
-            rest: decisions(trace).into_iter(),
+            rest: decisions(trace).into_iter().peekable(),
         })
     }
 
@@ -186,11 +183,7 @@ impl Decisions {
         let Some(channel) = self.channel else {
             return Ok(());
         };
-        while let Some(&(row, kind)) = self.rest.as_slice().first() {
-            if row != file.row {
-                break;
-            }
-            self.rest.next();
+        while let Some((_, kind)) = self.rest.next_if(|next| next.0 == file.row) {
             let bytes = scene::decision(kind, meta.drive.as_str(), file.time_ns);
             file.message(channel, &bytes)?;
         }
@@ -271,10 +264,10 @@ fn headings(recording: &Recording) -> Vec<f64> {
     (0..=last).map(heading).collect()
 }
 
-fn header(bytes: &mut CdrWriter, time_ns: i64, frame: &str) {
+fn header(bytes: &mut CdrWriter, time_ns: i64) {
     bytes.u32(time_ns.div_euclid(1_000_000_000) as i32 as u32);
     bytes.u32(time_ns.rem_euclid(1_000_000_000) as u32);
-    bytes.string(frame);
+    bytes.string(scene::MAP);
 }
 
 fn pose(bytes: &mut CdrWriter, x_m: f64, y_m: f64, yaw_rad: f64) {
@@ -283,7 +276,7 @@ fn pose(bytes: &mut CdrWriter, x_m: f64, y_m: f64, yaw_rad: f64) {
 }
 
 fn odometry(bytes: &mut CdrWriter, scene: &Scene, yaw_rad: f64) {
-    bytes.string("ego_vehicle");
+    bytes.string(scene::EGO);
     pose(bytes, scene.ego.x_m, scene.ego.y_m, yaw_rad);
     bytes.f64s(&[0.0; 36]);
     bytes.f64s(&[scene.ego.speed_mps, 0.0, 0.0, 0.0, 0.0, 0.0]);
@@ -301,7 +294,7 @@ fn object(bytes: &mut CdrWriter, vehicle: &VehicleState, time_ns: i64) {
     const TRACKED: u8 = 1;
     const BOX: u8 = 1;
     const CAR: u8 = 6;
-    header(bytes, time_ns, "map");
+    header(bytes, time_ns);
     bytes.u32(vehicle.id.0);
     bytes.u8(TRACKED);
     bytes.u8(1);
@@ -311,7 +304,7 @@ fn object(bytes: &mut CdrWriter, vehicle: &VehicleState, time_ns: i64) {
     bytes.u32(0);
     bytes.u8(BOX);
     bytes.u32(3);
-    bytes.f64s(&[vehicle.length_m, WIDTH_M, HEIGHT_M]);
+    bytes.f64s(&[vehicle.length_m, scene::WIDTH_M, scene::HEIGHT_M]);
     bytes.u32(0);
     bytes.u8(CAR);
     bytes.u8(255);

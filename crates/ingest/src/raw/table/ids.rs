@@ -1,7 +1,7 @@
 //! Names of vehicles as numbers: names are text until all of a file are known.
 
-/// Usual numbers of vehicles are below this, and those that are given to other names are not.
-const GIVEN_FROM: u32 = 1 << 31;
+use crate::raw::GIVEN_FROM;
+use std::collections::BTreeMap;
 
 /// A number for each name, different for different names: a name that is a number in its usual form keeps it, and if none
 /// is, names are counted from 0.
@@ -17,6 +17,18 @@ pub(super) fn numbers(names: &[String]) -> Vec<u32> {
     };
     let number = |(place, name): (u32, &String)| usual(name).unwrap_or(from + place);
     (0..GIVEN_FROM / 2).zip(names).map(number).collect()
+}
+
+/// Different keys with their numbers from 0, in their order.
+pub(super) fn numbered<K: Ord>(keys: impl Iterator<Item = K>) -> BTreeMap<K, u32> {
+    let mut numbers: BTreeMap<K, u32> = BTreeMap::new();
+    for key in keys {
+        numbers.entry(key).or_default();
+    }
+    for (i, number) in (0..).zip(numbers.values_mut()) {
+        *number = i;
+    }
+    numbers
 }
 
 #[cfg(test)]

@@ -1,9 +1,9 @@
 //! Lanes that a table numbers, and places in them.
 
-use crate::mapping::{RoadMapping, Side, TableMapping};
-
-/// Largest place in a lane that is still in it, in lane widths: which lane it is, its number says.
-pub(super) const WITHIN_LANE: f64 = 0.49;
+use crate::{
+    lane_centres::WITHIN_LANE,
+    mapping::{RoadMapping, Side, TableMapping},
+};
 
 /// How a table numbers lanes, and where they lie.
 #[derive(Debug, Clone, Copy)]
@@ -22,14 +22,10 @@ impl Lanes {
         road: &RoadMapping,
         offset_grows: Option<Side>,
     ) -> Self {
-        let unit_m = mapping.units.length.metres();
         Self {
             from: mapping.lanes_from.unwrap_or(Side::Right),
             first: mapping.first_lane,
-            offset_m: match offset_grows {
-                Some(Side::Right) => -unit_m,
-                Some(Side::Left) | None => unit_m,
-            },
+            offset_m: offset_grows.map_or(1.0, Side::to_left) * mapping.units.length.metres(),
             road: *road,
         }
     }

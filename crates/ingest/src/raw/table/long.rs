@@ -4,11 +4,11 @@ mod columns;
 mod surroundings;
 mod vehicles;
 
-use super::{Gaps, TableDrive, TableLog, ids::numbers, lane::Lanes, recording_meta, report};
+use super::{Gaps, TableDrive, TableLog, ids::numbers, lane::Lanes, recording_meta};
 use crate::{
     error::IngestError,
     mapping::{Long, Side},
-    quality::{Warning, WarningKind},
+    quality::{Warning, WarningKind, report},
     raw::RawDrive,
     source::Source,
 };
@@ -22,19 +22,15 @@ use vehicles::{Frame, Vehicle, vehicles};
 ///
 /// Positions become those of centres, y grows to the left of the way that ego drives. Ego's leader is what its own row says
 /// of it (`lead_x` or `gap`), where it does; everybody else is there by their own rows at the same time.
-///
-/// # Errors
-/// As [`crate::read_log`].
 pub(super) fn read(
     mut log: TableLog<'_>,
     long: &Long,
     sources: &mut Vec<Source>,
 ) -> Result<Vec<TableDrive>, IngestError> {
     let (path, mapping, road) = (log.path, log.mapping, log.road);
-    let meta = match &long.recording_meta {
-        Some(columns) => Some(recording_meta::read(path, columns, mapping, sources)?),
-        None => None,
-    };
+    let meta = long.recording_meta.as_ref();
+    let meta = meta.map(|columns| recording_meta::read(path, columns, mapping, sources));
+    let meta = meta.transpose()?;
     let mut clock = log.clock();
     if let Some(rate) = meta.as_ref().and_then(|m| m.frames_per_s) {
         clock.frames_per_s = rate;
@@ -47,10 +43,7 @@ pub(super) fn read(
         ..
     } = read_rows(&mut log, long, clock)?;
     let frame = Frame {
-        y_left: match long.y_grows {
-            Some(Side::Right) => -1.0,
-            _ => 1.0,
-        },
+        y_left: long.y_grows.map_or(1.0, Side::to_left),
         lanes: Lanes::new(mapping, road, long.offset_grows),
         mapping,
         long,

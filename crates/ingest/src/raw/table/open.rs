@@ -2,6 +2,7 @@
 
 use super::{
     cells::{NUMBER, number, trimmed, word},
+    ids::numbered,
     parse::{BYTE_ORDER_MARK, parse, without_mark},
     text::{Header, MOST_COLUMNS, Style, blanks_to_tabs, flaw, header, same_name},
 };
@@ -10,7 +11,6 @@ use maveric_domain::nearest;
 use path_slash::PathExt as _;
 use polars::prelude::{Column, DataFrame, DataType, PolarsError};
 use std::{
-    collections::BTreeMap,
     ops::Range,
     path::{Path, PathBuf},
 };
@@ -355,9 +355,6 @@ impl Table {
     }
 
     /// The same of numbers that are `expected` to be something.
-    ///
-    /// # Errors
-    /// As [`Table::numbers`].
     pub(crate) fn numbers_of(&self, name: &str, expected: &str) -> Result<Vec<f64>, IngestError> {
         let mut column = self.column(name)?;
         let words;
@@ -407,9 +404,6 @@ impl Table {
     }
 
     /// A column that a mapping may name as numbers times a unit, shape `(rows,)`; none where the table has no such column.
-    ///
-    /// # Errors
-    /// As [`Table::numbers`].
     pub(crate) fn scaled(
         &self,
         name: Option<&String>,
@@ -420,9 +414,6 @@ impl Table {
     }
 
     /// A column as numbers times a unit, shape `(rows,)`.
-    ///
-    /// # Errors
-    /// As [`Table::numbers`].
     pub(crate) fn times(&self, name: &str, unit: f64) -> Result<Vec<f64>, IngestError> {
         let numbers = self.numbers(name)?.into_iter();
         Ok(numbers.map(|v| v * unit).collect())
@@ -442,18 +433,9 @@ impl Table {
     }
 
     /// A column of names as numbers of a sorted list of names; an empty cell is none.
-    ///
-    /// # Errors
-    /// As [`Table::words`].
     pub(crate) fn codes(&self, name: &str) -> Result<(Vec<Option<u32>>, Vec<String>), IngestError> {
         let words = self.words(name)?;
-        let mut codes: BTreeMap<&str, u32> = BTreeMap::new();
-        for word in words.iter().flatten() {
-            codes.entry(word).or_default();
-        }
-        for (i, code) in (0..).zip(codes.values_mut()) {
-            *code = i;
-        }
+        let codes = numbered(words.iter().flatten().map(String::as_str));
         let code_of = |w: &Option<String>| w.as_deref().map(|w| codes[w]);
         let list = codes.keys().map(|w| (*w).to_owned()).collect();
         Ok((words.iter().map(code_of).collect(), list))

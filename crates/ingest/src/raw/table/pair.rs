@@ -1,10 +1,10 @@
 //! A follower and its leader: the columns of a file of pairs, or two neighbours of a platoon.
 
-use super::{TableDrive, TableLog, ids, lane::Lanes, open::Kind, parts::stamps, report};
+use super::{TableDrive, TableLog, ids, lane::Lanes, open::Kind, parts::stamps};
 use crate::{
     error::IngestError,
     mapping::{GapKind, Pair, Point},
-    quality::WarningKind,
+    quality::{WarningKind, report},
     raw::{EgoSamples, LEADER, ObjectSample, PairRows, RawDrive},
 };
 use maveric_domain::Sees;
@@ -58,9 +58,6 @@ pub(super) struct Couple {
 }
 
 /// Reads a file of one pair.
-///
-/// # Errors
-/// As [`crate::read_log`].
 pub(super) fn read(mut log: TableLog<'_>, pair: &Pair) -> Result<TableDrive, IngestError> {
     let (mapping, names, clock) = (log.mapping, &pair.columns, log.clock());
     let given = mapping.layout.columns();
@@ -134,7 +131,7 @@ pub(super) fn read(mut log: TableLog<'_>, pair: &Pair) -> Result<TableDrive, Ing
 }
 
 /// A vehicle does not grow: its length is the first that is known.
-fn first_length(lengths: Option<Vec<f64>>, otherwise_m: f64) -> f64 {
+pub(super) fn first_length(lengths: Option<Vec<f64>>, otherwise_m: f64) -> f64 {
     let known = lengths.into_iter().flatten().find(|l| *l > 0.0);
     known.unwrap_or(otherwise_m)
 }

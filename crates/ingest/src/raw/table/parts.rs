@@ -6,6 +6,7 @@ use super::{
 };
 use crate::{
     error::IngestError,
+    folder::file_name,
     mapping::TableMapping,
     quality::{Warning, WarningKind},
 };
@@ -81,9 +82,6 @@ fn parts<'a>(
 }
 
 /// A column as nanoseconds, shape `(rows,)`; an empty cell is none. A part whose clock begins anew follows the others after a hole.
-///
-/// # Errors
-/// As [`as_written`] and [`parts`].
 pub(super) fn stamps(
     table: &Table,
     name: &str,
@@ -101,13 +99,6 @@ pub(super) fn stamps(
         }
     }
     Ok(stamps)
-}
-
-fn file_name(path: &Path) -> String {
-    path.file_name()
-        .unwrap_or_default()
-        .to_string_lossy()
-        .into_owned()
 }
 
 /// The number by which the name of a part differs from that of the part before it; its name where there is none.
@@ -129,9 +120,6 @@ fn number_in(below: &str, above: &str) -> String {
 }
 
 /// Says which files were joined, and how long the hole between each two is.
-///
-/// # Errors
-/// As [`Table::open_all`] and [`parts`].
 pub(super) fn joined(
     log: &Path,
     files: Vec<(PathBuf, Vec<u8>)>,

@@ -4,7 +4,7 @@ use super::{
     TableDrive, TableLog,
     lane::Lanes,
     open::Kind,
-    pair::{Couple, Lane, bumper_gap_m, drive},
+    pair::{Couple, Lane, bumper_gap_m, drive, first_length},
     parts::stamps,
 };
 use crate::{
@@ -18,9 +18,6 @@ const MOST_VEHICLES: usize = 99;
 /// Reads the drives of a platoon: of vehicle 2 behind 1, of 3 behind 2, and so on.
 ///
 /// The gap in column n is between vehicle n and vehicle n + 1.
-///
-/// # Errors
-/// As [`crate::read_log`].
 pub(super) fn read(
     mut log: TableLog<'_>,
     platoon: &Platoon,
@@ -44,18 +41,14 @@ pub(super) fn read(
     wanted.extend(names.iter().map(|n| (n.as_str(), Kind::Number)));
     let table = log.open(&wanted)?;
 
-    let (to_m, to_mps) = (
-        mapping.units.length.metres(),
-        mapping.units.speed.metres_per_second(),
-    );
+    let to_m = mapping.units.length.metres();
+    let to_mps = mapping.units.speed.metres_per_second();
     let some = |template: &Option<String>, n: usize, unit: f64| {
         table.scaled(template.as_ref().map(|t| optional(t, n)).as_ref(), unit)
     };
     let of_car = |template: &str, n: usize, unit: f64| table.times(&column(template, n), unit);
     let length_m = |n: usize, otherwise_m: f64| -> Result<f64, IngestError> {
-        let known = some(&columns.length, n, to_m)?;
-        let first = known.into_iter().flatten().find(|l| *l > 0.0);
-        Ok(first.unwrap_or(otherwise_m))
+        Ok(first_length(some(&columns.length, n, to_m)?, otherwise_m))
     };
     let lanes = Lanes::new(mapping, log.road, platoon.offset_grows);
     // Where a car is across the road, and what columns say of its lane.

@@ -53,12 +53,8 @@ pub(super) fn read(
         let Some(name) = name else {
             return Ok(Vec::new());
         };
-        let cell = meta
-            .words(name)?
-            .into_iter()
-            .next()
-            .flatten()
-            .unwrap_or_default();
+        let words = meta.words(name)?;
+        let cell = words.into_iter().next().flatten().unwrap_or_default();
         let parse = |text: &str| {
             let value = text.trim().parse().ok().filter(|v: &f64| v.is_finite());
             let value = value.map(|v| v * mapping.units.length.metres());
@@ -68,9 +64,8 @@ pub(super) fn read(
         parts.map(parse).collect()
     };
     let frames_per_s = number(&columns.frames_per_s)?;
-    if columns.frames_per_s.is_some() && frames_per_s.is_none() {
-        let name = columns.frames_per_s.clone().unwrap_or_default();
-        return Err(meta.bad_cell(0, &name, "no number above 0"));
+    if let (Some(name), None) = (&columns.frames_per_s, frames_per_s) {
+        return Err(meta.bad_cell(0, name, "no number above 0"));
     }
     let posted = number(&columns.posted_speed)?;
     Ok(Meta {

@@ -8,11 +8,11 @@ mod road;
 mod rows;
 mod tracks;
 
-use super::{TableDrive, TableLog, open::Kind, parts::stamps, report};
+use super::{TableDrive, TableLog, open::Kind, parts::stamps};
 use crate::{
     error::IngestError,
     mapping::{RoadMapping, Signals, SpeedSignal, TableMapping, VelocitySignal},
-    quality::{Warning, WarningKind},
+    quality::{Warning, WarningKind, report},
     raw::{EgoSample, EgoSamples, ObjectSamples, RawDrive},
     source::Source,
 };
@@ -38,7 +38,7 @@ pub(super) fn read(
     signals: &Signals,
     sources: &mut Vec<Source>,
 ) -> Result<TableDrive, IngestError> {
-    let (mapping, road, clock, max_gap_s) = (log.mapping, log.road, log.clock(), log.max_gap_s);
+    let (mapping, road, max_gap_s) = (log.mapping, log.road, log.max_gap_s);
     let mut files = Files::new(log, sources);
     let log = files.log;
     let to_mps = mapping.units.speed.metres_per_second();
@@ -56,10 +56,7 @@ pub(super) fn read(
     let driven = DrivenPath::new(&speed, heading, max_gap_s);
     let (road, place, across) = across(&mut files, signals, mapping, road, &driven, &mut warnings)?;
     let mut objects = match &signals.tracks {
-        Some(signal) => {
-            let table = tracks::open_tracks(&mut files, signal)?;
-            tracks::read(log, &table, signal, mapping, clock, &driven, &mut warnings)?
-        }
+        Some(signal) => tracks::read(&mut files, signal, mapping, &driven, &mut warnings)?,
         None => ObjectSamples::default(),
     };
     let leads = match &signals.lead {

@@ -70,11 +70,13 @@ pub(crate) fn blanks_to_tabs(text: &[u8]) -> Vec<u8> {
 
 /// Finds the header of a text: the first line with a cell `anchor`, else the first line; without one, numbers of columns.
 pub(crate) fn header(text: &[u8], style: Style, anchor: Option<&str>) -> Header {
+    let separator = |line: &[u8]| {
+        let given = style.separator;
+        given.unwrap_or_else(|| separator_of(line, SEPARATORS))
+    };
     if style.headless {
         let first = text.split(|&b| b == b'\n').next().unwrap_or_default();
-        let separator = style
-            .separator
-            .unwrap_or_else(|| separator_of(first, SEPARATORS));
+        let separator = separator(first);
         let cells = cells(first, separator);
         return Header {
             preamble: 0,
@@ -84,14 +86,11 @@ pub(crate) fn header(text: &[u8], style: Style, anchor: Option<&str>) -> Header 
         };
     }
     let read = |(preamble, line): (usize, &[u8])| {
-        let separator = style
-            .separator
-            .unwrap_or_else(|| separator_of(line, SEPARATORS));
-        let names = cells(line, separator);
+        let separator = separator(line);
         Header {
             preamble,
             separator,
-            names,
+            names: cells(line, separator),
             headless: false,
         }
     };

@@ -58,12 +58,9 @@ pub(super) fn as_written(
         let words = table.words(name)?.into_iter().enumerate();
         let stamp = |(row, word): (usize, Option<String>)| match word {
             None => Ok(None),
-            Some(word) => match clock
-                .pattern
-                .map_or_else(|| date(&word), |p| patterned(&word, p))
-            {
-                Some(ns) => Ok(Some(ns)),
+            Some(word) => match time_in(&word, clock.pattern) {
                 None => Err(table.bad_cell_of(row, name, word, &clock.expected())),
+                stamp_ns => Ok(stamp_ns),
             },
         };
         return words.map(stamp).collect();
@@ -118,15 +115,12 @@ const PATTERNS: [&str; 10] = [
 
 /// The times that words are, if all of them are written alike.
 pub(crate) fn written(words: &[Option<String>]) -> Option<Written> {
-    let read = |pattern: Option<&str>, word: &str| {
-        pattern.map_or_else(|| date(word), |p| patterned(word, p))
-    };
     let first = words.iter().flatten().next()?;
     let with_pattern = |pattern: Option<&'static str>| {
-        read(pattern, first)?;
+        time_in(first, pattern)?;
         let second = |word: &Option<String>| match word {
             None => Some(f64::NAN),
-            Some(word) => Some(read(pattern, word)? as f64 / 1e9),
+            Some(word) => Some(time_in(word, pattern)? as f64 / 1e9),
         };
         let seconds = words.iter().map(second).collect::<Option<_>>()?;
         Some(Written { pattern, seconds })
@@ -135,6 +129,11 @@ pub(crate) fn written(words: &[Option<String>]) -> Option<Written> {
         .into_iter()
         .chain(PATTERNS.map(Some))
         .find_map(with_pattern)
+}
+
+/// The time that a word is, by a pattern or as ISO 8601, in ns.
+fn time_in(word: &str, pattern: Option<&str>) -> Option<i64> {
+    pattern.map_or_else(|| date(word), |pattern| patterned(word, pattern))
 }
 
 /// A date and a time of day in ns since 1970; without an offset it is UTC.

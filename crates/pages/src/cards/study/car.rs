@@ -56,11 +56,7 @@ pub(super) fn own_style(
         accuracies,
     };
     tests.insert(0, say("accuracy", &values)?);
-    let drawn = Drawn {
-        rows: drawn,
-        nothing: Some(0.0),
-        bounds: Some((-1.0, 1.0)),
-    };
+    let drawn = Drawn::beside(0.0, drawn).within((-1.0, 1.0));
     tested_card(texts, finding, &values, Some(drawn), tests).map(Some)
 }
 

@@ -1,8 +1,8 @@
 //! What the cards of a study are made from.
 
+use crate::words;
 use maveric_analysis::Analysis;
 use maveric_domain::{ConditionId, ConditionRow, Design};
-use maveric_report::markup;
 
 /// What the cards of a study are made from.
 #[derive(Debug, Clone, Copy)]
@@ -22,11 +22,6 @@ pub struct Study<'a> {
 impl Study<'_> {
     /// What the page calls a condition, the baseline or a role.
     pub(super) fn label(&self, id: ConditionId) -> String {
-        markup::literal(&self.design.label(id))
-    }
-
-    /// What the dial turns.
-    pub(super) fn style_label(&self) -> &str {
-        self.design.style().map_or("the style", |s| &s.label)
+        words::label(self.design, id)
     }
 }

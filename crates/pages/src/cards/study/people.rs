@@ -47,7 +47,7 @@ pub(super) fn congruence(
     let first = judged.first().map(|(row, _)| *row);
     let near = first.map_or(0.0, |row| row.near_points);
     let values = context! {
-        style => study.style_label(),
+        style => words::style(study.design),
         ratings => judged.len(),
         tops => shown(0),
         stay => shown(1),
@@ -55,11 +55,7 @@ pub(super) fn congruence(
         places => first.map(|row| row.places),
         furthest => furthest.map(|(row, top)| context! { title => row.title.as_str(), top }),
     };
-    let drawn = Drawn {
-        rows: drawn,
-        nothing: Some(0.0),
-        bounds: Some((-near, near)),
-    };
+    let drawn = Drawn::beside(0.0, drawn).within((-near, near));
     tested_card(texts, finding, &values, Some(drawn), tests)
 }
 

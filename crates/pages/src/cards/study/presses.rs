@@ -4,6 +4,7 @@ use super::data::Study;
 use crate::{
     card::{Drawn, tested_card},
     texts::{Texts, value},
+    words::label_of_id,
 };
 use maveric_analysis::{BeforePress, Finding};
 use maveric_report::{Card, ReportError, figures::intervals::IntervalRow};
@@ -21,10 +22,7 @@ pub(super) fn pressed(
     };
     let by_rate = |a: &(&str, &f64), b: &(&str, &f64)| a.1.total_cmp(b.1);
     let named = |(id, rate): (&str, &f64)| {
-        let label = id
-            .parse()
-            .map_or_else(|_| id.to_owned(), |c| study.label(c));
-        context! { label, rate }
+        context! { label => label_of_id(study.design, id), rate }
     };
     let values = context! {
         least => rates.rate.iter().min_by(by_rate).map(named),

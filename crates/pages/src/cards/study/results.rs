@@ -95,11 +95,7 @@ fn hypothesis(
     };
     let say = |key| texts.say("hypothesis", key, &values);
     let row = IntervalRow::new(say("row")?, judged.mean_difference, judged.interval);
-    let drawn = Drawn {
-        rows: vec![row],
-        nothing: Some(0.0),
-        bounds: judged.bounds,
-    };
+    let drawn = Drawn::beside(0.0, [row]).within(judged.bounds);
     let tests = Some(say("test")?).filter(|test| !test.is_empty());
     let tests = tests.into_iter().collect();
     tested_card(texts, finding, &values, Some(drawn), tests).map(Some)

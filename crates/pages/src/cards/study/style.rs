@@ -29,7 +29,7 @@ pub(super) fn line(
     let ceiling = alpha.map(f64::sqrt);
     let r = decides.r.unwrap_or(0.0);
     let values = context! {
-        style => study.style_label(),
+        style => words::style(study.design),
         n => decides.n,
         r,
         explained => 100.0 * r * r,

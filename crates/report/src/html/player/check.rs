@@ -9,13 +9,9 @@ const FURTHEST_M: f64 = 5e6;
 
 /// Checks names, lengths and numbers.
 pub(super) fn check(player: &WatchPlayer) -> Result<(), ReportError> {
-    let usable = |sign: char| sign.is_ascii_lowercase() || sign.is_ascii_digit() || sign == '-';
-    if player.name.is_empty() || !player.name.chars().all(usable) {
-        return Err(ReportError::BadName {
-            name: player.name.clone(),
-        });
-    }
-    Check(&player.name).at_least(1, "drives", player.drives.len())?;
+    let check = Check(&player.name);
+    check.name()?;
+    check.at_least(1, "drives", player.drives.len())?;
     player
         .drives
         .iter()

@@ -37,8 +37,8 @@ impl PlayerDrive {
             end_s: time(c.end),
             direction: c.direction,
         };
-        let present = || rows.lead_present.iter();
-        PlayerDrive {
+        let present = rows.lead_present.iter();
+        Self {
             label: meta.label,
             note: meta.note,
             condition: meta.condition,
@@ -56,7 +56,7 @@ impl PlayerDrive {
                 y_m: ego.y_m.clone(),
             },
             speed_mps: ego.speed_mps.clone(),
-            gap_m: present()
+            gap_m: present
                 .zip(&rows.lead_dx_m)
                 .map(|(present, dx)| present.then_some(*dx))
                 .collect(),

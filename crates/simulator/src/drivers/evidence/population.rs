@@ -1,18 +1,16 @@
 //! Who acts on evidence, and how five latents become the parameters of such a person.
 
 use crate::{
-    drivers::{bounds, habit::people},
+    drivers::{
+        bounds,
+        habit::{check_bounds, latent, people},
+    },
     error::SimulatorError,
-    normal::standard_normal,
+    normal::normal_of,
     scenario::setting::{Range, Value, check},
 };
-use maveric_domain::{LatentTraits, MetresPerSecond, stream_seed};
-use rand::SeedableRng;
-use rand_pcg::Pcg64Mcg;
+use maveric_domain::{LatentTraits, MetresPerSecond};
 use serde::{Deserialize, Serialize};
-
-/// Latents beyond this are taken as this.
-const LATENT_LIMIT: f64 = 10.0;
 
 /// How one parameter depends on the latents, by loadings that bend at the average person.
 ///
@@ -51,10 +49,7 @@ pub struct BentLaw {
 
 impl Value for BentLaw {
     fn check(&self, name: &str, range: Range) -> Result<(), SimulatorError> {
-        check(&format!("{name}.lowest"), self.lowest, range)?;
-        check(&format!("{name}.highest"), self.highest, range)?;
-        let above = Range::Because(self.lowest, f64::MAX, "`lowest` or above");
-        check(&format!("{name}.highest"), self.highest, above)?;
+        check_bounds(name, [self.lowest, self.highest], range)?;
         for (key, pair) in [
             ("aggressiveness", self.aggressiveness),
             ("spacing", self.spacing),
@@ -136,10 +131,7 @@ struct Draw {
 }
 
 fn normal(seed: u64, kind: &str, name: &str) -> f64 {
-    standard_normal(&mut Pcg64Mcg::seed_from_u64(stream_seed(
-        seed,
-        &["evidence", kind, name],
-    )))
+    normal_of(seed, &["evidence", kind, name])
 }
 
 impl Draw {
@@ -182,13 +174,7 @@ impl EvidencePopulation {
             normal(person_seed, "latent", "looseness"),
         ];
         self.person(&Draw {
-            latents: latents.map(|z| {
-                if z.is_nan() {
-                    0.0
-                } else {
-                    z.clamp(-LATENT_LIMIT, LATENT_LIMIT)
-                }
-            }),
+            latents: latents.map(latent),
             person_seed,
             day_seed,
         })

@@ -66,14 +66,6 @@ fn drivers(evaluation: &FollowingEvaluation, texts: &PageTexts) -> Result<Table,
     Ok(texts.table("drivers", rows)?)
 }
 
-/// An error of the gap over the seeds.
-#[derive(Serialize)]
-struct Range {
-    mean: f64,
-    low: f64,
-    high: f64,
-}
-
 #[derive(Serialize)]
 struct Seeds {
     n: usize,
@@ -84,11 +76,10 @@ fn seeds(study: &ClosedLoopStudy, texts: &PageTexts) -> Result<Vec<String>, Stud
     let seed_errors: Vec<[f64; 3]> = study.seeds.iter().map(ClosedLoopSeed::gap_rmse_m).collect();
     let range = |at: usize| {
         let values = || seed_errors.iter().map(|seed| seed[at]);
-        let range = Range {
-            mean: values().sum::<f64>() / seed_errors.len() as f64,
-            low: values().fold(f64::INFINITY, f64::min),
-            high: values().fold(f64::NEG_INFINITY, f64::max),
-        };
+        let mean = values().sum::<f64>() / seed_errors.len() as f64;
+        let low = values().fold(f64::INFINITY, f64::min);
+        let high = values().fold(f64::NEG_INFINITY, f64::max);
+        let range = BTreeMap::from([("mean", mean), ("low", low), ("high", high)]);
         Ok(texts.with(&range).text("range")?)
     };
     let seeds = Seeds {

@@ -34,7 +34,6 @@ const SCENARIO: &str = "scenario.toml";
 pub(super) struct Declared {
     pub(super) design: Design,
     text: String,
-    /// What to know of it.
     pub(super) doubt: Option<String>,
 }
 
@@ -78,11 +77,8 @@ pub(super) fn write(
 fn copy(from: &Path, to: &Path, ids: &Ids) -> Result<(), StudyError> {
     let text = read_text(from)?;
     if let Some(id) = ids.in_words(&text) {
-        return Err(StudyError::BadFile {
-            path: from.to_owned(),
-            problem: format!("names `{id}`, and would be given away as it is"),
-            help: Some("take the name out of it".to_owned()),
-        });
+        let problem = format!("names `{id}`, and would be given away as it is");
+        return Err(StudyError::file(from, problem).with_help("take the name out of it"));
     }
     atomic_write_bytes(to, text.as_bytes())
 }

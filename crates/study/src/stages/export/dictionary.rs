@@ -9,13 +9,9 @@ use maveric_analysis::Observed;
 use maveric_measures::objective;
 use std::path::Path;
 
-/// Its name.
 const DICTIONARY: &str = "dictionary.csv";
 
 /// Writes it beside the files of the folder; what the columns of outcomes hold, `observed` says.
-///
-/// # Errors
-/// As [`Table::read`] and [`write_rows`].
 pub(super) fn write(folder: &Path, observed: &[Observed]) -> Result<(), StudyError> {
     let given = files(folder)?;
     let mut rows = Vec::new();

@@ -15,9 +15,6 @@ use maveric_ingest::Beside;
 use std::{collections::BTreeMap, path::Path};
 
 /// Writes `logs/`, and `drives/` where tables are asked for.
-///
-/// # Errors
-/// [`StudyError::Io`].
 pub(super) fn write(
     out: &Path,
     drives: &[(DriveMeta, Recording)],

@@ -45,9 +45,6 @@ fn doubts(study: &DesignFile) -> Option<String> {
 
 impl LeftOut {
     /// Takes out what the study does not let in.
-    ///
-    /// # Errors
-    /// As [`Gate::where_listed`].
     pub(super) fn take_from(
         study: &DesignFile,
         participants: Option<&Path>,
@@ -132,12 +129,8 @@ impl LeftOut {
     pub(super) fn lines(&self) -> Vec<String> {
         let people = counted(["person", "people"], self.people.values());
         let drives = counted(["drive", "drives"], &self.drives);
-        [
-            people,
-            drives,
-            counted(["answer", "answers"], &self.answers),
-        ]
-        .concat()
+        let answers = counted(["answer", "answers"], &self.answers);
+        [people, drives, answers].concat()
     }
 }
 

@@ -64,13 +64,8 @@ impl Material {
             material.own = own::read(path, study)?;
         }
         if material.is_empty() && sources.logs.is_empty() {
-            return Err(StudyError::NotPossible {
-                problem: "there is nothing to export".to_owned(),
-                help: Some(
-                    "run this in the folder of a study, or give at least one of --logs, --participants, --surveys and --seat"
-                        .to_owned(),
-                ),
-            });
+            let help = "run this in the folder of a study, or give at least one of --logs, --participants, --surveys and --seat";
+            return Err(StudyError::not_possible("there is nothing to export").with_help(help));
         }
         let read = for_each_on(options.jobs, &sources.logs, watch, "logs read", |log| {
             Ok(read_log(&log.path, &log.settings)?)

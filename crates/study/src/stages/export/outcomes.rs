@@ -13,9 +13,6 @@ use std::path::Path;
 type Cell<T> = (String, Option<T>);
 
 /// Writes `outcomes_long.csv` and `outcomes_wide.csv`, sorted by pseudonym; the outcomes that they hold.
-///
-/// # Errors
-/// As [`write_rows`].
 pub(super) fn write(
     out: &Path,
     data: Option<&StudyData>,

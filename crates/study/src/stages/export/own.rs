@@ -6,11 +6,10 @@ use crate::{
     error::StudyError,
     tables::{Table, TableName, own_measures::known_conditions, write_rows},
 };
-use maveric_domain::{ConditionId, ParticipantId};
+use maveric_domain::{ConditionId, ParticipantId, occasion::OCCASION};
 use serde_json::Value;
 use std::{collections::BTreeSet, path::Path};
 
-/// A row of the table.
 pub(super) struct OwnRow {
     pub(super) participant: ParticipantId,
     pub(super) condition: ConditionId,
@@ -19,22 +18,17 @@ pub(super) struct OwnRow {
 }
 
 /// Reads the declared measures.
-///
-/// # Errors
-/// As [`Table`] does, naming row and column.
 pub(super) fn read(path: &Path, study: &DesignFile) -> Result<Vec<OwnRow>, StudyError> {
     let table = Table::read(path)?;
     let people: Vec<ParticipantId> = table.ids("participant")?;
     let conditions = known_conditions(study, &table)?;
     let mut columns: Vec<(String, Vec<Value>)> = Vec::new();
-    for name in ["session", "trial"].into_iter().filter(|c| table.has(c)) {
+    for name in OCCASION.into_iter().filter(|c| table.has(c)) {
         columns.push((name.to_owned(), numbered(&table.text(name)?)));
     }
     for measure in study.design.measures() {
         let values = table.numbers(&measure.id)?;
-        let values = values
-            .into_iter()
-            .map(|v| v.map_or(Value::Null, Value::from));
+        let values = values.into_iter().map(Value::from);
         columns.push((measure.id.clone(), values.collect()));
     }
     let row = |(index, (participant, condition)): (usize, (ParticipantId, ConditionId))| OwnRow {
@@ -54,18 +48,15 @@ fn numbered(cells: &[Option<String>]) -> Vec<Value> {
     let numbers: Vec<_> = cells.iter().map(number).collect();
     if numbers.iter().flatten().all(Result::is_ok) {
         let values = numbers.into_iter().map(|n| n.and_then(Result::ok));
-        return values.map(|n| n.map_or(Value::Null, Value::from)).collect();
+        return values.map(Value::from).collect();
     }
     let words: BTreeSet<&String> = cells.iter().flatten().collect();
     let place = |cell: &String| words.iter().position(|w| *w == cell).map(|index| index + 1);
     let places = cells.iter().map(|cell| cell.as_ref().and_then(place));
-    places.map(|n| n.map_or(Value::Null, Value::from)).collect()
+    places.map(Value::from).collect()
 }
 
 /// Writes `measures.csv`, sorted by pseudonym and condition; each person's rows stay in their order.
-///
-/// # Errors
-/// As [`write_rows`].
 pub(super) fn write(out: &Path, rows: &[OwnRow], names: &Pseudonyms) -> Result<(), StudyError> {
     if rows.is_empty() {
         return Ok(());

@@ -36,9 +36,6 @@ pub(super) fn cell(person: &Enrolled, column: &str) -> Option<String> {
 }
 
 /// Writes the table, sorted by pseudonym; warns of people whom few others resemble in what it says.
-///
-/// # Errors
-/// As [`write_rows`].
 pub(super) fn write(
     out: &Path,
     people: &[Enrolled],

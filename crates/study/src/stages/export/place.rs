@@ -46,9 +46,6 @@ impl Place {
     }
 
     /// The files that are there so far: path, size, BLAKE3.
-    ///
-    /// # Errors
-    /// [`StudyError::Io`].
     pub(super) fn given(&self) -> Result<Vec<Given>, StudyError> {
         let fresh = self.fresh();
         let mut given = Vec::new();
@@ -65,20 +62,13 @@ impl Place {
     }
 
     /// Warns of people of the earlier export who are not among those `now`; not where it was made with another key, or there is none.
-    ///
-    /// # Errors
-    /// As [`Table`] does.
     pub(super) fn gone(&self, now: impl Fn(&str) -> bool) -> Result<Option<String>, StudyError> {
         let mut former = BTreeSet::new();
         for name in ["participants.csv", "surveys.csv"] {
             let path = self.out.join(name);
             if path.is_file() {
-                former.extend(
-                    Table::read(&path)?
-                        .text("participant")?
-                        .into_iter()
-                        .flatten(),
-                );
+                let listed = Table::read(&path)?.text("participant")?;
+                former.extend(listed.into_iter().flatten());
             }
         }
         let gone = former.iter().filter(|name| !now(name)).count();
@@ -131,13 +121,10 @@ fn refuse_used(out: &Path) -> Result<(), StudyError> {
     let Some(foreign) = present.iter().find(|name| !ours.contains(*name)) else {
         return Ok(());
     };
-    Err(StudyError::BadFile {
-        path: out.to_owned(),
-        problem: format!(
-            "holds `{foreign}`, which no export wrote: it would be given away with the rest"
-        ),
-        help: Some("export into a new folder, or into one of an earlier export".to_owned()),
-    })
+    let problem =
+        format!("holds `{foreign}`, which no export wrote: it would be given away with the rest");
+    let help = "export into a new folder, or into one of an earlier export";
+    Err(StudyError::file(out, problem).with_help(help))
 }
 
 /// Everything in a folder that is no folder itself, by its path below it with `/` between, sorted.

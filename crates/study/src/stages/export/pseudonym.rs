@@ -25,11 +25,7 @@ impl Pseudonyms {
     pub(super) fn read(key: &Path, out: &Path) -> Result<Self, StudyError> {
         let help =
             "make one with `openssl rand -hex 32 > study.key`, and keep it where the data are not";
-        let bad = |problem: String| StudyError::BadFile {
-            path: key.to_owned(),
-            problem,
-            help: Some(help.to_owned()),
-        };
+        let bad = |problem: String| StudyError::file(key, problem).with_help(help);
         let absolute = |path: &Path| std::path::absolute(path).map_err(StudyError::read(path));
         if absolute(key)?.starts_with(absolute(out)?) {
             return Err(bad(
@@ -72,10 +68,8 @@ impl Pseudonyms {
         let hash = blake3::keyed_hash(&self.key, id.as_str().as_bytes()).to_hex();
         let name = ParticipantId::new(format!("P{}", &hash[..LETTERS]))?;
         if self.names.values().any(|n| *n == name) {
-            return Err(StudyError::NotPossible {
-                problem: format!("two participants would both be called {name}"),
-                help: Some("use another key".to_owned()),
-            });
+            let problem = format!("two participants would both be called {name}");
+            return Err(StudyError::not_possible(problem).with_help("use another key"));
         }
         self.names.insert(id.clone(), name);
         Ok(())
@@ -100,7 +94,7 @@ impl Pseudonyms {
         let mut text = text.to_owned();
         for (id, name) in &self.names {
             let id = id.as_str();
-            let name = if is_number(id) {
+            let name = if named::is_number(id) {
                 named::HIDDEN
             } else {
                 name.as_str()
@@ -113,11 +107,6 @@ impl Pseudonyms {
     pub(super) fn len(&self) -> usize {
         self.names.len()
     }
-}
-
-/// An id that texts have as a number.
-fn is_number(id: &str) -> bool {
-    id.bytes().all(|b| b.is_ascii_digit())
 }
 
 /// Ids that must stand in no text of an export: those of the people who are in it under other names, and of people and drives that are not.
@@ -136,16 +125,15 @@ impl Ids {
 
     /// The id that words name, be it no mere number.
     pub(super) fn in_words(&self, text: &str) -> Option<&str> {
-        let ids = self.0.iter().map(String::as_str);
-        ids.filter(|id| !is_number(id))
-            .find(|id| named::names(text, id))
+        let mut ids = self.0.iter().map(String::as_str);
+        ids.find(|id| named::is_about(text, id))
     }
 
     /// Words with `…` for each id; none where there is no id.
     pub(super) fn hidden(&self, text: &str) -> Option<String> {
         self.in_words(text)?;
         let ids = self.0.iter().map(String::as_str);
-        Some(named::without(text, ids.filter(|id| !is_number(id))))
+        Some(named::without(text, ids.filter(|id| !named::is_number(id))))
     }
 }
 

@@ -51,9 +51,6 @@ const OTHERS: [(&str, &str); 9] = [
 ];
 
 /// Writes it; the other files are there.
-///
-/// # Errors
-/// [`StudyError::Io`].
 pub(super) fn write(
     out: &Path,
     design: &Design,

@@ -157,6 +157,9 @@ pub(super) fn metadata(design: &Design, about: &About, files: &[Given]) -> Value
     } else {
         &PROFILES[..1]
     };
+    // The metadata of a workflow keep to its own profile too.
+    let standards = ["https://w3id.org/ro/crate/1.1"].into_iter();
+    let standards = standards.chain(profiles.get(2).map(|p| p.0));
     let licence = about.licence.as_deref().unwrap_or("#no-licence");
     let mut steps: Vec<Value> = Vec::new();
     let mut mentioned = vec!["#export".to_owned()];
@@ -193,10 +196,7 @@ pub(super) fn metadata(design: &Design, about: &About, files: &[Given]) -> Value
             "@id": METADATA,
             "@type": "CreativeWork",
             "about": reference("./"),
-            "conformsTo": [
-                reference("https://w3id.org/ro/crate/1.1"),
-                reference("https://w3id.org/workflowhub/workflow-ro-crate/1.0"),
-            ],
+            "conformsTo": references(standards),
         }),
         root,
         licence_of(about),
@@ -224,9 +224,6 @@ pub(super) fn metadata(design: &Design, about: &About, files: &[Given]) -> Value
     graph.extend(files.iter().map(|file| entity(file, about, licence)));
     graph.extend(authors);
     graph.extend(steps);
-    if about.run.is_none() {
-        graph[0]["conformsTo"] = reference("https://w3id.org/ro/crate/1.1");
-    }
     json!({ "@context": "https://w3id.org/ro/crate/1.1/context", "@graph": graph })
 }
 

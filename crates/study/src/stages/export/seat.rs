@@ -9,7 +9,7 @@ use crate::{
         TableName,
         collected::{
             CONSENTS, ConsentRow, EVENTS, EventRow, LENT, LentRow, NOT_ADMITTED, NOT_AGREED, NOTES,
-            NotAdmitted, NotAgreed, NoteRow, STOPPED, Stopped, read_consents, read_lent,
+            NotAdmitted, NotAgreed, NoteRow, SEAT, STOPPED, Stopped, read_consents, read_lent,
             write_lent,
         },
         read_rows, write_rows,
@@ -37,14 +37,8 @@ impl Collected {
     /// [`StudyError::BadFile`] for a folder that has none of them; as [`read_rows`].
     pub(super) fn read(folder: &Path, notes: bool) -> Result<Self, StudyError> {
         if !folder.join(EVENTS).is_file() {
-            return Err(StudyError::BadFile {
-                path: folder.to_owned(),
-                problem: format!("holds no {EVENTS}"),
-                help: Some(
-                    "name the folder in which the seat keeps what it collects: seat/ in the study’s folder"
-                        .to_owned(),
-                ),
-            });
+            let help = "name the folder in which the seat keeps what it collects: seat/ in the study’s folder";
+            return Err(StudyError::file(folder, format!("holds no {EVENTS}")).with_help(help));
         }
         Ok(Self {
             events: read_rows(&folder.join(EVENTS))?,
@@ -95,9 +89,6 @@ impl Collected {
 
     /// Writes them into `out`, without times of day; warns of notes, whose words are somebody's own. A note that names anybody who is
     /// `left_out` is not given away.
-    ///
-    /// # Errors
-    /// As [`write_rows`].
     pub(super) fn write(
         mut self,
         out: &Path,
@@ -161,7 +152,7 @@ impl Collected {
             self.lent.sort_by(|a, b| a.participant.cmp(&b.participant));
             write_lent(&out.join(LENT), &self.lent)?;
         }
-        let out = out.join("seat");
+        let out = out.join(SEAT);
         write_rows(TableName::Events, &out.join(EVENTS), &self.events)?;
         write_rows(TableName::Consents, &out.join(CONSENTS), &self.consents)?;
         let Some(mut notes) = self.notes else {

@@ -8,7 +8,7 @@ use crate::{
         Ingest,
         logs::{self, Log},
     },
-    tables::collected::EVENTS,
+    tables::collected::{EVENTS, SEAT},
 };
 use maveric_domain::design::Software;
 use std::path::{Path, PathBuf};
@@ -17,16 +17,12 @@ use std::path::{Path, PathBuf};
 pub(super) const RESULTS: &str = "results";
 /// Answers that came from survey software, among the results.
 const IMPORTED: &str = "answers.csv";
-/// The folder of the seat in a study's.
-const SEAT: &str = "seat";
 
-/// Files of an export.
 #[derive(Default)]
 pub(super) struct Sources {
     pub(super) logs: Vec<Log>,
     pub(super) participants: Option<PathBuf>,
     pub(super) surveys: Vec<PathBuf>,
-    /// The folder of the seat.
     pub(super) seat: Option<PathBuf>,
     /// Values of the study's own measures.
     pub(super) measures: Option<PathBuf>,
@@ -36,9 +32,6 @@ pub(super) struct Sources {
 
 impl Sources {
     /// Those that were named; where none was, those of the study's folder that are there.
-    ///
-    /// # Errors
-    /// As [`logs::of`].
     pub(super) fn find(
         options: &ExportOptions,
         study: Option<&DesignFile>,

@@ -13,9 +13,6 @@ use std::{
 };
 
 /// Writes `surveys.csv` and, without what was asked during rides, `surveys_wide.csv`; the answers have pseudonyms then, and stand in their order.
-///
-/// # Errors
-/// As [`write_rows`].
 pub(super) fn write(
     out: &Path,
     (answers, probes): (&mut [Answer], &mut [ProbeAnswer]),
@@ -93,32 +90,29 @@ fn write_wide(
     let people: Vec<&ParticipantId> = rated.keys().copied().collect();
     let most = trials.iter().map(Vec::len).max().unwrap_or(0);
     let rows = people.iter().zip(&trials).map(|(who, trials)| {
-        let cell = |moment: Moment, (scale, item): (&str, u32)| {
-            let answer = cells.get(&(*who, moment, scale, item)).copied().flatten();
-            answer.map_or(Value::Null, Value::from)
+        let sheet = |page: &str, moment: Option<Moment>, items: &BTreeSet<(&str, u32)>| {
+            let cell = |(scale, item): &(&str, u32)| {
+                let answer = cells.get(&(*who, moment?, *scale, *item));
+                answer.copied().flatten()
+            };
+            let column = |item: &(&str, u32)| {
+                let name = format!("{page}.{}_{}", item.0, item.1);
+                (name, Value::from(cell(item)))
+            };
+            items.iter().map(column).collect::<Vec<_>>()
         };
-        let mut columns: Vec<(String, Value)> = Vec::new();
-        for item in &before {
-            let name = format!("pre.1.player.{}_{}", item.0, item.1);
-            columns.push((name, cell(Moment::Pre, *item)));
-        }
+        let mut columns = sheet("pre.1.player", Some(Moment::Pre), &before);
         for n in 0..most {
             let (page, trial) = (format!("trial.{}.player", n + 1), trials.get(n));
             let condition = trial.map_or_else(String::new, ToString::to_string);
             columns.push((format!("{page}.condition"), condition.into()));
-            for item in &after {
-                let answer = trial.map_or(Value::Null, |c| cell(Moment::After(*c), *item));
-                columns.push((format!("{page}.{}_{}", item.0, item.1), answer));
-            }
+            columns.extend(sheet(&page, trial.map(|ride| Moment::After(*ride)), &after));
         }
         if !at_end.is_empty() {
             // By this word an import knows when it was.
             columns.push(("post.1.player.condition".to_owned(), "post".into()));
         }
-        for item in &at_end {
-            let name = format!("post.1.player.{}_{}", item.0, item.1);
-            columns.push((name, cell(Moment::Post, *item)));
-        }
+        columns.extend(sheet("post.1.player", Some(Moment::Post), &at_end));
         (("participant.label", who.as_str()), columns)
     });
     write_rows(TableName::SurveysWide, path, rows)

@@ -67,10 +67,8 @@ pub fn export(
     };
     names.add_all(material.ids())?;
     if names.len() == 0 {
-        return Err(StudyError::NotPossible {
-            problem: "nobody is left to export".to_owned(),
-            help: Some(left_out.lines().join("; ")),
-        });
+        let problem = "nobody is left to export";
+        return Err(StudyError::not_possible(problem).with_help(left_out.lines().join("; ")));
     }
     let ids = Ids::new(&names, &left_out.names);
     let mut warnings = left_out.doubts.clone();

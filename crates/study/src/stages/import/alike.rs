@@ -36,15 +36,13 @@ pub(super) fn refuse(
         let whole = others.values().find(|(n, _)| *n >= scale.items.len());
         if let Some((_, example)) = whole {
             let id = &scale.id;
-            return Err(StudyError::BadFile {
-                path: grid.path().to_owned(),
-                problem: format!(
-                    "scale `{id}`: `{before}{{item}}{behind}` names the columns of one moment only, and it is not said which: `{example}` and others look the same"
-                ),
-                help: Some(format!(
-                    "in the map of columns, under [scales.{id}], put `{{condition}}` where they differ (column = \"{{condition}}…{{item}}\", with the words under [moments]), or say when these were answered: moment = \"pre\""
-                )),
-            });
+            let problem = format!(
+                "scale `{id}`: `{before}{{item}}{behind}` names the columns of one moment only, and it is not said which: `{example}` and others look the same"
+            );
+            let help = format!(
+                "in the map of columns, under [scales.{id}], put `{{condition}}` where they differ (column = \"{{condition}}…{{item}}\", with the words under [moments]), or say when these were answered: moment = \"pre\""
+            );
+            return Err(StudyError::file(grid.path(), problem).with_help(help));
         }
     }
     Ok(())

@@ -99,7 +99,6 @@ impl<'a> Columns<'a> {
         position.map_or_else(String::new, |at| self.patterns[at].to_string())
     }
 
-    /// The patterns of all scales.
     pub(super) fn patterns(&self) -> impl Iterator<Item = &Pattern> {
         self.patterns.iter()
     }

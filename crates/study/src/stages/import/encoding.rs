@@ -33,13 +33,9 @@ fn decode(
 ) -> Result<(String, Option<String>), StudyError> {
     if let Some(name) = named {
         let encoding = Encoding::for_label(name.as_bytes()).ok_or_else(|| {
-            StudyError::BadFile {
-                path: path.to_owned(),
-                problem: format!("`encoding = \"{name}\"` of its map of columns is not an encoding"),
-                help: Some(
-                    "expected such as utf-8, utf-16le, windows-1252, windows-1250, iso-8859-15, macintosh".to_owned(),
-                ),
-            }
+            let problem = format!("`encoding = \"{name}\"` of its map of columns is not an encoding");
+            let help = "expected such as utf-8, utf-16le, windows-1252, windows-1250, iso-8859-15, macintosh";
+            StudyError::file(path, problem).with_help(help)
         })?;
         let (text, used, damaged) = encoding.decode(bytes);
         if damaged {
@@ -62,14 +58,8 @@ fn decode(
             return Ok((text.into_owned(), Some(warning)));
         }
     }
-    Err(StudyError::BadFile {
-        path: path.to_owned(),
-        problem: unknown(bytes, encoding),
-        help: Some(
-            "save it again as CSV in UTF-8 (spreadsheets call it `CSV UTF-8`), or name its encoding in the map of columns: encoding = \"macintosh\""
-                .to_owned(),
-        ),
-    })
+    let help = "save it again as CSV in UTF-8 (spreadsheets call it `CSV UTF-8`), or name its encoding in the map of columns: encoding = \"macintosh\"";
+    Err(StudyError::file(path, unknown(bytes, encoding)).with_help(help))
 }
 
 /// UTF-16 without its mark: every second byte of a text with Latin letters is zero.

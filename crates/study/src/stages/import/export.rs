@@ -14,7 +14,6 @@ use maveric_domain::{ParticipantId, design::Software};
 use path_slash::PathExt as _;
 use std::path::Path;
 
-/// What an export holds.
 pub(super) enum Export {
     /// A table of words, without the rows below its names that hold no answers.
     Table(Grid, &'static Format),
@@ -42,14 +41,12 @@ impl Export {
         let known = Format::of_grid(&grid);
         let format = from.and_then(Format::for_software).unwrap_or(known);
         if known.software != Software::Wide && known.software != format.software {
-            return Err(StudyError::BadFile {
-                path: path.to_owned(),
-                problem: format!("is of {} by its head, not of {}", known.title, format.title),
-                help: Some(format!(
-                    "say --from {id}, or software = \"{id}\" under [files] of the design",
-                    id = known.software.id()
-                )),
-            });
+            let problem = format!("is of {} by its head, not of {}", known.title, format.title);
+            let help = format!(
+                "say --from {id}, or software = \"{id}\" under [files] of the design",
+                id = known.software.id()
+            );
+            return Err(StudyError::file(path, problem).with_help(help));
         }
         Ok(Self::Table(format.without_heads(grid), format))
     }
@@ -78,10 +75,6 @@ impl Export {
         }
     }
 
-    /// Its answers.
-    ///
-    /// # Errors
-    /// As [`wide::read`] and [`jspsych::read`].
     pub(super) fn answers(
         &self,
         path: &Path,
@@ -132,17 +125,15 @@ pub(crate) fn told_as_export(path: &Path, error: StudyError) -> StudyError {
         return error;
     };
     let file = path.to_slash_lossy();
-    StudyError::BadFile {
-        path: path.to_owned(),
-        problem: format!(
-            "is {}, not the table that is scored: a row an answer, with the columns participant, {}",
-            export.by_its_head(),
-            LONG.join(", ")
-        ),
-        help: Some(format!(
-            "`maveric import --suggest {file} --out columns.toml` proposes what its columns mean, and `maveric import {file} --columns columns.toml --out surveys.csv` makes that table of it"
-        )),
-    }
+    let problem = format!(
+        "is {}, not the table that is scored: a row an answer, with the columns participant, {}",
+        export.by_its_head(),
+        LONG.join(", ")
+    );
+    let help = format!(
+        "`maveric import --suggest {file} --out columns.toml` proposes what its columns mean, and `maveric import {file} --columns columns.toml --out surveys.csv` makes that table of it"
+    );
+    StudyError::file(path, problem).with_help(help)
 }
 
 /// Refuses answers of a design that says they are the table that is scored, where they are an export.
@@ -179,9 +170,6 @@ pub(crate) fn column_of_people(study: &DesignFile) -> Result<Option<String>, Stu
 }
 
 /// Whether a study's answers, in whatever table they come, have a row of somebody's.
-///
-/// # Errors
-/// As [`column_of_people`].
 pub(crate) fn has_row_of(study: &DesignFile, id: &ParticipantId) -> Result<bool, StudyError> {
     let table = table_of_answers(study)?;
     Ok(table.is_some_and(|(grid, column)| grid.column(column).any(|cell| cell == id.as_str())))

@@ -74,8 +74,7 @@ pub(super) fn answers(grid: &Grid, scale: &Scale, family: &Family) -> Answers {
         let Some(item) = scale.item(*number) else {
             return Answers::Beyond;
         };
-        let filled = grid.column(*column).filter(|cell| !cell.is_empty());
-        for cell in filled.filter(|_| item.kind != Kind::Text) {
+        for cell in grid.filled(*column).filter(|_| item.kind != Kind::Text) {
             match cell
                 .parse()
                 .ok()

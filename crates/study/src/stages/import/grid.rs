@@ -137,7 +137,6 @@ impl Grid {
         })
     }
 
-    /// Where it came from.
     pub(super) fn path(&self) -> &Path {
         &self.path
     }
@@ -147,7 +146,6 @@ impl Grid {
         self.rows
     }
 
-    /// The same without its first rows.
     pub(super) fn without_first(mut self, rows: usize) -> Self {
         for column in &mut self.cells {
             column.drain(..rows);
@@ -171,8 +169,8 @@ impl Grid {
         self.cells[column].iter().map(|cell| cell.trim())
     }
 
-    /// Whether anybody filled in a column.
-    pub(super) fn is_filled(&self, column: usize) -> bool {
-        self.column(column).any(|cell| !cell.is_empty())
+    /// The cells of a column that anybody filled in.
+    pub(super) fn filled(&self, column: usize) -> impl Iterator<Item = &str> {
+        self.column(column).filter(|cell| !cell.is_empty())
     }
 }

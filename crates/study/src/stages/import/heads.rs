@@ -12,7 +12,6 @@ use crate::error::StudyError;
 use maveric_domain::Moment;
 use std::collections::{BTreeMap, BTreeSet};
 
-/// A column that holds answers.
 pub(super) struct ItemColumn {
     pub(super) slot: Slot,
     pub(super) column: usize,
@@ -46,13 +45,11 @@ pub(super) fn pages<'g>(
                 let page_columns = pages.entry(page).or_default();
                 let same = |item: &&ItemColumn| item.slot == slot;
                 if let Some(before) = page_columns.items.iter().find(same) {
-                    return Err(StudyError::file(
-                        grid.path(),
-                        format!(
-                            "scale `{}`, item {}: both `{}` and `{whole}` hold it",
-                            columns.scales[slot.scale].id, slot.item, grid.columns[before.column]
-                        ),
-                    ));
+                    let problem = format!(
+                        "scale `{}`, item {}: both `{}` and `{whole}` hold it",
+                        columns.scales[slot.scale].id, slot.item, grid.columns[before.column]
+                    );
+                    return Err(StudyError::file(grid.path(), problem));
                 }
                 page_columns.items.push(ItemColumn { slot, column });
                 continue;
@@ -147,14 +144,12 @@ fn conditions_named(
     let others = others.join("`, `");
     if named.is_empty() && !others.is_empty() {
         let known: Vec<&str> = columns.words().collect();
-        return Err(StudyError::BadFile {
-            path: grid.path().to_owned(),
-            problem: format!(
-                "no column names a condition of the study: where one stands, there are `{others}`, expected {}",
-                known.join(", ")
-            ),
-            help: Some("say in the map of columns what each means, under [moments]".to_owned()),
-        });
+        let problem = format!(
+            "no column names a condition of the study: where one stands, there are `{others}`, expected {}",
+            known.join(", ")
+        );
+        let help = "say in the map of columns what each means, under [moments]";
+        return Err(StudyError::file(grid.path(), problem).with_help(help));
     }
     let field_says = pages.values().any(|page| page.moment.is_some());
     let mut words = columns.map.moments.iter();
@@ -164,12 +159,10 @@ fn conditions_named(
         } else {
             format!("; where a condition stands, other columns have `{others}`")
         };
-        return Err(StudyError::file(
-            grid.path(),
-            format!(
-                "no column has `{word}`, for which [moments] of the map of columns has a meaning{instead}"
-            ),
-        ));
+        let problem = format!(
+            "no column has `{word}`, for which [moments] of the map of columns has a meaning{instead}"
+        );
+        return Err(StudyError::file(grid.path(), problem));
     }
     if !others.is_empty() {
         let n: usize = strangers.values().sum();
@@ -190,10 +183,7 @@ fn by_questionnaire(
     let Some(column) = grid.position(name) else {
         return Ok(());
     };
-    let words: BTreeSet<&str> = grid
-        .column(column)
-        .filter(|word| !word.is_empty())
-        .collect();
+    let words: BTreeSet<&str> = grid.filled(column).collect();
     let unsaid = |page: &PageColumns| {
         page.moment.is_none() && page.items.iter().any(|item| item.slot.when == When::Unsaid)
     };
@@ -205,16 +195,14 @@ fn by_questionnaire(
         .find(|word| columns.moment_by_word(word).is_none())
     {
         let words: Vec<&str> = words.iter().copied().collect();
-        return Err(StudyError::BadFile {
-            path: grid.path().to_owned(),
-            problem: format!(
-                "column `{name}` has {}, and `{word}` is no condition: it is not said when these questionnaires were answered",
-                words.join(", ")
-            ),
-            help: Some(format!(
-                "say it in the map of columns: [moments] {word} = \"pre\", or a condition; or name another column by `moment`"
-            )),
-        });
+        let problem = format!(
+            "column `{name}` has {}, and `{word}` is no condition: it is not said when these questionnaires were answered",
+            words.join(", ")
+        );
+        let help = format!(
+            "say it in the map of columns: [moments] {word} = \"pre\", or a condition; or name another column by `moment`"
+        );
+        return Err(StudyError::file(grid.path(), problem).with_help(help));
     }
     for page in pages.values_mut().filter(|page| unsaid(page)) {
         page.moment = Some(column);

@@ -129,11 +129,7 @@ impl Imports<'_> {
                 why.join("; "),
             )
         };
-        StudyError::BadFile {
-            path: self.file.to_owned(),
-            problem,
-            help: Some(help),
-        }
+        StudyError::file(self.file, problem).with_help(help)
     }
 
     fn counts(&self, rows: &[Row], unused: usize) -> Imported {

@@ -59,11 +59,8 @@ pub(super) fn refuse_twice(file: &Path, rows: &[Row], scales: &[Scale]) -> Resul
                 "participant {} ({}), scale `{scale}`, item {}: answered twice, in {} and in {}",
                 row.participant, row.moment, row.item, before.place, row.place
             );
-            return Err(StudyError::BadFile {
-                path: file.to_owned(),
-                problem,
-                help: Some("keep one; a condition can be rated once".to_owned()),
-            });
+            let help = "keep one; a condition can be rated once";
+            return Err(StudyError::file(file, problem).with_help(help));
         }
     }
     Ok(())

@@ -58,7 +58,6 @@ impl MapFile {
 }
 
 impl ScaleColumns {
-    /// Whether it fits its scale.
     pub(super) fn fits(&self, scale: &Scale) -> Result<(), String> {
         let (labels, items) = (self.labels.len(), self.items.len());
         let unfit = |item: &&Item| labels != 0 && labels != item.points();

@@ -1,6 +1,5 @@
 //! Names of columns with parts that say something: `{condition}_TLX_{item}`.
 
-/// A pattern of names.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(super) struct Pattern(Vec<Part>);
 

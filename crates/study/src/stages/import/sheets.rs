@@ -122,10 +122,8 @@ impl Reading<'_> {
         id: &ParticipantId,
     ) -> Result<Moment, StudyError> {
         let wrong = |problem: String| {
-            StudyError::file(
-                self.path,
-                format!("{} (participant {id}){problem}", page.place),
-            )
+            let problem = format!("{} (participant {id}){problem}", page.place);
+            StudyError::file(self.path, problem)
         };
         match (when, &page.moment) {
             (When::Known(moment), _) => Ok(moment),

@@ -9,7 +9,7 @@ use super::{
     wide::people_column,
 };
 use crate::{error::StudyError, once::first_names};
-use maveric_domain::{Design, ParticipantId, Scale, design::Software};
+use maveric_domain::{ConditionId, Design, ParticipantId, Scale, design::Software};
 use path_slash::PathExt as _;
 use std::{
     collections::{BTreeMap, BTreeSet},
@@ -28,10 +28,9 @@ pub(super) fn columns_of(
     sheet: Option<&str>,
 ) -> Result<String, StudyError> {
     let Export::Table(grid, format) = export else {
-        return Err(StudyError::NotPossible {
-            problem: "nothing is proposed for jsPsych, where each question has the name that its page gives it".to_owned(),
-            help: Some("call questions SCALE_ITEM, or give the trial a property `scale`; what is called otherwise is said in columns.toml".to_owned()),
-        });
+        let problem = "nothing is proposed for jsPsych, where each question has the name that its page gives it";
+        let help = "call questions SCALE_ITEM, or give the trial a property `scale`; what is called otherwise is said in columns.toml";
+        return Err(StudyError::not_possible(problem).with_help(help));
     };
     let mut lines = vec![
         format!(
@@ -66,10 +65,9 @@ pub(super) fn columns_of(
     }
     lines.push(String::new());
     if !words.is_empty() {
-        let labels: Vec<String> = design.labels().iter().map(ToString::to_string).collect();
         lines.push(format!(
             "# [moments]   # ? if conditions stand at {{condition}} below: which ({}), or \"pre\"",
-            labels.join(", ")
+            ConditionId::listed(&design.labels())
         ));
         lines.extend(words.iter().map(|word| format!("# {word} = \"?\"")));
         lines.push(String::new());
@@ -80,11 +78,7 @@ pub(super) fn columns_of(
 
 /// The line that says whose each row is.
 fn participant(grid: &Grid, format: &Format, columns: &Columns<'_>) -> String {
-    let ids = |column: usize| -> BTreeSet<&str> {
-        grid.column(column)
-            .filter(|cell| !cell.is_empty())
-            .collect()
-    };
+    let ids = |column: usize| grid.filled(column).collect::<BTreeSet<&str>>();
     if let Some(column) = people_column(grid, format, &columns.map).ok().flatten() {
         let (name, n) = (&grid.columns[column], ids(column).len());
         return format!("# participant = {name:?}   # by convention: {n} different ones");
@@ -106,11 +100,7 @@ fn participant(grid: &Grid, format: &Format, columns: &Columns<'_>) -> String {
 
 /// The line that says which column tells the moment.
 fn moment(grid: &Grid, format: &Format, columns: &Columns<'_>, design: &Design) -> String {
-    let words = |column: usize| -> BTreeSet<&str> {
-        grid.column(column)
-            .filter(|cell| !cell.is_empty())
-            .collect()
-    };
+    let words = |column: usize| grid.filled(column).collect::<BTreeSet<&str>>();
     let is_moment = |column: &usize| {
         let words = words(*column);
         !words.is_empty()
@@ -144,10 +134,9 @@ fn moment(grid: &Grid, format: &Format, columns: &Columns<'_>, design: &Design) 
                     list(several)
                 ),
             };
-            let labels: Vec<String> = design.labels().iter().map(ToString::to_string).collect();
             format!(
                 "# moment = \"?\"   # no column has conditions ({}) alone: without one all answers count as from before the drives{hint}",
-                labels.join(", ")
+                ConditionId::listed(&design.labels())
             )
         }
         _ => format!(
@@ -242,10 +231,7 @@ fn how_answered(grid: &Grid, scale: &Scale, families: &[&Family], how: Answers) 
         )),
         Answers::Words => {
             let columns = families.iter().flat_map(|f| f.columns.values());
-            let words: BTreeSet<&str> = columns
-                .flat_map(|c| grid.column(*c))
-                .filter(|w| !w.is_empty())
-                .collect();
+            let words: BTreeSet<&str> = columns.flat_map(|c| grid.filled(*c)).collect();
             let words: Vec<String> = words.into_iter().map(|word| format!("{word:?}")).collect();
             Some(format!(
                 "# labels = [\"?\"]   # from the lowest answer; there are {}",

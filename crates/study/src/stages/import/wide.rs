@@ -85,15 +85,7 @@ pub(super) fn people_column(
     format: &Format,
     map: &MapFile,
 ) -> Result<Option<usize>, StudyError> {
-    let missing = |wanted: &str| {
-        let known = grid.columns.iter().map(String::as_str);
-        StudyError::NoColumn {
-            path: grid.path().to_owned(),
-            wanted: wanted.to_owned(),
-            found: grid.columns.clone(),
-            nearest: maveric_domain::nearest(wanted, known).map(str::to_owned),
-        }
-    };
+    let missing = |wanted: &str| StudyError::no_column(grid.path(), wanted, grid.columns.clone());
     if let Some(named) = &map.participant {
         return grid.position(named).map(Some).ok_or_else(|| missing(named));
     }
@@ -103,7 +95,7 @@ pub(super) fn people_column(
             .iter()
             .filter_map(|name| grid.position(name))
     };
-    let filled = there().find(|column| grid.is_filled(*column));
+    let filled = there().find(|column| grid.filled(*column).next().is_some());
     match (filled, format.participant) {
         (None, [first, ..]) if there().next().is_none() => Err(missing(first)),
         (column, _) => Ok(column),

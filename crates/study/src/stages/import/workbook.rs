@@ -20,11 +20,7 @@ pub(super) fn is_workbook(bytes: &[u8]) -> bool {
 /// # Errors
 /// [`StudyError::BadFile`] for an archive that is no workbook, a sheet that is not there, or several where none is named.
 pub(super) fn rows(path: &Path, bytes: Vec<u8>, named: Option<&str>) -> Result<Rows, StudyError> {
-    let wrong = |problem: String, help: String| StudyError::BadFile {
-        path: path.to_owned(),
-        problem,
-        help: Some(help),
-    };
+    let wrong = |problem: String, help: String| StudyError::file(path, problem).with_help(help);
     let no_workbook = |problem: String| {
         let help = "save the sheet again as .xlsx, or as CSV in UTF-8";
         wrong(

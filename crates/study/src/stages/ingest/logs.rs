@@ -23,17 +23,11 @@ pub(crate) fn of(options: &Ingest, study: Option<&DesignFile>) -> Result<Vec<Log
 }
 
 /// Every log below the folders of a design; none where they hold none.
-///
-/// # Errors
-/// [`StudyError::Ingest`] for a mapping that is none; [`StudyError::Io`].
 pub(crate) fn of_study(options: &Ingest, study: &DesignFile) -> Result<Vec<Log>, StudyError> {
     gathered(options, Some(study), false)
 }
 
 /// The logs of somebody, and those that hold drives of others beside theirs. A log that cannot be read is nobody's.
-///
-/// # Errors
-/// [`StudyError::Ingest`] for a mapping that is none; [`StudyError::Io`].
 pub(crate) fn logs_of(
     study: &DesignFile,
     id: &ParticipantId,
@@ -115,10 +109,9 @@ fn gathered(
         return Ok(gathered);
     }
     let Some(study) = study else {
-        return Err(StudyError::NotPossible {
-            problem: "no logs are named, and there is no design that names them".to_owned(),
-            help: Some("name logs or folders of logs, or give --design study.toml".to_owned()),
-        });
+        let problem = "no logs are named, and there is no design that names them";
+        let help = "name logs or folders of logs, or give --design study.toml";
+        return Err(StudyError::not_possible(problem).with_help(help));
     };
     let files = study.design.files();
     let all_logs = study.resolve(&files.logs);

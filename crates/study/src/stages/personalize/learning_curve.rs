@@ -61,15 +61,9 @@ struct CurveFile<'a> {
 pub(super) fn of_drives(
     personalizer: &Personalizer<'_>,
     drives: &[Drive],
-    options: &Personalize,
+    (options, path): (&Personalize, &Path),
     watch: Watch<'_>,
 ) -> Result<Outcome<CurveOfDrives>, StudyError> {
-    let Some(path) = &options.learning_curve else {
-        return Err(StudyError::NotPossible {
-            problem: "no file for the learning curve".to_owned(),
-            help: None,
-        });
-    };
     let settings = CurveSettings::default();
     let curves =
         for_each_on(

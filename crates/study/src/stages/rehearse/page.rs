@@ -11,6 +11,7 @@ use maveric_report::{
     },
     html::Section,
 };
+use maveric_stats::Proportion;
 use serde::Serialize;
 use std::collections::BTreeMap;
 
@@ -90,26 +91,21 @@ fn power_figure(
     context: &Context,
 ) -> Result<Vec<Figure>, StudyError> {
     let shown: Vec<f64> = options.effect_scales.iter().copied().take(5).collect();
-    let points = |scale: f64,
-                  rate: &dyn Fn(&Cell) -> Option<maveric_stats::Proportion>|
-     -> Vec<CurvePoint> {
-        let rates = tables::curve(&rehearsal.cells, scale, rate).into_iter();
-        rates
-            .map(|(n, r)| CurvePoint {
-                x: n as f64,
-                y: r.estimate,
-                low: r.low,
-                high: r.high,
-            })
-            .collect()
+    let point = |(n, rate): (usize, Proportion)| CurvePoint {
+        x: n as f64,
+        y: rate.estimate,
+        low: rate.low,
+        high: rate.high,
     };
     let power = texts.text("power")?;
-    let panel =
-        |title: String, rate: &dyn Fn(&Cell) -> Option<maveric_stats::Proportion>| CurvePanel {
-            title,
-            y: power.clone(),
-            curves: shown.iter().map(|scale| points(*scale, rate)).collect(),
-        };
+    let panel = |title: String, rate: &dyn Fn(&Cell) -> Option<Proportion>| CurvePanel {
+        title,
+        y: power.clone(),
+        curves: (shown.iter())
+            .map(|scale| tables::curve(&rehearsal.cells, *scale, rate).into_iter())
+            .map(|curve| curve.map(point).collect())
+            .collect(),
+    };
     let mut panels: Vec<CurvePanel> = Vec::new();
     if let Some(cell) = rehearsal.largest() {
         panels.extend(

@@ -10,15 +10,7 @@ use crate::{
 use maveric_rehearsal::{PopulationModel, RehearsalError, World};
 use std::path::Path;
 
-/// Sizes of the effects, as shipped.
-const EFFECTS: &str = maveric_data::EFFECTS;
-/// What drives look like, as shipped.
-const POPULATION: &str = maveric_data::POPULATION;
-
 /// The world of a design; population, effects and questionnaires are those given, else the design's, else as shipped.
-///
-/// # Errors
-/// [`StudyError`] if a file cannot be read, or as [`World::new`].
 pub(crate) fn read_world(
     study: &DesignFile,
     [population, effects, scales]: [Option<&Path>; 3],
@@ -28,14 +20,13 @@ pub(crate) fn read_world(
     let own_effects = own_effects.filter(|path| path.is_file());
     let effects = match effects.or(own_effects.as_deref()) {
         Some(path) => read_effects(path)?,
-        None => effects_of(Path::new("effects.toml"), EFFECTS)?,
+        None => effects_of(Path::new("effects.toml"), maveric_data::EFFECTS)?,
     };
     let own_scales = study.resolve(&files.scales);
     let scales = read_scales(scales.unwrap_or(&own_scales))?;
-    let (path, text) = match population {
-        Some(path) => (path, read_text(path)?),
-        None => (Path::new("population.toml"), POPULATION.to_owned()),
-    };
+    let shipped = || Ok(maveric_data::POPULATION.to_owned());
+    let text = population.map_or_else(shipped, read_text)?;
+    let path = population.unwrap_or(Path::new("population.toml"));
     let population = PopulationModel::from_toml(&text)
         .map_err(|error| StudyError::file(path, error.to_string()))?;
     let stretch = StyleScale::of(study)?.stretch();

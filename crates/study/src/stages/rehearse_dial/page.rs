@@ -76,13 +76,8 @@ fn sizes_figure(
     };
     let error = |m: usize| -> Vec<CurvePoint> {
         let points = rehearsal.learned_from.iter().map(|l| {
-            let s = &l.scores[m];
-            CurvePoint {
-                x: l.participants as f64,
-                y: s.mean_error,
-                low: s.mean_error - s.mean_error_half,
-                high: s.mean_error + s.mean_error_half,
-            }
+            let score = &l.scores[m];
+            point(l.participants, (score.mean_error, score.mean_error_half))
         });
         points.collect()
     };
@@ -112,6 +107,16 @@ fn sizes_figure(
     Ok(curves(&input, context)?)
 }
 
+/// A value with half of its interval.
+fn point(x: usize, (y, half): (f64, f64)) -> CurvePoint {
+    CurvePoint {
+        x: x as f64,
+        y,
+        low: y - half,
+        high: y + half,
+    }
+}
+
 fn scatter(
     first: &LearnedFrom,
     texts: &PageTexts,
@@ -131,28 +136,8 @@ fn search_figure(
     context: &Context,
 ) -> Result<Figure, StudyError> {
     let line = |errors: fn(&TrialError) -> (f64, f64)| -> Vec<CurvePoint> {
-        let points = rehearsal.search.iter().map(|t| {
-            let (y, half) = errors(t);
-            CurvePoint {
-                x: t.trials as f64,
-                y,
-                low: y - half,
-                high: y + half,
-            }
-        });
-        points.collect()
-    };
-    let share = |share_at: fn(&TrialError) -> f64| -> Vec<CurvePoint> {
-        let points = rehearsal.search.iter().map(|t| {
-            let y = share_at(t);
-            CurvePoint {
-                x: t.trials as f64,
-                y,
-                low: y,
-                high: y,
-            }
-        });
-        points.collect()
+        let trials = rehearsal.search.iter();
+        trials.map(|t| point(t.trials, errors(t))).collect()
     };
     let input = Curves {
         name: "active-learning".to_owned(),
@@ -172,7 +157,7 @@ fn search_figure(
             CurvePanel {
                 title: texts.text("within")?,
                 y: texts.text("share")?,
-                curves: vec![share(|t| t.within_5.0), share(|t| t.within_5.1)],
+                curves: vec![line(|t| (t.within_5.0, 0.0)), line(|t| (t.within_5.1, 0.0))],
             },
         ],
     };

@@ -30,9 +30,6 @@ const MOST_BYTES: u64 = 100_000;
 
 /// The files among `paths` that exist, in this order, each with the BLAKE3 hash of its content: what the ledger of a
 /// pipeline writes beside a file.
-///
-/// # Errors
-/// [`StudyError::Io`] if one cannot be read.
 pub(crate) fn hashed(paths: impl IntoIterator<Item = PathBuf>) -> Result<Vec<Input>, StudyError> {
     let mut inputs = Vec::new();
     for path in paths.into_iter().filter(|p| p.is_file()) {

@@ -151,6 +151,9 @@ impl People {
     /// What the claims ledger asks about the participants.
     pub(super) fn results(&self) -> Vec<(String, Option<f64>)> {
         let mut results = Vec::new();
+        let mut set = |key: &str, value: Option<f64>| {
+            results.push((format!("participants.{key}"), value));
+        };
         for (key, part, population) in [
             ("study1", Part::Learn, None),
             ("study2", Part::Test, None),
@@ -158,30 +161,20 @@ impl People {
             ("study2.external", Part::Test, Some("external")),
         ] {
             let group = self.group(key, part, population);
-            results.push((format!("participants.{key}.n"), Some(group.n as f64)));
-            results.push((format!("participants.{key}.mean_age"), group.mean_age));
-            results.push((
-                format!("participants.{key}.female_percent"),
-                group.female.map(|f| 100.0 * f),
-            ));
+            let female_percent = group.female.map(|f| 100.0 * f);
+            set(&format!("{key}.n"), Some(group.n as f64));
+            set(&format!("{key}.mean_age"), group.mean_age);
+            set(&format!("{key}.female_percent"), female_percent);
         }
-        results.push((
-            "participants.n".to_owned(),
-            Some(self.participants.len() as f64),
-        ));
+        set("n", Some(self.participants.len() as f64));
         let professionals = self
             .members(Part::Learn, None)
             .iter()
             .filter(|p| p.professional)
             .count();
-        results.push((
-            "participants.study1.professionals".to_owned(),
-            Some(professionals as f64),
-        ));
-        results.push((
-            "participants.study1.drives".to_owned(),
-            Some(self.group("study1", Part::Learn, None).drives as f64),
-        ));
+        set("study1.professionals", Some(professionals as f64));
+        let learned_from = self.group("study1", Part::Learn, None);
+        set("study1.drives", Some(learned_from.drives as f64));
         results
     }
 }

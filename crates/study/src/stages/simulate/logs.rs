@@ -102,12 +102,10 @@ pub(super) fn known<'a>(
     if there.contains(wanted) {
         return Ok(());
     }
-    Err(StudyError::NotPossible {
-        problem: format!(
-            "there is no participant {wanted} among the {}: {}",
-            there.len(),
-            first_names(&there, 5)
-        ),
-        help: Some("give one of them".to_owned()),
-    })
+    let problem = format!(
+        "there is no participant {wanted} among the {}: {}",
+        there.len(),
+        first_names(&there, 5)
+    );
+    Err(StudyError::not_possible(problem).with_help("give one of them"))
 }

@@ -43,10 +43,9 @@ impl<T: Test> Call<T> {
         if let Some(path) = &input.figure {
             pictures::format(path)?;
             if !test.has_figure() {
-                return Err(StudyError::NotPossible {
-                    problem: format!("`{}` has nothing to draw", T::NAME),
-                    help: Some("leave out --figure".to_owned()),
-                });
+                let problem = format!("`{}` has nothing to draw", T::NAME);
+                let help = "leave out --figure";
+                return Err(StudyError::not_possible(problem).with_help(help));
             }
         }
         let whole = table()?;
@@ -98,13 +97,9 @@ fn shown(
     let mut pictures = Vec::new();
     for (outcome, mut ran) in runs {
         if show == Show::Apa && ran.statements.is_empty() {
-            return Err(StudyError::NotPossible {
-                problem: format!("`{test}` has no sentence for these data"),
-                help: Some(
-                    "leave out --apa: the report says what it found, and why it has no value"
-                        .to_owned(),
-                ),
-            });
+            let problem = format!("`{test}` has no sentence for these data");
+            let help = "leave out --apa: the report says what it found, and why it has no value";
+            return Err(StudyError::not_possible(problem).with_help(help));
         }
         let new_warnings = take_warnings(&ran.value, rows);
         if let Value::Object(object) = &mut ran.value {

@@ -1,7 +1,7 @@
 //! The table as people have it: rows that are kept, and a column a condition made long.
 
 use crate::{error::StudyError, outcome::Format, tables::Table};
-use std::path::PathBuf;
+use std::{collections::BTreeSet, path::PathBuf};
 
 /// The column that numbers the rows of a wide table, where it names no subjects.
 pub const ROW: &str = "(row)";
@@ -108,22 +108,16 @@ impl Input {
             return Ok(table);
         }
         let Some(long) = long else {
-            return Err(StudyError::NotPossible {
-                problem: format!("`{test}` compares no conditions, so it takes no --wide columns"),
-                help: None,
-            });
+            let problem = format!("`{test}` compares no conditions, so it takes no --wide columns");
+            return Err(StudyError::not_possible(problem));
         };
         self.melt(&table, long)
     }
 
     fn melt(&self, table: &Table, long: Long<'_>) -> Result<Table, StudyError> {
         let columns = &self.wide;
-        let refused = |problem: String, help: &str| {
-            Err(StudyError::NotPossible {
-                problem,
-                help: Some(help.to_owned()),
-            })
-        };
+        let refused =
+            |problem: String, help: &str| Err(StudyError::not_possible(problem).with_help(help));
         if let Some(twice) = (1..columns.len()).find(|&i| columns[..i].contains(&columns[i])) {
             let problem = format!("`{}` is named twice among the wide columns", columns[twice]);
             return refused(problem, "name each column once");
@@ -179,13 +173,8 @@ pub(super) fn advice(table: &Table) -> Option<String> {
 
 fn distinct(table: &Table, column: &str) -> Option<usize> {
     let cells = table.text(column).ok()?;
-    Some(
-        cells
-            .into_iter()
-            .flatten()
-            .collect::<std::collections::BTreeSet<_>>()
-            .len(),
-    )
+    let different: BTreeSet<String> = cells.into_iter().flatten().collect();
+    Some(different.len())
 }
 
 fn kind(table: &Table, column: &str) -> String {

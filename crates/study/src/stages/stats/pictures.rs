@@ -64,13 +64,10 @@ pub(super) fn format(path: &Path) -> Result<Format, StudyError> {
         Some("svg") => Ok(Format::Svg),
         Some("png") => Ok(Format::Png),
         Some("pdf") => Ok(Format::Pdf),
-        _ => Err(StudyError::NotPossible {
-            problem: format!(
-                "{}: a figure is written as .svg, .png or .pdf",
-                path.to_slash_lossy()
-            ),
-            help: None,
-        }),
+        _ => Err(StudyError::not_possible(format!(
+            "{}: a figure is written as .svg, .png or .pdf",
+            path.to_slash_lossy()
+        ))),
     }
 }
 

@@ -112,22 +112,12 @@ impl Printed {
         self.lines("No value (–)", lines.collect())
     }
 
-    /// Lines for a terminal.
-    pub(super) fn text(&self) -> Vec<String> {
+    /// Lines for a terminal (`Table::to_text`), or GitHub's Markdown.
+    pub(super) fn written(&self, table_text: fn(&Table) -> String) -> Vec<String> {
         let mut lines = self.heading.clone();
         for table in &self.tables {
             lines.push(String::new());
-            lines.extend(table.to_text().lines().map(str::to_owned));
-        }
-        lines
-    }
-
-    /// GitHub's Markdown.
-    pub(super) fn markdown(&self) -> Vec<String> {
-        let mut lines = self.heading.clone();
-        for table in &self.tables {
-            lines.push(String::new());
-            lines.extend(table.to_markdown().lines().map(str::to_owned));
+            lines.extend(table_text(table).lines().map(str::to_owned));
         }
         lines
     }

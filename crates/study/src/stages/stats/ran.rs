@@ -5,6 +5,7 @@ use super::{
     pictures::Picture,
     printed::{self, Printed},
 };
+use maveric_report::tables::Table;
 use maveric_stats::apa::{Statement, Statements};
 use serde_json::Value;
 
@@ -64,9 +65,9 @@ impl Ran {
 
     pub(super) fn lines(&self, show: Show) -> Vec<String> {
         match show {
-            Show::Report => self.printed.text(),
+            Show::Report => self.printed.written(Table::to_text),
             Show::Latex => self.printed.latex(),
-            Show::Markdown => self.printed.markdown(),
+            Show::Markdown => self.printed.written(Table::to_markdown),
             Show::Apa if self.statements.len() == 1 => vec![self.statements[0].1.to_string()],
             Show::Apa => self
                 .statements

@@ -64,9 +64,9 @@ impl FactorColumns {
 #[derive(Debug)]
 pub(super) struct DesignRows {
     subjects: Vec<String>,
-    within: Vec<(String, Vec<String>)>,
-    between: Vec<(String, Vec<Option<String>>)>,
-    covariates: Vec<(String, Vec<Option<f64>>)>,
+    within: Vec<NamedColumn<String>>,
+    between: Vec<NamedColumn<Option<String>>>,
+    covariates: Vec<NamedColumn<Option<f64>>>,
     products: Vec<(String, String)>,
     values: Vec<Option<f64>>,
 }
@@ -77,20 +77,11 @@ impl DesignRows {
             Some(subject) => columns::labels(table, subject)?,
             None => (1..=table.rows()).map(|row| row.to_string()).collect(),
         };
-        let within = columns.within.iter();
-        let between = columns.between.iter();
-        let covariates = columns.covariates.iter();
         Ok(Self {
             subjects,
-            within: within
-                .map(|f| Ok((f.clone(), columns::labels(table, f)?)))
-                .collect::<Result<_, StudyError>>()?,
-            between: between
-                .map(|f| Ok((f.clone(), table.text(f)?)))
-                .collect::<Result<_, StudyError>>()?,
-            covariates: covariates
-                .map(|f| Ok((f.clone(), table.numbers(f)?)))
-                .collect::<Result<_, StudyError>>()?,
+            within: named(&columns.within, |f| columns::labels(table, f))?,
+            between: named(&columns.between, |f| table.text(f))?,
+            covariates: named(&columns.covariates, |f| table.numbers(f))?,
             products: columns.products.clone(),
             values: table.numbers(&columns.value)?,
         })
@@ -115,19 +106,9 @@ impl DesignRows {
     pub(super) fn columns(&self) -> DesignColumns<'_> {
         DesignColumns {
             subjects: &self.subjects,
-            within: self
-                .within
-                .iter()
-                .map(|(n, c)| (n.as_str(), &c[..]))
-                .collect(),
-            between: self
-                .between
-                .iter()
-                .map(|(n, c)| (n.as_str(), &c[..]))
-                .collect(),
-            covariates: (self.covariates.iter())
-                .map(|(n, c)| (n.as_str(), &c[..]))
-                .collect(),
+            within: borrowed(&self.within),
+            between: borrowed(&self.between),
+            covariates: borrowed(&self.covariates),
             with: (self.products.iter())
                 .map(|(covariate, effect)| (covariate.as_str(), vec![effect.as_str()]))
                 .collect(),
@@ -138,14 +119,14 @@ impl DesignRows {
     }
 
     pub(super) fn design(&self) -> Result<FactorialDesign, StudyError> {
-        let columns = self.columns();
-        let design = FactorialDesign::from_columns(
-            columns.subjects,
-            &columns.within,
-            &columns.between,
-            columns.values,
-        )?;
-        Ok(design)
+        let (within, between) = (borrowed(&self.within), borrowed(&self.between));
+        let values = &self.values;
+        Ok(FactorialDesign::from_columns(
+            &self.subjects,
+            &within,
+            &between,
+            values,
+        )?)
     }
 
     /// Its factors, those between subjects first.
@@ -157,14 +138,10 @@ impl DesignRows {
 
     /// Levels of each factor in order of appearance, those between subjects first.
     pub(super) fn levels(&self) -> Vec<Vec<&str>> {
-        let mut levels: Vec<Vec<&str>> = Vec::new();
-        for (_, cells) in &self.between {
-            levels.push(distinct(cells.iter().flatten()));
-        }
-        for (_, cells) in &self.within {
-            levels.push(distinct(cells.iter()));
-        }
-        levels
+        let between = self.between.iter();
+        let between = between.map(|(_, cells)| distinct(cells.iter().flatten()));
+        let within = self.within.iter().map(|(_, cells)| distinct(cells));
+        between.chain(within).collect()
     }
 
     /// The cell of a row, the last factor counting fastest.
@@ -205,7 +182,22 @@ impl DesignRows {
     }
 }
 
-fn distinct<'a>(cells: impl Iterator<Item = &'a String>) -> Vec<&'a str> {
+/// Cells of a column under its name.
+type NamedColumn<T> = (String, Vec<T>);
+
+fn named<T>(
+    names: &[String],
+    cells: impl Fn(&str) -> Result<Vec<T>, StudyError>,
+) -> Result<Vec<NamedColumn<T>>, StudyError> {
+    let column = |name: &String| Ok((name.clone(), cells(name)?));
+    names.iter().map(column).collect()
+}
+
+fn borrowed<T>(columns: &[NamedColumn<T>]) -> Vec<(&str, &[T])> {
+    columns.iter().map(|(n, c)| (n.as_str(), &c[..])).collect()
+}
+
+fn distinct<'a>(cells: impl IntoIterator<Item = &'a String>) -> Vec<&'a str> {
     let mut seen: Vec<&str> = Vec::new();
     for cell in cells {
         if !seen.contains(&cell.as_str()) {

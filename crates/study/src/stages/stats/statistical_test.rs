@@ -7,6 +7,8 @@ use crate::{error::StudyError, tables::Table};
 pub trait Test: clap::Args + Clone {
     /// Its name on the command line.
     const NAME: &'static str;
+    /// Whether it draws: conditions, groups, contrasts, or two columns.
+    const HAS_FIGURE: bool = true;
 
     /// Options without which it cannot run, if one is lacking.
     fn lacks(&self) -> Option<&'static str> {
@@ -23,9 +25,9 @@ pub trait Test: clap::Args + Clone {
         None
     }
 
-    /// Whether there is something to draw: conditions, groups, contrasts, or two columns.
+    /// Whether this call of it has something to draw.
     fn has_figure(&self) -> bool {
-        true
+        Self::HAS_FIGURE
     }
 
     /// The result: its numbers, sentences, tables and figure.
@@ -39,7 +41,7 @@ pub trait Test: clap::Args + Clone {
 macro_rules! by_its_columns {
     () => {
         fn long(&self) -> Option<$crate::stages::stats::input::Long<'_>> {
-            Some(self.columns.long())
+            self.columns.long().into()
         }
 
         fn value(&mut self) -> Option<&mut String> {

@@ -23,7 +23,7 @@ use std::{
 };
 
 /// Name of the model's own head, S.
-const AGGRESSION: &str = "aggression";
+pub(super) const AGGRESSION: &str = "aggression";
 
 /// What a head that was fitted to scores is worth.
 #[derive(Debug, Clone, Serialize)]
@@ -60,7 +60,7 @@ impl fmt::Display for AttributeSummary {
 }
 
 /// The heads of a move: the one to move along first, then those to hold.
-#[derive(Debug)]
+#[derive(Debug, Default)]
 pub(super) struct Heads {
     pub(super) all: Vec<LinearHead>,
     pub(super) summaries: Vec<AttributeSummary>,
@@ -75,17 +75,12 @@ impl Heads {
         baseline: Option<ConditionId>,
     ) -> Result<Self, StudyError> {
         let Some(scores) = &options.scores else {
-            return Err(StudyError::NotPossible {
-                problem: format!("no table is named in which {attribute} stands"),
-                help: Some("name it with --scores".to_owned()),
-            });
+            let problem = format!("no table is named in which {attribute} stands");
+            let help = "name it with --scores";
+            return Err(StudyError::not_possible(problem).with_help(help));
         };
         let training = read_embeddings(&embeddings_path(&options.model))?;
-        let mut heads = Self {
-            all: Vec::new(),
-            summaries: Vec::new(),
-            warnings: Vec::new(),
-        };
+        let mut heads = Self::default();
         for name in std::iter::once(attribute).chain(&options.hold) {
             if name == AGGRESSION {
                 heads.all.push(axis.clone());

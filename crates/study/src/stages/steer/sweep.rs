@@ -2,7 +2,7 @@
 
 use super::{
     Steer, Steered,
-    attribute_scores::{AttributeSummary, Heads},
+    attribute_scores::{AGGRESSION, AttributeSummary, Heads},
     is_beyond, moved_sd,
     strangers::Strangers,
 };
@@ -40,15 +40,8 @@ pub(super) fn sweep(
 ) -> Result<Outcome<Steered>, StudyError> {
     let design = &study.design;
     let points = points(options)?;
-    let heads = match &options.attribute {
-        Some(attribute) => Some(Heads::fit(
-            model,
-            axis,
-            (options, attribute),
-            design.baseline_id(),
-        )?),
-        None => None,
-    };
+    let fit = |attribute| Heads::fit(model, axis, (options, attribute), design.baseline_id());
+    let heads = options.attribute.as_ref().map(fit).transpose()?;
     let sweeping = Sweeping {
         design,
         scale: StyleScale::of(study)?,
@@ -56,10 +49,7 @@ pub(super) fn sweep(
         axis,
         heads: heads.as_ref(),
         metric: StyleMetric::of(model),
-        name: options
-            .attribute
-            .as_ref()
-            .map_or("aggression", String::as_str),
+        name: options.attribute.as_deref().unwrap_or(AGGRESSION),
     };
     let mut conditions = Vec::new();
     let mut strangers = Strangers::new(options, design);
@@ -122,12 +112,10 @@ fn points(options: &Steer) -> Result<Vec<f64>, StudyError> {
     let points = &options.sweep;
     for (index, point) in points.iter().enumerate() {
         if !point.is_finite() || points[..index].iter().any(|p| (p - point).abs() < 1e-9) {
-            return Err(StudyError::NotPossible {
-                problem: format!(
-                    "sweep: found {point} twice or not finite, expected points that differ"
-                ),
-                help: Some("for example --sweep=-20,-10,0,10,20".to_owned()),
-            });
+            let problem =
+                format!("sweep: found {point} twice or not finite, expected points that differ");
+            let help = "for example --sweep=-20,-10,0,10,20";
+            return Err(StudyError::not_possible(problem).with_help(help));
         }
     }
     Ok(points.clone())

@@ -159,11 +159,7 @@ pub(super) fn work(options: &Validate, watch: Watch<'_>) -> Result<Outcome<InTur
     };
     let printed = tables::tables(&value, &study.design)?;
     let tables = printed.iter().flat_map(|(_, tables)| tables);
-    let markdown: Vec<String> = tables
-        .map(maveric_report::tables::Table::to_markdown)
-        .collect();
-    let text = markdown.join("\n");
-    let mut summary = write(&options.out, &text, &value)?;
+    let mut summary = write(&options.out, tables, &value)?;
     let page = page::page(&value, options, &study.design, printed, &warnings)?;
     let page = write_page(&options.out, &page)?;
     summary.push(format!(
@@ -321,10 +317,7 @@ impl Bench<'_> {
 
 /// A role that the rules were checked to name.
 fn role_of(role: Option<ConditionId>) -> Result<ConditionId, StudyError> {
-    role.ok_or_else(|| StudyError::NotPossible {
-        problem: "a table without the role that it asks about".to_owned(),
-        help: None,
-    })
+    role.ok_or_else(|| StudyError::not_possible("a table without the role that it asks about"))
 }
 
 /// What two drives are compared in: every measure, and the time gap over the whole drive.

@@ -52,14 +52,9 @@ pub(super) fn read(folder: &Path) -> Result<People, StudyError> {
     let own_drives = |name: &str| -> Result<Vec<Drive>, StudyError> {
         let path = folder.join("drives").join(name);
         if !path.exists() {
-            return Err(StudyError::BadFile {
-                path,
-                problem: "is not there: nobody drove twice".to_owned(),
-                help: Some(
-                    "make the second drives with `maveric generate --repeat-drives`, or run pipelines/validate.toml"
-                        .to_owned(),
-                ),
-            });
+            let problem = "is not there: nobody drove twice";
+            let help = "make the second drives with `maveric generate --repeat-drives`, or run pipelines/validate.toml";
+            return Err(StudyError::file(path, problem).with_help(help));
         }
         let mut drives = read_drives(&path)?;
         drives.retain(|d| Some(d.meta().condition) == baseline);
@@ -88,14 +83,13 @@ pub(super) fn read(folder: &Path) -> Result<People, StudyError> {
     };
     let (test, training) = (twice("study2")?, twice("study1")?);
     if test.len() < 3 {
-        return Err(StudyError::NotPossible {
-            problem: format!(
-                "{}: {} people who are tested drove twice, expected at least 3",
-                folder.to_slash_lossy(),
-                test.len()
-            ),
-            help: Some("run the pipeline with more participants: --set study2=6".to_owned()),
-        });
+        let problem = format!(
+            "{}: {} people who are tested drove twice, expected at least 3",
+            folder.to_slash_lossy(),
+            test.len()
+        );
+        let help = "run the pipeline with more participants: --set study2=6";
+        return Err(StudyError::not_possible(problem).with_help(help));
     }
     let mut trained_on = Vec::new();
     for drive in read_drives(&folder.join("drives").join("study1"))? {

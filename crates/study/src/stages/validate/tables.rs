@@ -108,9 +108,8 @@ pub(super) fn tables(
     let Some(one) = models.first() else {
         return Ok(Vec::new());
     };
-    let hit_interval = |over: &[&super::Identification]| Interval {
-        interval: interval_of(over),
-    };
+    let hit_interval =
+        |over: &[&super::Identification]| BTreeMap::from([("interval", interval_of(over))]);
     Ok(vec![
         texts.table("validation-retest", retested)?,
         texts.table(
@@ -150,12 +149,7 @@ pub(super) fn tables(
     ])
 }
 
-#[derive(Serialize)]
-struct Interval {
-    interval: Option<Proportion>,
-}
-
-/// Of the mean rate over the models.
+/// The interval of the mean rate over the models.
 fn interval_of(over: &[&super::Identification]) -> Option<Proportion> {
     let n = over.first()?.n;
     let hits: f64 = over.iter().map(|row| row.rate).sum::<f64>() / over.len() as f64 * n as f64;

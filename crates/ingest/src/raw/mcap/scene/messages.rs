@@ -1,14 +1,13 @@
 //! The messages, field for field as Foxglove's schemas have them.
 
-use maveric_domain::TraceRow;
 use serde::Serialize;
 
 /// Lengths, speeds and shares with four decimals: a tenth of a millimetre, and short text.
-fn short(value: f64) -> f64 {
+pub(super) fn short(value: f64) -> f64 {
     (value * 1e4).round() / 1e4
 }
 
-#[derive(Debug, Clone, Copy, Serialize)]
+#[derive(Debug, Clone, Copy, Default, Serialize)]
 pub(super) struct Time {
     sec: u64,
     nsec: u32,
@@ -38,7 +37,7 @@ impl Point {
 }
 
 #[derive(Debug, Clone, Copy, Serialize)]
-struct Quaternion {
+pub(super) struct Quaternion {
     x: f64,
     y: f64,
     // Six decimals: over 18 km of road four would move what is far ahead by a metre.
@@ -48,8 +47,8 @@ struct Quaternion {
 
 #[derive(Debug, Clone, Copy, Serialize)]
 pub(super) struct Pose {
-    position: Point,
-    orientation: Quaternion,
+    pub(super) position: Point,
+    pub(super) orientation: Quaternion,
 }
 
 impl Pose {
@@ -145,7 +144,7 @@ impl Text {
     }
 }
 
-#[derive(Debug, Serialize)]
+#[derive(Debug, Default, Serialize)]
 pub(super) struct Entity {
     timestamp: Time,
     frame_id: &'static str,
@@ -170,17 +169,7 @@ impl Entity {
             timestamp,
             frame_id,
             id,
-            lifetime: Time { sec: 0, nsec: 0 },
-            frame_locked: false,
-            metadata: [],
-            arrows: [],
-            cubes: Vec::new(),
-            spheres: [],
-            cylinders: [],
-            lines: Vec::new(),
-            triangles: [],
-            texts: Vec::new(),
-            models: [],
+            ..Self::default()
         }
     }
 }
@@ -211,27 +200,11 @@ pub(super) struct SceneUpdate {
 
 #[derive(Debug, Serialize)]
 pub(super) struct FrameTransform {
-    timestamp: Time,
-    parent_frame_id: &'static str,
-    child_frame_id: &'static str,
-    translation: Point,
-    rotation: Quaternion,
-}
-
-impl FrameTransform {
-    pub(super) fn new(
-        timestamp: Time,
-        (parent, child): (&'static str, &'static str),
-        pose: Pose,
-    ) -> Self {
-        Self {
-            timestamp,
-            parent_frame_id: parent,
-            child_frame_id: child,
-            translation: pose.position,
-            rotation: pose.orientation,
-        }
-    }
+    pub(super) timestamp: Time,
+    pub(super) parent_frame_id: &'static str,
+    pub(super) child_frame_id: &'static str,
+    pub(super) translation: Point,
+    pub(super) rotation: Quaternion,
 }
 
 #[derive(Debug, Serialize)]
@@ -246,41 +219,19 @@ pub(super) struct Log<'a> {
 
 #[derive(Debug, Serialize)]
 pub(super) struct Signals {
-    timestamp: Time,
-    speed_mps: f64,
-    lane: u8,
+    pub(super) timestamp: Time,
+    pub(super) speed_mps: f64,
+    pub(super) lane: u8,
     #[serde(skip_serializing_if = "Option::is_none")]
-    gap_m: Option<f64>,
+    pub(super) gap_m: Option<f64>,
     #[serde(skip_serializing_if = "Option::is_none")]
-    lead_speed_mps: Option<f64>,
+    pub(super) lead_speed_mps: Option<f64>,
     #[serde(skip_serializing_if = "Option::is_none")]
-    asked_speed_mps: Option<f64>,
+    pub(super) asked_speed_mps: Option<f64>,
     #[serde(skip_serializing_if = "Option::is_none")]
-    asked_gap_m: Option<f64>,
+    pub(super) asked_gap_m: Option<f64>,
     #[serde(skip_serializing_if = "Option::is_none")]
-    lane_wish: Option<&'static str>,
+    pub(super) lane_wish: Option<&'static str>,
     #[serde(skip_serializing_if = "Option::is_none")]
-    acceleration_mps2: Option<f64>,
-}
-
-impl Signals {
-    pub(super) fn new(
-        timestamp: Time,
-        speed_mps: f64,
-        lane: u8,
-        lead: Option<(f64, f64)>,
-        trace: Option<&TraceRow>,
-    ) -> Self {
-        Self {
-            timestamp,
-            speed_mps: short(speed_mps),
-            lane,
-            gap_m: lead.map(|l| short(l.0)),
-            lead_speed_mps: lead.map(|l| short(l.1)),
-            asked_speed_mps: trace.map(|t| short(t.asked.speed_mps)),
-            asked_gap_m: trace.map(|t| short(t.asked.following_distance_m)),
-            lane_wish: trace.map(|t| t.asked.wish.as_str()),
-            acceleration_mps2: trace.map(|t| short(t.acceleration_mps2)),
-        }
-    }
+    pub(super) acceleration_mps2: Option<f64>,
 }

@@ -2,6 +2,7 @@
 
 use super::super::{
     TableLog,
+    ids::numbered,
     open::{Kind, Table},
     parts::stamps,
     time::Clock,
@@ -10,7 +11,6 @@ use crate::{
     error::IngestError,
     mapping::{Long, LongColumns, TableMapping},
 };
-use std::collections::BTreeMap;
 
 /// One row, in SI units and the table's own frame; NaN stands for an empty cell.
 #[derive(Debug, Clone, Copy)]
@@ -67,9 +67,6 @@ pub(super) struct LongTable {
 }
 
 /// Reads what the mapping names.
-///
-/// # Errors
-/// As [`crate::read_log`].
 pub(super) fn read_rows(
     log: &mut TableLog<'_>,
     long: &Long,
@@ -146,9 +143,6 @@ type Place = Option<(u32, u32, i64)>;
 
 impl LongTable {
     /// Takes the rows of the columns of `vehicle`, or of all; those without place or position are passed over.
-    ///
-    /// # Errors
-    /// As [`crate::read_log`].
     fn take(
         &mut self,
         table: &Table,
@@ -244,15 +238,7 @@ fn groups(table: &Table, columns: &[String]) -> Result<(Vec<Option<u32>>, Groups
         parts.push(table.codes(name)?);
     }
     let key = |row: usize| -> Option<Vec<u32>> { parts.iter().map(|(c, _)| c[row]).collect() };
-    let mut numbers: BTreeMap<Vec<u32>, u32> = BTreeMap::new();
-    for row in 0..table.rows() {
-        if let Some(key) = key(row) {
-            numbers.entry(key).or_default();
-        }
-    }
-    for (i, number) in (0..).zip(numbers.values_mut()) {
-        *number = i;
-    }
+    let numbers = numbered((0..table.rows()).filter_map(key));
     let value = |key: &Vec<u32>| -> Vec<String> {
         let named = key
             .iter()

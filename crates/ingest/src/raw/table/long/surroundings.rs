@@ -1,10 +1,7 @@
 //! Who else was there at the times of a vehicle.
 
 use super::vehicles::{Lead, Vehicle};
-use crate::raw::{
-    EgoSample, ObjectSample, ObjectSamples, Sighting, Sightings,
-    leader::{Leaders, Sight},
-};
+use crate::raw::{EgoSample, ObjectSample, ObjectSamples, Sighting, Sightings, leader::Leaders};
 use std::collections::{BTreeMap, BTreeSet};
 
 /// Vehicles further away than this are of no concern: the method looks 200 m ahead.
@@ -267,27 +264,22 @@ fn lead_sample(
     numbers: &[u32],
     unnamed: &mut Leaders,
 ) -> ObjectSample {
-    let sight = Sight {
-        stamp_ns: sample.stamp_ns,
-        x_m: lead.x_m,
-        speed_mps: lead.speed_mps,
-        length_m: if lead.length_known {
-            lead.length_m
-        } else {
-            f64::NAN
-        },
-    };
-    let number = lead.id.map(|id| numbers[id as usize]);
-    ObjectSample {
+    let object = ObjectSample {
         stamp_ns: sample.stamp_ns,
         log_ns: sample.log_ns,
         nth: 0,
-        id: number.unwrap_or_else(|| u32::MAX - unnamed.before(sight)),
+        id: 0,
         x_m: lead.x_m,
         y_m: sample.y_m,
         speed_mps: lead.speed_mps,
         length_m: lead.length_m,
-    }
+    };
+    let known_m = lead.length_known.then_some(lead.length_m);
+    let length_m = known_m.unwrap_or(f64::NAN);
+    let unnumbered = || u32::MAX - unnamed.before(ObjectSample { length_m, ..object });
+    let number = lead.id.map(|id| numbers[id as usize]);
+    let id = number.unwrap_or_else(unnumbered);
+    ObjectSample { id, ..object }
 }
 
 /// Those of samples along x that lie next to one place.

@@ -62,14 +62,12 @@ pub(super) fn vehicles(mut rows: Vec<LongRow>, frame: &Frame<'_>, max_gap_s: f64
     let lane_y = LaneCentres::from_rows(&rows, frame);
     // Stable: of two rows at one time the first stays first.
     rows.sort_by_key(|r| (r.group, r.id, r.stamp_ns));
+    let most_s = frame.long.new_vehicle_after_s;
     let mut vehicles = Vec::new();
     for same in rows.chunk_by(|a, b| (a.group, a.id) == (b.group, b.id)) {
         let renewed = |a: &LongRow, b: &LongRow| {
             let hole_s = b.stamp_ns.saturating_sub(a.stamp_ns) as f64 / 1e9;
-            frame
-                .long
-                .new_vehicle_after_s
-                .is_some_and(|most| hole_s > most)
+            most_s.is_some_and(|most_s| hole_s > most_s)
         };
         for (generation, rows) in (0..).zip(same.chunk_by(|a, b| !renewed(a, b))) {
             vehicles.push(vehicle(rows, generation, frame, lane_y.as_ref(), max_gap_s));
@@ -77,7 +75,7 @@ pub(super) fn vehicles(mut rows: Vec<LongRow>, frame: &Frame<'_>, max_gap_s: f64
     }
     Fleet {
         vehicles,
-        lane_steps: lane_y.is_some_and(|lanes| lanes.steps()),
+        lane_steps: matches!(lane_y, Some(LaneCentres::Number)),
     }
 }
 
@@ -91,11 +89,8 @@ fn vehicle(
     let (mapping, long) = (frame.mapping, frame.long);
     let known = rows.iter().map(|r| r.length_m).find(|l| *l > 0.0);
     let length_m = known.unwrap_or(mapping.ego_length_m);
-    let width_m = rows
-        .iter()
-        .map(|r| r.width_m)
-        .find(|w| *w > 0.0)
-        .unwrap_or(0.0);
+    let width_m = rows.iter().map(|r| r.width_m).find(|w| *w > 0.0);
+    let width_m = width_m.unwrap_or(0.0);
     let sign = sign(rows, long);
     let headed = long.columns.heading.is_some();
     // With headings the frame is the world's, and is turned to the road later on.
@@ -163,11 +158,8 @@ fn sign(rows: &[LongRow], long: &Long) -> f64 {
     if long.directions == Directions::Along {
         return 1.0;
     }
-    let velocity: f64 = rows
-        .iter()
-        .map(|r| r.speed_x_mps)
-        .filter(|v| v.is_finite())
-        .sum();
+    let along_x = rows.iter().map(|r| r.speed_x_mps);
+    let velocity: f64 = along_x.filter(|v| v.is_finite()).sum();
     let moved = rows[rows.len() - 1].x_m - rows[0].x_m;
     let way = if velocity.abs() > 0.0 {
         velocity
@@ -251,11 +243,6 @@ impl LaneCentres {
             (false, true) => Self::Offset,
             (false, false) => Self::Number,
         })
-    }
-
-    /// Whether y moves in steps.
-    fn steps(&self) -> bool {
-        matches!(self, Self::Number)
     }
 
     /// Across the road before its right lane is taken off, in m.

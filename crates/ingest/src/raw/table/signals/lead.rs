@@ -1,7 +1,7 @@
 //! The one vehicle ahead in ego's lane, as a camera or a radar with one target tells it.
 
 use super::{
-    super::{Gaps, open::Kind, pair::bumper_gap_m, report},
+    super::{Gaps, open::Kind, pair::bumper_gap_m},
     path::DrivenPath,
     place::Place,
     rows::Files,
@@ -9,7 +9,7 @@ use super::{
 use crate::{
     error::IngestError,
     mapping::{LeadSignal, TableMapping},
-    quality::{Warning, WarningKind},
+    quality::{Warning, WarningKind, report},
     raw::{LEADER, ObjectSample, ObjectSamples, Sighting, Sightings},
 };
 
@@ -40,9 +40,6 @@ struct Seen {
 }
 
 /// Reads the vehicles ahead. Each is in the lane that ego is in: after a lane change it is another one.
-///
-/// # Errors
-/// As [`Files::rows`].
 pub(super) fn read(
     files: &mut Files<'_>,
     signal: &LeadSignal,
@@ -54,10 +51,8 @@ pub(super) fn read(
     let mut columns = vec![(signal.gap.as_str(), Kind::Number)];
     columns.extend(signal.speed.iter().map(|c| (c.as_str(), Kind::Number)));
     let rows = files.rows(&signal.file, &signal.time, &columns, signal.only.as_ref())?;
-    let (length, speed) = (
-        mapping.units.length.metres(),
-        mapping.units.speed.metres_per_second(),
-    );
+    let length = mapping.units.length.metres();
+    let speed = mapping.units.speed.metres_per_second();
     let gap_m = rows.numbers(&signal.gap, &signal.missing, length)?;
     let speed_mps = match &signal.speed {
         Some(name) => rows.numbers(name, &signal.missing, speed)?,
@@ -105,28 +100,19 @@ pub(super) fn read(
     let what = "rows of the vehicle ahead without its speed are left out";
     report(warnings, &rows.path, missing, without_speed, what);
     let what = "rows of the vehicle ahead before ego's first speed or after its last are left out";
-    report(
-        warnings,
-        &rows.path,
-        WarningKind::NoOverlap,
-        before_ego,
-        what,
-    );
+    let outside = WarningKind::NoOverlap;
+    report(warnings, &rows.path, outside, before_ego, what);
     if seen.is_empty() {
         let what = "nobody was seen ahead in the whole drive";
-        warnings.push(Warning::new(&rows.path, WarningKind::NoOverlap, 1, what));
+        warnings.push(Warning::new(&rows.path, outside, 1, what));
     }
     let alone = leads.place(&seen, mapping, driven, place);
     let what = "vehicles ahead that were seen in one row alone have no speed and are left out";
     report(warnings, &rows.path, missing, alone, what);
-    if signal.speed.is_none() && !leads.objects.is_empty() {
+    if signal.speed.is_none() {
         let what = "speeds of the vehicle ahead were not recorded: the change of the gap over two seconds tells them";
-        warnings.push(Warning::new(
-            &rows.path,
-            WarningKind::Default,
-            leads.objects.len(),
-            what,
-        ));
+        let count = leads.objects.len();
+        report(warnings, &rows.path, WarningKind::Default, count, what);
     }
     Ok(leads)
 }

@@ -1,17 +1,14 @@
 //! Where ego is across the road: its lane, and its place in it.
 
 use super::{
-    super::{
-        lane::{Lanes, WITHIN_LANE},
-        open::Kind,
-        report,
-    },
+    super::{lane::Lanes, open::Kind},
     rows::Files,
 };
 use crate::{
     error::IngestError,
+    lane_centres::WITHIN_LANE,
     mapping::{LaneChangesSignal, LaneSignal, RoadMapping, Side, TableMapping},
-    quality::{Warning, WarningKind},
+    quality::{Warning, WarningKind, report},
 };
 use maveric_domain::Road;
 use std::path::Path;
@@ -61,9 +58,6 @@ pub(super) struct Across {
 
 impl Across {
     /// Takes in the signal of the lane, on this road.
-    ///
-    /// # Errors
-    /// As [`Files::rows`].
     pub(super) fn lane(
         &mut self,
         files: &mut Files<'_>,
@@ -98,11 +92,9 @@ impl Across {
             report(warnings, &rows.path, WarningKind::Unit, beside, &what);
         }
         if let Some(name) = &signal.offset {
-            let to_left = match signal.offset_grows {
-                Some(Side::Right) => -mapping.units.length.metres(),
-                _ => mapping.units.length.metres(),
-            };
-            let offsets = rows.numbers(name, &signal.missing, to_left)?;
+            let to_left = signal.offset_grows.map_or(1.0, Side::to_left);
+            let to_left_m = to_left * mapping.units.length.metres();
+            let offsets = rows.numbers(name, &signal.missing, to_left_m)?;
             let known = rows.stamp_ns.iter().zip(offsets);
             let mut known: Vec<Offset> = known.filter_map(|(t, o)| Some((*t, o?))).collect();
             known.dedup_by_key(|o| o.0);
@@ -188,17 +180,13 @@ impl Across {
             .map(|&(t, o)| (t, place.centre_m(t) + o.clamp(-most_m, most_m)))
             .collect();
         let standing_in = self.standing_in(&place, &seen, (first_ns, last_ns));
-        if self.offsets.as_ref().is_some_and(|o| !o.is_empty()) && !standing_in.is_empty() {
+        if self.offsets.as_ref().is_some_and(|o| !o.is_empty()) {
             let seconds = standing_in.len() as f64 * STEP_S;
             let what = format!(
                 "no place in the lane was seen for {JOINED_S} s and more, {seconds:.0} s in all: the lane's centre stands in"
             );
-            warnings.push(Warning::new(
-                log,
-                WarningKind::Default,
-                standing_in.len(),
-                what,
-            ));
+            let count = standing_in.len();
+            report(warnings, log, WarningKind::Default, count, &what);
         }
         // The marking that is crossed lies between the lanes.
         let crossing = |c: &Change| {

@@ -4,14 +4,14 @@ use super::super::{
     TableLog,
     open::{Kind, Table},
     parts::stamps,
-    report, take,
+    take,
     text::Style,
     time::Clock,
 };
 use crate::{
     error::IngestError,
     mapping::Only,
-    quality::{Warning, WarningKind},
+    quality::{Warning, WarningKind, report},
     source::Source,
 };
 use std::path::{Path, PathBuf};
@@ -94,20 +94,24 @@ impl<'a> Files<'a> {
         let (mut stamp_ns, mut rows) = (Vec::new(), Vec::new());
         let (mut without_time, mut repeated) = (0, 0);
         let mut earlier: Vec<(i64, usize)> = Vec::new();
-        let mut cells: Option<Cells> = None;
+        // Those of the columns as they are written, where they are asked for.
+        let mut cells: Option<Vec<Vec<Option<String>>>> = None;
         for (row, stamp) in stamps(&table, time, self.clock)?.into_iter().enumerate() {
             let Some(stamp) = stamp else {
                 without_time += 1;
                 continue;
             };
             if stamp < last {
-                let cells = match &mut cells {
-                    Some(cells) => cells,
-                    None => cells.insert(Cells::from_table(&table, &wanted)?),
+                let cells = if let Some(cells) = &mut cells {
+                    cells
+                } else {
+                    let words = wanted.iter().map(|(name, _)| table.words(name));
+                    cells.insert(words.collect::<Result<_, _>>()?)
                 };
+                let same = |above: usize| cells.iter().all(|column| column[above] == column[row]);
                 let from = earlier.partition_point(|s| s.0 < stamp);
                 let mut alike = earlier[from..].iter().take_while(|s| s.0 == stamp);
-                if alike.any(|s| cells.same(s.1, row)) {
+                if alike.any(|s| same(s.1)) {
                     repeated += 1;
                     continue;
                 }
@@ -134,21 +138,6 @@ impl<'a> Files<'a> {
     }
 }
 
-/// The cells of some columns as they are written.
-struct Cells(Vec<Vec<Option<String>>>);
-
-impl Cells {
-    fn from_table(table: &Table, columns: &[(&str, Kind)]) -> Result<Self, IngestError> {
-        let words = columns.iter().map(|(name, _)| table.words(name));
-        Ok(Self(words.collect::<Result<_, _>>()?))
-    }
-
-    /// Whether two rows are the same.
-    fn same(&self, a: usize, b: usize) -> bool {
-        self.0.iter().all(|column| column[a] == column[b])
-    }
-}
-
 /// The rows of a signal that count, in the order of time.
 pub(super) struct SignalRows {
     pub(super) path: PathBuf,
@@ -166,28 +155,14 @@ pub(super) struct SignalRows {
 impl SignalRows {
     /// Tells of rows that are left out.
     pub(super) fn report(&self, warnings: &mut Vec<Warning>) {
+        let (missing, twice) = (WarningKind::MissingValue, WarningKind::DuplicateTime);
         let what = "rows without a time are left out";
-        report(
-            warnings,
-            &self.path,
-            WarningKind::MissingValue,
-            self.without_time,
-            what,
-        );
+        report(warnings, &self.path, missing, self.without_time, what);
         let what = "rows that repeat one above are left out";
-        report(
-            warnings,
-            &self.path,
-            WarningKind::DuplicateTime,
-            self.repeated,
-            what,
-        );
+        report(warnings, &self.path, twice, self.repeated, what);
     }
 
     /// A column as numbers times a unit; none where a cell is empty or stands for nothing.
-    ///
-    /// # Errors
-    /// As [`Table::numbers`].
     pub(super) fn numbers(
         &self,
         name: &str,

@@ -1,23 +1,17 @@
 //! Tracks of a radar: which of them are vehicles, and where those are along ego's path.
 
 use super::{
-    super::{
-        open::{Kind, Table},
-        pair::bumper_gap_m,
-        parts::stamps,
-        report,
-        time::Clock,
-    },
+    super::{open::Kind, pair::bumper_gap_m, parts::stamps},
     path::DrivenPath,
     rows::Files,
 };
 use crate::{
     error::IngestError,
     mapping::{TableMapping, TracksSignal},
-    quality::{Warning, WarningKind},
+    quality::{Warning, WarningKind, report},
     raw::{ObjectSample, ObjectSamples, Timed as _},
 };
-use std::{collections::BTreeMap, path::Path};
+use std::collections::BTreeMap;
 
 /// A track number that jumps further than this between two samples is another vehicle's, in m.
 const JUMP_M: f64 = 5.0;
@@ -28,14 +22,14 @@ const SHORTEST_S: f64 = 0.5;
 /// What never drives forward faster than this is a sign, a bridge or oncoming, in m/s.
 const MOVING_MPS: f64 = 2.0;
 
-/// Opens the file of the tracks.
-///
-/// # Errors
-/// As [`crate::read_log`].
-pub(super) fn open_tracks(
+/// Reads the vehicles ahead, in the frame of ego's way.
+pub(super) fn read(
     files: &mut Files<'_>,
     signal: &TracksSignal,
-) -> Result<Table, IngestError> {
+    mapping: &TableMapping,
+    driven: &DrivenPath,
+    warnings: &mut Vec<Warning>,
+) -> Result<ObjectSamples, IngestError> {
     let mut wanted = vec![
         (signal.time.as_str(), files.clock.kind()),
         (signal.track.as_str(), Kind::Word),
@@ -43,23 +37,8 @@ pub(super) fn open_tracks(
     let numbers = [&signal.forward, &signal.left, &signal.relative_speed];
     wanted.extend(numbers.map(|name| (name.as_str(), Kind::Number)));
     wanted.extend(signal.new_track.iter().map(|n| (n.as_str(), Kind::Number)));
-    files.open(&signal.file, &wanted)
-}
-
-/// Reads the vehicles ahead, in the frame of ego's way.
-///
-/// # Errors
-/// As [`crate::read_log`].
-pub(super) fn read(
-    folder: &Path,
-    table: &Table,
-    signal: &TracksSignal,
-    mapping: &TableMapping,
-    clock: Clock<'_>,
-    driven: &DrivenPath,
-    warnings: &mut Vec<Warning>,
-) -> Result<ObjectSamples, IngestError> {
-    let times = stamps(table, &signal.time, clock)?;
+    let (log, table) = (files.log, files.open(&signal.file, &wanted)?);
+    let times = stamps(&table, &signal.time, files.clock)?;
     let (tracks, _) = table.codes(&signal.track)?;
     let length = mapping.units.length.metres();
     let speed = mapping.units.speed.metres_per_second();
@@ -122,22 +101,22 @@ pub(super) fn read(
     });
     let missing = WarningKind::MissingValue;
     let what = "rows of tracks without time, number or position are left out";
-    report(warnings, folder, missing, left_out, what);
+    report(warnings, log, missing, left_out, what);
     let what = "rows of tracks before ego's first speed or after its last are left out";
-    report(warnings, folder, WarningKind::NoOverlap, alone, what);
+    report(warnings, log, WarningKind::NoOverlap, alone, what);
     let choice = WarningKind::Choice;
     let what = format!("tracks shorter than {SHORTEST_S} s are left out as ghosts");
-    report(warnings, folder, choice, ghosts, &what);
+    report(warnings, log, choice, ghosts, &what);
     let what =
         "tracks that never move along the road are left out: signs, bridges, oncoming traffic";
-    report(warnings, folder, choice, standing, what);
+    report(warnings, log, choice, standing, what);
     let mut objects: ObjectSamples = seen.into_values().flatten().collect();
     // As a reader of one file would give them: in the order of time.
     objects.sort();
     let what =
         format!("a radar tells no lengths: vehicles ahead are taken to be {lead_length_m} m long");
     let some = usize::from(!objects.is_empty());
-    report(warnings, folder, WarningKind::Default, some, &what);
+    report(warnings, log, WarningKind::Default, some, &what);
     Ok(objects)
 }
 

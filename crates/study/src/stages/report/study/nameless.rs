@@ -32,9 +32,6 @@ pub(super) struct Nameless {
 
 impl Nameless {
     /// Reads them from the results of a run.
-    ///
-    /// # Errors
-    /// [`StudyError`] if a table cannot be read.
     pub(super) fn read(
         study: &DesignFile,
         folder: &Path,

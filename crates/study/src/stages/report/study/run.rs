@@ -41,9 +41,6 @@ pub(in crate::stages::report) struct Run {
 
 impl Run {
     /// Reads a run: its results and, where the design says that the model was learned elsewhere, that model.
-    ///
-    /// # Errors
-    /// [`StudyError`] if a result cannot be read.
     pub(in crate::stages::report) fn read(
         folder: &Path,
         study: &DesignFile,

@@ -19,16 +19,13 @@ pub(super) fn setup(
         .iter()
         .filter_map(|c| Some(c.moved_points?.abs()));
     let conditions: BTreeSet<ConditionId> = run.conditions.iter().map(|c| c.condition).collect();
-    let mut values: Vec<(String, f64)> = [
-        ("steer.adb_shift_points", moved.fold(0.0, f64::max)),
-        ("steer.conditions", conditions.len() as f64),
-    ]
-    .map(|(key, value)| (key.to_owned(), value))
-    .into();
-    values.extend(losses(run).map(|n| ("model.losses".to_owned(), n as f64)));
+    let mut values: Vec<(String, f64)> = Vec::new();
     let mut set = |key: &str, value: Option<f64>| {
         values.extend(value.map(|value| (key.to_owned(), value)));
     };
+    set("steer.adb_shift_points", Some(moved.fold(0.0, f64::max)));
+    set("steer.conditions", Some(conditions.len() as f64));
+    set("model.losses", losses(run).map(|n| n as f64));
     set("scenario.drive_minutes", minutes.map(f64::round));
     let posted = road.map(|r| MetresPerSecond(r.posted_speed_mps).mph());
     set("scenario.posted_speed_mph", posted);
@@ -37,9 +34,7 @@ pub(super) fn setup(
     set("steer.highest_points", run.score_range().map(|r| r.1));
     let size = run.model.as_ref().map(|m| m.embedding_size() as f64);
     set("model.embedding_size", size);
-    if let Some(distance) = across_sd(run)? {
-        values.push(("steer.across_sd".to_owned(), distance));
-    }
+    set("steer.across_sd", across_sd(run)?);
     if let Some(leads) = scenario.map(|s| &s.settings().leads) {
         let factors = leads
             .factors_of_target

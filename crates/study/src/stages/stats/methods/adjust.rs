@@ -1,13 +1,6 @@
 //! Adjusted p values.
 
-use crate::{
-    error::StudyError,
-    stages::stats::{
-        ran::{Ran, plain},
-        statistical_test::Test,
-    },
-    tables::Table,
-};
+use super::{Ran, StudyError, Table, Test, plain};
 use maveric_stats::adjust;
 
 /// Adjust p values for their number
@@ -23,10 +16,7 @@ pub struct Adjust {
 
 impl Test for Adjust {
     const NAME: &'static str = "adjust";
-
-    fn has_figure(&self) -> bool {
-        false
-    }
+    const HAS_FIGURE: bool = false;
 
     fn run(&self, table: &Table) -> Result<Ran, StudyError> {
         Ok(Ran::numbers(plain(&adjust(&table.all_numbers(&self.p)?)?)))

@@ -1,10 +1,6 @@
 //! Cronbach's alpha.
 
-use crate::{
-    error::StudyError,
-    stages::stats::{columns::labels, ran::Ran, statistical_test::Test},
-    tables::Table,
-};
+use super::{Ran, StudyError, Table, Test, labels};
 use maveric_stats::alpha;
 
 /// Cronbach's alpha of a scale
@@ -24,10 +20,7 @@ pub struct Alpha {
 
 impl Test for Alpha {
     const NAME: &'static str = "alpha";
-
-    fn has_figure(&self) -> bool {
-        false
-    }
+    const HAS_FIGURE: bool = false;
 
     fn run(&self, table: &Table) -> Result<Ran, StudyError> {
         let answers = self.items.iter();

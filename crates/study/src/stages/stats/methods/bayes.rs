@@ -1,16 +1,7 @@
 //! Bayes factors.
 
-use crate::{
-    error::StudyError,
-    stages::stats::{
-        columns::{Conditions, labels},
-        input::Long,
-        pictures, printed,
-        ran::Ran,
-        rows::DesignRows,
-        statistical_test::Test,
-    },
-    tables::Table,
+use super::{
+    Conditions, DesignRows, Long, Ran, StudyError, Table, Test, labels, pictures, printed,
 };
 use maveric_stats::{bayes_correlation, bayes_groups, bayes_one, bayes_paired};
 

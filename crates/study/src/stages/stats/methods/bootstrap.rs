@@ -1,15 +1,8 @@
 //! Resampling intervals.
 
-use crate::{
-    error::StudyError,
-    stages::stats::{
-        choices::{STATISTIC, one_of},
-        columns::Conditions,
-        input::Long,
-        ran::{ALPHA, Ran},
-        statistical_test::Test,
-    },
-    tables::Table,
+use super::{
+    ALPHA, Conditions, Long, Ran, StudyError, Table, Test,
+    choices::{STATISTIC, one_of},
 };
 use maveric_stats::{BootstrapData, BootstrapSettings, Statistic, bootstrap};
 
@@ -41,6 +34,7 @@ pub struct Bootstrap {
 
 impl Test for Bootstrap {
     const NAME: &'static str = "bootstrap";
+    const HAS_FIGURE: bool = false;
 
     fn lacks(&self) -> Option<&'static str> {
         match self.statistic {
@@ -72,10 +66,6 @@ impl Test for Bootstrap {
             Statistic::Pearson | Statistic::Spearman => None,
             _ => self.conditions.value.as_mut(),
         }
-    }
-
-    fn has_figure(&self) -> bool {
-        false
     }
 
     fn run(&self, table: &Table) -> Result<Ran, StudyError> {

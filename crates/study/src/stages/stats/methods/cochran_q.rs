@@ -1,14 +1,6 @@
 //! Cochran's Q.
 
-use crate::{
-    error::StudyError,
-    stages::stats::{
-        columns::{WithinColumns, yes_no},
-        ran::Ran,
-        statistical_test::{Test, by_its_columns},
-    },
-    tables::Table,
-};
+use super::{Ran, StudyError, Table, Test, WithinColumns, by_its_columns, yes_no};
 use maveric_stats::cochran_q;
 
 /// Conditions answered with yes or no by the same people: Cochran's Q, then McNemar of each pair
@@ -23,12 +15,9 @@ pub struct CochranQ {
 
 impl Test for CochranQ {
     const NAME: &'static str = "cochran-q";
+    const HAS_FIGURE: bool = false;
 
     by_its_columns!();
-
-    fn has_figure(&self) -> bool {
-        false
-    }
 
     fn run(&self, table: &Table) -> Result<Ran, StudyError> {
         Ok(Ran::plainly(&cochran_q(&yes_no(table, &self.columns)?)?))

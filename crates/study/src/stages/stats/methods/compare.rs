@@ -1,17 +1,9 @@
 //! The test that a design calls for.
 
-use crate::{
-    error::StudyError,
-    stages::stats::{
-        choices::{MISSING, one_of},
-        columns::WithinColumns,
-        input::Long,
-        pictures, printed,
-        ran::{ALPHA, Ran},
-        rows::{DesignRows, FactorColumns},
-        statistical_test::Test,
-    },
-    tables::Table,
+use super::{
+    ALPHA, DesignRows, FactorColumns, Ran, StudyError, Table, Test, WithinColumns, by_its_columns,
+    choices::{MISSING, one_of},
+    pictures, printed,
 };
 use maveric_stats::{ByDesign, DesignChoice, MissingCells, OutcomeScale, compare_by_design};
 
@@ -27,7 +19,7 @@ Examples: maveric stats compare data.csv --subject id --within condition --value
           maveric stats compare data.csv --subject id --within condition --value score --missing mixed")]
 pub struct Compare {
     #[command(flatten)]
-    factors: FactorColumns,
+    columns: FactorColumns,
     /// Columns of numbers whose influence is taken out
     #[arg(long, value_delimiter = ',')]
     covariate: Vec<String>,
@@ -46,19 +38,13 @@ pub struct Compare {
 impl Test for Compare {
     const NAME: &'static str = "compare";
 
-    fn long(&self) -> Option<Long<'_>> {
-        self.factors.long()
-    }
-
-    fn value(&mut self) -> Option<&mut String> {
-        Some(&mut self.factors.value)
-    }
+    by_its_columns!();
 
     fn run(&self, table: &Table) -> Result<Ran, StudyError> {
         let columns = FactorColumns {
             covariates: self.covariate.clone(),
             products: self.with.clone(),
-            ..self.factors.clone()
+            ..self.columns.clone()
         };
         let rows = DesignRows::read(table, &columns)?;
         let choice = DesignChoice {

@@ -1,15 +1,9 @@
 //! Correlation of two columns.
 
-use crate::{
-    error::StudyError,
-    stages::stats::{
-        choices::{CORRELATION, one_of},
-        columns::labels,
-        pictures, printed,
-        ran::Ran,
-        statistical_test::Test,
-    },
-    tables::Table,
+use super::{
+    Ran, StudyError, Table, Test,
+    choices::{CORRELATION, one_of},
+    labels, pictures, printed,
 };
 use maveric_stats::{CorrelationMethod, correlate};
 

@@ -1,12 +1,6 @@
 //! Whether a difference is smaller than bounds.
 
-use crate::{
-    error::StudyError,
-    stages::stats::{
-        columns::Conditions, input::Long, pictures, printed, ran::Ran, statistical_test::Test,
-    },
-    tables::Table,
-};
+use super::{Conditions, Long, Ran, StudyError, Table, Test, pictures, printed};
 use maveric_stats::{Bounds, equivalence, equivalence_one};
 
 /// Is the difference of conditions, or of a mean from a value, smaller than bounds? Two one-sided tests

@@ -1,16 +1,9 @@
 //! Factors within and between subjects.
 
-use crate::{
-    error::StudyError,
-    stages::stats::{
-        choices::{FACTORIAL, FactorialMethod, one_of},
-        input::Long,
-        pictures, printed,
-        ran::Ran,
-        rows::{DesignRows, FactorColumns},
-        statistical_test::Test,
-    },
-    tables::Table,
+use super::{
+    DesignRows, FactorColumns, Ran, StudyError, Table, Test, by_its_columns,
+    choices::{FACTORIAL, FactorialMethod, one_of},
+    pictures, printed,
 };
 use maveric_stats::{aligned_ranks, factorial};
 use serde_json::json;
@@ -23,7 +16,7 @@ Examples: maveric stats factorial data.csv --subject id --within style,load --be
           maveric stats factorial data.csv --between vehicle,age --value score --method art")]
 pub struct Factorial {
     #[command(flatten)]
-    factors: FactorColumns,
+    columns: FactorColumns,
     /// Analysis of variance; or aligned ranks, for comparing with other programs: on skewed values they find too much (a warning says how much)
     #[arg(long, value_parser = one_of(&FACTORIAL), default_value = "anova")]
     method: FactorialMethod,
@@ -32,18 +25,12 @@ pub struct Factorial {
 impl Test for Factorial {
     const NAME: &'static str = "factorial";
 
-    fn long(&self) -> Option<Long<'_>> {
-        self.factors.long()
-    }
-
-    fn value(&mut self) -> Option<&mut String> {
-        Some(&mut self.factors.value)
-    }
+    by_its_columns!();
 
     fn run(&self, table: &Table) -> Result<Ran, StudyError> {
-        let rows = DesignRows::read(table, &self.factors)?;
+        let rows = DesignRows::read(table, &self.columns)?;
         let design = rows.design()?;
-        let value = &self.factors.value;
+        let value = &self.columns.value;
         Ok(match self.method {
             FactorialMethod::Anova => {
                 let result = factorial(&design);

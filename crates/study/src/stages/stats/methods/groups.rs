@@ -1,15 +1,8 @@
 //! Independent groups.
 
-use crate::{
-    error::StudyError,
-    stages::stats::{
-        columns::{GroupColumns, labels},
-        pictures, printed,
-        ran::Ran,
-        rows::DesignRows,
-        statistical_test::{Test, by_its_columns},
-    },
-    tables::Table,
+use super::{
+    DesignRows, GroupColumns, Ran, StudyError, Table, Test, by_its_columns, labels, pictures,
+    printed,
 };
 use maveric_stats::groups;
 

@@ -1,14 +1,6 @@
 //! Equal variances.
 
-use crate::{
-    error::StudyError,
-    stages::stats::{
-        columns::{GroupColumns, labels},
-        ran::Ran,
-        statistical_test::{Test, by_its_columns},
-    },
-    tables::Table,
-};
+use super::{GroupColumns, Ran, StudyError, Table, Test, by_its_columns, labels};
 use maveric_stats::levene;
 
 /// Equal variances: Levene, Brown-Forsythe, Bartlett
@@ -23,12 +15,9 @@ pub struct Levene {
 
 impl Test for Levene {
     const NAME: &'static str = "levene";
+    const HAS_FIGURE: bool = false;
 
     by_its_columns!();
-
-    fn has_figure(&self) -> bool {
-        false
-    }
 
     fn run(&self, table: &Table) -> Result<Ran, StudyError> {
         let GroupColumns { group, value } = &self.columns;

@@ -1,14 +1,6 @@
 //! McNemar's test.
 
-use crate::{
-    error::StudyError,
-    stages::stats::{
-        columns::{WithinColumns, yes_no},
-        ran::Ran,
-        statistical_test::{Test, by_its_columns},
-    },
-    tables::Table,
-};
+use super::{Ran, StudyError, Table, Test, WithinColumns, by_its_columns, yes_no};
 use maveric_stats::mcnemar;
 
 /// Two conditions answered with yes or no by the same people: McNemar, exact and mid-p
@@ -23,12 +15,9 @@ pub struct Mcnemar {
 
 impl Test for Mcnemar {
     const NAME: &'static str = "mcnemar";
+    const HAS_FIGURE: bool = false;
 
     by_its_columns!();
-
-    fn has_figure(&self) -> bool {
-        false
-    }
 
     fn run(&self, table: &Table) -> Result<Ran, StudyError> {
         Ok(Ran::plainly(&mcnemar(&yes_no(table, &self.columns)?)?))

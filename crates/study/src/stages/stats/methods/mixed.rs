@@ -1,16 +1,6 @@
 //! A linear model with a random intercept.
 
-use crate::{
-    error::StudyError,
-    stages::stats::{
-        columns::labels,
-        pictures, printed,
-        ran::Ran,
-        rows::{DesignRows, FactorColumns},
-        statistical_test::Test,
-    },
-    tables::Table,
-};
+use super::{DesignRows, FactorColumns, Ran, StudyError, Table, Test, labels, pictures, printed};
 use maveric_stats::{Formula, Predictor, RandomIntercept, random_intercept};
 
 /// A linear model with a random intercept: coefficients, terms, marginal means; Satterthwaite's degrees of freedom
@@ -82,9 +72,9 @@ impl Mixed {
         let terms: Vec<String> = [factors].into_iter().chain(covariates).collect();
         let terms = terms.into_iter().filter(|term| !term.is_empty());
         let text = terms.collect::<Vec<_>>().join(" + ");
-        formula(&text).map_err(|problem| StudyError::NotPossible {
-            problem,
-            help: Some("columns whose names have +, : or * in them need other names".to_owned()),
+        formula(&text).map_err(|problem| {
+            let help = "columns whose names have +, : or * in them need other names";
+            StudyError::not_possible(problem).with_help(help)
         })
     }
 
@@ -118,7 +108,6 @@ impl Mixed {
     }
 }
 
-/// Cells of a predictor.
 enum Cells {
     Numbers(Vec<Option<f64>>),
     Labels(Vec<Option<String>>),

@@ -23,40 +23,26 @@ mod rm_anova;
 mod rmcorr;
 mod within;
 
-use super::{Call, statistical_test::Test as _};
+// Imported once, for the files of the tests as well.
+use super::{
+    Call, choices,
+    columns::{Conditions, GroupColumns, WithinColumns, count, grouped, labels, yes_no},
+    input::Long,
+    pictures, printed,
+    ran::{ALPHA, Ran, plain},
+    rows::{DesignRows, FactorColumns},
+    statistical_test::{Test, by_its_columns},
+};
 use crate::{error::StudyError, outcome::Format, outcome::Outcome, tables::Table};
 use serde_json::Value;
 
-use adjust::Adjust;
-use alpha::Alpha;
-use bayes::Bayes;
-use bootstrap::Bootstrap;
-use cochran_q::CochranQ;
-use compare::Compare;
-use correlate::Correlate;
-use equivalence::Equivalence;
-use factorial::Factorial;
-use friedman::Friedman;
-use groups::Groups;
-use levene::Levene;
-use mcnemar::Mcnemar;
-use mixed::Mixed;
-use normality::Normality;
-use ordinal::Ordinal;
-use posthoc::Posthoc;
-use power::Power;
-use recheck::Recheck;
-use rm_anova::RmAnova;
-use rmcorr::Rmcorr;
-use within::Within;
-
 macro_rules! tests {
-    ($($test:ident),+ $(,)?) => {
+    ($($file:ident::$test:ident),+ $(,)?) => {
         /// Any of the tests, called.
         #[derive(Debug, Clone, clap::Subcommand)]
         #[allow(missing_docs, reason = "a doc comment would stand in the help of the test")]
         pub enum AnyTest {
-            $($test(Call<$test>)),+
+            $($test(Call<$file::$test>)),+
         }
 
         impl AnyTest {
@@ -101,26 +87,26 @@ macro_rules! tests {
 }
 
 tests![
-    Within,
-    RmAnova,
-    Friedman,
-    Posthoc,
-    Mcnemar,
-    CochranQ,
-    Correlate,
-    Rmcorr,
-    Normality,
-    Levene,
-    Alpha,
-    Adjust,
-    Bootstrap,
-    Power,
-    Recheck,
-    Compare,
-    Factorial,
-    Mixed,
-    Ordinal,
-    Groups,
-    Equivalence,
-    Bayes,
+    within::Within,
+    rm_anova::RmAnova,
+    friedman::Friedman,
+    posthoc::Posthoc,
+    mcnemar::Mcnemar,
+    cochran_q::CochranQ,
+    correlate::Correlate,
+    rmcorr::Rmcorr,
+    normality::Normality,
+    levene::Levene,
+    alpha::Alpha,
+    adjust::Adjust,
+    bootstrap::Bootstrap,
+    power::Power,
+    recheck::Recheck,
+    compare::Compare,
+    factorial::Factorial,
+    mixed::Mixed,
+    ordinal::Ordinal,
+    groups::Groups,
+    equivalence::Equivalence,
+    bayes::Bayes,
 ];

@@ -1,15 +1,6 @@
 //! Shapiro-Wilk and moments.
 
-use crate::{
-    error::StudyError,
-    stages::stats::{
-        columns::grouped,
-        input::Long,
-        ran::{Ran, plain},
-        statistical_test::Test,
-    },
-    tables::Table,
-};
+use super::{Long, Ran, StudyError, Table, Test, grouped, plain};
 use maveric_stats::{apa::Statements as _, normality};
 use serde_json::{Map, json};
 
@@ -29,6 +20,7 @@ pub struct Normality {
 
 impl Test for Normality {
     const NAME: &'static str = "normality";
+    const HAS_FIGURE: bool = false;
 
     fn long(&self) -> Option<Long<'_>> {
         let of_group = |group| Long::groups(group, &self.value);
@@ -37,10 +29,6 @@ impl Test for Normality {
 
     fn value(&mut self) -> Option<&mut String> {
         Some(&mut self.value)
-    }
-
-    fn has_figure(&self) -> bool {
-        false
     }
 
     fn run(&self, table: &Table) -> Result<Ran, StudyError> {

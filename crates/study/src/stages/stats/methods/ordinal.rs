@@ -1,15 +1,8 @@
 //! A cumulative logit model.
 
-use crate::{
-    error::StudyError,
-    stages::stats::{
-        columns::{WithinColumns, labels},
-        pictures, printed,
-        ran::Ran,
-        rows::DesignRows,
-        statistical_test::{Test, by_its_columns},
-    },
-    tables::Table,
+use super::{
+    DesignRows, Ran, StudyError, Table, Test, WithinColumns, by_its_columns, labels, pictures,
+    printed,
 };
 use maveric_stats::ordinal;
 

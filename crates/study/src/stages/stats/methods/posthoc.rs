@@ -1,15 +1,9 @@
 //! Every pair of conditions.
 
-use crate::{
-    error::StudyError,
-    stages::stats::{
-        choices::{ADJUST, POSTHOC, one_of},
-        columns::WithinColumns,
-        pictures, printed,
-        ran::{ALPHA, Ran},
-        statistical_test::{Test, by_its_columns},
-    },
-    tables::Table,
+use super::{
+    ALPHA, Ran, StudyError, Table, Test, WithinColumns, by_its_columns,
+    choices::{ADJUST, POSTHOC, one_of},
+    pictures, printed,
 };
 use maveric_stats::{Adjustment, PosthocTest, posthoc, rm_anova};
 

@@ -1,14 +1,6 @@
 //! Power, a question a row.
 
-use crate::{
-    error::StudyError,
-    stages::stats::{
-        columns::{count, labels},
-        ran::{Ran, plain},
-        statistical_test::Test,
-    },
-    tables::Table,
-};
+use super::{Ran, StudyError, Table, Test, count, labels, plain};
 use maveric_stats::{PlannedTest, PowerQuestion, power};
 
 /// Power of a design, and the sample for 80 %: a question a row
@@ -21,10 +13,7 @@ pub struct Power {}
 
 impl Test for Power {
     const NAME: &'static str = "power";
-
-    fn has_figure(&self) -> bool {
-        false
-    }
+    const HAS_FIGURE: bool = false;
 
     fn run(&self, table: &Table) -> Result<Ran, StudyError> {
         Ok(Ran::numbers(plain(&power(&power_questions(table)?)?)))

@@ -1,14 +1,6 @@
 //! Do printed p values follow from printed coefficients?
 
-use crate::{
-    error::StudyError,
-    stages::stats::{
-        columns::{count, labels},
-        ran::{Ran, plain},
-        statistical_test::Test,
-    },
-    tables::Table,
-};
+use super::{Ran, StudyError, Table, Test, count, labels, plain};
 use maveric_stats::{ReportedCorrelation, recheck};
 
 /// Does each printed p follow from its printed coefficient and degrees of freedom?
@@ -20,10 +12,7 @@ pub struct Recheck {}
 
 impl Test for Recheck {
     const NAME: &'static str = "recheck";
-
-    fn has_figure(&self) -> bool {
-        false
-    }
+    const HAS_FIGURE: bool = false;
 
     fn run(&self, table: &Table) -> Result<Ran, StudyError> {
         Ok(Ran::numbers(plain(&recheck(&reported(table)?)?)))

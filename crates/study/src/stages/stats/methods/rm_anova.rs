@@ -1,15 +1,6 @@
 //! Repeated-measures ANOVA.
 
-use crate::{
-    error::StudyError,
-    stages::stats::{
-        columns::WithinColumns,
-        pictures, printed,
-        ran::Ran,
-        statistical_test::{Test, by_its_columns},
-    },
-    tables::Table,
-};
+use super::{Ran, StudyError, Table, Test, WithinColumns, by_its_columns, pictures, printed};
 use maveric_stats::rm_anova;
 
 /// Repeated-measures ANOVA with Mauchly's test and corrected degrees of freedom

@@ -1,10 +1,6 @@
 //! Correlation within subjects.
 
-use crate::{
-    error::StudyError,
-    stages::stats::{columns::labels, pictures, printed, ran::Ran, statistical_test::Test},
-    tables::Table,
-};
+use super::{Ran, StudyError, Table, Test, labels, pictures, printed};
 use maveric_stats::rm_correlation;
 
 /// Repeated-measures correlation: several rows a subject

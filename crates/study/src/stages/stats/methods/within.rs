@@ -1,15 +1,6 @@
 //! The whole analysis of a within-subject design.
 
-use crate::{
-    error::StudyError,
-    stages::stats::{
-        columns::WithinColumns,
-        pictures, printed,
-        ran::Ran,
-        statistical_test::{Test, by_its_columns},
-    },
-    tables::Table,
-};
+use super::{Ran, StudyError, Table, Test, WithinColumns, by_its_columns, pictures, printed};
 use maveric_stats::within;
 
 /// The whole analysis of a within-subject design

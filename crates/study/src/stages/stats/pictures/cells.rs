@@ -51,11 +51,10 @@ pub(in crate::stages::stats) fn pairs(
     let symbol = apa::p_symbol(result.adjust);
     let rows = result.pairs.iter().map(|(name, pair)| {
         let effect = &pair.effect;
-        let p_text = |p: f64| format!("{symbol} {}", relation(p));
         ForestRow {
             name: name.to_owned(),
             estimate: (|| Some([effect.value?, effect.ci_low?, effect.ci_high?]))(),
-            said: pair.p_adjusted.map_or_else(|| "–".to_owned(), p_text),
+            said: p_text(symbol, pair.p_adjusted),
         }
     });
     let axis = match result.pairs.values().next().map(|pair| pair.effect.name) {
@@ -71,18 +70,17 @@ pub(in crate::stages::stats) fn pairs(
     })
 }
 
-/// `= .012`, `< .001`.
-pub(super) fn relation(p: f64) -> String {
-    let cell = apa::p_cell(p);
-    if cell.starts_with('<') {
-        cell
-    } else {
-        format!("= {cell}")
+/// `*p* = .012`, `*p* < .001`, or a dash.
+pub(super) fn p_text(symbol: &str, p: Option<f64>) -> String {
+    match p.map(apa::p_cell) {
+        Some(cell) if cell.starts_with('<') => format!("{symbol} {cell}"),
+        Some(cell) => format!("{symbol} = {cell}"),
+        None => "–".to_owned(),
     }
 }
 
 /// Pairs of `k` cells in their order.
-pub(super) fn in_order(k: usize, p: impl Iterator<Item = Option<f64>>) -> Vec<Contrast> {
+fn in_order(k: usize, p: impl Iterator<Item = Option<f64>>) -> Vec<Contrast> {
     let pairs = (0..k).flat_map(|a| (a + 1..k).map(move |b| (a, b)));
     let one = |((first, second), p): ((usize, usize), Option<f64>)| {
         let p = p?;

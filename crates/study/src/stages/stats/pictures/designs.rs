@@ -2,7 +2,7 @@
 
 use super::{
     Picture,
-    cells::{HOLM, relation},
+    cells::{HOLM, p_text},
     first,
 };
 use crate::stages::stats::{printed::named_sentence, rows::DesignRows};
@@ -26,6 +26,10 @@ const NOT_ADJUSTED: &str = "*p* values, not adjusted";
 
 /// A number by the name of its cell (its levels joined with `:`), or of its pair of cells (`A|B`).
 type ByName<T> = Vec<(String, Option<T>)>;
+
+fn by_name<T: Copy>(values: &[(String, Option<T>)], name: &str) -> Option<T> {
+    values.iter().find(|(known, _)| known == name)?.1
+}
 
 /// What is said over the cells.
 #[derive(Default)]
@@ -51,13 +55,10 @@ fn rainclouds(rows: &DesignRows, outcome: &str, over: Over) -> Picture {
         cells = next;
     }
     let names: Vec<String> = cells.iter().map(|cell| cell.join(":")).collect();
-    let known = |values: &ByName<f64>, name: &str| {
-        values.iter().find(|(n, _)| n == name).and_then(|(_, p)| *p)
-    };
     let mut contrasts = Vec::new();
     for (first, a) in names.iter().enumerate() {
         for (second, b) in names.iter().enumerate() {
-            if let Some(p) = known(&over.pairs, &format!("{a}|{b}")) {
+            if let Some(p) = by_name(&over.pairs, &format!("{a}|{b}")) {
                 contrasts.push(Contrast { first, second, p });
             }
         }
@@ -69,11 +70,7 @@ fn rainclouds(rows: &DesignRows, outcome: &str, over: Over) -> Picture {
     }
     let cells = cells.iter().zip(&names).map(|(cell, name)| ComparedCell {
         name: cell.join(", "),
-        mean: over
-            .means
-            .iter()
-            .find(|(known, _)| known == name)
-            .and_then(|(_, mean)| *mean),
+        mean: by_name(&over.means, name),
     });
     let panel = ComparisonPanel {
         outcome: outcome.to_owned(),
@@ -91,10 +88,8 @@ fn with_ends(m: &MarginalMean) -> Option<[f64; 3]> {
 
 /// The means of the cells of all factors: those of the effect that has the most of them.
 fn of_all(emm: &Named<Named<MarginalMean>>) -> ByName<[f64; 3]> {
-    let cells = emm.values().last().into_iter().flat_map(Named::iter);
-    cells
-        .map(|(cell, mean)| (cell.to_owned(), with_ends(mean)))
-        .collect()
+    let cells = emm.values().last();
+    cells.map_or_else(Vec::new, |cells| named(cells, with_ends))
 }
 
 /// Means of two factors with their intervals: a line a level of the first, along the levels of the second. None of fewer or more factors,
@@ -153,14 +148,26 @@ pub(in crate::stages::stats) fn factorial(
 
 /// The same under the sentence of another test.
 fn factorial_under(rows: &DesignRows, outcome: &str, result: &Factorial, test: String) -> Picture {
-    if let Some(picture) = two_factors(rows, outcome, (&result.emm, result.n), &test) {
+    let means = (&result.emm, result.n);
+    marginal_means(rows, outcome, means, test, brackets(result))
+}
+
+/// Marginal means under a sentence: of two factors as lines, of others over rainclouds with the pairs.
+fn marginal_means(
+    rows: &DesignRows,
+    outcome: &str,
+    (emm, n): (&Named<Named<MarginalMean>>, usize),
+    test: String,
+    pairs: ByName<f64>,
+) -> Picture {
+    if let Some(picture) = two_factors(rows, outcome, (emm, n), &test) {
         return picture;
     }
     let over = Over {
         test,
-        means: of_all(&result.emm),
+        means: of_all(emm),
         intervals: MARGINAL,
-        pairs: brackets(result),
+        pairs,
         contrasts: HOLM,
     };
     rainclouds(rows, outcome, over)
@@ -179,9 +186,9 @@ fn brackets(result: &Factorial) -> ByName<f64> {
     let factors: Vec<(&str, &Vec<String>)> = result.levels.iter().collect();
     match factors[..] {
         [_] => {
-            let pairs = result.contrast.values().flat_map(Named::iter);
+            let pairs = result.contrast.values();
             pairs
-                .map(|(name, pair)| (name.to_owned(), pair.p_holm))
+                .flat_map(|pairs| named(pairs, |pair| pair.p_holm))
                 .collect()
         }
         [(_, slow), (fast, levels)] => {
@@ -250,14 +257,11 @@ pub(in crate::stages::stats) fn plain_cells(
     outcome: &str,
     test: String,
 ) -> Picture {
-    rainclouds(
-        rows,
-        outcome,
-        Over {
-            test,
-            ..Over::default()
-        },
-    )
+    let over = Over {
+        test,
+        ..Over::default()
+    };
+    rainclouds(rows, outcome, over)
 }
 
 pub(in crate::stages::stats) fn mixed(
@@ -271,9 +275,7 @@ pub(in crate::stages::stats) fn mixed(
         let coefficients = coefficients.map(|(name, c)| ForestRow {
             name: name.to_owned(),
             estimate: (|| Some([c.estimate, c.ci_low?, c.ci_high?]))(),
-            said: c
-                .p
-                .map_or_else(|| "–".to_owned(), |p| format!("*p* {}", relation(p))),
+            said: p_text("*p*", c.p),
         });
         return Picture::Forest(Forest {
             title: format!("Coefficients of {outcome}"),
@@ -288,17 +290,9 @@ pub(in crate::stages::stats) fn mixed(
         .into_iter()
         .find(|(known, _)| known == name);
     let test = statement.map_or_else(String::new, |(_, statement)| statement.markup().to_owned());
-    if let Some(picture) = two_factors(rows, outcome, (&result.emm, result.n_subjects), &test) {
-        return picture;
-    }
-    let over = Over {
-        test,
-        means: of_all(&result.emm),
-        intervals: MARGINAL,
-        pairs: named(pairs, |pair| pair.p_holm),
-        contrasts: HOLM,
-    };
-    rainclouds(rows, outcome, over)
+    let means = (&result.emm, result.n_subjects);
+    let pairs = named(pairs, |pair| pair.p_holm);
+    marginal_means(rows, outcome, means, test, pairs)
 }
 
 /// Conditions with the coefficients against the first as brackets, or Wilcoxon's pairs where they were tested.
@@ -348,9 +342,7 @@ pub(in crate::stages::stats) fn equivalence(outcome: &str, result: &Equivalence)
         ForestRow {
             name: name.to_owned(),
             estimate: estimate(),
-            said: t
-                .p
-                .map_or_else(|| "–".to_owned(), |p| format!("*p* {}", relation(p))),
+            said: p_text("*p*", t.p),
         }
     });
     let axis = if standardized {

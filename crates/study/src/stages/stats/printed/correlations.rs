@@ -17,15 +17,8 @@ fn how(method: Option<PMethod>) -> Cell {
 }
 
 fn who(what: &str, n: usize, missing: usize, more: &str) -> Printed {
-    let mut heading = vec![format!("{what}: {n} complete pairs{more}")];
-    if missing > 0 {
-        let rows = if missing == 1 { "row" } else { "rows" };
-        heading.push(format!("left out for a missing value: {missing} {rows}"));
-    }
-    Printed {
-        heading,
-        ..Printed::default()
-    }
+    let rows = if missing == 1 { "row" } else { "rows" };
+    Printed::headed(format!("{what}: {n} complete pairs{more}"), n, &[]).left_out(missing, rows)
 }
 
 fn sentences(result: &impl Statements) -> Vec<String> {

@@ -64,15 +64,13 @@ impl Stands {
         match self {
             Self::Nowhere(why) => {
                 let path = file.to_slash_lossy();
-                Err(StudyError::BadFile {
-                    path: file.to_owned(),
-                    problem: format!(
-                        "{why}, expected rules that are committed before the test part is opened"
-                    ),
-                    help: Some(format!(
-                        "commit them as they are, `git add {path}` and `git commit`, and run it again"
-                    )),
-                })
+                let problem = format!(
+                    "{why}, expected rules that are committed before the test part is opened"
+                );
+                let help = format!(
+                    "commit them as they are, `git add {path}` and `git commit`, and run it again"
+                );
+                Err(StudyError::file(file, problem).with_help(help))
             }
             stands => Ok(stands),
         }

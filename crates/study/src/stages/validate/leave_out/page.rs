@@ -3,16 +3,16 @@
 use super::{Answer, InTurn, looks::Look, tables::intro};
 use crate::{
     error::StudyError,
-    stages::{
-        report::{hashed, page_of},
-        validate::Validate,
-    },
+    stages::{report::hashed, validate::Validate},
 };
 use maveric_domain::Design;
-use maveric_pages::cards::in_turn::{self, text};
+use maveric_pages::{
+    cards::in_turn::{self, text},
+    glossary,
+};
 use maveric_report::{
     Context, Report,
-    html::{Provenance, Section},
+    html::{Methods, Provenance, Section},
     tables::Table,
 };
 use minijinja::context;
@@ -35,13 +35,8 @@ pub(super) fn page(
         source => validation.rules.source.clone(),
         order_of_drives => validation.rules.order_of_drives.clone(),
     };
-    let title = text("page", "title", &values)?;
-    let new = page_of(
-        (&title, text("page", "subtitle", &values)?),
-        &context,
-        text("page", "method", &values)?,
-        (options.seed, options.command.as_deref().unwrap_or_default()),
-    );
+    let say = |key: &str| text("page", key, &values);
+    let new = Report::new(say("title")?, say("subtitle")?, &context);
     let judged = validation.tables.iter().zip(&validation.rules.tables);
     let judged = || judged.clone().filter(|(_, rule)| !rule.seen);
     let orders = judged().filter_map(|(t, _)| match &t.answer {
@@ -76,17 +71,24 @@ pub(super) fn page(
     }
     if !validation.looks.is_empty() {
         sections.push(Section {
-            title: text("page", "looks", &values)?,
-            intro: vec![text("page", "looks_intro", &values)?],
+            title: say("looks")?,
+            intro: vec![say("looks_intro")?],
             figures: Vec::new(),
-            tables: vec![looked(&validation.looks, text("page", "looks", &values)?)],
+            tables: vec![looked(&validation.looks, say("looks")?)],
         });
     }
     Ok(Report {
+        glossary: glossary(),
         cards: cards.cards(&validation.findings)?,
         sections,
+        methods: Methods {
+            text: vec![say("method")?],
+            files: Vec::new(),
+        },
         warnings: warnings.to_vec(),
         provenance: Provenance {
+            seed: Some(options.seed),
+            command: options.command.clone().unwrap_or_default(),
             inputs: hashed(options.rules.iter().chain(&options.models).cloned())?,
             ..new.provenance
         },

@@ -25,10 +25,11 @@ pub enum Part {
 }
 
 /// What a table asks.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Asks {
     /// Is one role's drive above the others of its driver?
+    #[default]
     Order,
     /// Does the dial point where the driver's own drives of two roles differ?
     Direction,
@@ -67,7 +68,7 @@ fn permutations() -> usize {
 }
 
 /// A question to people who are left out in turn, and the drives that answer it.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Table {
     /// What the page, its files and its warnings call it.
@@ -198,21 +199,8 @@ impl Rules {
         let table = |id: String, asks| Table {
             id,
             asks,
-            part: Part::Development,
-            seen: false,
-            people: Vec::new(),
-            judged: Vec::new(),
             learn: learn.to_vec(),
-            read: Vec::new(),
-            higher: None,
-            lower: Vec::new(),
-            among: None,
-            sought: None,
-            role: None,
-            points: None,
-            directions: None,
-            statistic: None,
-            threshold: None,
+            ..Table::default()
         };
         let mut tables = vec![Table {
             higher: Some(higher),
@@ -258,40 +246,29 @@ impl Rules {
 impl Table {
     /// The first key that it lacks.
     fn missing(&self) -> Option<&'static str> {
-        let pair = [
-            (self.higher.is_none(), "higher"),
-            (self.lower.is_empty(), "lower"),
-        ];
-        let needed: Vec<(bool, &'static str)> = match self.asks {
-            Asks::Order | Asks::Shipped => pair.to_vec(),
-            Asks::Direction => {
-                let more = [
-                    (self.points.is_none(), "points"),
-                    (self.directions.is_none(), "directions"),
-                ];
-                pair.into_iter().chain(more).collect()
-            }
-            Asks::Identity => vec![
-                (self.among.is_none(), "among"),
-                (self.sought.is_none(), "sought"),
-            ],
-            Asks::Retest | Asks::Errors => vec![(self.role.is_none(), "role")],
+        let needed = match self.asks {
+            Asks::Order | Asks::Shipped => &["higher", "lower"][..],
+            Asks::Direction => &["higher", "lower", "points", "directions"],
+            Asks::Identity => &["among", "sought"],
+            Asks::Retest | Asks::Errors => &["role"],
         };
-        needed
-            .into_iter()
-            .find(|(lacks, _)| *lacks)
-            .map(|(_, key)| key)
+        let lacks = |key: &str| match key {
+            "higher" => self.higher.is_none(),
+            "lower" => self.lower.is_empty(),
+            "points" => self.points.is_none(),
+            "directions" => self.directions.is_none(),
+            "among" => self.among.is_none(),
+            "sought" => self.sought.is_none(),
+            _ => self.role.is_none(),
+        };
+        needed.iter().copied().find(|key| lacks(key))
     }
 }
 
 fn no_roles() -> StudyError {
-    StudyError::NotPossible {
-        problem: "no two roles were driven whose scores differ, so no order can be asked for".to_owned(),
-        help: Some(
-            "give the roles of the design scores ([[role]] score = 47), or the drivers' own in scores.csv, and record each person in two of them"
-                .to_owned(),
-        ),
-    }
+    let problem = "no two roles were driven whose scores differ, so no order can be asked for";
+    let help = "give the roles of the design scores ([[role]] score = 47), or the drivers' own in scores.csv, and record each person in two of them";
+    StudyError::not_possible(problem).with_help(help)
 }
 
 #[cfg(test)]

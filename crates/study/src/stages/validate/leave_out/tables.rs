@@ -74,11 +74,6 @@ type Side = fn(&PersonDirection) -> &Change;
 
 impl Words<'_> {
     fn name(&self, part: &str) -> String {
-        let part = if part.is_empty() {
-            String::new()
-        } else {
-            format!("-{part}")
-        };
         format!("in-turn-{}{part}", self.id)
     }
 
@@ -132,7 +127,7 @@ impl Words<'_> {
             .right("95% CI ", |(_, r)| ends(r.beyond_speed))
             .noted(text("order", "note", &values)?);
         let people = Table::of(
-            self.name("people"),
+            self.name("-people"),
             text("people", "title", &values)?,
             &order.people,
         )
@@ -231,9 +226,7 @@ impl Words<'_> {
             .noted(text("errors", "note", &values)?);
         Ok(vec![table])
     }
-}
 
-impl Words<'_> {
     /// What a table of two roles says of them.
     fn of_pair(&self, rule: &rules::Table) -> Value {
         context! {
@@ -271,7 +264,7 @@ impl Words<'_> {
             .right("*p*", |(_, _, p)| Cell::p(*p))
             .noted(text("direction", "note", &values)?);
         let mut people = Table::of(
-            self.name("people"),
+            self.name("-people"),
             text("direction", "people", &values)?,
             &direction.people,
         )
@@ -323,7 +316,7 @@ impl Words<'_> {
             .noted(text("shipped", "note", &values)?);
         let word = |beyond| Cell::word(beyond, "yes", "no");
         let people = Table::of(
-            self.name("people"),
+            self.name("-people"),
             text("shipped", "people", &values)?,
             &shipped.people,
         )

@@ -1,16 +1,6 @@
-//! The pipeline end to end, on the small study: everything runs, a second run does nothing, a changed
-//! parameter rebuilds what follows and only that, an interrupted run goes on.
+//! The small study: everything runs, a second run does nothing, a changed parameter rebuilds what follows and only that.
 
-#![allow(
-    clippy::unwrap_used,
-    clippy::panic,
-    reason = "a test stops at the first surprise"
-)]
-
-mod support;
-
-use std::{path::Path, process::Stdio, time::Duration};
-use support::TempStudy;
+use super::*;
 
 const SMOKE: &str = "pipelines/smoke.toml";
 
@@ -41,13 +31,8 @@ fn is_page(path: &Path) {
 /// `report` on results that are emptied, or no numbers, or carry names that try to be markup.
 fn bad_results_are_said(study: &TempStudy) {
     let path = "study_data/generated/smoke/analysis.json";
-    let report = [
-        "report",
-        "study_data/generated/smoke",
-        "--out",
-        "reports/bad",
-    ];
-    let text = std::fs::read_to_string(study.path(path)).unwrap();
+    let report = argv("report study_data/generated/smoke --out reports/bad");
+    let text = study.read(path);
     let mut empty: serde_json::Value = serde_json::from_str(&text).unwrap();
     empty["participants"] = 0.into();
     for panel in empty["panels"].as_array_mut().unwrap() {
@@ -77,14 +62,15 @@ fn bad_results_are_said(study: &TempStudy) {
         format!("who,what,why\n{field},everything,{field}\n"),
     );
     study.maveric(&report).ok();
-    let page = std::fs::read_to_string(study.path("reports/bad/index.html")).unwrap();
-    for said in [
-        "No participant has a value in any condition",
-        "No participant is left along the line",
-        "&lt;script&gt;alert(1)&lt;/script&gt; &amp; &quot;Eve&quot;",
-    ] {
-        assert!(page.contains(said), "{said}");
-    }
+    let page = study.read("reports/bad/index.html");
+    tells(
+        &page,
+        &[
+            "No participant has a value in any condition",
+            "No participant is left along the line",
+            "&lt;script&gt;alert(1)&lt;/script&gt; &amp; &quot;Eve&quot;",
+        ],
+    );
     assert!(!page.contains("<script>alert") && !page.contains("NaN"));
     study.write(
         path,
@@ -97,14 +83,13 @@ fn bad_results_are_said(study: &TempStudy) {
 
 /// How far the dial was turned in truth stands in a table: as far as the conditions' file says, those cut short counted.
 fn steps_of_the_dial_are_told(study: &TempStudy) {
-    let read = |path: &str| std::fs::read_to_string(study.path(path)).unwrap();
-    let conditions = read("study_data/generated/smoke/conditions.csv");
+    let conditions = study.read("study_data/generated/smoke/conditions.csv");
     let mut lines = conditions.lines();
     let head: Vec<&str> = lines.next().unwrap().split(',').collect();
     let at = |name: &str| head.iter().position(|h| *h == name).unwrap();
     let (condition, moved, clamped) = (at("condition"), at("moved_points"), at("clamped"));
     let rows: Vec<Vec<&str>> = lines.map(|l| l.split(',').collect()).collect();
-    let table = read("reports/smoke/tables/dial-steps.csv");
+    let table = study.read("reports/smoke/tables/dial-steps.csv");
     for id in ["aggressive", "cautious"] {
         let own: Vec<&Vec<&str>> = rows.iter().filter(|r| r[condition] == id).collect();
         let steps: Vec<f64> = own.iter().map(|r| r[moved].parse().unwrap()).collect();
@@ -151,7 +136,7 @@ fn the_small_study_runs_once_and_then_only_what_changed() {
         assert!(there(".svg") && there(".png"), "figure {figure}");
     }
 
-    let page = std::fs::read_to_string(study.path("reports/smoke/index.html")).unwrap();
+    let page = study.read("reports/smoke/index.html");
     assert!(page.contains("Habits as events"), "which heads they are");
     let of = |name: &str| page.matches(&format!("<figure id=\"figure-{name}")).count();
     assert_eq!(of("perpendicular"), 1, "one figure, one verdict");
@@ -199,10 +184,9 @@ fn the_small_study_runs_once_and_then_only_what_changed() {
 fn people_who_drove_twice_validate_a_model_and_their_first_drives_stay_what_they_were() {
     let study = TempStudy::new();
     let generate = |out: &str, more: &[&str]| {
-        let mut args = vec!["generate", "--out", out, "--study1", "3", "--study2", "3"];
-        args.extend(["--duration", "240", "--seed", "1"]);
-        args.extend(more);
-        study.maveric(&args).ok();
+        let sizes = argv("--study1 3 --study2 3 --duration 240 --seed 1");
+        let call = [&["generate", "--out", out], &sizes[..], more].concat();
+        study.maveric(&call).ok();
     };
     generate("once", &[]);
     generate("run", &["--repeat-drives"]);
@@ -221,29 +205,13 @@ fn people_who_drove_twice_validate_a_model_and_their_first_drives_stay_what_they
         let (from, to) = (format!("run/logs/{drives}"), format!("run/drives/{drives}"));
         study.maveric(&["ingest", &from, "--out", &to]).ok();
     }
-    let scores = ["--surveys", "run/surveys.csv", "--out", "run/scores.csv"];
-    study.maveric(&[&["score"][..], &scores].concat()).ok();
-    let train = [
-        "train",
-        "--drives",
-        "run/drives/study1",
-        "--again",
-        "run/drives/study1-again",
-        "--scores",
-        "run/scores.csv",
-    ];
-    let short = ["--out", "model.maveric", "--epochs", "2"];
-    study.maveric(&[&train[..], &short].concat()).ok();
-    let validate = [
-        "validate",
-        "run",
-        "--model",
-        "model.maveric",
-        "--out",
-        "found",
-    ];
-    let short = ["--duration", "120", "--format", "json"];
-    let ran = study.maveric(&[&validate[..], &short].concat()).ok();
+    let score = "score --surveys run/surveys.csv --out run/scores.csv";
+    study.maveric(&argv(score)).ok();
+    let train = "train --drives run/drives/study1 --again run/drives/study1-again \
+                 --scores run/scores.csv --out model.maveric --epochs 2";
+    study.maveric(&argv(train)).ok();
+    let validate = "validate run --model model.maveric --out found --duration 120 --format json";
+    let ran = study.maveric(&argv(validate)).ok();
     let found: serde_json::Value = serde_json::from_str(&ran.stdout).unwrap();
     assert_eq!(found["drivers"], 3);
     let model = &found["models"][0];
@@ -264,7 +232,7 @@ fn people_who_drove_twice_validate_a_model_and_their_first_drives_stay_what_they
     assert!(model["perpendicular_moves_s"].as_f64().unwrap() < 1e-5);
     assert_eq!(model["drives"], 3 * (9 + 5));
     assert_eq!(model["collisions"], 0);
-    let page = std::fs::read_to_string(study.path("found/validation.md")).unwrap();
+    let page = study.read("found/validation.md");
     assert!(page.contains("Identity") && !page.contains("NaN"));
     for table in [
         "retest",
@@ -284,18 +252,9 @@ fn people_who_drove_twice_validate_a_model_and_their_first_drives_stay_what_they
                 .exists()
         );
     }
-    let ablate = ["ablate", "--drives", "run/drives/study1", "--out", "parts"];
-    let short = [
-        "--sizes",
-        "1",
-        "--windows",
-        "2",
-        "--folds",
-        "2",
-        "--epochs",
-        "1",
-    ];
-    let ran = study.maveric(&[&ablate[..], &short].concat()).ok();
+    let ablate = "ablate --drives run/drives/study1 --out parts";
+    let short = format!("{ablate} --sizes 1 --windows 2 --folds 2 --epochs 1");
+    let ran = study.maveric(&argv(&short)).ok();
     for variant in [
         "size 3",
         "size 1",
@@ -306,21 +265,14 @@ fn people_who_drove_twice_validate_a_model_and_their_first_drives_stay_what_they
     ] {
         assert!(ran.stdout.contains(variant), "{}", ran.stdout);
     }
-    let page = std::fs::read_to_string(study.path("parts/index.html")).unwrap();
+    let page = study.read("parts/index.html");
     assert!(page.contains("Synthetic participants") && !page.contains("NaN"));
     assert!(study.path("parts/ablation.json").exists());
     study
-        .maveric(&[&ablate[..], &["--folds", "40"]].concat())
+        .maveric(&argv(&format!("{ablate} --folds 40")))
         .failed(1, &["40"]);
     study
-        .maveric(&[
-            "validate",
-            "once",
-            "--model",
-            "model.maveric",
-            "--out",
-            "none",
-        ])
+        .maveric(&argv("validate once --model model.maveric --out none"))
         .failed(1, &["once"]);
 }
 
@@ -328,45 +280,26 @@ fn people_who_drove_twice_validate_a_model_and_their_first_drives_stay_what_they
 fn the_same_seed_gives_the_same_bytes_on_one_thread_and_on_two() {
     let study = TempStudy::new();
     for (out, jobs) in [("one", "1"), ("two", "2")] {
-        study
-            .maveric(&[
-                "generate",
-                "--out",
-                out,
-                "--study1",
-                "2",
-                "--study2",
-                "1",
-                "--duration",
-                "60",
-                "--seed",
-                "7",
-                "-j",
-                jobs,
-            ])
-            .ok();
-        let logs = format!("{out}/logs/study1");
+        let run = |line: &str| study.maveric(&argv(&format!("{line} -j {jobs}"))).ok();
+        let generate = "generate --study1 2 --study2 1 --duration 60 --seed 7";
+        run(&format!("{generate} --out {out}"));
         let drives = format!("{out}/drives");
-        study
-            .maveric(&["ingest", &logs, "--out", &drives, "-j", jobs])
-            .ok();
-        let model = format!("{out}/model.maveric");
-        study
-            .maveric(&[
-                "train", "--drives", &drives, "--out", &model, "--epochs", "2", "-j", jobs,
-            ])
-            .ok();
+        run(&format!("ingest {out}/logs/study1 --out {drives}"));
+        run(&format!(
+            "train --drives {drives} --out {out}/model.maveric --epochs 2"
+        ));
     }
     // Fewer people into the same folder: nobody who is no longer listed stays.
-    let fewer = [
-        "generate", "--out", "three", "--study1", "1", "--study2", "1",
-    ];
-    let short = ["--duration", "60", "--seed", "7"];
-    let more = [&fewer[..3], &["--study1", "2", "--study2", "1"][..]].concat();
-    study.maveric(&[&more[..], &short].concat()).ok();
+    let three = |people: &str| {
+        let line = format!("generate --out three --study1 {people} --study2 1");
+        study
+            .maveric(&argv(&format!("{line} --duration 60 --seed 7")))
+            .ok();
+    };
+    three("2");
     assert!(study.path("three/logs/study1/S1P02-own.mcap").exists());
     study.write("three/logs/study1/mine.mcap", "mine");
-    study.maveric(&[&fewer[..], &short].concat()).ok();
+    three("1");
     assert!(!study.path("three/logs/study1/S1P02-own.mcap").exists());
     assert!(study.path("three/logs/study1/S1P01-own.mcap").exists());
     assert!(study.path("three/logs/study1/mine.mcap").exists());
@@ -435,17 +368,10 @@ fn an_interrupted_run_ends_with_130_and_goes_on_where_it_stopped() {
 fn other_settings_in_the_same_place_and_elsewhere_leave_nothing_behind() {
     let study = TempStudy::new();
     let run = |more: &[&str]| {
-        let short = [
-            "run",
-            SMOKE,
-            "-j",
-            "2",
-            "--set",
-            "epochs=2",
-            "--set",
-            "duration=60",
-        ];
-        study.maveric(&[&short[..], more].concat()).ok()
+        let short = argv("-j 2 --set epochs=2 --set duration=60");
+        study
+            .maveric(&[&["run", SMOKE], &short[..], more].concat())
+            .ok()
     };
     let numbers = || std::fs::read(study.path("study_data/generated/smoke/analysis.json")).unwrap();
     let files = || {
@@ -466,14 +392,9 @@ fn other_settings_in_the_same_place_and_elsewhere_leave_nothing_behind() {
         replaced.stderr
     );
     assert!(numbers() != first && files().len() > drives.len());
-    run(&[
-        "--set",
-        "seed=2",
-        "--set",
-        "out=study_data/generated/two",
-        "--set",
-        "report=reports/two",
-    ]);
+    run(&argv(
+        "--set seed=2 --set out=study_data/generated/two --set report=reports/two",
+    ));
     run(&[]);
     assert!(numbers() == first, "the first numbers again");
     assert_eq!(files(), drives);
@@ -490,171 +411,4 @@ fn other_settings_in_the_same_place_and_elsewhere_leave_nothing_behind() {
     assert!(study.path(leftover).exists());
     run(&["--move-aside"]);
     assert!(numbers() == first && files() == drives);
-}
-
-/// The example of a pipeline that counts words, in the folder `name`.
-fn novels(study: &TempStudy, name: &str) {
-    let example = support::root().join("crates/pipeline/examples/novels");
-    for file in [
-        "books.csv",
-        "pipelines/words.toml",
-        "texts/moby.txt",
-        "texts/pride.txt",
-        "texts/cities.txt",
-    ] {
-        let content = std::fs::read(example.join(file)).unwrap();
-        study.write(&format!("{name}/{file}"), content);
-    }
-}
-
-#[test]
-fn variants_are_kept_compared_and_cleaned_side_by_side() {
-    let study = TempStudy::new();
-    novels(&study, "one");
-    let words = "one/pipelines/words.toml";
-    study.maveric(&["run", words]).ok();
-    study
-        .maveric(&["run", words, "--variant", "two", "--set", "top=2"])
-        .ok();
-    assert!(study.path("one/made/table.csv").exists());
-    assert!(study.path("one/made-two/table.csv").exists());
-    let differ = study
-        .maveric(&["diff", words, "--variant", "two"])
-        .ok()
-        .stdout;
-    assert!(
-        differ.contains("parameter `top` changed from 3 to 2"),
-        "{differ}"
-    );
-    assert!(!differ.contains("`out`"), "{differ}");
-    study
-        .maveric(&["diff", words, "--variant", "three"])
-        .failed(2, &["no variant `three`", "there are two"]);
-    study
-        .maveric(&["diff", words])
-        .failed(2, &["name two runs"]);
-    study
-        .maveric(&["run", words, "--variant", "../x"])
-        .failed(1, &["cannot name a variant"]);
-    study.write("one/made-two/rows/mine.txt", "");
-    let cleaned = study
-        .maveric(&["clean", words, "--variant", "two"])
-        .ok()
-        .stdout;
-    assert!(cleaned.contains("removed made-two/table.csv"), "{cleaned}");
-    assert!(study.path("one/made/table.csv").exists());
-    assert!(study.path("one/made-two/rows/mine.txt").exists());
-    let shown = study.maveric(&["run", words, "--show"]).ok().stdout;
-    assert!(shown.contains("name = \"words\"") && shown.contains("foreach = \"books.csv\""));
-}
-
-#[test]
-fn a_stage_can_print_the_command_that_makes_it_again() {
-    let study = TempStudy::new();
-    study.write(
-        "mine/pipelines/p.toml",
-        "name = 'p'\n[params]\nout = 'made'\nword = 'a'\n[[stage]]\nname = 'page'\n\
-         cmd = ['sh', '-c', 'echo \"$1\" {word} > {out}', 'sh', '{command}']\noutputs = ['{out}']\n",
-    );
-    let args = [
-        "run",
-        "mine/pipelines/p.toml",
-        "--variant",
-        "b",
-        "--set",
-        "word=it is",
-    ];
-    study.maveric(&[&args[..], &["-j", "2"]].concat()).ok();
-    let page = std::fs::read_to_string(study.path("mine/made-b")).unwrap();
-    let expected = "maveric run pipelines/p.toml --variant b --set 'word=it is' it is\n";
-    assert_eq!(page, expected);
-    assert!(study.maveric(&args).ok().stdout.contains("nothing was run"));
-}
-
-#[test]
-fn a_pipeline_of_someone_elses_is_run_verified_traced_compared_and_cleaned() {
-    let study = TempStudy::new();
-    novels(&study, "one");
-    novels(&study, "two");
-    let (one, two) = ("one/pipelines/words.toml", "two/pipelines/words.toml");
-    let ran = study
-        .maveric(&["run", one, "-j", "2", "--cache", "cache"])
-        .ok();
-    assert!(ran.stdout.contains("moby,1851,the and i"), "{}", ran.stdout);
-    let taken = study.maveric(&["run", two, "--cache", "cache"]).ok();
-    assert!(
-        taken.stderr.contains("[9/9] table: taken from the cache"),
-        "{}",
-        taken.stderr
-    );
-    let same = study.maveric(&["diff", one, two]).ok().stdout;
-    assert_eq!(same, "9 stages are the same in both\n");
-    let verified = study.maveric(&["verify", one]).ok().stdout;
-    assert!(verified.contains("0 not as recorded"), "{verified}");
-    let path = ["trace", "one/made/rows/pride.csv", "--pipeline", one];
-    let trace = study.maveric(&path).ok().stdout;
-    assert!(trace.contains("(row on line 3 of books.csv)"), "{trace}");
-    study.write("two/made/table.csv", "edited by hand\n");
-    let verified = study.maveric(&["verify", two]);
-    assert_eq!(verified.status, Some(1));
-    assert!(
-        verified
-            .stdout
-            .contains("made/table.csv, which it makes, has another content")
-    );
-    let cleaned = study.maveric(&["clean", two]).ok().stdout;
-    assert!(cleaned.contains("kept made/table.csv"), "{cleaned}");
-    let graph = study.maveric(&["graph", one]).ok().stdout;
-    assert!(graph.contains(r#""count (x3)" -> "row (x3)""#), "{graph}");
-}
-
-/// Whether a process whose command line names this folder is there.
-#[cfg(target_os = "linux")]
-fn at_work(folder: &str) -> bool {
-    let processes = std::fs::read_dir("/proc").unwrap().flatten();
-    processes
-        .filter_map(|entry| std::fs::read(entry.path().join("cmdline")).ok())
-        .any(|line| String::from_utf8_lossy(&line).contains(folder))
-}
-
-#[cfg(target_os = "linux")]
-#[test]
-fn a_run_that_is_killed_takes_its_stages_with_it_and_the_next_begins_at_once() {
-    use std::time::{Duration, Instant};
-    let study = TempStudy::new();
-    // An hour of a hundred people: nobody waits for the end of it.
-    let out = study.path("long");
-    let out = out.to_str().unwrap();
-    study.write(
-        "pipelines/long.toml",
-        format!(
-            "name = \"long\"\n[[stage]]\nname = \"generate\"\ncmd = [\"maveric\", \"generate\", \"--out\", \"{out}\", \"--study1\", \"100\", \
-             \"--duration\", \"3600\"]\n"
-        ),
-    );
-    let mut run = std::process::Command::new(env!("CARGO_BIN_EXE_maveric"))
-        .args(["run", "pipelines/long.toml", "-j", "1"])
-        .current_dir(study.path("."))
-        .stdout(std::process::Stdio::null())
-        .stderr(std::process::Stdio::null())
-        .spawn()
-        .unwrap();
-    let within = |limit: Duration, reached: &dyn Fn() -> bool| {
-        let begun = Instant::now();
-        while !reached() && begun.elapsed() < limit {
-            std::thread::sleep(Duration::from_millis(20));
-        }
-        reached()
-    };
-    assert!(within(Duration::from_mins(1), &|| at_work(out)));
-    run.kill().unwrap();
-    run.wait().unwrap();
-    assert!(within(Duration::from_secs(20), &|| !at_work(out)));
-    // Nothing is under way any more: the next run, of one person's minute, waits for nobody and finds its place free.
-    let text = std::fs::read_to_string(study.path("pipelines/long.toml")).unwrap();
-    let text = text.replace("\"100\"", "\"1\"").replace("3600", "60");
-    study.write("pipelines/long.toml", text);
-    let run = study.maveric(&["run", "pipelines/long.toml"]).ok();
-    assert!(!run.stderr.contains("wait"), "{}", run.stderr);
-    assert!(study.path("long/logs").is_dir());
 }

@@ -1,10 +1,10 @@
-//! What is known of a channel before its messages are read.
+//! A channel among which is chosen.
 
 use super::slots::Role;
 
 /// What is known of a channel when choosing.
 #[derive(Debug, Clone)]
-pub(crate) struct Found<'a> {
+pub(crate) struct Candidate<'a> {
     pub(crate) topic: &'a str,
     pub(crate) type_name: &'a str,
     pub(crate) messages: usize,

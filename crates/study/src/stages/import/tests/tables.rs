@@ -1,0 +1,316 @@
+//! Tables of any software: maps, patterns, sheets, and what is refused of them.
+
+use super::*;
+
+#[test]
+fn an_otree_table_becomes_a_long_one() {
+    let (warnings, table) = run(Software::Otree, OTREE, None).unwrap();
+    assert_eq!(
+        table,
+        "participant,moment,scale,item,answer\nP01,pre,calm,1,1\nP01,pre,calm,2,2\nP01,pre,calm,3,3\nP01,mimic,calm,1,4\nP01,mimic,calm,2,\nP01,mimic,calm,3,6\n\
+         P02,pre,calm,1,7\nP02,pre,calm,2,7\nP02,pre,calm,3,6\nP02,cautious,calm,1,5\nP02,cautious,calm,2,5\nP02,cautious,calm,3,5\n"
+    );
+    assert_eq!(warnings.len(), 2, "{warnings:?}");
+    assert!(
+        warnings.iter().any(|w| w.contains("bot")) && warnings.iter().any(|w| w.contains("P04"))
+    );
+}
+
+#[test]
+fn answers_about_a_condition_that_the_design_has_not_are_left_out_and_listed() {
+    let text = OTREE.replace("cautious", "kautious");
+    let (warnings, table) = run(Software::Otree, &text, None).unwrap();
+    assert!(!table.contains("kautious") && table.contains("P02,pre,calm,1,7"));
+    let said = warnings.iter().find(|w| w.contains("kautious")).unwrap();
+    assert!(
+        said.contains("3 answers left out") && said.contains("own, mimic, aggressive"),
+        "{said}"
+    );
+}
+
+#[test]
+fn faults_name_participant_scale_and_item() {
+    let fails = |from: &str, to: &str| {
+        assert!(OTREE.contains(from), "{from}");
+        run(Software::Otree, &OTREE.replacen(from, to, 1), None).unwrap_err()
+    };
+    for (from, to, said) in [
+        (
+            "P01,0,1,2",
+            "P01,0,1,9",
+            "participant P01 (pre), scale `calm`, item 2 (row 1, `intro.1.player.calm_2`): found `9`, expected a whole number from 1 to 7",
+        ),
+        (
+            "cautious,5,5",
+            "cautious,5,five",
+            "participant P02 (cautious), scale `calm`, item 2",
+        ),
+        (
+            "x2,P02",
+            "x2,P01",
+            "participant P01 (pre), scale `calm`, item 1: answered twice, in row 1",
+        ),
+        (
+            "intro.1.player.calm_3",
+            "intro.1.player.clam_3",
+            "scale `calm`: `intro.1.player` has no column for items 3",
+        ),
+        (
+            "intro.1.player.calm_3",
+            "intro.1.player.calm_4",
+            "`intro.1.player` has no column for items 3",
+        ),
+        ("x2,P02", "x2,P 02", "P 02"),
+        ("x2,P02", "x2,", "row 2"),
+    ] {
+        let error = fails(from, to);
+        assert!(error.contains(said), "{error}");
+    }
+    let twice = OTREE
+        .replace(
+            "intro.1.player.calm_1",
+            "drive.2.player.condition,drive.2.player.calm_1",
+        )
+        .replace("intro.1", "drive.2");
+    let twice = twice
+        .replace("P01,0,1", "P01,0,mimic,1")
+        .replace("P02,0,7", "P02,0,mimic,7");
+    let error = run(Software::Otree, &twice, None).unwrap_err();
+    assert!(
+        error.contains("P01 (mimic)")
+            && error.contains("drive.1.player")
+            && error.contains("drive.2.player"),
+        "{error}"
+    );
+    let error = run(Software::Otree, "participant.label,a\nP01,1\n", None).unwrap_err();
+    assert!(
+        error.contains("holds no answers") && error.contains("calm_{item}"),
+        "{error}"
+    );
+}
+
+#[test]
+fn a_word_that_is_a_condition_of_the_design_means_it_whatever_else_it_means() {
+    let text =
+        "[study]\ntitle = \"t\"\n[[condition]]\nid = \"pre\"\n[[condition]]\nid = \"post\"\n";
+    let design = Design::from_toml(text).unwrap();
+    let columns = Columns::new(None, &[], &design).unwrap();
+    let after = Moment::After("pre".parse().unwrap());
+    assert_eq!(columns.moment_of("pre").unwrap(), after);
+    assert_eq!(columns.moment_of("after:pre").unwrap(), after);
+    let papers = DesignFile::paper().unwrap().design;
+    let columns = Columns::new(None, &[], &papers).unwrap();
+    assert_eq!(columns.moment_of("pre").unwrap(), Moment::Pre);
+}
+
+#[test]
+fn a_map_renames_columns_words_and_answers() {
+    let table = "who;".replace(';', ",") + "q1,q2,q3,car\nP01,never,often,always,A\n";
+    let map = "participant = \"who\"\nmoment = \"car\"\n[moments]\nA = \"aggressive\"\n[scales.calm]\ncolumn = \"q{item}\"\nlabels = [\"never\", \"rarely\", \"sometimes\", \"often\", \"usually\", \"almost always\", \"always\"]\n";
+    let (_, long) = run(Software::Otree, &table, Some(map)).unwrap();
+    assert!(
+        long.ends_with(
+            "P01,aggressive,calm,1,1\nP01,aggressive,calm,2,4\nP01,aggressive,calm,3,7\n"
+        ),
+        "{long}"
+    );
+    for (from, to, said) in [
+        ("scales.calm", "scales.clam", "clam"),
+        ("\"never\", ", "", "6 labels"),
+        ("q{item}", "q", "{item}"),
+        ("[moments]", "[momentz]", "momentz"),
+    ] {
+        let error = run(Software::Otree, &table, Some(&map.replace(from, to))).unwrap_err();
+        assert!(error.contains(said), "{error}");
+    }
+}
+
+#[test]
+fn jspsych_trials_become_the_same_table_with_times() {
+    let likert = |who: &str, moment: &str, answers: &str| {
+        format!(
+            r#"{{"trial_type": "survey-likert", "subject": "{who}"{moment}, "rt": 9000, "response": {{{answers}}}}}"#
+        )
+    };
+    let named = likert("P01", "", r#""calm_1": 0, "calm_2": 6, "calm_3": null"#);
+    let numbered = likert(
+        "P01",
+        r#", "scale": "calm", "condition": "mimic""#,
+        r#""Q0": 1, "Q1": 2, "Q2": 3"#,
+    );
+    let other = r#"{"trial_type": "survey-text", "response": {"Q0": "no remark"}}"#;
+    let text = format!("[{named}, {numbered}, {other}]\n");
+    let (warnings, table) = run(Software::Jspsych, &text, None).unwrap();
+    assert!(warnings.is_empty(), "{warnings:?}");
+    assert_eq!(
+        table,
+        "participant,moment,scale,item,answer,seconds\nP01,pre,calm,1,1,3.0\nP01,pre,calm,2,7,3.0\nP01,pre,calm,3,,3.0\n\
+         P01,mimic,calm,1,2,3.0\nP01,mimic,calm,2,3,3.0\nP01,mimic,calm,3,4,3.0\n"
+    );
+    // A condition that the design does not know is left out, counted and named.
+    let unknown = text.replace("\"mimic\"", "\"x\"");
+    let (warnings, table) = run(Software::Jspsych, &unknown, None).unwrap();
+    assert!(
+        warnings[0].contains("3 answers left out: condition `x`"),
+        "{warnings:?}"
+    );
+    assert_eq!(table.lines().count(), 4);
+    // Several sessions: one array each, one after the other or in an array.
+    let second = text.replace("P01", "P02");
+    for both in [format!("{text}{second}"), format!("[{text},{second}]")] {
+        let (_, table) = run(Software::Jspsych, &both, None).unwrap();
+        assert_eq!(table.lines().count(), 13);
+    }
+    for (from, to, said) in [
+        (
+            "\"calm_2\": 6",
+            "\"calm_2\": 7",
+            "participant P01 (pre), scale `calm`, item 2 (session 1, trial 1, `calm_2`): found `7`",
+        ),
+        ("\"calm_2\": 6", "\"calm_2\": \"very\"", "found `very`"),
+        (
+            "\"condition\": \"mimic\"",
+            "\"nothing\": 0",
+            "answered twice",
+        ),
+        ("\"subject\"", "\"sbject\"", "whose"),
+        ("]\n", "", "not JSON"),
+    ] {
+        assert!(text.contains(from), "{from}");
+        let error = run(Software::Jspsych, &text.replace(from, to), None).unwrap_err();
+        assert!(error.contains(said), "{error}");
+    }
+}
+
+#[test]
+fn the_number_of_a_ride_in_a_name_is_the_persons_own_order() {
+    let folder = tempfile::tempdir().unwrap();
+    let people = "participant,order\nP01,sporty calm\nP02,\n";
+    std::fs::write(folder.path().join("participants.csv"), people).unwrap();
+    let map = "[scales.calm]\ncolumn = \"{trial}_Q3_{item}\"\n";
+    let table = "participant,1_Q3_1,1_Q3_2,1_Q3_3,2_Q3_1,2_Q3_2,2_Q3_3\nP01,1,2,3,4,5,6\n";
+    let go = |table: &str| {
+        let options = in_folder(folder.path(), None, table.as_bytes(), Some(map), DESIGN);
+        let done = options.run(Watch::unwatched()).map_err(|e| e.to_string());
+        done.map(|_| std::fs::read_to_string(options.out.unwrap()).unwrap())
+    };
+    let long = go(table).unwrap();
+    assert_eq!(rows(&long)[0], "P01,calm,calm,1,4");
+    assert_eq!(rows(&long)[3], "P01,sporty,calm,1,1");
+    let error = go(&table.replace("P01", "P02")).unwrap_err();
+    assert!(
+        error.contains("row 1 (participant P02): answers about ride 1")
+            && error.contains("`order` of 0 conditions"),
+        "{error}"
+    );
+}
+
+#[test]
+fn a_proposal_counts_from_zero_lists_words_and_abstains_where_several_columns_fit() {
+    let table = |cells: &str| {
+        format!("participant,ride,calm_a1,calm_a2,calm_a3\nP01,sporty,{cells}\nP02,calm,{cells}\n")
+    };
+    let text = suggest(table("0,3,6").as_bytes());
+    assert!(
+        text.contains("column = \"calm_a{item}\"\nadd = 1   # the answers go from 0 to 6"),
+        "{text}"
+    );
+    assert!(text.contains("\nmoment = \"ride\"\n"), "{text}");
+    let (_, long) = mapped(table("0,3,6").as_bytes(), Some(&text)).unwrap();
+    assert_eq!(rows(&long)[0], "P01,sporty,calm,1,1");
+    let text = suggest(table("never,often,never").as_bytes());
+    assert!(
+        text.contains(
+            "# labels = [\"?\"]   # from the lowest answer; there are \"never\", \"often\""
+        ),
+        "{text}"
+    );
+    let text = suggest(table("1,9,1").as_bytes());
+    assert!(
+        text.contains("no columns numbered 1 to 3 have such answers"),
+        "{text}"
+    );
+    let other = table("1,2,3").replace("calm_a", "q");
+    let text = suggest(other.as_bytes());
+    assert!(
+        text.contains("# column = \"q{item}\"") && text.contains("not by their names"),
+        "{text}"
+    );
+}
+
+#[test]
+fn a_workbook_is_read_by_the_name_of_its_sheet() {
+    let answers: &[&[&str]] = &[
+        &["participant", "condition", "calm_1", "calm_2", "calm_3"],
+        &["P01", "sporty", "1", "2", ""],
+    ];
+    let (_, table) = mapped(&workbook(&[("Sheet1", answers)]), None).unwrap();
+    assert_eq!(
+        rows(&table),
+        [
+            "P01,sporty,calm,1,1",
+            "P01,sporty,calm,2,2",
+            "P01,sporty,calm,3,"
+        ]
+    );
+    let two = workbook(&[
+        ("Notes", &[&["written by hand"]]),
+        ("Data", answers),
+        ("Empty", &[]),
+    ]);
+    let error = mapped(&two, None).unwrap_err();
+    assert!(
+        error.contains("has 2 sheets with something in them")
+            && error.contains("its sheets are Notes, Data, Empty"),
+        "{error}"
+    );
+    let (_, same) = mapped(&two, Some("sheet = \"Data\"\n")).unwrap();
+    assert_eq!(same, table);
+    let error = mapped(&two, Some("sheet = \"Date\"\n")).unwrap_err();
+    assert!(
+        error.contains("has no sheet `Date`; its sheets are Notes, Data, Empty"),
+        "{error}"
+    );
+    let error = mapped(b"PK\x03\x04 and nothing else", None).unwrap_err();
+    assert!(
+        error.contains("is no workbook (.xlsx) that can be read"),
+        "{error}"
+    );
+    let error = mapped(QUALTRICS.as_bytes(), Some("sheet = \"Data\"\n")).unwrap_err();
+    assert!(error.contains("it is no workbook"), "{error}");
+    // The three heads of Qualtrics stand in its workbooks too.
+    let lines: Vec<Vec<&str>> = vec![
+        vec!["ResponseId", "calm_calm_1", "calm_calm_2", "calm_calm_3"],
+        vec!["Response ID", "a", "b", "c"],
+        vec![
+            "{\"ImportId\":\"_recordId\"}",
+            "{\"ImportId\":\"QID1_1\"}",
+            "{\"ImportId\":\"QID1_2\"}",
+            "{\"ImportId\":\"QID1_3\"}",
+        ],
+        vec!["R_1", "7", "6", "5"],
+    ];
+    let lines: Vec<&[&str]> = lines.iter().map(Vec::as_slice).collect();
+    let (_, table) = mapped(&workbook(&[("Sheet1", &lines)]), Some(BY_NAME)).unwrap();
+    assert_eq!(
+        rows(&table),
+        [
+            "R_1,calm,calm,1,7",
+            "R_1,calm,calm,2,6",
+            "R_1,calm,calm,3,5"
+        ]
+    );
+}
+
+#[test]
+fn a_column_whose_name_stands_twice_is_refused() {
+    let error = mapped(
+        b"participant,calm_1,calm_2,calm_3,calm_3\nP01,1,2,3,4\n",
+        None,
+    )
+    .unwrap_err();
+    assert!(
+        error.contains("both `calm_3` and `calm_3 (column 5)` hold it"),
+        "{error}"
+    );
+}
