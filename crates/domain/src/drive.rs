@@ -230,6 +230,9 @@ impl Rows {
 
     /// How fast a column changes at each row, in its unit a second: a central difference over `half_span_s` on both sides, of rows
     /// sampled `rate_hz` times a second, that never spans two segments.
+    ///
+    /// # Panics
+    /// If the column is not of these rows.
     pub fn slopes(&self, column: &[f64], half_span_s: f64, rate_hz: f64) -> Vec<f64> {
         let n = self.time_s.len();
         let half = ((half_span_s * rate_hz).round() as usize).max(1);

@@ -28,6 +28,7 @@
 //! the script of a shell (`["sh", "-c", SCRIPT]`) a value is quoted for the shell.
 //! Unknown keys are errors.
 
+mod code;
 mod commands;
 mod fan;
 pub(crate) mod keys;
@@ -36,6 +37,7 @@ mod schema;
 mod tables;
 mod value;
 
+pub use code::NewStage;
 pub use commands::{CommandFiles, Commands};
 pub use schema::schema;
 

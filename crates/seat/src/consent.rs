@@ -3,7 +3,8 @@
 use crate::{
     books::Books, error::SeatError, listed::KeptSheet, person::Person, steps::Step, token,
 };
-use maveric_domain::{Design, DriveId, ParticipantId};
+use maveric_domain::{Design, DriveId, ParticipantId, Ride};
+use maveric_model::Model;
 use maveric_study::{stages::steer::withheld_drives, tables::collected::NotAgreed};
 use std::collections::BTreeSet;
 
@@ -29,22 +30,37 @@ pub(crate) fn lets_lend(person: &Person, sheets: &[KeptSheet]) -> bool {
     sheet.and_then(|sheet| sheet.style_lent) == Some(true)
 }
 
-/// Those of the drives that a model of this study learned from that nobody may be driven by: of whoever does not let their style be lent, and of
-/// whoever is forgotten.
-pub(crate) fn withheld<'a>(
-    b: &Books<'_>,
-    design: &Design,
-    learned: impl IntoIterator<Item = &'a DriveId>,
-) -> Result<BTreeSet<DriveId>, SeatError> {
-    let mut people = b.forgotten()?;
+/// The drives by hand of a person, by their names.
+fn driven_by_hand(person: &Person) -> Result<Vec<DriveId>, SeatError> {
+    let who = ParticipantId::new(&*person.participant)?;
+    let drives = person.steps.iter().filter_map(Step::drives);
+    let by_hand = drives.filter(|(_, by_hand)| *by_hand);
+    let name = |(ride, _): (Ride, bool)| DriveId::in_condition(&who, ride);
+    Ok(by_hand.map(name).collect::<Result<_, _>>()?)
+}
+
+/// The drives by hand of those people who do not let their style be lent.
+pub(crate) fn withheld(b: &Books<'_>) -> Result<BTreeSet<DriveId>, SeatError> {
+    let mut withheld = BTreeSet::new();
     for person in b.everybody()? {
         if !lets_lend(&person, &b.answers(&person.participant)?) {
-            people.push(person.participant);
+            withheld.extend(driven_by_hand(&person)?);
         }
     }
-    let ids = people.into_iter();
-    let people = ids.filter_map(|id| ParticipantId::new(id).ok()).collect();
-    Ok(withheld_drives(&people, design, learned))
+    Ok(withheld)
+}
+
+/// The drives of whoever is forgotten that a model of this study learned from.
+pub(crate) fn of_forgotten(
+    b: &Books<'_>,
+    design: &Design,
+    model: &Model,
+) -> Result<BTreeSet<DriveId>, SeatError> {
+    let ids = b.forgotten()?.into_iter();
+    let forgotten: BTreeSet<ParticipantId> =
+        ids.filter_map(|id| ParticipantId::new(id).ok()).collect();
+    let learned = model.training().iter().map(|training| &training.drive);
+    Ok(withheld_drives(&forgotten, design, learned))
 }
 
 impl Books<'_> {
@@ -134,8 +150,16 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let store = Store::open(&folder.path().join("seat.db")).unwrap();
         let asked = || text(Some("Others may be driven in my style."));
+        let drive = |session: u32| Step::Drive {
+            condition: "own".parse().unwrap(),
+            occasion: maveric_domain::Occasion::new(session, 1).unwrap(),
+            seconds: 60.0,
+            seed: "1".to_owned(),
+            probe: None,
+        };
+        let steps = || vec![asked(), drive(1), drive(2)];
         let answered = |id: &str, body: Option<&str>| {
-            let person = Person::new(id.to_owned(), id.to_owned(), vec![asked()]);
+            let person = Person::new(id.to_owned(), id.to_owned(), steps());
             let kept = body.map(|body| checked(&asked(), body).unwrap());
             store
                 .within(|b| {
@@ -148,20 +172,10 @@ mod tests {
         answered("P002", Some(LEFT));
         answered("P003", Some(AGREED));
         answered("P004", None);
-        let people = (1..=6).map(|number| format!("P00{number}"));
-        let both = |who: String| [format!("{who}-own"), format!("{who}-own_s2_t1")];
-        let learned: Vec<DriveId> = people
-            .flat_map(both)
-            .map(|id| DriveId::new(id).unwrap())
-            .collect();
-        let design = "[study]\ntitle = \"Two\"\n[people]\nlearn = { part = \"learn\" }\n[style]\nscore = \"adb.total\"\n\
-                      [[condition]]\nid = \"faster\"\ncar = { dial = 15 }\n";
-        let design = Design::from_toml(design).unwrap();
-        let withheld = || store.look(|b| withheld(b, &design, &learned)).unwrap();
-        assert_eq!(withheld(), BTreeSet::from_iter(learned[2..8].to_vec()));
-        // Whoever is forgotten is driven by no more, and of somebody who is not among the seat's people nothing is known.
-        store.within(|b| b.forget("P001")).unwrap();
-        assert_eq!(withheld(), BTreeSet::from_iter(learned[..8].to_vec()));
+        let withheld = store.look(withheld).unwrap();
+        let withheld: Vec<String> = withheld.iter().map(ToString::to_string).collect();
+        let both = |who: &str| [format!("{who}-own"), format!("{who}-own_s2_t1")];
+        assert_eq!(withheld, ["P002", "P003", "P004"].map(both).concat());
     }
 
     #[test]

@@ -34,6 +34,7 @@ pub enum SeatError {
     #[error("nobody is called `{participant}` here")]
     Nobody {
         participant: String,
+        /// The id that is nearest to it.
         nearest: Option<String>,
     },
     /// A file that cannot be read or written.
@@ -82,6 +83,7 @@ pub enum SeatError {
     #[error("{problem}")]
     Protocol {
         problem: String,
+        /// What to do.
         help: Option<String>,
     },
     /// Work that stopped in the middle.

@@ -22,6 +22,7 @@ pub enum Hindrance {
     UnknownScale {
         scale: String,
         known: Vec<String>,
+        /// The scale that is nearest to it.
         nearest: Option<String>,
     },
     /// A scale whose items nobody could read.
@@ -75,6 +76,7 @@ pub enum Hindrance {
     Styles {
         condition: ConditionId,
         problem: String,
+        /// What to do.
         remedy: String,
     },
     /// A condition whose drives the program would make again.

@@ -2,7 +2,7 @@
 
 use crate::{
     books::Books,
-    consent::{lets_lend, withheld},
+    consent::{lets_lend, of_forgotten},
     error::SeatError,
     hindrance::Hindrance,
     lent::{by_hand, lent_to},
@@ -141,8 +141,8 @@ impl Seat {
         let drive = by_hand(person);
         let own_embedding = Embedding::new(own.embedding)?;
         // Somebody may have been forgotten since the seat was opened.
-        let learned = model.training().iter().map(|training| &training.drive);
-        let withheld = withheld(b, &self.settings.design, learned)?;
+        let mut withheld = self.withheld.clone();
+        withheld.extend(of_forgotten(b, &self.settings.design, model)?);
         let mut nobodys = BTreeSet::new();
         let mut steps = person.steps.clone();
         for step in &mut steps {

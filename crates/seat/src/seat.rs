@@ -137,9 +137,12 @@ impl Seat {
         settings.files.begin()?;
         let store = Store::open(path)?;
         let mut withheld = BTreeSet::new();
-        if let Some(model) = &model {
-            let learned = model.training().iter().map(|training| &training.drive);
-            withheld = store.look(|b| consent::withheld(b, &settings.design, learned))?;
+        // A model that was learned elsewhere may know others by the same ids.
+        if let Some(model) = model.as_ref().filter(|_| settings.design.model().is_none()) {
+            withheld = store.look(consent::withheld)?;
+            let is_learned = |id: &DriveId| model.training().iter().any(|t| t.drive == *id);
+            withheld.retain(is_learned);
+            withheld.extend(store.look(|b| consent::of_forgotten(b, &settings.design, model))?);
         }
         let seat = Self {
             store,

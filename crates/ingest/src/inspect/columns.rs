@@ -32,8 +32,7 @@ pub(super) struct Sheet {
     pub(super) columns: Vec<TableColumn>,
 }
 
-/// Reads all columns, finding out which are numbers; a mapping says whether the table has a header, and whether blanks separate its
-/// cells.
+/// Reads all columns, finding out which are numbers; `written` is what a mapping says of header and blanks, where there is one.
 ///
 /// # Errors
 /// [`IngestError::BadTable`] for what is no table.

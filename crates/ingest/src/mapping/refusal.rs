@@ -13,6 +13,7 @@ pub(super) fn positive(key: &str, value: Option<f64>) -> Checked {
     }
 }
 
+/// Refuses what is wrong, and says why.
 pub(super) fn refuse(wrong: bool, why: &str) -> Checked {
     if wrong { Err(why.to_owned()) } else { Ok(()) }
 }

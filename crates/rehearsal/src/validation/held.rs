@@ -91,7 +91,7 @@ pub fn held(
     })
 }
 
-/// d_j / √C_jj of each coordinate of a variance above `least`: of which both drives say something. With the prior
+/// d_j / √C_jj of each coordinate of a variance above `least` (`NOTHING`: both drives say something of it). With the prior
 /// d = m₂ − (I − V₂) m₁ and C = (I − V₂) V₁ (I − V₂)ᵀ + (I − V₂) V₂; without it d = m₂ − m₁ and C = V₁ + V₂.
 pub(crate) fn standardised(first: &Known, again: &Known, prior: bool, least: f64) -> Vec<f64> {
     let matrix = |known: &Known| {

@@ -9,7 +9,7 @@ use crate::{
     outcome::{Outcome, Watch},
     run_folder::{read_study, study_files},
     stage::{Files, Stage},
-    tables::dial::read_turns,
+    tables::{collected::SEAT, dial::read_turns},
 };
 use maveric_analysis::{Learned, Preferred, Recommendation, StudyData};
 use maveric_domain::ParticipantId;
@@ -51,7 +51,7 @@ impl Stage for Recommend {
         let study = DesignFile::below_or_paper(root, self.design.as_deref())?;
         let files = Files::default().reads_design(self.design.as_deref());
         Ok(study_files(files, root, &self.results, &study, None)
-            .reads_if_there([study.resolve(Path::new("seat"))])
+            .reads_if_there([study.resolve(Path::new(SEAT))])
             .writes(&self.out))
     }
 
@@ -59,7 +59,7 @@ impl Stage for Recommend {
     /// left the dial in a ride in the seat.
     fn work(&self, watch: Watch<'_>) -> Result<Outcome<Recommended>, StudyError> {
         let study = DesignFile::find(self.design.as_deref())?;
-        let turns = read_turns(&study.resolve(Path::new("seat")))?;
+        let turns = read_turns(&study.resolve(Path::new(SEAT)))?;
         let data = read_study(&self.results, &study, None)?.with_turns(&turns);
         let wanted: Vec<&ParticipantId> = match &self.participant {
             None => data.participants.iter().collect(),

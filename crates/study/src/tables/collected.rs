@@ -123,7 +123,7 @@ pub struct PaymentRow {
 
 /// The seat's folder in the study's.
 pub(crate) const SEAT: &str = "seat";
-/// Its files there.
+/// A file of the seat's folder.
 pub const EVENTS: &str = "events.csv";
 /// As [`EVENTS`].
 pub const CONSENTS: &str = "consents.csv";

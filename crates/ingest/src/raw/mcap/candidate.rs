@@ -1,4 +1,4 @@
-//! A channel among which is chosen.
+//! A channel that may be chosen.
 
 use super::slots::Role;
 

@@ -124,11 +124,11 @@ impl Chooser<'_> {
         let candidates = || roles.iter().flat_map(|&role| self.with_role(role));
         for pattern in &topics.0 {
             let fits = |topic: &str| matches(pattern, topic);
-            let best = |&role: &Role| {
+            let of_role = |&role: &Role| {
                 let best = self.best(role, &fits);
                 best.filter(|&i| fits(self.candidates[i].topic))
             };
-            let most = roles.iter().find_map(best);
+            let most = roles.iter().find_map(of_role);
             if most.is_some() {
                 return Ok(most);
             }

@@ -135,6 +135,7 @@ fn references<'a>(ids: impl IntoIterator<Item = &'a str>) -> Value {
 
 /// The metadata of an export with these files.
 pub(super) fn metadata(design: &Design, about: &About, files: &[Given]) -> Value {
+    const WORKFLOW: &str = "https://w3id.org/workflowhub/workflow-ro-crate/1.0";
     const PROFILES: [(&str, &str, &str); 3] = [
         (
             "https://w3id.org/ro/wfrun/process/0.5",
@@ -146,11 +147,7 @@ pub(super) fn metadata(design: &Design, about: &About, files: &[Given]) -> Value
             "Workflow Run Crate",
             "0.5",
         ),
-        (
-            "https://w3id.org/workflowhub/workflow-ro-crate/1.0",
-            "Workflow RO-Crate",
-            "1.0",
-        ),
+        (WORKFLOW, "Workflow RO-Crate", "1.0"),
     ];
     let profiles = if about.run.is_some() {
         &PROFILES[..]
@@ -159,7 +156,7 @@ pub(super) fn metadata(design: &Design, about: &About, files: &[Given]) -> Value
     };
     // The metadata of a workflow keep to its own profile too.
     let standards = ["https://w3id.org/ro/crate/1.1"].into_iter();
-    let standards = standards.chain(profiles.get(2).map(|p| p.0));
+    let standards = standards.chain(about.run.as_ref().map(|_| WORKFLOW));
     let licence = about.licence.as_deref().unwrap_or("#no-licence");
     let mut steps: Vec<Value> = Vec::new();
     let mut mentioned = vec!["#export".to_owned()];
