@@ -125,9 +125,6 @@ impl PageTexts {
     }
 
     /// A section of figures and tables with its title and what it says before them.
-    ///
-    /// # Errors
-    /// As [`PageTexts::text`].
     pub fn section(
         &self,
         key: &str,
@@ -168,9 +165,6 @@ impl PageTexts {
     }
 
     /// The same; `None` without rows.
-    ///
-    /// # Errors
-    /// As [`PageTexts::table`].
     pub(crate) fn table_if_any<R: Serialize>(
         &self,
         key: &str,
@@ -182,9 +176,6 @@ impl PageTexts {
     }
 
     /// A page with its head (`title`, `subtitle` and `method`), the words that it explains and the command that repeats it.
-    ///
-    /// # Errors
-    /// As [`PageTexts::text`].
     pub fn page(
         &self,
         context: &Context,

@@ -113,9 +113,6 @@ impl<'a> StudyPage<'a> {
     }
 
     /// The lines that a run ends with.
-    ///
-    /// # Errors
-    /// As [`StudyPage::subtitle`].
     pub fn lines(&self) -> Result<Vec<String>, ReportError> {
         let a = self.analysis;
         let mut lines = vec![self.subtitle()?];

@@ -57,9 +57,6 @@ impl Seat {
     }
 
     /// What `person` may see of the others: nothing where the study does not show it.
-    ///
-    /// # Errors
-    /// [`SeatError::Store`].
     pub(crate) fn among_others(&self, person: &Person) -> Result<Option<AmongOthers>, SeatError> {
         let design = &self.settings.design;
         let Some(style) = design.style().filter(|_| design.protocol().show_style) else {

@@ -21,9 +21,6 @@ const SAME_STYLE: f64 = 1e-5;
 impl Seat {
     /// Writes what somebody drove of a step at which they stopped, since they felt unwell: nothing is learned of it, and nothing is driven
     /// after it.
-    ///
-    /// # Errors
-    /// As [`Seat::write_drive`].
     pub(crate) fn stop_drive(
         &self,
         person: &Person,
@@ -42,9 +39,6 @@ impl Seat {
     }
 
     /// Writes what somebody drove of a step at which they left and let it be kept, cut short as it is: nothing is learned of it.
-    ///
-    /// # Errors
-    /// As [`Seat::write_drive`].
     pub(crate) fn keep_unfinished(&self, person: &Person, step: usize) -> Result<(), SeatError> {
         match person.steps.get(step) {
             Some(found) => {

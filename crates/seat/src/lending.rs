@@ -35,9 +35,6 @@ fn with_the_next<T: Clone>(mut tested: Vec<T>) -> Vec<T> {
 
 impl Seat {
     /// The conditions in which whoever is let in now would have somebody else's style, of too few who let theirs be lent.
-    ///
-    /// # Errors
-    /// [`SeatError::Store`].
     pub fn few_donors(&self) -> Result<Vec<Hindrance>, SeatError> {
         self.few_lenders(self.store.look(|b| self.tested(b, None))?)
     }

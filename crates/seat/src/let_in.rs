@@ -179,9 +179,6 @@ impl Seat {
     }
 
     /// Lets the next person in: their token.
-    ///
-    /// # Errors
-    /// As [`Seat::invite`].
     pub fn let_in(&self) -> Result<String, SeatError> {
         self.invite(&Invitation::default())
     }
@@ -257,9 +254,6 @@ impl Seat {
     }
 
     /// The first person, let in if nobody was: for a seat that one person uses.
-    ///
-    /// # Errors
-    /// As [`Seat::invite`].
     pub fn only_person(&self) -> Result<String, SeatError> {
         let first = |people: Vec<Person>| people.into_iter().find(|p| p.ended.is_none());
         match self.store.look(|b| b.everybody().map(first))? {

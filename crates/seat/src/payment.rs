@@ -94,9 +94,6 @@ impl Books<'_> {
 impl Seat {
     /// The link of whoever comes from the platform with this id: the one that they had, or a new one. None for a study without a
     /// platform, or what can be no id.
-    ///
-    /// # Errors
-    /// As [`Seat::invite`].
     pub(crate) fn join(&self, id: &str) -> Result<Option<String>, SeatError> {
         if self.settings.design.protocol().platform.is_none() || !possible(id) {
             return Ok(None);

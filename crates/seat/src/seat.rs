@@ -294,9 +294,6 @@ impl Seat {
     }
 
     /// The same where the seat opens or closes: what was collected of people whose part goes on is written too.
-    ///
-    /// # Errors
-    /// As [`Seat::write_files`].
     pub(crate) fn write_all(&self) -> Result<(), SeatError> {
         self.write(true)
     }
@@ -366,9 +363,6 @@ impl Seat {
     }
 
     /// Keeps a note of the experimenter's.
-    ///
-    /// # Errors
-    /// [`SeatError::Store`].
     pub fn note(&self, text: &str) -> Result<(), SeatError> {
         self.store
             .within(|b| b.event(None, &format!("{NOTE}{text}")))

@@ -119,9 +119,6 @@ impl Store {
     }
 
     /// Asks in one transaction: what is read belongs together.
-    ///
-    /// # Errors
-    /// As [`Store::within`].
     pub(crate) fn look<T, E: From<SeatError>>(
         &self,
         work: impl FnOnce(&Books<'_>) -> Result<T, E>,
@@ -147,9 +144,6 @@ impl Store {
     }
 
     /// Rebuilds the file from what is kept, and empties what lies beside it: bytes of deleted rows are nowhere any more.
-    ///
-    /// # Errors
-    /// [`SeatError::Store`].
     pub(crate) fn sweep(&self) -> Result<(), SeatError> {
         let connection = held(&self.connection);
         let swept = connection

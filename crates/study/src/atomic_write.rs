@@ -31,9 +31,6 @@ pub fn atomic_write(
 }
 
 /// Writes bytes as [`atomic_write`] does.
-///
-/// # Errors
-/// As [`atomic_write`].
 pub fn atomic_write_bytes(path: &Path, bytes: &[u8]) -> Result<(), StudyError> {
     atomic_write(path, |file| {
         file.write_all(bytes).map_err(StudyError::write(path))
@@ -77,9 +74,6 @@ pub(crate) fn read_json<T: serde::de::DeserializeOwned>(path: &Path) -> Result<T
 }
 
 /// Reads a text file, refusing folders and empty files by name.
-///
-/// # Errors
-/// [`StudyError::Io`], [`StudyError::BadFile`].
 pub fn read_text(path: &Path) -> Result<String, StudyError> {
     if path.is_dir() {
         return Err(StudyError::file(path, "is a folder, expected a file"));

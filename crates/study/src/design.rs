@@ -59,17 +59,11 @@ impl DesignFile {
     }
 
     /// The design that was asked for; else `study.toml` of the folder one stands in; else the paper's.
-    ///
-    /// # Errors
-    /// As [`DesignFile::read`].
     pub fn find(given: Option<&Path>) -> Result<Self, StudyError> {
         Self::here(given)?.map_or_else(Self::paper, Ok)
     }
 
     /// The design that was asked for; else `study.toml` of the folder one stands in; else none: what works without a design.
-    ///
-    /// # Errors
-    /// As [`DesignFile::read`].
     pub fn here(given: Option<&Path>) -> Result<Option<Self>, StudyError> {
         let own = || Some(Path::new(DESIGN_FILE)).filter(|path| path.is_file());
         given.or_else(own).map(Self::read).transpose()
@@ -114,9 +108,6 @@ impl DesignFile {
     }
 
     /// Who takes part, by [`DesignFile::people_file`].
-    ///
-    /// # Errors
-    /// As [`read_enrolled`].
     pub fn people(&self, given: Option<&Path>) -> Result<People, StudyError> {
         let path = &self.people_file(given);
         let enrolled = read_enrolled(path, &self.design)?;
@@ -131,9 +122,6 @@ impl DesignFile {
     }
 
     /// Whoever was forgotten; nobody of the paper's design that is built in.
-    ///
-    /// # Errors
-    /// As [`ForgottenList::read`].
     pub fn forgotten(&self) -> Result<ForgottenList, StudyError> {
         if self.path.is_none() {
             return Ok(ForgottenList::default());
@@ -179,9 +167,6 @@ impl DesignFile {
     }
 
     /// Who takes part, of a run: `given`, or `participants.csv` among its results, or the design's own table.
-    ///
-    /// # Errors
-    /// As [`read_enrolled`].
     pub fn people_of(&self, results: &Path, given: Option<&Path>) -> Result<People, StudyError> {
         let beside = results.join("participants.csv");
         self.people(given.or_else(|| beside.is_file().then_some(beside.as_path())))

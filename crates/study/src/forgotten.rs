@@ -30,9 +30,6 @@ struct Row {
 
 impl ForgottenList {
     /// The list of a study's folder; empty where nobody was forgotten.
-    ///
-    /// # Errors
-    /// As [`read_rows`].
     pub fn read(folder: &Path) -> Result<Self, StudyError> {
         let rows: Vec<Row> = if_there(&folder.join(FORGOTTEN_FILE), read_rows)?;
         let hashes = |row: &Row| {

@@ -81,9 +81,6 @@ impl Gate {
     }
 
     /// As [`Gate::new`]; where no table is `given` and the design's own is not there, whoever is not left out by name is let in.
-    ///
-    /// # Errors
-    /// As [`DesignFile::people`].
     pub fn where_listed(study: &DesignFile, given: Option<&Path>) -> Result<Self, StudyError> {
         if given.is_some() || study.people_file(None).is_file() {
             return Self::new(study, given);

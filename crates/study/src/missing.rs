@@ -169,9 +169,6 @@ impl Missing {
     }
 
     /// Writes all rows as a table.
-    ///
-    /// # Errors
-    /// As [`crate::tables::write_rows`].
     pub fn write(&self, path: &Path) -> Result<(), StudyError> {
         write_moments(TableName::Missing, path, &self.rows, |row| &mut row.moment)
     }

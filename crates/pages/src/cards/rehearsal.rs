@@ -95,9 +95,6 @@ fn power(texts: &Texts, cell: &Cell, finding: &Finding) -> Result<Card, ReportEr
 }
 
 /// Does the model know how far to turn, once somebody has been driven in the four conditions?
-///
-/// # Errors
-/// As [`of_studies`].
 pub fn recommends(learned: &LearnedFrom, finding: &Finding) -> Result<Card, ReportError> {
     let share = |method| {
         let score = learned.scores.iter().find(|s| s.method == method);
@@ -117,9 +114,6 @@ pub fn recommends(learned: &LearnedFrom, finding: &Finding) -> Result<Card, Repo
 }
 
 /// Does choosing what to show next learn faster than a grid? `saved` says how many trials.
-///
-/// # Errors
-/// As [`of_studies`].
 pub fn saves(
     search: &[TrialError],
     saved: &str,

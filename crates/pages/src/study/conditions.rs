@@ -147,9 +147,6 @@ impl StudyPage<'_> {
     }
 
     /// Which habits a move across the dial changes; `None` where no car moves across it.
-    ///
-    /// # Errors
-    /// As [`StudyPage::conditions`].
     pub fn kept(&self) -> Result<Option<Section>, ReportError> {
         let kept = &self.analysis.kept;
         let Some(first) = kept.first() else {

@@ -13,9 +13,6 @@ pub type Paragraph = (&'static str, String);
 
 impl StudyPage<'_> {
     /// The paragraphs as the page has them.
-    ///
-    /// # Errors
-    /// As [`StudyPage::methods`].
     pub fn methods_on_page(&self) -> Result<Vec<String>, ReportError> {
         let one = |(about, text): Paragraph| match about {
             "" => text,

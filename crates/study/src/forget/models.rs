@@ -8,9 +8,6 @@ use maveric_domain::ParticipantId;
 use std::{collections::BTreeSet, path::Path};
 
 /// From whom a model learned, as the table of training embeddings beside it says; nobody where there is none.
-///
-/// # Errors
-/// As [`read_embeddings`].
 pub fn learned_from(model: &Path) -> Result<BTreeSet<ParticipantId>, StudyError> {
     let rows = if_there(&embeddings_path(model), read_embeddings)?;
     Ok(rows.into_iter().map(|row| row.participant).collect())

@@ -83,9 +83,6 @@ impl TableBuilder {
 
     /// Writes CSV, TSV or Parquet by the file's name, whole or not at all. In CSV and TSV a text that a spreadsheet would run as
     /// a formula begins with `'`, which reading takes off again.
-    ///
-    /// # Errors
-    /// As [`atomic_write_bytes`]; [`StudyError::BadTable`].
     pub fn write(self, path: &Path) -> Result<(), StudyError> {
         let mut frame = self.table(&path.to_slash_lossy())?.frame;
         let bad = |problem: String| StudyError::BadTable {

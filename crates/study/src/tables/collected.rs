@@ -77,9 +77,6 @@ pub struct LentRow {
 }
 
 /// Writes the styles that were lent.
-///
-/// # Errors
-/// As [`write_rows`].
 pub fn write_lent(path: &Path, rows: &[LentRow]) -> Result<(), StudyError> {
     let written = rows
         .iter()

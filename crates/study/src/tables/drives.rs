@@ -24,9 +24,6 @@ use std::{
 const LIST: &str = "drives.csv";
 
 /// Writes `<folder>/<drive>.parquet` of a drive that was made here, from no log.
-///
-/// # Errors
-/// [`StudyError::Io`], [`StudyError::Ingest`].
 pub fn write_drive(folder: &Path, drive: &Drive) -> Result<PathBuf, StudyError> {
     write_drive_of(folder, drive, &Provenance::default())
 }
@@ -69,9 +66,6 @@ pub fn read_drive(path: &Path) -> Result<Drive, StudyError> {
 }
 
 /// Reads every drive of a folder, ordered by file name.
-///
-/// # Errors
-/// As [`drives_in`] and [`read_drive`].
 pub fn read_drives(folder: &Path) -> Result<Vec<Drive>, StudyError> {
     drives_in(folder)?.collect()
 }

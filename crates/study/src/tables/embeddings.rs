@@ -38,9 +38,6 @@ pub(super) fn read_coordinates(table: &Table) -> Result<Vec<Option<Vec<f64>>>, S
 }
 
 /// Writes embeddings, one row each; `w1`, `w2`, … are the coordinates, `cov1_1`, `cov1_2`, … their covariances.
-///
-/// # Errors
-/// As [`write_rows`].
 pub fn write_embeddings(path: &Path, rows: &[EmbeddingRow]) -> Result<(), StudyError> {
     let written = rows.iter().map(|row| {
         let d = row.embedding.size();

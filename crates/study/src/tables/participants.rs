@@ -82,9 +82,6 @@ impl Made {
 
 /// Writes `participants.csv`; every `latent_` column exists only because these people are made up. The columns that tell who is
 /// learned from and who is tested are the design's.
-///
-/// # Errors
-/// As [`write_rows`].
 pub fn write_participants(path: &Path, cohort: &Cohort, design: &Design) -> Result<(), StudyError> {
     let parts = design.people();
     let rows = cohort.participants.iter().enumerate().map(|(at, person)| {

@@ -15,9 +15,6 @@ use serde::{
 use std::{cell::Cell, fmt, path::Path};
 
 /// Reads a table of a row each, as [`Table::records`] does.
-///
-/// # Errors
-/// As [`Table::read`] and [`Table::records`].
 pub fn read_rows<T: DeserializeOwned>(path: &Path) -> Result<Vec<T>, StudyError> {
     Table::read(path)?.records()
 }

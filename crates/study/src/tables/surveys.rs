@@ -223,9 +223,6 @@ pub fn read_answered(path: &Path) -> Result<Answered, StudyError> {
 }
 
 /// Reads answers of questionnaires; those to probes are left out.
-///
-/// # Errors
-/// As [`read_answered`].
 pub fn read_answers(path: &Path) -> Result<Vec<Answer>, StudyError> {
     Ok(read_answered(path)?.answers)
 }
@@ -253,9 +250,6 @@ pub(crate) fn write_scores(path: &Path, scores: &[Score]) -> Result<(), StudyErr
 }
 
 /// Writes answers, with `condition` and `at_s` where somebody was asked during a drive or at the end.
-///
-/// # Errors
-/// As [`write_rows`].
 pub fn write_answers(
     path: &Path,
     answers: &[Answer],

@@ -142,9 +142,6 @@ impl Table {
     }
 
     /// A column as text; a missing cell is `None`.
-    ///
-    /// # Errors
-    /// [`StudyError::NoColumn`].
     pub fn text(&self, column: &str) -> Result<Vec<Option<String>>, StudyError> {
         let series = self.column(column)?;
         let text = series

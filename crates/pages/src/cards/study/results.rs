@@ -102,9 +102,6 @@ fn hypothesis(
 }
 
 /// How many numbers of the paper come out here, of those that could differ.
-///
-/// # Errors
-/// As [`cards`].
 pub fn against_the_paper(ledger: &[LedgerRow]) -> Result<Card, ReportError> {
     let texts = texts()?;
     let counts = verdict_counts(ledger);

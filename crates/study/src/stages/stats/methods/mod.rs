@@ -61,9 +61,6 @@ macro_rules! tests {
             }
 
             /// As [`Call::run`].
-            ///
-            /// # Errors
-            /// As [`Call::run`].
             pub fn run(&self) -> Result<Outcome<Value>, StudyError> {
                 match self {
                     $(Self::$test(call) => call.run()),+
@@ -71,9 +68,6 @@ macro_rules! tests {
             }
 
             /// As [`Call::run_on`]; `table` is given the name that the table has in messages.
-            ///
-            /// # Errors
-            /// As [`Call::run_on`].
             pub fn run_on(
                 &self,
                 table: impl FnOnce(&std::path::Path) -> Result<Table, StudyError>,
