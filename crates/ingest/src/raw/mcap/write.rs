@@ -69,7 +69,7 @@ pub fn write_mcap_with(
     recording: &Recording,
     meta: &DriveMeta,
     beside: &Beside<'_>,
-    out: impl Write,
+    mut out: impl Write,
 ) -> Result<(), IngestError> {
     let (found, rows) = (beside.trace.len(), recording.rows());
     let refused = |reason: String| IngestError::WriteDrive {
@@ -85,18 +85,18 @@ pub fn write_mcap_with(
         .scene
         .then(|| Drive::from_recording(meta.clone(), recording));
     let scene = scene.transpose().map_err(|e| refused(e.to_string()))?;
-    write(recording, meta, beside, scene.as_ref(), out)
+    write(recording, meta, beside, scene.as_ref(), &mut out)
         .map_err(|source| IngestError::Write { source })
 }
 
 /// A file under way.
-struct File<W: Write> {
-    writer: Writer<W>,
+struct File<'a> {
+    writer: Writer<&'a mut dyn Write>,
     row: usize,
     time_ns: u64,
 }
 
-impl<W: Write> File<W> {
+impl File<'_> {
     fn json_channel(&mut self, channel: scene::Channel) -> Result<u16, BagError> {
         let (name, text) = channel.schema;
         self.writer
@@ -119,7 +119,7 @@ fn write(
         ..
     }: &Beside<'_>,
     scene: Option<&Drive>,
-    out: impl Write,
+    out: &mut dyn Write,
 ) -> Result<(), BagError> {
     let mut file = File {
         writer: Writer::new(out, concat!("maveric ", env!("CARGO_PKG_VERSION")))?,
@@ -171,7 +171,7 @@ struct Decisions {
 }
 
 impl Decisions {
-    fn new<W: Write>(file: &mut File<W>, trace: &[TraceRow]) -> Result<Self, BagError> {
+    fn new(file: &mut File<'_>, trace: &[TraceRow]) -> Result<Self, BagError> {
         let channel = (!trace.is_empty()).then(|| file.json_channel(scene::DECISIONS));
         Ok(Self {
             channel: channel.transpose()?,
@@ -179,7 +179,7 @@ impl Decisions {
         })
     }
 
-    fn row<W: Write>(&mut self, file: &mut File<W>, meta: &DriveMeta) -> Result<(), BagError> {
+    fn row(&mut self, file: &mut File<'_>, meta: &DriveMeta) -> Result<(), BagError> {
         let Some(channel) = self.channel else {
             return Ok(());
         };
@@ -205,8 +205,8 @@ struct Beside3d<'a> {
 }
 
 impl<'a> Beside3d<'a> {
-    fn new<W: Write>(
-        file: &mut File<W>,
+    fn new(
+        file: &mut File<'_>,
         recording: &'a Recording,
         drive: &'a Drive,
         trace: &'a [TraceRow],
@@ -224,12 +224,7 @@ impl<'a> Beside3d<'a> {
         })
     }
 
-    fn row<W: Write>(
-        &mut self,
-        file: &mut File<W>,
-        scene: &Scene,
-        yaw_rad: f64,
-    ) -> Result<(), BagError> {
+    fn row(&mut self, file: &mut File<'_>, scene: &Scene, yaw_rad: f64) -> Result<(), BagError> {
         let (row, time_ns) = (file.row, file.time_ns);
         if row == 0 {
             file.message(self.road, &scene::road(self.recording, time_ns))?;
