@@ -1,8 +1,10 @@
 //! Recommendations worked out by hand, and found again in the ratings of made-up numbers.
 
 use super::{
-    Dial, Learned, OnTheScale, Percept, Preferred, Reason, SETTINGS, Standard, learned::setting_of,
-    reasons, scale::on_the_scale,
+    Dial, Learned, OnTheScale, Percept, Preferred, Reason, SETTINGS, Standard,
+    learned::{parabola, setting_of},
+    reasons,
+    scale::on_the_scale,
 };
 use crate::{
     Settled, StudyData, Tables, Turns,
@@ -208,6 +210,20 @@ fn where_the_dial_was_left_the_preference_neither_rises_nor_falls() {
     // At half a shift b + g is 0 instead of -0.9, with an error of 2 · 1.5 · 1.5 / 15 beside the SD of 1.
     near(belief.mean()[1], 0.6 + 0.9 / 1.09, 1e-9);
     near(belief.mean()[2], -1.5, 1e-12);
+}
+
+#[test]
+fn the_parabola_has_every_part_of_a_rating_that_turns_with_the_shift_what_is_the_persons_own_too() {
+    let traits = [0.7, -1.3];
+    let (linear, square) = parabola(&traits);
+    let row = |shift: f64| Learned::row(&traits, (shift, 0.0), None);
+    assert_eq!(linear.len() + SETTINGS.len(), row(0.0).len());
+    for shift in [-2.0, 0.5, 3.0] {
+        let parts = row(shift).into_iter().zip(row(0.0));
+        for ((there, still), (l, s)) in parts.zip(linear.iter().zip(&square)) {
+            near(there - still, l * shift + s * shift * shift, 1e-12);
+        }
+    }
 }
 
 #[test]
