@@ -173,3 +173,48 @@ impl Missing {
         write_moments(TableName::Missing, path, &self.rows, |row| &mut row.moment)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Of so many people these have no log before the drives.
+    fn without_log(who: &[&str], people: usize) -> Missing {
+        let row = |id: &&str| MissingRow {
+            participant: ParticipantId::new(*id).unwrap(),
+            moment: Moment::Pre,
+            log: Some("no log".to_owned()),
+            drive: None,
+            answers: None,
+            measures: None,
+        };
+        let none = (0, 0);
+        Missing {
+            rows: who.iter().map(row).collect(),
+            people,
+            counts: vec![Counted {
+                moment: Moment::Pre,
+                kinds: [(people - who.len(), people), none, none, none],
+            }],
+        }
+    }
+
+    #[test]
+    fn what_all_lack_is_said_of_everybody_and_what_some_lack_of_them_by_name() {
+        let lines = |who: &[&str], people: usize| without_log(who, people).lines();
+        assert_eq!(
+            lines(&["P1", "P2"], 2),
+            ["missing: log 2 of 2", "pre, log: no log (everybody)"]
+        );
+        assert_eq!(
+            lines(&["P1", "P2"], 3),
+            ["missing: log 2 of 3", "pre, log: no log (P1, P2)"]
+        );
+        // One who is alone in a study is called by their name.
+        assert_eq!(
+            lines(&["P1"], 1),
+            ["missing: log 1 of 1", "pre, log: no log (P1)"]
+        );
+        assert!(lines(&[], 3).is_empty());
+    }
+}
