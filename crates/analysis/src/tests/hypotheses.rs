@@ -73,6 +73,32 @@ fn a_hypothesis_about_a_contrast_the_other_way_round_adds_none() {
     assert_eq!(a.hypotheses.len(), 1);
 }
 
+#[test]
+fn a_hypothesis_turns_its_own_contrast_and_no_other_of_one_of_its_conditions() {
+    let pairs = |declared: &str| -> Vec<[String; 2]> {
+        let a = analysed_by(&format!("{DESIGN}{declared}"), tables());
+        let pairs = panel(&a, SPEED).contrasts.iter();
+        pairs
+            .map(|c| [c.first.to_string(), c.second.to_string()])
+            .collect()
+    };
+    let declared = pairs("");
+    for [first, second] in &declared {
+        for (first, second) in [(first, second), (second, first)] {
+            let rule = format!("[\"{first}\", \"{second}\"]");
+            let turned = pairs(&hypothesis(&rule, "direction = \"+\""));
+            let expected = declared.iter().map(|[a, b]| {
+                if [a, b] == [second, first] {
+                    [b.clone(), a.clone()]
+                } else {
+                    [a.clone(), b.clone()]
+                }
+            });
+            assert_eq!(turned, expected.collect::<Vec<_>>(), "{first} {second}");
+        }
+    }
+}
+
 fn hypothesis(contrast: &str, rule: &str) -> String {
     format!("[[hypothesis]]\nsays = \"so\"\noutcome = \"{SPEED}\"\ncontrast = {contrast}\n{rule}\n")
 }
