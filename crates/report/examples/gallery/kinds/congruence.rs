@@ -6,12 +6,13 @@ pub(crate) fn input() -> Congruence {
     // Where the rating is best for somebody of this own style, how fast it falls from there, and its level.
     let line = |own: f64, (best, bend, level): (f64, f64, f64)| {
         let rating = |car: f64| level - bend * (car - best) * (car - best);
-        // No point lies at the own style.
-        let met = |step: i32| own - 15.0 + 30.0 / 41.0 * f64::from(step);
+        // Not below the score that the scale begins with. No point lies at the own style.
+        let (least, most) = ((own - 15.0).max(11.0), own + 15.0);
+        let met = |step: i32| least + (most - least) / 41.0 * f64::from(step);
         let points: Vec<(f64, f64)> = (0..=41)
             .map(|step| (met(step), rating(met(step))))
             .collect();
-        let is_met = (own - 15.0..=own + 15.0).contains(&best);
+        let is_met = (least..=most).contains(&best);
         CongruenceLine {
             own,
             points,
