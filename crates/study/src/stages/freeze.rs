@@ -116,22 +116,19 @@ pub fn freeze(design: Option<&Path>, date: &str) -> Result<Outcome<Frozen>, Stud
             frozen.logs, frozen.answers
         ));
     }
-    Ok(Outcome {
-        summary: vec![
-            format!(
-                "frozen on {date}: {} (the design, {} other files that decide, the versions of {} commands)",
-                lock.to_slash_lossy(),
-                frozen.files.len(),
-                frozen.stages.len()
-            ),
-            format!(
-                "seal {}: register it where others keep the date; a file of your own is no time stamp",
-                frozen.seal
-            ),
-        ],
-        value: frozen,
-        warnings,
-    })
+    let summary = vec![
+        format!(
+            "frozen on {date}: {} (the design, {} other files that decide, the versions of {} commands)",
+            lock.to_slash_lossy(),
+            frozen.files.len(),
+            frozen.stages.len()
+        ),
+        format!(
+            "seal {}: register it where others keep the date; a file of your own is no time stamp",
+            frozen.seal
+        ),
+    ];
+    Ok(Outcome::new(frozen, summary, warnings))
 }
 
 /// Files below a folder.

@@ -206,16 +206,13 @@ impl Stage for Ingest {
                 exclusions.to_slash_lossy()
             ));
         }
-        Ok(Outcome {
-            value: IngestedDrives {
-                drives: list.into_iter().map(|l| l.0).collect(),
-                rows,
-                left_out,
-                failed,
-            },
-            summary,
-            warnings,
-        })
+        let value = IngestedDrives {
+            drives: list.into_iter().map(|l| l.0).collect(),
+            rows,
+            left_out,
+            failed,
+        };
+        Ok(Outcome::new(value, summary, warnings))
     }
 }
 

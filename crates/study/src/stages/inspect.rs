@@ -94,14 +94,11 @@ fn suggest(path: &Path, into: Option<&Path>) -> Result<Outcome<Looked>, StudyErr
             )]
         }
     };
-    Ok(Outcome {
-        summary,
-        value: Looked::Mapping(SuggestedMapping {
-            path: path.to_owned(),
-            mapping,
-        }),
-        warnings: Vec::new(),
-    })
+    let value = Looked::Mapping(SuggestedMapping {
+        path: path.to_owned(),
+        mapping,
+    });
+    Ok(Outcome::new(value, summary, Vec::new()))
 }
 
 /// What was found.
@@ -255,11 +252,8 @@ impl Stage for Inspect {
             write_watch_page(out, drives, None, &provenance)?;
             summary.push(format!("drives to watch: {}", out.to_slash_lossy()));
         }
-        Ok(Outcome {
-            value: Looked::Files(InspectedFiles { files }),
-            summary,
-            warnings: Vec::new(),
-        })
+        let value = Looked::Files(InspectedFiles { files });
+        Ok(Outcome::new(value, summary, Vec::new()))
     }
 }
 

@@ -178,11 +178,8 @@ impl Stage for Simulate {
                 page.to_slash_lossy()
             ));
         }
-        Ok(Outcome {
-            warnings: warnings(&value, ended_early, &strangers),
-            value,
-            summary,
-        })
+        let warnings = warnings(&value, ended_early, &strangers);
+        Ok(Outcome::new(value, summary, warnings))
     }
 }
 
