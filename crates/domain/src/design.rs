@@ -151,6 +151,11 @@ impl Design {
         &self.conditions
     }
 
+    /// The ids of the conditions, in the same order.
+    pub fn condition_ids(&self) -> impl ExactSizeIterator<Item = ConditionId> + Clone {
+        self.conditions.iter().map(|c| c.id)
+    }
+
     /// The condition of this id.
     pub fn condition(&self, id: ConditionId) -> Option<&Condition> {
         self.conditions.iter().find(|c| c.id == id)
@@ -363,7 +368,7 @@ impl Design {
     /// Every label that a drive may have: baseline, conditions, roles; each once, in this order.
     pub fn labels(&self) -> Vec<ConditionId> {
         let ids = self.baseline_id().into_iter();
-        let ids = ids.chain(self.conditions.iter().map(|c| c.id));
+        let ids = ids.chain(self.condition_ids());
         let mut labels: Vec<ConditionId> = Vec::new();
         for id in ids.chain(self.roles.iter().map(|r| r.id)) {
             if !labels.contains(&id) {

@@ -56,7 +56,7 @@ impl Percept {
             .iter()
             .map(|p| {
                 let mut rows = PersonRows::default();
-                for c in data.design.conditions().iter().map(|c| c.id) {
+                for c in data.design.condition_ids() {
                     let rated = data.rated(p, c, &felt);
                     if let (Some(rated), Some(differences)) =
                         (rated, differences(data, p, c, &spread))

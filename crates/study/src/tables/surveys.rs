@@ -297,7 +297,7 @@ pub(crate) fn refuse_unclear(
     answers: &[Answer],
     design: &Design,
 ) -> Result<(), StudyError> {
-    let ids = || design.conditions().iter().map(|c| c.id);
+    let ids = || design.condition_ids();
     let Some(shared) = ids().find(|id| Moment::is_shared_word(*id)) else {
         return Ok(());
     };
