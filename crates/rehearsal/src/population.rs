@@ -301,25 +301,28 @@ impl PopulationModel {
                 continue;
             };
             let mut rng = own_stream(person, name, seed);
-            let own = Habit::drawn(m, person, &mut rng);
-            let shown = m.shown(own.value, &mut rng);
+            let own_habit = Habit::drawn(m, person, &mut rng);
+            let shown = m.shown(own_habit.value, &mut rng);
             drives.own.insert(name.clone(), shown);
             for ((label, setting), values) in trials.iter().zip(&mut drives.trials) {
                 let mut rng = stream(seed, &[id, "trial", name, label]);
-                let error =
-                    self.shared.sqrt() * own.common + (1.0 - self.shared).sqrt() * normal(&mut rng);
+                let error = self.shared.sqrt() * own_habit.common
+                    + (1.0 - self.shared).sqrt() * normal(&mut rng);
                 let driven = match setting {
                     CarSetting::Mean => Habit::AVERAGE,
                     CarSetting::Lent { donor, .. } => {
                         Habit::drawn(m, donor, &mut own_stream(donor, name, seed))
                     }
-                    CarSetting::Shift(_) | CarSetting::Round(_) | CarSetting::ByHand => own,
+                    CarSetting::Shift(_) | CarSetting::Round(_) | CarSetting::ByHand => own_habit,
                 };
                 let moved = m.moved(*setting, driven.differs, &mut rng)
-                    + self.other_style * self.apart(m, own, driven);
+                    + self.other_style * self.apart(m, own_habit, driven);
                 let by_hand = matches!(setting, CarSetting::ByHand);
                 let bias = if by_hand { 0.0 } else { m.bias };
-                let value = m.shown(own.value + bias + moved + m.error_sd * error, &mut rng);
+                let value = m.shown(
+                    own_habit.value + bias + moved + m.error_sd * error,
+                    &mut rng,
+                );
                 values.insert(name.clone(), value);
             }
         }

@@ -244,7 +244,7 @@ pub(crate) fn write_moments<T: Clone + Serialize>(
     write_rows(table, path, rows.iter().map(beside_occasion))
 }
 
-/// Writes scores.
+/// Writes a row for each person, moment and subscale.
 pub(crate) fn write_scores(path: &Path, scores: &[Score]) -> Result<(), StudyError> {
     write_moments(TableName::Scores, path, scores, |s| &mut s.moment)
 }
@@ -328,7 +328,7 @@ pub(crate) fn refuse_unclear(
     Err(StudyError::file(path, problem).with_help(help))
 }
 
-/// Reads scores.
+/// Reads them back; refuses two scores of one subscale at one moment of a person.
 pub(crate) fn read_scores(path: &Path) -> Result<Vec<Score>, StudyError> {
     let table = Table::read(path)?;
     let mut key = vec!["participant", "moment", "scale", "subscale"];

@@ -21,6 +21,7 @@ use maveric_report::{
     },
     html::{Live, LiveContent, Section, SpaceDrive, SpacePerson, StyleSpace},
 };
+use maveric_stats::HALF_95;
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 
@@ -101,7 +102,7 @@ fn step_of_the_dial(conditions: &[ConditionRow]) -> Option<Step> {
     let (points, sd) = steps.max_by(|a, b| a.0.total_cmp(&b.0))?;
     (points > 0.0).then(|| Step {
         points,
-        within: 1.96 * sd,
+        within: HALF_95 * sd,
         clamped: conditions.iter().filter(|c| c.clamped).count(),
         settings: conditions.len(),
     })
