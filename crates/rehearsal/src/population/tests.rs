@@ -1,4 +1,4 @@
-use super::*;
+use super::{drives::stream, *};
 use crate::testing::{design, population};
 use maveric_participants::{Cohort, CohortSettings};
 
