@@ -1,7 +1,7 @@
 use super::*;
 use crate::tables::variability::VariabilityRow;
 use clap::Parser as _;
-use maveric_domain::Design;
+use maveric_domain::{Design, DriveId, Embedding, Variability};
 
 #[derive(clap::Parser)]
 struct Asked {
