@@ -242,16 +242,6 @@ impl StudyData {
             .any(|d| d.meta.driven_by == DrivenBy::Scripted)
     }
 
-    /// The condition that drives as the person does: 0 on the dial.
-    pub fn own_style(&self) -> Option<ConditionId> {
-        let in_own_style = |c: &&Condition| c.dial() == Some(0.0);
-        self.design
-            .conditions()
-            .iter()
-            .find(in_own_style)
-            .map(|c| c.id)
-    }
-
     /// The conditions elsewhere on the dial, in the order of the design.
     pub fn shifted(&self) -> Vec<ConditionId> {
         let away = |c: &&Condition| c.side().is_some();

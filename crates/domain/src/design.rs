@@ -161,6 +161,18 @@ impl Design {
         self.conditions.iter().find(|c| c.id == id)
     }
 
+    /// The condition that drives as the person does: at 0 on the dial.
+    pub fn own_style(&self) -> Option<ConditionId> {
+        let at_0 = |c: &&Condition| c.dial() == Some(0.0);
+        self.conditions.iter().find(at_0).map(|c| c.id)
+    }
+
+    /// The condition that moves across the dial.
+    pub fn across(&self) -> Option<ConditionId> {
+        let is_across = |c: &&Condition| c.car == Some(Car::Across);
+        self.conditions.iter().find(is_across).map(|c| c.id)
+    }
+
     /// The drive that differences are taken from.
     pub fn baseline(&self) -> Option<&Baseline> {
         self.baseline.as_ref()
