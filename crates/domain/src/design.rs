@@ -4,6 +4,7 @@
 //! hold them to say.
 
 mod answer_rule;
+mod car_check;
 mod check;
 mod condition;
 mod contrast;
