@@ -61,6 +61,6 @@ pub(crate) fn hash_of_file(path: &Path) -> Result<String, StudyError> {
 }
 
 /// BLAKE3 of bytes, in hexadecimal.
-pub(crate) fn hash_of(bytes: impl AsRef<[u8]>) -> String {
-    blake3::hash(bytes.as_ref()).to_hex().to_string()
+pub(crate) fn hash_of(bytes: &[u8]) -> String {
+    blake3::hash(bytes).to_hex().to_string()
 }

@@ -56,12 +56,12 @@ impl Frozen {
             ..self.clone()
         };
         let text = toml::to_string(&rest)?;
-        Ok(hash_of(&text))
+        Ok(hash_of(text.as_bytes()))
     }
 
     /// Why the lock cannot be what `design freeze` wrote; none if it can.
     fn forgery(&self) -> Option<&'static str> {
-        if self.hash != hash_of(&self.design) {
+        if self.hash != hash_of(self.design.as_bytes()) {
             return Some("its hash is not that of the design in it");
         }
         if !self.seal.is_empty() && self.seal().ok().as_ref() != Some(&self.seal) {
@@ -97,7 +97,7 @@ pub fn freeze(design: Option<&Path>, date: &str) -> Result<Outcome<Frozen>, Stud
     let mut frozen = Frozen {
         date: date.to_owned(),
         version: env!("CARGO_PKG_VERSION").to_owned(),
-        hash: hash_of(&text),
+        hash: hash_of(text.as_bytes()),
         seal: String::new(),
         answers: tables.count(),
         logs: count(&study.resolve(&files.logs)),
