@@ -45,7 +45,7 @@ impl OrderBalance {
         design: &Design,
         orders: impl IntoIterator<Item = &'o [ConditionId]>,
     ) -> Option<Self> {
-        let ids: Vec<ConditionId> = design.conditions().iter().map(|c| c.id).collect();
+        let ids: Vec<ConditionId> = design.condition_ids().collect();
         let n = ids.len();
         let none = |condition: &ConditionId| PlacesOf {
             condition: *condition,

@@ -188,7 +188,7 @@ fn within(
 /// Refuses a declared contrast of a factor that no test has, or of a level that nobody who is tested has.
 pub(crate) fn check(data: &StudyData) -> Result<(), AnalysisError> {
     let design = &data.design;
-    let conditions: Vec<_> = design.conditions().iter().map(|c| c.id).collect();
+    let conditions: Vec<_> = design.condition_ids().collect();
     let within = factors_within(design, &conditions);
     let between = design.factors().iter().map(|f| f.name.as_str());
     let tested: Vec<&str> = between

@@ -111,8 +111,7 @@ impl<'a> Plan<'a> {
         group: Option<Group>,
         people: &'a [ParticipantId],
     ) -> Self {
-        let mut conditions: Vec<ConditionId> =
-            data.design.conditions().iter().map(|c| c.id).collect();
+        let mut conditions: Vec<ConditionId> = data.design.condition_ids().collect();
         let baseline = data.design.baseline_id();
         let mut pairs = contrasts(data, &asked.id);
         // One condition is held against the baseline itself.
@@ -305,7 +304,7 @@ fn has_baseline(
 /// Says of a count or an extreme that it was taken from parts of drives, where a person's drives differ in length.
 fn cut_drives(data: &StudyData, asked: &Asked, people: &[ParticipantId]) -> Option<String> {
     let grows = asked.column().and_then(objective::find)?.grows;
-    let ids = data.design.conditions().iter().map(|c| c.id);
+    let ids = data.design.condition_ids();
     let ids: Vec<ConditionId> = ids.chain(data.design.baseline_id()).collect();
     let cut_count = |p: &ParticipantId| {
         ids.iter()

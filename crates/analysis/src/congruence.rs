@@ -106,7 +106,7 @@ impl<'a> Rows<'a> {
     fn driven(&self, near: f64, places: usize) -> Distances {
         let middle = middle(self.data.style_range());
         let row = |(person, condition)| self.data.condition(person, condition);
-        let own = |cell| {
+        let own_style = |cell| {
             let row = row(cell)?;
             Some(row.adb_hat? - row.moved_points? - middle)
         };
@@ -114,7 +114,7 @@ impl<'a> Rows<'a> {
         Distances {
             perceived: None,
             moved: cells().map(|cell| row(cell)?.moved_points).collect(),
-            own: cells().map(own).collect(),
+            own: cells().map(own_style).collect(),
             middle,
             near,
             places: Some(places),
@@ -130,8 +130,8 @@ impl<'a> Rows<'a> {
         let mut keys = expected.clone().flat_map(|(_, expected)| expected.keys());
         keys.find_map(|key| {
             let score: ScoreName = key.parse().ok()?;
-            let asked = data.rated_names().contains(&score);
-            let (scale, subscale) = data.subscale(&score).filter(|_| asked)?;
+            let is_rated = data.rated_names().contains(&score);
+            let (scale, subscale) = data.subscale(&score).filter(|_| is_rated)?;
             let mut along = expected
                 .clone()
                 .filter_map(|(side, expected)| Some(side * *expected.get(key)?));
@@ -150,8 +150,8 @@ impl<'a> Rows<'a> {
     fn perceived(&self, near: f64) -> Option<Distances> {
         let data = self.data;
         let style = &data.design.style()?.score;
-        let own = |p: &ParticipantId| data.answered_at(Moment::Pre, p, style);
-        if data.participants.iter().all(|p| own(p).is_none()) {
+        let own_score = |p: &ParticipantId| data.answered_at(Moment::Pre, p, style);
+        if data.participants.iter().all(|p| own_score(p).is_none()) {
             return None;
         }
         let comparing = if data.rated_names().contains(style) {
@@ -170,7 +170,7 @@ impl<'a> Rows<'a> {
         let moved = |&(p, c): &(&ParticipantId, ConditionId)| {
             let rated = data.rated(p, c, score)?;
             Some(match &comparing {
-                None => rated - own(p)?,
+                None => rated - own_score(p)?,
                 Some(with) => with.along.map_or(1.0, Sign::factor) * (rated - with.same),
             })
         };
@@ -184,7 +184,7 @@ impl<'a> Rows<'a> {
                 title: data.score_title(score),
                 same: comparing.as_ref().map(|with| with.same),
             }),
-            own: cells.map(|&(p, _)| Some(own(p)? - middle)).collect(),
+            own: cells.map(|&(p, _)| Some(own_score(p)? - middle)).collect(),
             moved,
             middle,
             near,
@@ -301,12 +301,14 @@ impl<'a> Rows<'a> {
         distances: &Distances,
         complete: &[usize],
     ) -> Vec<CongruenceCurve> {
-        let at = |sds: i8| model.own_mean + f64::from(sds) * model.own_sd;
-        let all: [i8; 3] = [-1, 0, 1];
+        let style_at = |sds: i8| model.own_mean + f64::from(sds) * model.own_sd;
+        let drawn_sds: [i8; 3] = [-1, 0, 1];
         let ends = self.data.style_range();
         let nearest = |own: f64| {
-            let apart = |sds: &i8| (at(*sds) - own).abs();
-            all.into_iter().min_by(|a, b| apart(a).total_cmp(&apart(b)))
+            let apart = |sds: &i8| (style_at(*sds) - own).abs();
+            drawn_sds
+                .into_iter()
+                .min_by(|a, b| apart(a).total_cmp(&apart(b)))
         };
         let curve = |sds: i8| {
             let is_theirs = |row: &usize| distances.own[*row].and_then(nearest) == Some(sds);
@@ -317,19 +319,19 @@ impl<'a> Rows<'a> {
             });
             // Nobody's car has a score that the scale does not have.
             let (lowest, highest) = ends.map_or(met, |(lowest, highest)| {
-                let own = at(sds) + distances.middle;
-                (lowest - own, highest - own)
+                let own_points = style_at(sds) + distances.middle;
+                (lowest - own_points, highest - own_points)
             });
             let met = (met.0.max(lowest), met.1.min(highest));
             (!theirs.is_empty()).then(|| CongruenceCurve {
                 sds,
-                own: at(sds) + distances.middle,
+                own: style_at(sds) + distances.middle,
                 n: self.people(&theirs),
                 met,
-                rating: predicted(model, at(sds)).map(|of| better * of),
+                rating: predicted(model, style_at(sds)).map(|of| better * of),
             })
         };
-        all.into_iter().filter_map(curve).collect()
+        drawn_sds.into_iter().filter_map(curve).collect()
     }
 }
 
@@ -339,7 +341,7 @@ fn middle(range: Option<(f64, f64)>) -> f64 {
 
 /// Liking at a distance of 0, by the distance and by its square, of somebody whose own style, less the middle, is this.
 fn predicted(model: &Congruence, own: f64) -> [f64; 3] {
-    let of = |name: &str| model.coef.get(name).map_or(0.0, |effect| effect.estimate);
+    let estimate = |name: &str| model.coef.get(name).map_or(0.0, |effect| effect.estimate);
     // Each less the first, whose effect is 0.
     let periods = model.coef.iter();
     let periods: Vec<f64> = periods
@@ -348,9 +350,9 @@ fn predicted(model: &Congruence, own: f64) -> [f64; 3] {
         .collect();
     let period = periods.iter().sum::<f64>() / (periods.len() + 1) as f64;
     [
-        of("(Intercept)") + period + own * (of("own") + own * of("own^2")),
-        of("moved") + own * of("moved:own"),
-        of("moved^2"),
+        estimate("(Intercept)") + period + own * (estimate("own") + own * estimate("own^2")),
+        estimate("moved") + own * estimate("moved:own"),
+        estimate("moved^2"),
     ]
 }
 

@@ -36,8 +36,9 @@ impl Contrast {
             Some(pair) => (Some(pair), 1.0),
             None => (tested.pairs.get(&format!("{second}|{first}")), -1.0),
         };
+        let untested = Self::untested([first, second], expected);
         let Some(pair) = pair else {
-            return Self::untested([first, second], expected);
+            return untested;
         };
         let mut effect = pair.effect.clone();
         if sign < 0.0 {
@@ -52,18 +53,12 @@ impl Contrast {
             (_, false) => s,
         });
         Self {
-            first,
-            second,
-            expected,
-            people: [0; 3],
             mean_difference: Some(sign * pair.mean_diff).filter(|d| d.is_finite()),
             statistic,
             df: pair.df.map(|df| df as f64),
-            se: None,
-            interval: None,
             effect: Some(effect),
             p: pair.p,
-            p_holm: None,
+            ..untested
         }
     }
 }

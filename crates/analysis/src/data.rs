@@ -1,6 +1,8 @@
 //! The tables of a study, side by side.
 
+mod answered;
 mod cells;
+mod measured;
 mod places;
 mod tables;
 
@@ -16,9 +18,9 @@ use crate::{
 };
 use cells::{Cell, FIRST, OwnValues, Sat, Scores};
 use maveric_domain::{
-    ConditionId, ConditionRow, Design, DriveId, DrivenBy, EmbeddingRow, MeasureValues,
-    MeasuredDrive, Moment, Occasion, ParticipantId, Scale, Score,
-    design::{Condition, Quantity, ScoreName, Sign},
+    ConditionId, ConditionRow, Design, DriveId, DrivenBy, EmbeddingRow, MeasuredDrive,
+    ParticipantId, Scale, Score,
+    design::{Condition, Quantity, ScoreName},
     press::{PressMoment, PressedRide},
 };
 use places::Places;
@@ -224,11 +226,6 @@ impl StudyData {
         self.settled.get(participant).map_or(&[], Vec::as_slice)
     }
 
-    /// What was measured, a row a drive.
-    pub fn measurements(&self) -> &[MeasuredDrive] {
-        &self.measurements
-    }
-
     /// Whether the people are made up: the design says so, or a drive was a driver model's.
     pub fn is_synthetic(&self) -> bool {
         self.design.synthetic()
@@ -245,16 +242,6 @@ impl StudyData {
             .any(|d| d.meta.driven_by == DrivenBy::Scripted)
     }
 
-    /// The condition that drives as the person does: 0 on the dial.
-    pub fn own_style(&self) -> Option<ConditionId> {
-        let in_own_style = |c: &&Condition| c.dial() == Some(0.0);
-        self.design
-            .conditions()
-            .iter()
-            .find(in_own_style)
-            .map(|c| c.id)
-    }
-
     /// The conditions elsewhere on the dial, in the order of the design.
     pub fn shifted(&self) -> Vec<ConditionId> {
         let away = |c: &&Condition| c.side().is_some();
@@ -264,61 +251,6 @@ impl StudyData {
             .filter(away)
             .map(|c| c.id)
             .collect()
-    }
-
-    /// A measure of a participant's drive, or one of the study's own.
-    pub fn measured(
-        &self,
-        participant: &ParticipantId,
-        condition: ConditionId,
-        measure: &str,
-    ) -> Option<f64> {
-        let drive = self.drive(participant, condition);
-        let value = drive.and_then(|values| values.get(measure).copied().flatten());
-        value.or_else(|| {
-            let values = self.own.get(&condition)?.get(participant)?;
-            values.get(measure).copied()
-        })
-    }
-
-    /// Time from the start of a participant's drive over which counts were taken, in s, where the person's drives differ in length.
-    pub fn counted_s(&self, participant: &ParticipantId, condition: ConditionId) -> Option<f64> {
-        self.cell(participant, condition)?.counted_s
-    }
-
-    fn cell(&self, participant: &ParticipantId, condition: ConditionId) -> Option<&Cell> {
-        self.cells.get(&(condition, FIRST))?.get(participant)
-    }
-
-    /// A measure of a participant's drives in a condition of a session: the mean over them.
-    pub(crate) fn measured_in(
-        &self,
-        session: NonZeroU32,
-        participant: &ParticipantId,
-        condition: ConditionId,
-        measure: &str,
-    ) -> Option<f64> {
-        let cell = self.cells.get(&(condition, session))?.get(participant)?;
-        cell.values.get(measure).copied().flatten()
-    }
-
-    /// A questionnaire score about a condition in a session, as [`StudyData::rated`].
-    pub(crate) fn rated_in(
-        &self,
-        session: NonZeroU32,
-        participant: &ParticipantId,
-        condition: ConditionId,
-        name: &ScoreName,
-    ) -> Option<f64> {
-        let score_at = |moment: Moment| {
-            let moment = moment.on(Occasion {
-                session,
-                trial: FIRST,
-            });
-            self.post
-                .get(participant, moment, &name.scale, &name.subscale)
-        };
-        score_at(Moment::after(condition)).or_else(|| score_at(Moment::probe(condition)))
     }
 
     /// The embedding of a participant's baseline drive in a session, fitted with or without the score.
@@ -334,54 +266,6 @@ impl StudyData {
         self.embeddings.get(*index)
     }
 
-    /// How many rides of a participant in a condition of the first session count.
-    pub fn rides(&self, participant: &ParticipantId, condition: ConditionId) -> usize {
-        self.cell(participant, condition).map_or(0, |c| c.rides)
-    }
-
-    /// The measures of a participant's drive; of several rides in a condition of the first session their means.
-    pub fn drive(
-        &self,
-        participant: &ParticipantId,
-        condition: ConditionId,
-    ) -> Option<&MeasureValues> {
-        Some(&self.cell(participant, condition)?.values)
-    }
-
-    /// A measure of a participant's baseline drive.
-    pub fn baseline(&self, participant: &ParticipantId, measure: &str) -> Option<f64> {
-        self.measured(participant, self.design.baseline_id()?, measure)
-    }
-
-    /// A measure of the baseline drive that a participant made after the first, of those who drove twice.
-    pub fn second_drive(&self, participant: &ParticipantId, measure: &str) -> Option<f64> {
-        let baseline = self.design.baseline_id()?;
-        let drives = self.places.drives.get(&(participant.clone(), baseline))?;
-        let second = self.measurements.get(*drives.get(1)?)?;
-        second.values.get(measure).copied().flatten()
-    }
-
-    /// Whether any tested person's drive has this measure, or any of them was measured so.
-    pub(crate) fn is_measured(&self, measure: &str) -> bool {
-        let mut cells = self.cells.values().flat_map(BTreeMap::values);
-        let mut own_values = self.own.values().flat_map(BTreeMap::values);
-        cells.any(|cell| cell.values.get(measure).is_some_and(Option::is_some))
-            || own_values.any(|values| values.contains_key(measure))
-    }
-
-    /// A measure of every baseline drive that the networks learned from and that has it.
-    pub fn training_drives(&self, measure: &str) -> Vec<f64> {
-        let learned = |d: &&MeasuredDrive| {
-            let person = self.people.get(&d.meta.participant);
-            person.is_some_and(|p| p.learned) && Some(d.meta.condition) == self.design.baseline_id()
-        };
-        self.measurements
-            .iter()
-            .filter(learned)
-            .filter_map(|d| d.values.get(measure).copied().flatten())
-            .collect()
-    }
-
     /// The embedding of a participant's baseline drive, fitted with or without the score.
     pub fn embedding(&self, participant: &ParticipantId, adb_used: bool) -> Option<&EmbeddingRow> {
         self.embedding_in(FIRST, participant, adb_used)
@@ -395,34 +279,6 @@ impl StudyData {
         self
     }
 
-    /// A questionnaire score from before the drives, or from the end where it was asked then alone.
-    pub fn pre(&self, participant: &ParticipantId, name: &ScoreName) -> Option<f64> {
-        let once = |moment| self.answered_at(moment, participant, name);
-        once(Moment::Pre).or_else(|| once(Moment::Post))
-    }
-
-    /// A questionnaire score from before the drives or from their end.
-    pub(crate) fn answered_at(
-        &self,
-        moment: Moment,
-        participant: &ParticipantId,
-        name: &ScoreName,
-    ) -> Option<f64> {
-        self.pre
-            .get(participant, moment, &name.scale, &name.subscale)
-    }
-
-    /// A questionnaire score about a condition: from after the ride, or the mean of what was asked during it; of several rides of the first
-    /// session their mean.
-    pub fn rated(
-        &self,
-        participant: &ParticipantId,
-        condition: ConditionId,
-        name: &ScoreName,
-    ) -> Option<f64> {
-        self.rated_in(FIRST, participant, condition, name)
-    }
-
     /// A participant's row of the conditions.
     pub fn condition(
         &self,
@@ -431,52 +287,6 @@ impl StudyData {
     ) -> Option<&ConditionRow> {
         let whose = (participant.clone(), condition);
         self.conditions.get(*self.places.conditions.get(&whose)?)
-    }
-
-    /// Subscales of a scale from before the drives, in the order in which they were scored.
-    pub fn pre_subscales(&self, scale: &str) -> Vec<ScoreName> {
-        let names = self.before.iter().filter(|name| name.scale == scale);
-        names.cloned().collect()
-    }
-
-    /// Everything that was scored after a condition, in the order in which it was scored.
-    pub fn rated_names(&self) -> &[ScoreName] {
-        &self.after
-    }
-
-    /// The subscale of a score, where its questionnaire is known.
-    pub fn subscale(&self, name: &ScoreName) -> Option<(&Scale, &maveric_domain::Subscale)> {
-        let scale = self.scales.iter().find(|s| s.id == name.scale)?;
-        let subscale = scale.subscales.iter().find(|s| s.id == name.subscale)?;
-        Some((scale, subscale))
-    }
-
-    /// Lowest and highest score of the design's style; none where neither it nor a questionnaire says.
-    pub fn style_range(&self) -> Option<(f64, f64)> {
-        let style = self.design.style()?;
-        let declared = style.range.map(|[low, high]| (low, high));
-        let of_scale = || {
-            let (scale, subscale) = self.subscale(&style.score)?;
-            Some(scale.score_range(subscale))
-        };
-        declared.or_else(of_scale)
-    }
-
-    /// What a page calls a score: the subscale's title, or the scale's where it has no other.
-    pub fn score_title(&self, name: &ScoreName) -> String {
-        match self.subscale(name) {
-            Some((scale, _)) if scale.subscales.len() == 1 => scale.title.clone(),
-            Some((_, subscale)) => subscale.title.clone(),
-            None => name.to_string(),
-        }
-    }
-
-    /// Which way is better on a score: down where its questionnaire says that lower is better.
-    pub fn better(&self, name: &ScoreName) -> Sign {
-        match self.subscale(name) {
-            Some((_, subscale)) if subscale.lower_is_better => Sign::Minus,
-            _ => Sign::Plus,
-        }
     }
 
     /// The conditions in the order in which a participant met them; empty where it is not known.

@@ -33,7 +33,7 @@ pub fn observed(data: &StudyData) -> Vec<Observed> {
     let more = rated.map(|name| Asked::score(data, name)).chain(met);
     let quantities = outcomes_and(data, more);
     let baseline = data.design.baseline_id();
-    let mut conditions: Vec<ConditionId> = data.design.conditions().iter().map(|c| c.id).collect();
+    let mut conditions: Vec<ConditionId> = data.design.condition_ids().collect();
     if let Some(baseline) = baseline.filter(|b| !conditions.contains(b)) {
         conditions.insert(0, baseline);
     }

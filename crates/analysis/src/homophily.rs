@@ -61,7 +61,7 @@ pub(crate) fn ratings(data: &StudyData) -> &[ScoreName] {
 
 /// Every factor of the family against every rating difference, own style minus the other: one family of tests.
 pub(crate) fn homophily(data: &StudyData) -> Result<Vec<HomophilyRow>, AnalysisError> {
-    let (Some(family), Some(own)) = (data.design.homophily(), data.own_style()) else {
+    let (Some(family), Some(own)) = (data.design.homophily(), data.design.own_style()) else {
         return Ok(Vec::new());
     };
     // Once for all factors.
@@ -148,7 +148,7 @@ pub(crate) fn similarity(data: &StudyData) -> Result<Vec<SimilarityRow>, Analysi
 
 /// Who rated another style above their own.
 pub(crate) fn preferences(data: &StudyData) -> Vec<Preference> {
-    let (Some(own), others) = (data.own_style(), data.shifted()) else {
+    let (Some(own), others) = (data.design.own_style(), data.shifted()) else {
         return Vec::new();
     };
     if others.is_empty() {

@@ -58,7 +58,7 @@ pub struct LentContrast {
 
 /// One a condition in which somebody else's style is lent; none without the own style.
 pub(crate) fn beside_lent(data: &StudyData) -> Result<Vec<BesideLent>, AnalysisError> {
-    let Some(own) = data.own_style() else {
+    let Some(own) = data.design.own_style() else {
         return Ok(Vec::new());
     };
     let conditions = data.design.conditions().iter();

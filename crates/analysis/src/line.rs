@@ -8,7 +8,6 @@ use crate::{
     outcomes::{Asked, outcomes},
     result::{AggressionLine, Kept, LineRow},
 };
-use maveric_domain::{ConditionId, design::Car};
 use maveric_measures::objective;
 use maveric_stats::CorrelationMethod;
 
@@ -87,15 +86,9 @@ pub(crate) fn line(
     Ok(Some(AggressionLine { adb_used, rows }))
 }
 
-/// The condition that moves across the dial.
-fn across(data: &StudyData) -> Option<ConditionId> {
-    let is = |c: &&maveric_domain::design::Condition| c.car == Some(Car::Across);
-    data.design.conditions().iter().find(is).map(|c| c.id)
-}
-
 /// Habits that aggression does not move, along the line and round the ellipse; nothing where no car moves across the dial.
 pub(crate) fn kept(data: &StudyData) -> Result<Vec<Kept>, AnalysisError> {
-    let (Some(across), Some(from)) = (across(data), data.own_style()) else {
+    let (Some(across), Some(from)) = (data.design.across(), data.design.own_style()) else {
         return Ok(Vec::new());
     };
     let positions = position(data, true);

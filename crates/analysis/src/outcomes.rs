@@ -184,13 +184,13 @@ pub(crate) fn outcomes(data: &StudyData) -> Vec<Asked> {
 
 /// The outcomes, then those of `more` that are not among them.
 pub(crate) fn outcomes_and(data: &StudyData, more: impl IntoIterator<Item = Asked>) -> Vec<Asked> {
-    let mut asked = outcomes(data);
+    let mut all_outcomes = outcomes(data);
     for one in more {
-        if !asked.iter().any(|a| a.id == one.id) {
-            asked.push(one);
+        if !all_outcomes.iter().any(|a| a.id == one.id) {
+            all_outcomes.push(one);
         }
     }
-    asked
+    all_outcomes
 }
 
 /// The outcome of this id: declared, a measure, or a score.

@@ -24,7 +24,7 @@ pub enum PlannedTest {
 
 /// The test that a study's design calls for; levels of factors between people count as two, which decides nothing.
 pub fn planned(design: &Design) -> PlannedTest {
-    let conditions: Vec<ConditionId> = design.conditions().iter().map(|c| c.id).collect();
+    let conditions: Vec<ConditionId> = design.condition_ids().collect();
     let (between, covariates) = (design.factors(), design.covariates());
     if let Some(why) = too_many_between(between.len()) {
         return PlannedTest::None(why);

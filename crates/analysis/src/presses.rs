@@ -122,7 +122,7 @@ fn rates(data: &StudyData, rides: &[&PressedRide]) -> Result<Rates, StatsError> 
         cell.time += ride.minutes;
     }
     let ridden: BTreeSet<ConditionId> = rides.iter().map(|ride| ride.condition).collect();
-    let conditions = data.design.conditions().iter().map(|c| c.id);
+    let conditions = data.design.condition_ids();
     let conditions: Vec<ConditionId> = conditions.filter(|id| ridden.contains(id)).collect();
     let people: BTreeSet<&ParticipantId> = rides.iter().map(|ride| &ride.participant).collect();
     let (mut rows, mut incomplete) = (Vec::new(), Vec::new());

@@ -29,7 +29,8 @@ pub(crate) fn reproduction(
     data: &StudyData,
     panels: &[Panel],
 ) -> Result<Vec<Reproduction>, AnalysisError> {
-    let (Some(condition), Some(baseline)) = (data.own_style(), data.design.baseline_id()) else {
+    let (Some(condition), Some(baseline)) = (data.design.own_style(), data.design.baseline_id())
+    else {
         return Ok(Vec::new());
     };
     let one = |asked: Asked| {
@@ -119,7 +120,7 @@ fn bias(
 ///
 /// Of the people of whom the measure is tested, as [`reproduction`].
 pub(crate) fn nearer(data: &StudyData, panels: &[Panel]) -> Result<Vec<Nearer>, AnalysisError> {
-    let (Some(near), Some(baseline)) = (data.own_style(), data.design.baseline_id()) else {
+    let (Some(near), Some(baseline)) = (data.design.own_style(), data.design.baseline_id()) else {
         return Ok(Vec::new());
     };
     let mut rows = Vec::new();

@@ -155,7 +155,7 @@ fn readings(data: &StudyData) -> Vec<Reading> {
     let sessions = [1, 2].map(|session| Occasion::new(session, 1).unwrap_or_default().session);
     let compared = outcomes(data);
     let baseline = data.design.baseline_id();
-    let conditions = data.design.conditions().iter().map(|c| c.id);
+    let conditions = data.design.condition_ids();
     let conditions = conditions.filter(|c| Some(*c) != baseline);
     let mut readings = Vec::new();
     for condition in baseline.into_iter().chain(conditions) {

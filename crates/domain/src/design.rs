@@ -4,6 +4,7 @@
 //! hold them to say.
 
 mod answer_rule;
+mod car_check;
 mod check;
 mod condition;
 mod contrast;
@@ -151,9 +152,26 @@ impl Design {
         &self.conditions
     }
 
+    /// The ids of the conditions, in the same order.
+    pub fn condition_ids(&self) -> impl ExactSizeIterator<Item = ConditionId> + Clone {
+        self.conditions.iter().map(|c| c.id)
+    }
+
     /// The condition of this id.
     pub fn condition(&self, id: ConditionId) -> Option<&Condition> {
         self.conditions.iter().find(|c| c.id == id)
+    }
+
+    /// The condition that drives as the person does: at 0 on the dial.
+    pub fn own_style(&self) -> Option<ConditionId> {
+        let at_0 = |c: &&Condition| c.dial() == Some(0.0);
+        self.conditions.iter().find(at_0).map(|c| c.id)
+    }
+
+    /// The condition that moves across the dial.
+    pub fn across(&self) -> Option<ConditionId> {
+        let is_across = |c: &&Condition| c.car == Some(Car::Across);
+        self.conditions.iter().find(is_across).map(|c| c.id)
     }
 
     /// The drive that differences are taken from.
@@ -363,7 +381,7 @@ impl Design {
     /// Every label that a drive may have: baseline, conditions, roles; each once, in this order.
     pub fn labels(&self) -> Vec<ConditionId> {
         let ids = self.baseline_id().into_iter();
-        let ids = ids.chain(self.conditions.iter().map(|c| c.id));
+        let ids = ids.chain(self.condition_ids());
         let mut labels: Vec<ConditionId> = Vec::new();
         for id in ids.chain(self.roles.iter().map(|r| r.id)) {
             if !labels.contains(&id) {

@@ -100,10 +100,10 @@ impl Family {
 
     /// The free numbers of a law of this family, as [`Family::law`] takes them.
     fn numbers(self, law: Law) -> Vec<f64> {
-        let all = numbers(&law);
+        let all_numbers = numbers(&law);
         let free = match self {
-            Self::IdmTimeGap(_) => &all[1..2],
-            _ => &all[..self.bounds().len()],
+            Self::IdmTimeGap(_) => &all_numbers[1..2],
+            _ => &all_numbers[..self.bounds().len()],
         };
         let logs = if matches!(self, Self::Helly) { 2 } else { 0 };
         let number = |(k, x): (usize, &f64)| if k < logs { libm::log(*x) } else { *x };

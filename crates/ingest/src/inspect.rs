@@ -18,7 +18,8 @@ use crate::{
     raw::mcap::{
         choice::{Choice, choose},
         metadata,
-        read::{Collected, candidate, collect_all, damage_warnings},
+        read::{Collected, collect_all, damage_warnings},
+        samples::candidate,
         slots::Role,
     },
     read_log::{Format, format_of, read_recording, without_parts},

@@ -244,9 +244,10 @@ impl Mapping {
             ));
         }
         let table = self.table.as_ref();
-        let told = table.is_some_and(|t| t.layout.numbers_lanes() || t.layout.meta().is_some());
+        let lanes_are_told =
+            table.is_some_and(|t| t.layout.numbers_lanes() || t.layout.meta().is_some());
         let why = "`lane_edges_m` and `lanes_driven` do nothing beside numbers or markings of lanes, or in the frame `path`: leave them out";
-        refuse(told || road.frame == FrameKind::Path, why)
+        refuse(lanes_are_told || road.frame == FrameKind::Path, why)
     }
 
     /// How lanes lie across the road.

@@ -25,10 +25,7 @@ use crate::{
     words::{self, correlation_of_claim, in_words, of_group, omnibus, percent},
 };
 use maveric_analysis::{Analysis, Panel};
-use maveric_domain::{
-    ConditionId, Design, Road,
-    design::{By, Car, Condition},
-};
+use maveric_domain::{ConditionId, Design, Road, design::By};
 use maveric_report::{Context, ReportError, claims::LedgerRow};
 use minijinja::context;
 use serde::Serialize;
@@ -75,7 +72,6 @@ impl<'a> StudyPage<'a> {
         ledger: &'a [LedgerRow],
         facts: &Facts<'_, Training>,
     ) -> Result<Self, ReportError> {
-        let at_0 = |c: &&Condition| c.dial() == Some(0.0);
         let conditions = design.conditions();
         let labels = conditions.iter().map(|c| words::label(design, c.id));
         let labels: Vec<String> = labels.collect();
@@ -83,8 +79,8 @@ impl<'a> StudyPage<'a> {
         let values = context! {
             style => words::style(design),
             participants => analysis.participants,
-            own => conditions.iter().find(at_0).map(|c| c.id.to_string()),
-            across => conditions.iter().find(|c| c.car == Some(Car::Across)).map(|c| c.id.to_string()),
+            own => design.own_style().map(|id| id.to_string()),
+            across => design.across().map(|id| id.to_string()),
             baseline => baseline.map(|b| b.id.to_string()),
             by_hand => baseline.is_some_and(|b| b.by == By::Hand),
             count => in_words(conditions.len()),

@@ -162,7 +162,7 @@ fn age_years(group: &Group, part: Part, population: Population, within: usize, s
 
 /// The order of the conditions. The paper says only that participants experience all four; the method says in random order.
 fn order(within: usize, design: &Design) -> Vec<ConditionId> {
-    let ids: Vec<ConditionId> = design.conditions().iter().map(|c| c.id).collect();
+    let ids: Vec<ConditionId> = design.condition_ids().collect();
     williams(ids.len(), within)
         .into_iter()
         .map(|place| ids[place])

@@ -25,7 +25,7 @@ pub(crate) fn id(word: &str) -> ConditionId {
 
 /// Its conditions, in the order of its page.
 pub(crate) fn conditions() -> Vec<ConditionId> {
-    design().conditions().iter().map(|c| c.id).collect()
+    design().condition_ids().collect()
 }
 
 pub(crate) fn effects() -> Effects {

@@ -9,7 +9,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
 use std::path::Path;
 
-use crate::content::{Hasher, add_texts};
+use crate::content::{Hasher, add_texts, hash_of};
 use crate::store::{Store, is_executable, set_mode};
 use crate::{PipelineError, Stage};
 
@@ -168,7 +168,7 @@ impl Cache {
         if !self.store.fetch(&Self::content_of(&file.content), target)? {
             return Ok(false);
         }
-        let hash = fs::read(target).map(|bytes| blake3::hash(&bytes).to_hex().to_string());
+        let hash = fs::read(target).map(|bytes| hash_of(&bytes));
         if hash.map_err(PipelineError::io("read", target))? != file.content {
             return Ok(false);
         }
@@ -182,7 +182,7 @@ impl Cache {
         for file in &made.files {
             let name = Self::content_of(&file.content);
             let bytes = self.store.read(&name);
-            let hash = bytes.map(|bytes| blake3::hash(&bytes).to_hex().to_string());
+            let hash = bytes.map(|bytes| hash_of(&bytes));
             if hash.is_some_and(|hash| hash != file.content) {
                 self.store.remove(&name);
             }

@@ -265,6 +265,11 @@ impl<'a> Hasher<'a> {
     }
 }
 
+/// BLAKE3 of bytes, in hexadecimal.
+pub(crate) fn hash_of(bytes: &[u8]) -> String {
+    blake3::hash(bytes).to_hex().to_string()
+}
+
 /// Adds texts to a hash, each with its length, so that none runs into the next.
 pub(crate) fn add_texts<'t>(hasher: &mut blake3::Hasher, texts: impl IntoIterator<Item = &'t str>) {
     for text in texts {
@@ -479,8 +484,7 @@ mod tests {
         ] {
             let bytes: Vec<u8> = (0..size).map(|i| (i * i / 7) as u8).collect();
             fs::write(root.join("f"), &bytes).unwrap();
-            let expected = blake3::hash(&bytes).to_hex().to_string();
-            assert_eq!(content(root, "f"), Some(expected), "{size} bytes");
+            assert_eq!(content(root, "f"), Some(hash_of(&bytes)), "{size} bytes");
         }
     }
 

@@ -8,6 +8,7 @@ use std::fs::{self, File};
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
+use crate::content::hash_of;
 use crate::ledger::{Ledger, Record};
 use crate::{LEDGER_VERSION, PipelineError};
 
@@ -160,7 +161,7 @@ fn entry_in(line: &str) -> Option<Entry> {
 }
 
 fn line_hash(json: &str) -> String {
-    let mut hash = blake3::hash(json.as_bytes()).to_hex().to_string();
+    let mut hash = hash_of(json.as_bytes());
     hash.truncate(HASH_DIGITS);
     hash
 }

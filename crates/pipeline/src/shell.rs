@@ -90,7 +90,7 @@ enum Open {
     Double,
     /// `(` or `$(`
     Bracket,
-    /// `${`
+    /// After `${`, until `}`
     Brace,
     Comment,
 }

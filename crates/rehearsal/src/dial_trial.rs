@@ -10,7 +10,7 @@ use maveric_domain::{
     MeasureValues, ParticipantId, Score as Scored, design::ScoreName, stream_seed,
 };
 use maveric_participants::{Effects, Participant, preferred_shift, rate_trial};
-use maveric_stats::{Belief, Proportion, proportion};
+use maveric_stats::{Belief, HALF_95, Proportion, proportion};
 use serde::Serialize;
 
 /// A way to set the dial.
@@ -309,7 +309,7 @@ fn mean_and_half(values: &[f64]) -> (f64, f64) {
     let n = values.len() as f64;
     let mean = values.iter().sum::<f64>() / n;
     let variance = values.iter().map(|v| (v - mean).powi(2)).sum::<f64>() / (n - 1.0);
-    (mean, 1.96 * (variance / n).sqrt())
+    (mean, HALF_95 * (variance / n).sqrt())
 }
 
 impl LearnedFrom {

@@ -391,7 +391,9 @@ mod tests {
             let study = world.study(5, seed).unwrap();
             let p = study.data.participants[2].clone();
             let name = "rosas.competence".parse().unwrap();
-            study.data.rated(&p, study.data.own_style().unwrap(), &name)
+            study
+                .data
+                .rated(&p, study.data.design.own_style().unwrap(), &name)
         };
         assert_eq!(scores(3), scores(3));
         let all: std::collections::BTreeSet<String> =

@@ -64,9 +64,12 @@ impl World {
                 return Err(RehearsalError::UnknownCar { condition, why });
             }
         }
-        let found = donors::style_traits(&population).len();
-        if let Some((condition, _)) = matched(&design).next().filter(|_| found < 2) {
-            return Err(RehearsalError::NothingAcross { condition, found });
+        let styles = donors::style_traits(&population).len();
+        if let Some((condition, _)) = matched(&design).next().filter(|_| styles < 2) {
+            return Err(RehearsalError::NothingAcross {
+                condition,
+                found: styles,
+            });
         }
         if let Some(probe) = &design.protocol().probe
             && !scales.iter().any(|scale| scale.id == probe.scale)
@@ -206,7 +209,7 @@ struct Fitted {
     score: Option<f64>,
     /// Without the score in the fit, in standard deviations over people.
     without: f64,
-    /// With it.
+    /// The same with the score in the fit.
     with: f64,
 }
 

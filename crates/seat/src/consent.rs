@@ -66,8 +66,9 @@ pub(crate) fn of_forgotten(
 impl Books<'_> {
     /// Counts somebody who leaves now by the text that they do not agree to; false where they are elsewhere.
     pub(crate) fn refuse_consent(&self, person: &Person) -> Result<bool, SeatError> {
-        let asked = consent(person).filter(|(at, _)| *at == person.at && person.ended.is_none());
-        let Some((_, text)) = asked else {
+        let unanswered =
+            consent(person).filter(|(at, _)| *at == person.at && person.ended.is_none());
+        let Some((_, text)) = unanswered else {
             return Ok(false);
         };
         self.change(

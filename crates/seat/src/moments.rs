@@ -2,7 +2,7 @@
 
 use crate::{
     hindrance::{Hindrance, MOST_PROBE_ANSWERS},
-    steps::{Asked, AskedProbe, Judged, Step, StopRule, asked, sheet},
+    steps::{Asked, AskedProbe, Judged, Step, StopRule, sheet, worded_scale},
 };
 use maveric_domain::{
     Moment, Scale,
@@ -119,7 +119,7 @@ pub(crate) fn probe(
     let Some(probe) = &protocol.probe else {
         return Ok(None);
     };
-    let (scale, wording, items) = asked(scales, &probe.scale, language)?;
+    let (scale, wording, items) = worded_scale(scales, &probe.scale, language)?;
     let one: Result<[Asked; 1], _> = items.try_into();
     let [question] = one.map_err(|_| Hindrance::ProbeItems {
         scale: scale.id.clone(),

@@ -96,17 +96,17 @@ impl SeatSettings {
     fn examined(&self) -> Result<(Option<Model>, Styles, Vec<Hindrance>), SeatError> {
         let model = self.model.as_deref().map(model_file::from_bytes);
         let model = model.transpose()?;
-        let mut found = Vec::new();
+        let mut in_the_way = Vec::new();
         for texts in [&self.texts].into_iter().chain(&self.in_others) {
             let words = (&self.scales[..], texts);
             for hindrance in hindrances(&self.design, words, model.as_ref()) {
-                if !found.contains(&hindrance) {
-                    found.push(hindrance);
+                if !in_the_way.contains(&hindrance) {
+                    in_the_way.push(hindrance);
                 }
             }
         }
-        let styles = self.files.styles(model.as_ref(), &mut found);
-        Ok((model, styles, found))
+        let styles = self.files.styles(model.as_ref(), &mut in_the_way);
+        Ok((model, styles, in_the_way))
     }
 }
 

@@ -447,7 +447,7 @@ async fn leave(
     let leaving: Leaving = read(&body)?;
     let refusals = Arc::clone(&shared.refusals);
     let how = shared.blocking(move |seat| {
-        let found = seat.store.within(|b| {
+        let left_by = seat.store.within(|b| {
             let person = match b.person(&token)? {
                 None if b.link_forgotten(&token)? => return Ok(None),
                 person => person.ok_or(Refused::NoSuchPerson)?,
@@ -462,7 +462,7 @@ async fn leave(
             }
             Ok(Some((b.somebody(&token)?, refused)))
         })?;
-        let Some((person, refused)) = found else {
+        let Some((person, refused)) = left_by else {
             // Where it could not be ended before it is now.
             seat.forget_the_rest()?;
             seat.write_files()?;

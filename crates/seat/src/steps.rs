@@ -444,7 +444,7 @@ pub fn sheet(
     moment: Moment,
     language: &str,
 ) -> Result<Step, Hindrance> {
-    let (scale, wording, items) = asked(scales, id, language)?;
+    let (scale, wording, items) = worded_scale(scales, id, language)?;
     Ok(Step::Scale {
         scale: scale.id.clone(),
         title: wording.shown_title.clone(),
@@ -455,7 +455,7 @@ pub fn sheet(
 }
 
 /// A scale with its words in a language, and its items as a page shows them; errors as of [`sheet`].
-pub(crate) fn asked<'a>(
+pub(crate) fn worded_scale<'a>(
     scales: &'a [Scale],
     id: &str,
     language: &str,

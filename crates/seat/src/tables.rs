@@ -78,8 +78,8 @@ pub(crate) fn write_answers(
             continue;
         }
         for kept in sheets {
-            let asked = person.steps.get(kept.step).and_then(scale_and_moment);
-            let Some(((scale, moment), sheet)) = asked.zip(kept.sheet()) else {
+            let questionnaire = person.steps.get(kept.step).and_then(scale_and_moment);
+            let Some(((scale, moment), sheet)) = questionnaire.zip(kept.sheet()) else {
                 continue;
             };
             let who = &person.participant;

@@ -196,10 +196,14 @@ pub fn bootstrap(
 }
 
 fn check(settings: &BootstrapSettings) -> Result<(), StatsError> {
-    let found = settings.resamples;
-    if !(100..=MOST_RESAMPLES).contains(&found) {
+    let resamples = settings.resamples;
+    if !(100..=MOST_RESAMPLES).contains(&resamples) {
         let expected = format!("100 to {MOST_RESAMPLES}");
-        return Err(StatsError::parameter("resamples", &expected, found as f64));
+        return Err(StatsError::parameter(
+            "resamples",
+            &expected,
+            resamples as f64,
+        ));
     }
     StatsError::between_0_and_1("confidence", settings.confidence)
 }

@@ -114,6 +114,6 @@ pub use regression::{CircularLinear, LinearFit, circular_fit, circular_linear, l
 pub use reliability::{Alpha, AlphaAnalysis, Icc, ItemDropped, ItemStatistics, alpha, icc};
 pub use rm_anova::{RmAnova, RmAnovaCompat};
 pub use sphericity::{Mauchly, MauchlyCompat, Sphericity, SphericityCorrection};
-pub use spread::sd_interval;
+pub use spread::{HALF_95, sd_interval};
 pub use variances::{Bartlett, Levene, VarianceTests, levene};
 pub use within_subjects::WithinSubjects;

@@ -97,8 +97,11 @@ fn check(successes: usize, n: usize, confidence: f64) -> Result<(), StatsError> 
         return Err(StatsError::parameter("n", "at least 1", 0.0));
     }
     if successes > n {
-        let found = successes as f64;
-        return Err(StatsError::parameter("successes", "at most n", found));
+        return Err(StatsError::parameter(
+            "successes",
+            "at most n",
+            successes as f64,
+        ));
     }
     StatsError::between_0_and_1("confidence", confidence)
 }

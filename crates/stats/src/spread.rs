@@ -2,6 +2,9 @@
 
 use crate::numerics::{distributions::chi2_upper, roots};
 
+/// Half of the 95 % interval of something normal, in its standard deviations, to the two decimals that Bland and Altman give.
+pub const HALF_95: f64 = 1.96;
+
 /// The 95 % interval of a standard deviation with `df` degrees of freedom, of values that are normal; none unless both are above 0.
 ///
 /// # Source

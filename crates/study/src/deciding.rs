@@ -49,13 +49,18 @@ fn add(
             add(study, &path.join(name), hashes)?;
         }
     } else if full.is_file() {
-        hashes.insert(path.to_slash_lossy().into_owned(), hash_of(&full)?);
+        hashes.insert(path.to_slash_lossy().into_owned(), hash_of_file(&full)?);
     }
     Ok(())
 }
 
 /// BLAKE3 of a file, in hexadecimal.
-pub(crate) fn hash_of(path: &Path) -> Result<String, StudyError> {
+pub(crate) fn hash_of_file(path: &Path) -> Result<String, StudyError> {
     let bytes = fs::read(path).map_err(StudyError::read(path))?;
-    Ok(blake3::hash(&bytes).to_hex().to_string())
+    Ok(hash_of(&bytes))
+}
+
+/// BLAKE3 of bytes, in hexadecimal.
+pub(crate) fn hash_of(bytes: &[u8]) -> String {
+    blake3::hash(bytes).to_hex().to_string()
 }

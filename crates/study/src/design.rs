@@ -65,8 +65,8 @@ impl DesignFile {
 
     /// The design that was asked for; else `study.toml` of the folder one stands in; else none: what works without a design.
     pub fn here(given: Option<&Path>) -> Result<Option<Self>, StudyError> {
-        let own = || Some(Path::new(DESIGN_FILE)).filter(|path| path.is_file());
-        given.or_else(own).map(Self::read).transpose()
+        let in_folder = || Some(Path::new(DESIGN_FILE)).filter(|path| path.is_file());
+        given.or_else(in_folder).map(Self::read).transpose()
     }
 
     /// As [`DesignFile::here`] in the folder `root`, its paths seen from there, to say which files a stage reads; none where it cannot be
@@ -103,8 +103,8 @@ impl DesignFile {
 
     /// The table of who takes part: `given`, or the design's own.
     pub fn people_file(&self, given: Option<&Path>) -> PathBuf {
-        let own = || self.resolve(&self.design.people().file);
-        given.map_or_else(own, Path::to_owned)
+        let of_design = || self.resolve(&self.design.people().file);
+        given.map_or_else(of_design, Path::to_owned)
     }
 
     /// Who takes part, by [`DesignFile::people_file`].

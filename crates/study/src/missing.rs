@@ -74,7 +74,7 @@ pub fn missing(
 ) -> Result<Missing, StudyError> {
     let sources = Sources::read(study, results, participants)?;
     let mut moments = vec![Moment::Pre];
-    let conditions = study.design.conditions().iter().map(|c| c.id);
+    let conditions = study.design.condition_ids();
     for id in study.design.baseline_id().into_iter().chain(conditions) {
         for occasion in study.design.occasions(id) {
             let moment = Moment::after(id).on(occasion);

@@ -15,11 +15,14 @@ pub(crate) fn names<S: AsRef<str>>(of: &[S]) -> String {
 }
 
 /// `a, b, …`: of more than `most` names the first.
-pub(crate) fn first_names(of: impl IntoIterator<Item = impl AsRef<str>>, most: usize) -> String {
-    let mut of = of.into_iter();
-    let shown = of.by_ref().take(most).map(|name| name.as_ref().to_owned());
+pub(crate) fn first_names(names: impl IntoIterator<Item = impl AsRef<str>>, most: usize) -> String {
+    let mut names = names.into_iter();
+    let shown = names
+        .by_ref()
+        .take(most)
+        .map(|name| name.as_ref().to_owned());
     let shown = shown.collect::<Vec<String>>().join(", ");
-    shown + if of.next().is_some() { ", …" } else { "" }
+    shown + if names.next().is_some() { ", …" } else { "" }
 }
 
 /// What there is to tell of several things of a kind, in the order in which it first came: `drive P01-own: it is short`, or

@@ -18,13 +18,17 @@ pub struct Outcome<T> {
 }
 
 impl<T> Outcome<T> {
+    pub(crate) fn new(value: T, summary: Vec<String>, warnings: Vec<String>) -> Self {
+        Self {
+            value,
+            summary,
+            warnings,
+        }
+    }
+
     /// The same of what `of` makes of the value.
     pub(crate) fn map<U>(self, of: impl FnOnce(T) -> U) -> Outcome<U> {
-        Outcome {
-            value: of(self.value),
-            summary: self.summary,
-            warnings: self.warnings,
-        }
+        Outcome::new(of(self.value), self.summary, self.warnings)
     }
 }
 

@@ -56,7 +56,7 @@ impl Percept {
             .iter()
             .map(|p| {
                 let mut rows = PersonRows::default();
-                for c in data.design.conditions().iter().map(|c| c.id) {
+                for c in data.design.condition_ids() {
                     let rated = data.rated(p, c, &felt);
                     if let (Some(rated), Some(differences)) =
                         (rated, differences(data, p, c, &spread))
@@ -152,7 +152,7 @@ fn ends(data: &StudyData) -> Option<[ConditionId; 3]> {
     let dials: Vec<(f64, ConditionId)> = dials.filter_map(|c| Some((c.dial()?, c.id))).collect();
     let low = dials.iter().min_by(|a, b| a.0.total_cmp(&b.0))?;
     let high = dials.iter().max_by(|a, b| a.0.total_cmp(&b.0))?;
-    (low.0 < 0.0 && high.0 > 0.0).then_some([low.1, data.own_style()?, high.1])
+    (low.0 < 0.0 && high.0 > 0.0).then_some([low.1, data.design.own_style()?, high.1])
 }
 
 impl Dial {

@@ -3,6 +3,7 @@
 use super::learned::Preferred;
 use crate::StudyData;
 use maveric_domain::{EmbeddingRow, ParticipantId};
+use maveric_stats::HALF_95;
 use serde::Serialize;
 
 /// The own style and the recommended one, in points of the score.
@@ -19,9 +20,6 @@ pub struct OnTheScale {
     /// High end.
     pub high: f64,
 }
-
-/// Half of a 95 % interval, in SDs.
-const HALF_95: f64 = 1.96;
 
 /// `None` without a model that reads a score and knows how sure it is, and where the scale has no score for what is recommended.
 pub(super) fn on_the_scale(

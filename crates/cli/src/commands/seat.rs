@@ -271,9 +271,10 @@ pub(super) fn hindrances(study: &DesignFile) -> Vec<String> {
         return Vec::new();
     }
     let settings = settings(study, folder, None);
-    let found = settings.and_then(|(settings, _)| settings.hindrances().map_err(failure(OPENING)));
-    match found {
-        Ok(found) => found.iter().map(Hindrance::with_remedy).collect(),
+    let hindrances =
+        settings.and_then(|(settings, _)| settings.hindrances().map_err(failure(OPENING)));
+    match hindrances {
+        Ok(hindrances) => hindrances.iter().map(Hindrance::with_remedy).collect(),
         Err(failed) => vec![failed.in_a_line()],
     }
 }

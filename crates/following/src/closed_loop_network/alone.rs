@@ -4,7 +4,8 @@ use super::{
     controller::{Parameters, of_output},
     lanes::{Lanes, nothing},
     layers::Styled,
-    unrolled::{World, inputs},
+    unrolled::inputs,
+    world::World,
 };
 
 /// The network in one place, asked one moment after the other.

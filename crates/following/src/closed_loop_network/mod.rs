@@ -16,6 +16,7 @@ mod settings;
 mod study;
 mod training;
 mod unrolled;
+mod world;
 
 pub use settings::ClosedLoopSettings;
 pub(crate) use settings::check;
@@ -26,7 +27,7 @@ use crate::{FollowingError, Stretch};
 use alone::Alone;
 use maveric_laws::Rss;
 use serde::{Deserialize, Serialize};
-use unrolled::World;
+use world::World;
 
 /// A trained network; its weights are frozen.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]

@@ -5,7 +5,8 @@ use super::{
     lanes::LANES,
     segments::{OVERLAP, Segment, batches, overlapping, recorded, segment_steps},
     training::prior,
-    unrolled::{Batch, World, errors},
+    unrolled::errors,
+    world::{Batch, World},
 };
 use crate::{
     Stretch,

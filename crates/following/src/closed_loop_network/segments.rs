@@ -3,7 +3,7 @@
 use super::{
     ClosedLoopSettings,
     lanes::{LANES, nothing},
-    unrolled::{Batch, Row},
+    world::{Batch, Row},
 };
 use crate::Stretch;
 use maveric_laws::Real;

@@ -6,7 +6,8 @@ use super::{
     layers::Gradient,
     layout::Layout,
     segments::{batches, one_after_the_other, recorded, segment_steps},
-    unrolled::{Batch, Room, World, gradient},
+    unrolled::{Room, gradient},
+    world::{Batch, World},
 };
 use crate::{FollowingError, Stretch};
 use maveric_laws::Rss;

@@ -1,7 +1,7 @@
 //! The channels of a recording: when their messages came and whether they can be decoded.
 
 use super::{ChannelSummary, Gap};
-use crate::raw::mcap::{channels::Times, read::Samples};
+use crate::raw::mcap::{channels::Times, samples::Samples};
 use maveric_bag::{OwnedSchema, Stream};
 
 /// Holes shorter than this many usual intervals between messages are jitter.

@@ -198,13 +198,13 @@ impl StudyPage<'_> {
             !outcomes.any(|outcome| outcome.primary.is_some() && is_it(&outcome.quantity))
         });
         let panels = rows.into_iter().map(|row| self.surface(row));
-        let all = Congruence {
+        let figure = Congruence {
             style: words::style(self.design).to_owned(),
             panels: panels.collect::<Result<_, _>>()?,
             places,
             part: None,
         };
-        let parts = all.parts();
+        let parts = figure.parts();
         let drawn = parts.iter().map(|part| congruence(part, self.context));
         drawn.collect()
     }
@@ -217,7 +217,7 @@ impl StudyPage<'_> {
             estimate => curvature.map(|c| better * c.estimate),
             p => curvature.and_then(|c| c.p),
         });
-        let of = |sds: i8| {
+        let drawn_curve = |sds: i8| {
             let mut curves = row.curves.iter();
             let theirs = curves.find(|curve| curve.sds == sds)?;
             Some(curve(row, theirs))
@@ -228,7 +228,7 @@ impl StudyPage<'_> {
             test: texts.text("curvature")?,
             n: row.n,
             period: row.period,
-            curves: [-1, 0, 1].map(of),
+            curves: [-1, 0, 1].map(drawn_curve),
         })
     }
 

@@ -99,8 +99,10 @@ impl StudyPage<'_> {
     /// Descriptives, tests and contrasts of an outcome.
     fn outcome(&self, panel: &Panel) -> Result<Vec<String>, ReportError> {
         let together = |sentences: Vec<String>, key: &str| {
-            let all = (!sentences.is_empty()).then(|| context! { all => sentences });
-            all.map(|all| self.results.with(&all).text(key)).transpose()
+            let values = (!sentences.is_empty()).then(|| context! { all => sentences });
+            values
+                .map(|values| self.results.with(&values).text(key))
+                .transpose()
         };
         let mut paragraphs = Vec::new();
         let descriptives = self.analysis.descriptives.iter();

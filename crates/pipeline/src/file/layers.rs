@@ -45,8 +45,8 @@ pub(super) fn with_layers<T>(
     let located = |at: Located| at.into_error(text, path);
     let document = DeTable::parse(text).map_err(|error| {
         let message = error.message().to_owned();
-        let at = error.span().map_or(0, |span| span.start);
-        located(FileProblem::Syntax { message }.located(at))
+        let offset = error.span().map_or(0, |span| span.start);
+        located(FileProblem::Syntax { message }.located(offset))
     })?;
     let table = document.get_ref();
     check_keys(table, TOP, TOP_KEYS).map_err(located)?;
@@ -143,8 +143,8 @@ pub(super) fn merged_stages<'t>(layers: &[Layer<'t>]) -> Result<Vec<Entry<'t>>, 
     }
     if let ([], Some(layer)) = (&entries[..], layers.first()) {
         let stage = layer.table.get("stage");
-        let at = stage.map_or(0, |value| value.span().start);
-        return Err(layer.error(FileProblem::NoStages.located(at)));
+        let offset = stage.map_or(0, |value| value.span().start);
+        return Err(layer.error(FileProblem::NoStages.located(offset)));
     }
     Ok(entries)
 }

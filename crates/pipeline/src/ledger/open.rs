@@ -5,6 +5,7 @@ use std::path::PathBuf;
 
 use super::{Ledger, Loaded, Record};
 use crate::atomic_write;
+use crate::content::hash_of;
 use crate::journal::{Entry, Journal, journal_of};
 use crate::paths::{below, with_ancestors};
 use crate::{PipelineError, Place, Stage};
@@ -146,7 +147,7 @@ impl OpenLedger {
         }
         self.ledger.write(&self.path)?;
         let bytes = std::fs::read(&self.path).map_err(PipelineError::io("read", &self.path))?;
-        self.hash = Some(blake3::hash(&bytes).to_hex().to_string());
+        self.hash = Some(hash_of(&bytes));
         self.journal = None;
         self.replayed = false;
         // A journal that stays belongs to the old ledger and counts for nothing.

@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 use std::path::Path;
 
 use super::{LEDGER_VERSION, Ledger, Left, Record};
+use crate::content::hash_of;
 use crate::{Manifest, PipelineError, Row, journal};
 
 /// A ledger with its journal, and what is needed to go on with them.
@@ -19,7 +20,7 @@ pub(crate) struct Loaded {
 pub(crate) fn load(path: &Path, pipeline: Option<&str>) -> Result<Loaded, PipelineError> {
     let (mut ledger, hash) = match std::fs::read(path) {
         Ok(bytes) => {
-            let hash = blake3::hash(&bytes).to_hex().to_string();
+            let hash = hash_of(&bytes);
             (parse(path, bytes, pipeline)?, Some(hash))
         }
         Err(error) => match pipeline {

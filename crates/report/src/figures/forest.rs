@@ -73,9 +73,9 @@ pub fn forest(input: &Forest, context: &Context) -> Result<Figure, ReportError> 
     };
     draw(plan, context, |canvas, mut place| {
         let look = Look::new(size::TICK);
-        let said: Vec<&str> = input.rows.iter().map(|row| row.said.as_str()).collect();
+        let texts: Vec<&str> = input.rows.iter().map(|row| row.said.as_str()).collect();
         let right = place.right;
-        place.right -= look.widest(&said) + 8.0;
+        place.right -= look.widest(&texts) + 8.0;
         let rows = Rows::new(input.rows.iter().map(|row| &row.name), 0.7);
         let ends = input.bounds.into_iter().flat_map(<[f64; 2]>::from);
         let x = Scale::over(values().chain([0.0]).chain(ends), 6);

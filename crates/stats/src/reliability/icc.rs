@@ -4,7 +4,7 @@ use serde::{Deserialize, Serialize};
 use std::f64::consts::SQRT_2;
 
 use crate::{
-    Reasons, StatsError, complete,
+    HALF_95, Reasons, StatsError, complete,
     numerics::{
         distributions::f_quantile_upper,
         moments::{is_constant, is_rounding},
@@ -111,7 +111,7 @@ pub fn icc(occasions: &[(&str, &[Option<f64>])]) -> Result<Icc, StatsError> {
         sem,
         sem_low: sem_interval.map(|ends| ends.0),
         sem_high: sem_interval.map(|ends| ends.1),
-        sdc: 1.96 * SQRT_2 * sem,
+        sdc: HALF_95 * SQRT_2 * sem,
         undefined: Reasons::default(),
     };
     if sem_interval.is_none() {

@@ -1,7 +1,7 @@
 //! The models that learned from somebody.
 
 use crate::{
-    atomic_write::if_there, deciding::hash_of, design::DesignFile, error::StudyError,
+    atomic_write::if_there, deciding::hash_of_file, design::DesignFile, error::StudyError,
     run_folder::embeddings_path, tables::embeddings::read_embeddings,
 };
 use maveric_domain::ParticipantId;
@@ -33,7 +33,7 @@ pub fn refuse_learned_from_gone(study: &DesignFile, model: &Path) -> Result<(), 
             study.name()
         ))
     };
-    if let Some(who) = forgotten.learned(&hash_of(model)?) {
+    if let Some(who) = forgotten.learned(&hash_of_file(model)?) {
         return Err(refused(who, "who was forgotten"));
     }
     for who in learned_from(model)? {

@@ -2,7 +2,7 @@
 
 use super::{made, models, rows};
 use crate::{
-    deciding::hash_of,
+    deciding::hash_of_file,
     design::DesignFile,
     error::StudyError,
     forgotten::FORGOTTEN_FILE,
@@ -64,7 +64,7 @@ pub fn forget_person(study: &DesignFile, id: &ParticipantId) -> Result<Forgotten
     let learned = models_of(study, &folder, id)?;
     let mut known = study.forgotten()?;
     let hashes: Result<Vec<String>, StudyError> =
-        learned.iter().map(|model| hash_of(model)).collect();
+        learned.iter().map(|model| hash_of_file(model)).collect();
     known.add(id, hashes?);
     known.write(&folder)?;
 

@@ -72,10 +72,6 @@ impl Stage for Analyse {
             count(flow.recruited, "participant", "participants"),
             self.out.to_slash_lossy()
         )];
-        Ok(Outcome {
-            value: analysis,
-            summary,
-            warnings,
-        })
+        Ok(Outcome::new(analysis, summary, warnings))
     }
 }

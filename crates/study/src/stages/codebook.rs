@@ -101,11 +101,7 @@ impl Stage for Describe {
             markdown.to_slash_lossy(),
             csv.to_slash_lossy()
         )];
-        Ok(Outcome {
-            value,
-            summary,
-            warnings: Vec::new(),
-        })
+        Ok(Outcome::new(value, summary, Vec::new()))
     }
 }
 

@@ -27,9 +27,6 @@ pub fn describe(
 ) -> Result<Outcome<Described>, StudyError> {
     let study = DesignFile::find(design)?;
     let text = preregistration(&study.design, &sample_size(&study, power)?)?;
-    Ok(Outcome {
-        summary: text.lines().map(str::to_owned).collect(),
-        value: Described { text },
-        warnings: Vec::new(),
-    })
+    let summary = text.lines().map(str::to_owned).collect();
+    Ok(Outcome::new(Described { text }, summary, Vec::new()))
 }

@@ -107,11 +107,7 @@ impl Stage for Evaluate {
             self.out.to_slash_lossy()
         )];
         summary.extend(text::lines(&evaluation)?);
-        Ok(Outcome {
-            value: evaluation,
-            summary,
-            warnings: Vec::new(),
-        })
+        Ok(Outcome::new(evaluation, summary, Vec::new()))
     }
 }
 

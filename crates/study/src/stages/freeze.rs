@@ -2,7 +2,7 @@
 
 use crate::{
     atomic_write::{atomic_write_bytes, read_text},
-    deciding::deciding_files,
+    deciding::{deciding_files, hash_of},
     design::DesignFile,
     error::StudyError,
     outcome::Outcome,
@@ -56,13 +56,12 @@ impl Frozen {
             ..self.clone()
         };
         let text = toml::to_string(&rest)?;
-        Ok(blake3::hash(text.as_bytes()).to_hex().to_string())
+        Ok(hash_of(text.as_bytes()))
     }
 
     /// Why the lock cannot be what `design freeze` wrote; none if it can.
     fn forgery(&self) -> Option<&'static str> {
-        let of_design = blake3::hash(self.design.as_bytes()).to_hex().to_string();
-        if self.hash != of_design {
+        if self.hash != hash_of(self.design.as_bytes()) {
             return Some("its hash is not that of the design in it");
         }
         if !self.seal.is_empty() && self.seal().ok().as_ref() != Some(&self.seal) {
@@ -98,7 +97,7 @@ pub fn freeze(design: Option<&Path>, date: &str) -> Result<Outcome<Frozen>, Stud
     let mut frozen = Frozen {
         date: date.to_owned(),
         version: env!("CARGO_PKG_VERSION").to_owned(),
-        hash: blake3::hash(text.as_bytes()).to_hex().to_string(),
+        hash: hash_of(text.as_bytes()),
         seal: String::new(),
         answers: tables.count(),
         logs: count(&study.resolve(&files.logs)),
@@ -116,22 +115,19 @@ pub fn freeze(design: Option<&Path>, date: &str) -> Result<Outcome<Frozen>, Stud
             frozen.logs, frozen.answers
         ));
     }
-    Ok(Outcome {
-        summary: vec![
-            format!(
-                "frozen on {date}: {} (the design, {} other files that decide, the versions of {} commands)",
-                lock.to_slash_lossy(),
-                frozen.files.len(),
-                frozen.stages.len()
-            ),
-            format!(
-                "seal {}: register it where others keep the date; a file of your own is no time stamp",
-                frozen.seal
-            ),
-        ],
-        value: frozen,
-        warnings,
-    })
+    let summary = vec![
+        format!(
+            "frozen on {date}: {} (the design, {} other files that decide, the versions of {} commands)",
+            lock.to_slash_lossy(),
+            frozen.files.len(),
+            frozen.stages.len()
+        ),
+        format!(
+            "seal {}: register it where others keep the date; a file of your own is no time stamp",
+            frozen.seal
+        ),
+    ];
+    Ok(Outcome::new(frozen, summary, warnings))
 }
 
 /// Files below a folder.

@@ -184,11 +184,7 @@ impl Stage for Generate {
             value.drives,
             place.people.to_slash_lossy()
         )];
-        Ok(Outcome {
-            value,
-            summary,
-            warnings: warnings.into_iter().collect(),
-        })
+        Ok(Outcome::new(value, summary, warnings.into_iter().collect()))
     }
 }
 

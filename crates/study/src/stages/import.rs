@@ -165,14 +165,11 @@ impl Import {
                 out.to_slash_lossy()
             )];
         }
-        Ok(Outcome {
-            value: ImportResult::Suggested(SuggestedColumns {
-                software: export.software(),
-                columns: proposed,
-            }),
-            summary,
-            warnings: Vec::new(),
-        })
+        let value = ImportResult::Suggested(SuggestedColumns {
+            software: export.software(),
+            columns: proposed,
+        });
+        Ok(Outcome::new(value, summary, Vec::new()))
     }
 }
 

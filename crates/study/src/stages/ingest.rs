@@ -2,6 +2,7 @@
 
 pub(crate) mod logs;
 mod parts;
+mod told;
 
 pub(crate) use logs::{logs_of, of_study as logs_of_study};
 
@@ -10,7 +11,7 @@ use crate::{
     design::DesignFile,
     error::StudyError,
     gate::{Gate, counted},
-    once::{count, names, together, told_once},
+    once::count,
     outcome::{Outcome, Watch, for_each_on},
     outputs::{put_in_place, spare_inputs},
     stage::{Files, Stage},
@@ -27,10 +28,10 @@ use maveric_ingest::{IngestError, Provenance, Warning, begins_ns, read_log};
 use path_slash::PathExt as _;
 use serde::Serialize;
 use std::{
-    collections::{BTreeMap, BTreeSet},
-    fmt,
+    collections::BTreeSet,
     path::{Path, PathBuf},
 };
+use told::{none_ingested, sights, warnings};
 
 /// Turn driving logs (MCAP, CSV, Parquet) into evenly sampled drives
 #[derive(Debug, Clone, Default, clap::Args)]
@@ -146,7 +147,7 @@ impl Stage for Ingest {
             .as_ref()
             .map(|study| Gate::of_drives(study, self.participants.as_deref()))
             .transpose()?;
-        let logs = logs::of(self, study.as_ref())?;
+        let logs = logs::named_or_declared(self, study.as_ref())?;
         let (list, exclusions) = (self.out.join("drives.csv"), self.out.join("exclusions.csv"));
         let tables = logs
             .iter()
@@ -206,16 +207,13 @@ impl Stage for Ingest {
                 exclusions.to_slash_lossy()
             ));
         }
-        Ok(Outcome {
-            value: IngestedDrives {
-                drives: list.into_iter().map(|l| l.0).collect(),
-                rows,
-                left_out,
-                failed,
-            },
-            summary,
-            warnings,
-        })
+        let value = IngestedDrives {
+            drives: list.into_iter().map(|l| l.0).collect(),
+            rows,
+            left_out,
+            failed,
+        };
+        Ok(Outcome::new(value, summary, warnings))
     }
 }
 
@@ -254,104 +252,6 @@ fn some_let_in_and_none_twice(
         return Err(StudyError::not_possible(problem).with_help(help));
     }
     Ok(())
-}
-
-/// What was left out, repaired or is doubtful, in sentences; the drives by name.
-fn warnings(drives: &[Written], left_out: &[LeftOutDrive], failed: &[FailedLog]) -> Vec<String> {
-    let mut warnings: Vec<String> = failed.iter().map(FailedLog::to_string).collect();
-    let doubts = drives.iter().flat_map(|d| &d.warnings);
-    let doubts = doubts.map(|w| (w.file.to_slash_lossy().into_owned(), w));
-    warnings.extend(doubted(doubts));
-    let alone = drives.iter().filter(|d| !d.led).map(|d| {
-        let why = "no lead vehicle in any row; it cannot teach following or lane changes";
-        (d.meta.drive.to_string(), why.to_owned())
-    });
-    warnings.extend(told_once("drive", alone));
-    let out = left_out.iter();
-    let out = out.map(|out| (out.meta.drive.to_string(), out.why.to_string()));
-    warnings.extend(told_once("drive", out));
-    let parts = parts::maybe_parts(&drives.iter().map(|d| &d.meta), left_out);
-    warnings.extend(told_once("drive", parts));
-    warnings
-}
-
-/// What the rigs see that do not see everything, a line each.
-fn sights(drives: &[Written]) -> Vec<String> {
-    let mut rigs: BTreeMap<String, usize> = BTreeMap::new();
-    for drive in drives.iter().filter(|d| d.sees != Sees::ALL) {
-        *rigs.entry(drive.sees.to_string()).or_default() += 1;
-    }
-    let line = |(sees, drives): (String, usize)| {
-        let how_many = count(drives, "drive", "drives");
-        format!("the rig of {how_many} sees: {sees}; habits that need more are not read")
-    };
-    rigs.into_iter().map(line).collect()
-}
-
-/// What is doubtful in logs: of one log as it says itself, the same of several once, with how often it came in all.
-fn doubted<'a>(doubts: impl Iterator<Item = (String, &'a Warning)>) -> Vec<String> {
-    let doubts: Vec<(String, &Warning)> = doubts.collect();
-    let same = together(doubts.iter().map(|(log, w)| (log.clone(), &w.what)));
-    same.into_iter()
-        .flat_map(|(logs, what)| {
-            let mut alike = doubts.iter().filter(|(_, w)| w.what == *what);
-            if logs.len() == 1 {
-                return alike.map(|(_, w)| w.to_string()).collect();
-            }
-            let times: usize = alike.by_ref().map(|(_, w)| w.count).sum();
-            let times = if times > logs.len() {
-                format!(" ({times} times)")
-            } else {
-                String::new()
-            };
-            vec![format!(
-                "{} logs ({}): {what}{times}",
-                logs.len(),
-                names(&logs)
-            )]
-        })
-        .collect()
-}
-
-impl From<(PathBuf, IngestError)> for FailedLog {
-    fn from((log, error): (PathBuf, IngestError)) -> Self {
-        let mut why = error.to_string();
-        let mut cause = std::error::Error::source(&error);
-        while let Some(error) = cause {
-            why = format!("{why}: {error}");
-            cause = error.source();
-        }
-        Self { log, why }
-    }
-}
-
-impl fmt::Display for FailedLog {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "not ingested: {}", self.why)
-    }
-}
-
-/// Why there is nothing: the one log's own error, or the first of several.
-fn none_ingested(mut failed: Vec<(PathBuf, IngestError)>) -> StudyError {
-    if failed.len() == 1
-        && let Some((_, error)) = failed.pop()
-    {
-        return error.into();
-    }
-    let count = failed.len();
-    let first = failed.into_iter().next();
-    let help = first.as_ref().and_then(|(_, error)| error.suggestion());
-    let first = first.map(FailedLog::from);
-    StudyError::NotPossible {
-        problem: match first {
-            Some(first) => format!(
-                "none of {count} logs could be ingested; the first: {}",
-                first.why
-            ),
-            None => "the logs hold no drive".to_owned(),
-        },
-        help,
-    }
 }
 
 /// The drives that are let in, and the others with the reason.
@@ -457,164 +357,4 @@ fn write_exclusions(
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-
-    const LOG: &str =
-        "time_s,ego_x_m,ego_y_m,ego_speed_mps,lead_id,lead_dx_m,lead_dy_m,lead_speed_mps\n";
-
-    fn table(rows: usize) -> String {
-        let row = |i: usize| format!("{},{i},0,20,5,20,0,19\n", i as f64 / 20.0);
-        LOG.to_owned() + &(0..rows).map(row).collect::<String>()
-    }
-
-    fn run(logs: Vec<PathBuf>, out: &Path) -> Result<Outcome<IngestedDrives>, StudyError> {
-        let mappings = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../study_data/mappings");
-        let options = Ingest {
-            logs,
-            out: out.to_owned(),
-            mapping: Some(mappings.join("ours.toml")),
-            jobs: 2,
-            ..Ingest::default()
-        };
-        options.run(Watch::unwatched())
-    }
-
-    fn names(folder: &Path) -> BTreeSet<String> {
-        let entries = std::fs::read_dir(folder).unwrap();
-        let name = |e: std::io::Result<std::fs::DirEntry>| e.unwrap().file_name();
-        entries
-            .map(|e| name(e).to_string_lossy().into_owned())
-            .collect()
-    }
-
-    #[test]
-    fn a_used_folder_keeps_no_drive_that_its_list_no_longer_has_and_no_other_file_goes() {
-        let folder = tempfile::tempdir().unwrap();
-        let (logs, out) = (folder.path().join("logs"), folder.path().join("drives"));
-        std::fs::create_dir(&logs).unwrap();
-        for log in ["S1P01-own", "S1P02-own"] {
-            std::fs::write(logs.join(format!("{log}.csv")), table(400)).unwrap();
-        }
-        run(vec![logs.clone()], &out).unwrap();
-        std::fs::write(out.join("notes.txt"), "mine").unwrap();
-        assert!(names(&out).contains("S1P02-own.parquet"));
-        let again = || run(vec![logs.join("S1P01-own.csv")], &out);
-        again().unwrap();
-        let left = names(&out);
-        assert!(left.contains("S1P01-own.parquet") && left.contains("notes.txt"));
-        assert!(!left.contains("S1P02-own.parquet"), "{left:?}");
-        std::fs::write(out.join("mine.parquet"), "mine").unwrap();
-        let refused = again().unwrap_err().to_string();
-        assert!(refused.contains("mine.parquet"), "{refused}");
-        assert_eq!(std::fs::read(out.join("mine.parquet")).unwrap(), b"mine");
-    }
-
-    #[test]
-    fn drives_appear_together_and_a_log_that_cannot_be_read_is_listed_beside_them() {
-        let folder = tempfile::tempdir().unwrap();
-        let (logs, out) = (
-            folder.path().join("logs"),
-            folder.path().join("made/drives"),
-        );
-        std::fs::create_dir(&logs).unwrap();
-        std::fs::write(logs.join("d.csv"), table(50).replace(",20,", ",fast,")).unwrap();
-        let error = run(vec![logs.clone()], &out).unwrap_err();
-        assert!(error.to_string().contains("d.csv"), "{error}");
-        assert_eq!(names(folder.path()), BTreeSet::from(["logs".to_owned()]));
-        for name in ["a.csv", "b.csv", "c.csv"] {
-            std::fs::write(logs.join(name), table(100)).unwrap();
-        }
-        let made = run(vec![logs.clone()], &out).unwrap();
-        assert_eq!(made.value.drives.len(), 3);
-        assert!(
-            made.value.failed[0].why.contains("`fast`"),
-            "{:?}",
-            made.value.failed
-        );
-        let list = std::fs::read_to_string(out.join("exclusions.csv")).unwrap();
-        let last = list.lines().last().unwrap();
-        assert!(
-            last.contains(",d.csv,") && last.contains("not ingested"),
-            "{list}"
-        );
-
-        std::fs::remove_file(logs.join("d.csv")).unwrap();
-        let made = run(vec![logs.clone()], &out).unwrap();
-        assert_eq!((made.value.drives.len(), made.value.rows), (3, 300));
-        let expected = [
-            "a.parquet",
-            "b.parquet",
-            "c.parquet",
-            "drives.csv",
-            "exclusions.csv",
-        ];
-        assert_eq!(names(&out), expected.map(str::to_owned).into());
-
-        // The same log twice is one drive twice; what stood there before stays.
-        let before = std::fs::read(out.join("a.parquet")).unwrap();
-        let error = run(vec![logs.clone(), logs.join("a.csv")], &out).unwrap_err();
-        assert!(error.to_string().contains("make the drive"), "{error}");
-        assert_eq!(names(&out).len(), 5);
-        assert_eq!(std::fs::read(out.join("a.parquet")).unwrap(), before);
-    }
-
-    #[test]
-    fn a_folder_is_read_with_those_below_it_but_not_what_an_earlier_call_wrote_there() {
-        let folder = tempfile::tempdir().unwrap();
-        let logs = folder.path().join("logs");
-        let out = logs.join("drives");
-        for (place, log) in [
-            ("day1/morning", "a"),
-            ("day1", "b"),
-            ("day2", "c"),
-            (".old", "d"),
-        ] {
-            std::fs::create_dir_all(logs.join(place)).unwrap();
-            std::fs::write(logs.join(place).join(format!("{log}.csv")), table(100)).unwrap();
-        }
-        for _ in 0..2 {
-            let made = run(vec![logs.clone()], &out).unwrap();
-            let drives = made.value.drives.iter().map(|d| d.drive.as_str());
-            assert_eq!(drives.collect::<Vec<_>>(), ["a", "b", "c"]);
-            assert!(made.value.failed.is_empty(), "{:?}", made.value.failed);
-        }
-    }
-
-    #[test]
-    fn parts_of_a_recording_that_are_named_one_by_one_are_one_drive() {
-        let folder = tempfile::tempdir().unwrap();
-        let mappings = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../study_data/mappings");
-        let text = std::fs::read_to_string(mappings.join("ours.toml")).unwrap();
-        let mapping = folder.path().join("mapping.toml");
-        std::fs::write(
-            &mapping,
-            text.replace("[names]", "[names]\nparts = \"_{n}\""),
-        )
-        .unwrap();
-        let parts = ["a.csv", "a_2.csv"].map(|name| folder.path().join(name));
-        let later = table(200)
-            .lines()
-            .skip(101)
-            .fold(LOG.to_owned(), |text, row| text + row + "\n");
-        std::fs::write(&parts[0], table(100)).unwrap();
-        std::fs::write(&parts[1], later).unwrap();
-        for logs in [parts.to_vec(), vec![parts[1].clone()]] {
-            let options = Ingest {
-                logs,
-                out: folder.path().join("drives"),
-                mapping: Some(mapping.clone()),
-                jobs: 1,
-                ..Ingest::default()
-            };
-            let made = options.run(Watch::unwatched()).unwrap();
-            assert_eq!((made.value.drives.len(), made.value.rows), (1, 200));
-            assert_eq!(made.value.drives[0].drive.as_str(), "a");
-            let told = made
-                .warnings
-                .iter()
-                .any(|w| w.contains("goes on in its part 2, 0.050 s later"));
-            assert!(told, "{:?}", made.warnings);
-        }
-    }
-}
+mod tests;

@@ -190,13 +190,10 @@ impl Stage for Init {
             format!("a study's folder: {}", folder.to_slash_lossy()),
             next,
         ];
-        Ok(Outcome {
-            value: Initialised {
-                files: files.iter().map(|(name, _)| (*name).to_owned()).collect(),
-            },
-            summary,
-            warnings: Vec::new(),
-        })
+        let value = Initialised {
+            files: files.iter().map(|(name, _)| (*name).to_owned()).collect(),
+        };
+        Ok(Outcome::new(value, summary, Vec::new()))
     }
 }
 

@@ -142,16 +142,13 @@ impl Stage for Measure {
             )
         }));
         summary.extend(averaged.summary);
-        Ok(Outcome {
-            value: Measured {
-                drives: rows.len(),
-                measures: measures.iter().map(|m| m.name).collect(),
-                missing,
-                own: averaged.value,
-            },
-            summary,
-            warnings,
-        })
+        let value = Measured {
+            drives: rows.len(),
+            measures: measures.iter().map(|m| m.name).collect(),
+            missing,
+            own: averaged.value,
+        };
+        Ok(Outcome::new(value, summary, warnings))
     }
 }
 
@@ -236,11 +233,7 @@ impl Measure {
                 let help = "name a folder of drives with --drives";
                 return Err(StudyError::not_possible(problem).with_help(help));
             }
-            return Ok(Outcome {
-                value: 0,
-                summary: Vec::new(),
-                warnings: Vec::new(),
-            });
+            return Ok(Outcome::new(0, Vec::new(), Vec::new()));
         };
         let table = study.resolve(&study.design.files().measures);
         let table = table.to_slash_lossy();
@@ -271,11 +264,7 @@ impl Measure {
             count(means.measurements.len(), "value", "values"),
             out.to_slash_lossy()
         )];
-        Ok(Outcome {
-            value: means.measurements.len(),
-            summary,
-            warnings,
-        })
+        Ok(Outcome::new(means.measurements.len(), summary, warnings))
     }
 }
 

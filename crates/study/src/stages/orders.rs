@@ -112,15 +112,12 @@ pub fn orders(
             "{people} people are no multiple of {whole}, after which every order has been met equally often"
         ));
     }
-    Ok(Outcome {
-        value: OrdersWritten {
-            table: out,
-            square,
-            balance,
-        },
-        summary,
-        warnings,
-    })
+    let value = OrdersWritten {
+        table: out,
+        square,
+        balance,
+    };
+    Ok(Outcome::new(value, summary, warnings))
 }
 
 type Written = (TableBuilder, Vec<Vec<ConditionId>>);

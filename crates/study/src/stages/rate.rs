@@ -185,15 +185,12 @@ impl Stage for Rate {
                 presses_path(&self.measures).to_slash_lossy()
             )
         }));
-        Ok(Outcome {
-            value: Ratings {
-                participants: sheets.raters,
-                answers: sheets.answers.len(),
-                presses: pressed.map(|(_, presses)| presses),
-            },
-            summary,
-            warnings,
-        })
+        let value = Ratings {
+            participants: sheets.raters,
+            answers: sheets.answers.len(),
+            presses: pressed.map(|(_, presses)| presses),
+        };
+        Ok(Outcome::new(value, summary, warnings))
     }
 }
 

@@ -95,11 +95,8 @@ impl Stage for Recommend {
         if data.is_synthetic() {
             summary.push("synthetic participants".to_owned());
         }
-        Ok(Outcome {
-            warnings: warnings(&value.recommendations),
-            value,
-            summary,
-        })
+        let warnings = warnings(&value.recommendations);
+        Ok(Outcome::new(value, summary, warnings))
     }
 }
 

@@ -138,10 +138,6 @@ impl Stage for RehearseDial {
         let page = write_page(&self.out, &page::page(&value, self)?)?;
         let mut summary = page::summary(&value)?;
         summary.push(format!("synthetic participants: {}", page.to_slash_lossy()));
-        Ok(Outcome {
-            value,
-            summary,
-            warnings: Vec::new(),
-        })
+        Ok(Outcome::new(value, summary, Vec::new()))
     }
 }

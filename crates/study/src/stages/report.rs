@@ -106,11 +106,7 @@ impl Stage for DrawReport {
             files: files.len(),
             findings,
         };
-        Ok(Outcome {
-            value,
-            summary,
-            warnings: page.warnings,
-        })
+        Ok(Outcome::new(value, summary, page.warnings))
     }
 }
 

@@ -329,15 +329,12 @@ impl Stage for ScoreAnswers {
             let n = count(*n, "answer", "answers");
             format!("participant {who} ({moment}): {n} {why}")
         }));
-        Ok(Outcome {
-            value: ScoredSurveys {
-                scores: scored.scores.len(),
-                missing,
-                reliabilities,
-            },
-            summary,
-            warnings,
-        })
+        let value = ScoredSurveys {
+            scores: scored.scores.len(),
+            missing,
+            reliabilities,
+        };
+        Ok(Outcome::new(value, summary, warnings))
     }
 }
 

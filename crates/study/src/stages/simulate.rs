@@ -1,11 +1,13 @@
 //! `simulate`: the learned model drives each condition.
 
+mod drive;
 mod logs;
+mod rides;
 
+pub(crate) use drive::drive_style;
 pub use logs::Scenes;
 
 use crate::{
-    atomic_write::write_recording,
     beyond,
     design::DesignFile,
     error::StudyError,
@@ -16,29 +18,21 @@ use crate::{
     stage::{Files, Stage},
     tables::{
         TableName,
-        conditions::{ConditionRow, read_conditions},
-        drives::{
-            EndedEarly, former_drives, refuse_foreign, remove_former, write_drive, write_drive_list,
-        },
-        variability::read_variability,
+        conditions::ConditionRow,
+        drives::{EndedEarly, former_drives, remove_former, write_drive_list},
         write_rows,
     },
-    watching::{WatchedDrive, braking, read_watched, write_watch_page},
+    watching::{read_watched, write_watch_page},
 };
+use drive::{Driven, Stopped, drive};
 use logs::{Logged, known, log_of};
-use maveric_domain::{
-    BeyondWhy, Drive, DriveId, DriveMeta, DrivenBy, Embedding, Occasion, ParticipantId, Recording,
-    Variability, design::Condition, stream_seed,
-};
-use maveric_ingest::{Beside, IngestSettings};
-use maveric_model::Model;
-use maveric_report::html::CentreLine;
-use maveric_simulator::{Driver, Rollout, RolloutReport, Scenario, SimulatorError, rollout};
-use maveric_steering::{ModelPlanner, Varying};
+use maveric_domain::{BeyondWhy, DriveMeta, ParticipantId};
+use maveric_ingest::IngestSettings;
+use maveric_simulator::RolloutReport;
 use path_slash::PathExt as _;
 use serde::Serialize;
 use std::{
-    collections::{BTreeMap, BTreeSet},
+    collections::BTreeMap,
     path::{Path, PathBuf},
 };
 
@@ -178,11 +172,8 @@ impl Stage for Simulate {
                 page.to_slash_lossy()
             ));
         }
-        Ok(Outcome {
-            warnings: warnings(&value, ended_early, &strangers),
-            value,
-            summary,
-        })
+        let warnings = warnings(&value, ended_early, &strangers);
+        Ok(Outcome::new(value, summary, warnings))
     }
 }
 
@@ -235,54 +226,6 @@ fn strangers(conditions: &[ConditionRow]) -> BTreeMap<&ParticipantId, &BeyondWhy
 }
 
 impl Simulate {
-    /// The rows to drive: of a sweep all, since the design does not name them; of what it names, only what is not recorded elsewhere.
-    fn conditions_to_drive(
-        &self,
-        study: Option<&DesignFile>,
-    ) -> Result<Vec<ConditionRow>, StudyError> {
-        let mut conditions = read_conditions(&self.conditions)?;
-        if let Some(study) = study {
-            let simulated = |id| study.design.condition(id).is_some_and(Condition::simulated);
-            conditions.retain(|row| row.sweep.is_some() || simulated(row.condition));
-            if conditions.is_empty() {
-                let problem = "holds no condition that the design lets the program drive";
-                return Err(StudyError::file(&self.conditions, problem));
-            }
-        }
-        Ok(conditions)
-    }
-
-    /// A ride of each condition in each session and trial, every one with a name of its own, and so in another world.
-    fn rides<'a>(
-        &self,
-        study: Option<&DesignFile>,
-        conditions: &'a [ConditionRow],
-    ) -> Result<Vec<Ride<'a>>, StudyError> {
-        let varying = self.varying(study, conditions)?;
-        let (mut rides, mut names) = (Vec::new(), BTreeSet::new());
-        for (row, varying) in conditions.iter().zip(varying) {
-            let occasions = match study {
-                Some(study) if row.sweep.is_none() => study.design.occasions(row.condition),
-                _ => vec![Occasion::FIRST],
-            };
-            for occasion in occasions {
-                let id = row.drive_on(occasion)?;
-                if !names.insert(id.clone()) {
-                    let problem = format!("two rows are drive {id}, expected a name for each");
-                    return Err(StudyError::file(&self.conditions, problem));
-                }
-                rides.push(Ride {
-                    row,
-                    id,
-                    occasion,
-                    varying,
-                });
-            }
-        }
-        refuse_foreign(&self.out.join("drives"), names.iter().map(DriveId::as_str))?;
-        Ok(rides)
-    }
-
     /// Writes what was driven and what ended early, and removes logs that an earlier run wrote and this one does not.
     ///
     /// # Errors
@@ -323,64 +266,6 @@ impl Simulate {
             rollouts,
         )
     }
-
-    /// What wanders in each of `conditions`: as in the person's own drive where the design says so, nothing elsewhere.
-    fn varying(
-        &self,
-        study: Option<&DesignFile>,
-        conditions: &[ConditionRow],
-    ) -> Result<Vec<Option<Variability>>, StudyError> {
-        let design = study.map(|s| &s.design);
-        let varies = |row: &ConditionRow| {
-            let condition = design.and_then(|d| d.condition(row.condition));
-            row.sweep.is_none() && condition.is_some_and(|c| c.vary)
-        };
-        let Some(first) = conditions.iter().find(|row| varies(row)) else {
-            return Ok(vec![None; conditions.len()]);
-        };
-        let Some(path) = &self.variability else {
-            let problem = format!(
-                "the car of condition {} varies, and nothing says how people's own drives do",
-                first.condition
-            );
-            let help = "write it with `maveric personalize --variability FILE` and give it with --variability FILE";
-            return Err(StudyError::not_possible(problem).with_help(help));
-        };
-        let known = read_variability(path)?;
-        let baseline = design.and_then(maveric_domain::Design::baseline_id);
-        let variability = |row: &ConditionRow| {
-            if !varies(row) {
-                return Ok(None);
-            }
-            let by_hand = known
-                .iter()
-                .find(|k| k.participant == row.participant && Some(k.condition) == baseline);
-            by_hand.map(|k| Some(k.variability())).ok_or_else(|| {
-                let whose = &row.participant;
-                StudyError::file(
-                    path,
-                    format!("has no row of the own drive of participant {whose}"),
-                )
-            })
-        };
-        conditions.iter().map(variability).collect()
-    }
-}
-
-struct Ride<'a> {
-    row: &'a ConditionRow,
-    id: DriveId,
-    occasion: Occasion,
-    varying: Option<Variability>,
-}
-
-/// A drive that was driven to its end; with what the page plays where it is watched.
-struct Driven {
-    meta: DriveMeta,
-    rows: usize,
-    duration_s: f64,
-    report: RolloutReport,
-    watched: Option<WatchedDrive>,
 }
 
 /// Writes the page that plays the drives kept for it, the own drive first.
@@ -408,204 +293,5 @@ fn write_page(options: &Simulate, page: &Path, driven: &[Driven]) -> Result<(), 
     write_watch_page(page, drives, Some(options.seed), &provenance)
 }
 
-/// The car with a style in a world of the scenario; what wanders, if anything does.
-pub(crate) fn drive_style(
-    model: &Model,
-    style: &Embedding,
-    varying: Option<&Variability>,
-    scenario: &Scenario,
-    world: u64,
-) -> Result<Rollout, StudyError> {
-    let planner = ModelPlanner::new(model, style, &scenario.settings().controllers)?;
-    let controllers = planner.controllers();
-    // Nothing wanders with a variability of nothing: the set-points are the planner's own.
-    let varying = varying.copied().unwrap_or_default();
-    let mut planner = Varying::new(planner, &varying, &controllers, world);
-    let driver = Driver::Automated(&mut planner, &controllers);
-    let driven = rollout(scenario, driver, world)?;
-    match planner.into_inner().failure() {
-        Some(error) => Err(error.into()),
-        None => Ok(driven),
-    }
-}
-
-/// A drive that ended early, and why.
-type Stopped = (DriveId, SimulatorError);
-
-fn drive(
-    options: &Simulate,
-    model: &Model,
-    scenario: &Scenario,
-    ride: &Ride<'_>,
-    logged: bool,
-    watched: bool,
-) -> Result<Result<Driven, Stopped>, StudyError> {
-    let (id, row) = (ride.id.clone(), ride.row);
-    let seed = stream_seed(options.seed, &[id.as_str(), "world"]);
-    let driven = drive_style(model, &row.embedding, ride.varying.as_ref(), scenario, seed)?;
-    if let Some(why) = driven.stopped {
-        return Ok(Err((id, why)));
-    }
-    let who = row.participant.clone();
-    let meta = DriveMeta::new(id, who, row.condition, DrivenBy::Automated).on(ride.occasion);
-    if logged {
-        let scenes = options.scenes.as_ref();
-        let beside = Beside {
-            trace: &driven.trace,
-            scene: scenes.is_some_and(|s| s.cover(&meta.participant)),
-            ..Beside::default()
-        };
-        let log = log_of(&options.out, meta.drive.as_str());
-        write_recording(&log, &driven.recording, &meta, &beside)?;
-    }
-    let recorded = Drive::from_recording(meta.clone(), &driven.recording)?;
-    write_drive(&options.out.join("drives"), &recorded)?;
-    let watched = watched.then(|| {
-        let interventions = Some(braking(&driven.trace));
-        let road = centre_line(scenario, &driven.recording);
-        WatchedDrive::new(meta.clone(), &driven.recording, interventions, road)
-    });
-    Ok(Ok(Driven {
-        meta,
-        rows: recorded.len(),
-        duration_s: recorded.rows().time_s.last().copied().unwrap_or(0.0),
-        report: driven.report,
-        watched: watched.transpose()?,
-    }))
-}
-
-/// Where a road that bends lies on the map, over the stretch that is driven and seen.
-fn centre_line(scenario: &Scenario, recording: &Recording) -> Option<CentreLine> {
-    const STEP_M: f64 = 10.0;
-    const SIGHT_M: f64 = 200.0;
-    let line = scenario.centre_line();
-    if line.is_straight() {
-        return None;
-    }
-    let x_m = &recording.ego().x_m;
-    let start_m = x_m.iter().copied().fold(f64::MAX, f64::min) - SIGHT_M;
-    let end_m = x_m.iter().copied().fold(f64::MIN, f64::max) + SIGHT_M;
-    let places = ((end_m - start_m) / STEP_M).ceil() as usize + 1;
-    let place = |i: usize| {
-        let pose = line.map_pose(start_m + i as f64 * STEP_M, 0.0);
-        (pose.x_m, pose.y_m)
-    };
-    Some(CentreLine {
-        start_m,
-        step_m: STEP_M,
-        map_m: (0..places).map(place).collect(),
-    })
-}
-
 #[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::tables::variability::VariabilityRow;
-    use clap::Parser as _;
-    use maveric_domain::Design;
-
-    #[derive(clap::Parser)]
-    struct Asked {
-        #[command(flatten)]
-        simulate: Simulate,
-    }
-
-    fn asked(more: &[&str]) -> Simulate {
-        let fixed = "simulate --model m --conditions c --out o".split(' ');
-        Asked::parse_from(fixed.chain(more.iter().copied())).simulate
-    }
-
-    fn row(participant: &str, condition: &str) -> ConditionRow {
-        ConditionRow {
-            participant: ParticipantId::new(participant).unwrap(),
-            condition: condition.parse().unwrap(),
-            adb_hat: None,
-            moved_points: None,
-            moved_points_sd: None,
-            clamped: false,
-            angle_rad: None,
-            lent: None,
-            beyond_training: false,
-            beyond_why: None,
-            sweep: None,
-            embedding: Embedding::new(vec![0.0]).unwrap(),
-        }
-    }
-
-    #[test]
-    fn without_a_wish_the_one_in_the_middle_has_logs_and_otherwise_those_who_are_asked_for() {
-        let mut rows = Vec::new();
-        for (who, score) in [
-            ("P01", Some(50.0)),
-            ("P02", None),
-            ("P03", Some(20.0)),
-            ("P04", Some(30.0)),
-        ] {
-            for (condition, moved) in [("mimic", 0.0), ("wild", 15.0)] {
-                rows.push(ConditionRow {
-                    adb_hat: score.map(|s| s + moved),
-                    moved_points: Some(moved),
-                    ..row(who, condition)
-                });
-            }
-        }
-        let logged_of = |rows: &[ConditionRow], more: &[&str]| -> Vec<String> {
-            let asked = asked(more);
-            let logged = Logged::new(&asked, rows);
-            let people = rows.iter().step_by(2).map(|row| &row.participant);
-            people
-                .filter(|who| logged.cover(who))
-                .map(ToString::to_string)
-                .collect()
-        };
-        let logged = |more: &[&str]| logged_of(&rows, more);
-        assert_eq!(logged(&[]), ["P04"]);
-        assert_eq!(logged(&["--scene", "P01"]), ["P01", "P04"]);
-        assert_eq!(logged(&["--logs", "P02"]), ["P02"]);
-        assert_eq!(logged(&["--logs"]).len(), 4);
-        assert_eq!(logged_of(&rows[2..4], &[]), ["P02"]);
-        assert_eq!(logs::in_the_middle(&[]), None);
-    }
-
-    #[test]
-    fn who_varies_does_so_as_in_the_own_drive_and_nobody_else_does() {
-        let text = "[study]\ntitle = \"t\"\n[people]\nlearn = { part = \"l\" }\n[style]\nscore = \"adb.total\"\n\
-                    [[condition]]\nid = \"alive\"\ncar = { dial = 0, vary = true }\n[[condition]]\nid = \"still\"\ncar = { dial = 0 }\n\
-                    [baseline]\nid = \"own\"\n";
-        let study = DesignFile {
-            path: None,
-            design: Design::from_toml(text).unwrap(),
-        };
-        let folder = tempfile::tempdir().unwrap();
-        let path = folder.path().join("variability.csv");
-        let drive = |condition: &str, speed_sd_mps| VariabilityRow {
-            drive: DriveId::new(format!("P01-{condition}")).unwrap(),
-            participant: ParticipantId::new("P01").unwrap(),
-            condition: condition.parse().unwrap(),
-            speed_sd_mps,
-            speed_lag_s: Some(9.0),
-            gap_log_sd: None,
-            gap_lag_s: None,
-            place_sd_m: None,
-            place_lag_s: None,
-            place_m: None,
-        };
-        let drives = [drive("other", Some(0.9)), drive("own", Some(0.4))];
-        write_rows(TableName::Variability, &path, drives).unwrap();
-        let given = ["--variability", path.to_str().unwrap()];
-        let rows = [row("P01", "alive"), row("P01", "still")];
-        let found = asked(&given).varying(Some(&study), &rows).unwrap();
-        let sd = |v: &Variability| v.free_speed.map(|w| w.sd);
-        assert_eq!(found[0].as_ref().and_then(sd), Some(0.4));
-        assert_eq!(found[1], None);
-        // Without a file, and for a stranger, by name.
-        let error = asked(&[]).varying(Some(&study), &rows).unwrap_err();
-        assert!(error.to_string().contains("condition alive"), "{error}");
-        let error = asked(&given).varying(Some(&study), &[row("P02", "alive")]);
-        assert!(error.unwrap_err().to_string().contains("participant P02"));
-        assert_eq!(
-            asked(&[]).varying(Some(&study), &rows[1..]).unwrap(),
-            [None]
-        );
-    }
-}
+mod tests;

@@ -13,7 +13,7 @@ pub use maveric_domain::MeasuredDrive;
 /// The column of [`MeasuredDrive::counted_s`].
 const COUNTED: &str = "counted_s";
 
-/// Writes measurements.
+/// Writes a row for each drive, a column for each measure.
 pub(crate) fn write_measurements(path: &Path, drives: &[MeasuredDrive]) -> Result<(), StudyError> {
     let written = drives
         .iter()

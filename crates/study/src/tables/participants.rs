@@ -227,7 +227,7 @@ fn conditions(
         let bad = |expected: String| table.bad_cell(row, "order", word, expected);
         let id = word.parse::<ConditionId>().ok();
         let Some(id) = id.filter(|id| design.condition(*id).is_some()) else {
-            let ids: Vec<ConditionId> = design.conditions().iter().map(|c| c.id).collect();
+            let ids: Vec<ConditionId> = design.condition_ids().collect();
             let meant = nearest(word, ids.iter().map(ConditionId::as_str));
             let meant = meant.map_or_else(String::new, |id| format!("; did you mean `{id}`?"));
             let ids = ConditionId::listed(&ids);

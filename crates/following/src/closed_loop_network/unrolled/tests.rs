@@ -1,6 +1,7 @@
 //! The gradient against difference quotients.
 
 use super::*;
+use crate::closed_loop_network::controller::Scaling;
 use rand::{RngExt, SeedableRng};
 
 /// Leaders that come and go, for lanes of two embeddings; the last lane only fills up.

@@ -192,7 +192,7 @@ fn factors(design: &Design, people: &[Enrolled]) -> Vec<FactorRow> {
         conditions: None,
         people: None,
     };
-    let conditions = design.conditions().iter().map(|c| c.id);
+    let conditions = design.condition_ids();
     let baseline = design.baseline_id().into_iter();
     let ids = baseline.chain(conditions).map(|id| id.to_string());
     let mut rows: Vec<FactorRow> = ids.map(|id| row(CONDITION, "within", Some(id))).collect();

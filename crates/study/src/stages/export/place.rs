@@ -3,6 +3,7 @@
 use super::ro_crate::Given;
 use crate::{
     aside::Aside,
+    deciding::hash_of,
     error::StudyError,
     tables::{Table, TableName, write_rows},
 };
@@ -55,7 +56,7 @@ impl Place {
             given.push(Given {
                 file: name,
                 bytes: bytes.len(),
-                blake3: blake3::hash(&bytes).to_hex().to_string(),
+                blake3: hash_of(&bytes),
             });
         }
         Ok(given)

@@ -50,7 +50,7 @@ impl Sources {
                 out: options.out.clone(),
                 ..Ingest::default()
             };
-            let logs = logs::of(&ingested, study)?;
+            let logs = logs::named_or_declared(&ingested, study)?;
             return Ok(Self { logs, ..named });
         }
         if named.participants.is_some() || !named.surveys.is_empty() || named.seat.is_some() {

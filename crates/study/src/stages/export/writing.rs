@@ -125,9 +125,5 @@ pub fn export(
         ),
     ];
     summary.extend(left_out.lines());
-    Ok(Outcome {
-        value,
-        summary,
-        warnings,
-    })
+    Ok(Outcome::new(value, summary, warnings))
 }

@@ -112,11 +112,7 @@ impl Imports<'_> {
             summary.push(format!("{left_out} answers left out by unknown condition"));
         }
         summary.extend(why);
-        Ok(Outcome {
-            value,
-            summary,
-            warnings,
-        })
+        Ok(Outcome::new(value, summary, warnings))
     }
 
     /// Why there is not one answer: `nobody` gave one, or nobody is let in.

@@ -18,7 +18,10 @@ pub(crate) struct Log {
 ///
 /// # Errors
 /// [`StudyError::BadFile`] for a folder without logs; [`StudyError::Ingest`] for a mapping that is none.
-pub(crate) fn of(options: &Ingest, study: Option<&DesignFile>) -> Result<Vec<Log>, StudyError> {
+pub(crate) fn named_or_declared(
+    options: &Ingest,
+    study: Option<&DesignFile>,
+) -> Result<Vec<Log>, StudyError> {
     gathered(options, study, true)
 }
 

@@ -2,8 +2,8 @@
 
 use super::DrawReport;
 use crate::{
-    atomic_write::read_text, design::DesignFile, error::StudyError, run_folder::MODEL_FILE,
-    stage::Files,
+    atomic_write::read_text, deciding::hash_of_file, design::DesignFile, error::StudyError,
+    run_folder::MODEL_FILE, stage::Files,
 };
 use maveric_report::html::{Input, ParameterFile};
 use path_slash::PathExt as _;
@@ -33,10 +33,9 @@ const MOST_BYTES: u64 = 100_000;
 pub(crate) fn hashed(paths: impl IntoIterator<Item = PathBuf>) -> Result<Vec<Input>, StudyError> {
     let mut inputs = Vec::new();
     for path in paths.into_iter().filter(|p| p.is_file()) {
-        let bytes = std::fs::read(&path).map_err(StudyError::read(&path))?;
         inputs.push(Input {
             path: path.to_slash_lossy().into_owned(),
-            hash: blake3::hash(&bytes).to_hex().to_string(),
+            hash: hash_of_file(&path)?,
         });
     }
     Ok(inputs)

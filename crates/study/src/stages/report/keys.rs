@@ -55,7 +55,7 @@ fn percent(part: usize, whole: usize) -> Option<f64> {
 
 /// What the panels give: each condition against that at 0 on the dial, and ratings against "as I do".
 fn panels(run: &Run, by_key: &mut Results) {
-    let Some(own_style) = run.own_style() else {
+    let Some(own_style) = run.design.own_style() else {
         return;
     };
     for panel in &run.analysis.panels {

@@ -207,7 +207,7 @@ fn sections(
         let title = page.texts.with(&titled).text("exploratory")?;
         Ok(Some(Section { title, ..section }))
     };
-    let own_style = run.own_style();
+    let own_style = run.design.own_style();
     let mut conditions = run.design.conditions().iter();
     let shown = own_style.or(conditions.clone().next().map(|c| c.id));
     let drive = watched.iter().find(|d| Some(d.meta.condition) == shown);

@@ -137,11 +137,7 @@ fn shown(
             .next()
             .map_or(Value::Null, |(_, value)| value)
     };
-    Ok(Outcome {
-        value,
-        summary,
-        warnings,
-    })
+    Ok(Outcome::new(value, summary, warnings))
 }
 
 /// A refusal that has to do with the table's shape says what that is, and what might be meant.

@@ -21,6 +21,7 @@ use maveric_report::{
     },
     html::{Live, LiveContent, Section, SpaceDrive, SpacePerson, StyleSpace},
 };
+use maveric_stats::HALF_95;
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 
@@ -101,7 +102,7 @@ fn step_of_the_dial(conditions: &[ConditionRow]) -> Option<Step> {
     let (points, sd) = steps.max_by(|a, b| a.0.total_cmp(&b.0))?;
     (points > 0.0).then(|| Step {
         points,
-        within: 1.96 * sd,
+        within: HALF_95 * sd,
         clamped: conditions.iter().filter(|c| c.clamped).count(),
         settings: conditions.len(),
     })
@@ -151,7 +152,7 @@ pub(super) fn live(folder: &Path, run: &Run) -> Result<Option<Live>, StudyError>
     };
     let is_own_drive =
         |row: &&EmbeddingRow| row.adb_used && Some(row.condition) == run.design.baseline_id();
-    let round = run.across().map(|_| PerpendicularEllipse::of(model));
+    let round = run.design.across().map(|_| PerpendicularEllipse::of(model));
     let ellipse = round.transpose()?.map(|round| {
         [0, 1].map(|i| {
             let (axis, half) = (&round.axes()[i], round.half_axes()[i]);
@@ -201,7 +202,7 @@ pub(super) fn shown_participant<'a>(folder: &Path, run: &'a Run) -> Option<&'a C
         row.adb_hat
             .map_or(f64::INFINITY, |hat| (hat - middle).abs())
     };
-    let own_style = run.own_style();
+    let own_style = run.design.own_style();
     let rows = run.conditions.iter();
     let rows: Vec<&ConditionRow> = rows
         .filter(|c| own_style.is_none_or(|id| c.condition == id))
@@ -230,7 +231,7 @@ fn example(
         .iter()
         .filter(|c| c.participant == shown.participant);
     let mut ellipse = Vec::new();
-    if run.across().is_some() {
+    if run.design.across().is_some() {
         let round = PerpendicularEllipse::of(model)?;
         for i in 0..ELLIPSE_POINTS {
             let angle = std::f64::consts::TAU * i as f64 / ELLIPSE_POINTS as f64;

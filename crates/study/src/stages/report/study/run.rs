@@ -13,10 +13,7 @@ use crate::{
     },
 };
 use maveric_analysis::Analysis;
-use maveric_domain::{
-    ConditionId, Design, ParticipantId, Scale,
-    design::{Car, Condition},
-};
+use maveric_domain::{Design, ParticipantId, Scale};
 use maveric_model::Model;
 use maveric_report::{Context, figures::ConditionLook};
 use std::{
@@ -96,18 +93,6 @@ impl Run {
         let style = self.design.style()?;
         let declared = style.range.map(|[low, high]| (low, high));
         declared.or_else(|| score_range(&self.scales, &style.score))
-    }
-
-    /// The condition at 0 on the dial.
-    pub(in crate::stages::report) fn own_style(&self) -> Option<ConditionId> {
-        let at_0 = |c: &&Condition| c.dial() == Some(0.0);
-        self.design.conditions().iter().find(at_0).map(|c| c.id)
-    }
-
-    /// The condition that moves across the dial.
-    pub(in crate::stages::report) fn across(&self) -> Option<ConditionId> {
-        let is = |c: &&Condition| c.car == Some(Car::Across);
-        self.design.conditions().iter().find(is).map(|c| c.id)
     }
 
     pub(in crate::stages::report) fn seed(&self) -> Option<u64> {

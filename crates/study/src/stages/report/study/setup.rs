@@ -65,7 +65,8 @@ fn losses(run: &Run) -> Option<usize> {
 
 /// Mean distance of the condition across the dial from that at 0, each half-axis of the ellipse counted as 1.
 fn across_sd(run: &Run) -> Result<Option<f64>, StudyError> {
-    let (Some(model), Some(at_0), Some(across)) = (&run.model, run.own_style(), run.across())
+    let (Some(model), Some(at_0), Some(across)) =
+        (&run.model, run.design.own_style(), run.design.across())
     else {
         return Ok(None);
     };
