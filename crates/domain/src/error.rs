@@ -1,5 +1,7 @@
 //! What can be wrong with the nouns.
 
+use crate::survey::ScoreRange;
+
 /// A value that this crate refuses to make.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
@@ -77,6 +79,22 @@ pub enum DomainError {
         found: f64,
         /// The range in words.
         expected: &'static str,
+    },
+    /// Ends of a scale of scores that are none.
+    #[error("scores from {low} to {high}, expected two finite numbers, the lower one first")]
+    NoRange {
+        /// What should be the lowest score.
+        low: f64,
+        /// What should be the highest score.
+        high: f64,
+    },
+    /// A score that its scale does not have.
+    #[error("a score of {found}, expected {range}")]
+    NotOnScale {
+        /// The score, in points.
+        found: f64,
+        /// The ends of its scale.
+        range: ScoreRange,
     },
     /// A recording or drive without enough rows.
     #[error("{what} has {found} rows, expected at least {expected}")]
