@@ -40,8 +40,7 @@ impl Offer {
     /// Whether shift and distance are within reach.
     pub fn within(&self, reach: Reach) -> bool {
         let [least, most] = reach.apart_sd;
-        self.shift_points.abs() <= reach.shift_points
-            && (least..=most).contains(&self.distance_sd)
+        self.shift_points.abs() <= reach.shift_points && (least..=most).contains(&self.distance_sd)
     }
 
     /// Places of the offers among which one is drawn: of those within reach the ones that were lent least; where none is, the nearest
@@ -91,9 +90,8 @@ mod tests {
     #[test]
     fn reach_ends_at_eight_points_and_at_both_distances() {
         assert_eq!(reach().shift_points.to_bits(), 8.0_f64.to_bits());
-        let reached = |shift_points, distance_sd| {
-            offers([(shift_points, distance_sd, 0)])[0].within(reach())
-        };
+        let reached =
+            |shift_points, distance_sd| offers([(shift_points, distance_sd, 0)])[0].within(reach());
         assert!(reached(8.0, 0.7) && reached(-8.0, 2.5));
         assert!(!reached(8.01, 1.0) && !reached(-8.01, 1.0));
         assert!(!reached(0.0, 0.69) && !reached(0.0, 2.51));

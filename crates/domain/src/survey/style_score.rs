@@ -119,7 +119,10 @@ mod tests {
     fn a_score_outside_its_scale_and_ends_that_are_none_are_refused() {
         let risky = ScoreRange::new(1.0, 6.0).unwrap();
         let score = risky.score(6.0).unwrap();
-        assert_eq!((score.points().to_bits(), score.range()), (6.0_f64.to_bits(), risky));
+        assert_eq!(
+            (score.points().to_bits(), score.range()),
+            (6.0_f64.to_bits(), risky)
+        );
         assert_eq!(
             risky.score(6.5).unwrap_err().to_string(),
             "a score of 6.5, expected 1 to 6"
