@@ -97,7 +97,7 @@ pub(crate) fn settings(folder: &Path) -> SeatSettings {
         scenario: Scenario::paper(),
         model: Some(fs::read(folder.join("lab.maveric")).unwrap()),
         made_up_model: true,
-        stretch: 1.0,
+        range: ScoreRange::ADB,
         files,
         password: Some("open & see".to_owned()),
         design: study.design,
