@@ -242,15 +242,6 @@ impl ModelError {
         }
     }
 
-    /// Refuses a score of a scale other than `expected`.
-    pub(crate) fn check_scale(found: ScoreRange, expected: ScoreRange) -> Result<(), Self> {
-        if found == expected {
-            Ok(())
-        } else {
-            Err(Self::OtherScale { found, expected })
-        }
-    }
-
     /// The next step, where one is known.
     pub fn suggestion(&self) -> Option<&'static str> {
         match self {

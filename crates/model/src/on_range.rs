@@ -3,7 +3,7 @@
 use crate::{
     epochs::TrainingDrive,
     error::ModelError,
-    model::{Heads, Model},
+    model::{Heads, LinearHeads, Model},
 };
 use maveric_domain::{ScoreRange, StyleScore};
 
@@ -12,10 +12,19 @@ use maveric_domain::{ScoreRange, StyleScore};
 /// # Errors
 /// [`ModelError::OtherScale`] for scores of two scales.
 pub(crate) fn range_of(drives: &[TrainingDrive<'_>]) -> Result<ScoreRange, ModelError> {
-    let mut ranges = drives.iter().filter_map(|d| d.adb.map(StyleScore::range));
-    let first = ranges.next().unwrap_or(ScoreRange::ADB);
-    ranges.try_for_each(|range| ModelError::check_scale(range, first))?;
+    let mut scores = drives.iter().filter_map(|d| d.adb);
+    let first = scores.next().map_or(ScoreRange::ADB, StyleScore::range);
+    scores.try_for_each(|score| points_on(first, score).map(drop))?;
     Ok(first)
+}
+
+/// The points of a score that has to be on this scale.
+pub(crate) fn points_on(expected: ScoreRange, score: StyleScore) -> Result<f64, ModelError> {
+    let found = score.range();
+    if found == expected {
+        return Ok(score.points());
+    }
+    Err(ModelError::OtherScale { found, expected })
 }
 
 impl Model {
@@ -31,20 +40,21 @@ impl Model {
         if learned == range {
             return self;
         }
-        let [[from, _], [to, _]] = [learned.ends(), range.ends()];
+        let [[from, _], [to, _]] = [learned, range].map(<[f64; 2]>::from);
         let a_point = range.width() / learned.width();
         let said = |points: f64| to + (points - from) * a_point;
         match &mut self.parts.heads {
-            Heads::Linear(linear) => {
-                if let Some(style) = &mut linear.style {
-                    style.gradient.iter_mut().for_each(|g| *g *= a_point);
-                    let square = a_point * a_point;
-                    style.covariance.iter_mut().for_each(|c| *c *= square);
-                    style.offset = said(style.offset);
-                    style.reading_sd *= a_point;
-                    style.cross_fitted_rmse = style.cross_fitted_rmse.map(|e| e * a_point);
-                }
+            Heads::Linear(LinearHeads {
+                style: Some(style), ..
+            }) => {
+                style.gradient.iter_mut().for_each(|g| *g *= a_point);
+                let square = a_point * a_point;
+                style.covariance.iter_mut().for_each(|c| *c *= square);
+                style.offset = said(style.offset);
+                style.reading_sd *= a_point;
+                style.cross_fitted_rmse = style.cross_fitted_rmse.map(|e| e * a_point);
             }
+            Heads::Linear(_) => {}
             Heads::Paper(paper) => {
                 let aggression = &mut paper.scaling.aggression;
                 aggression.mean = said(aggression.mean);

@@ -17,6 +17,7 @@ use crate::{
     heads::{Event, Posterior, Support, events_of, length_s, solve},
     losses::LossTerms,
     model::{Heads, Model},
+    on_range::points_on,
     params::share,
     rows::{Row, rows_of},
     style_space::LinearHead,
@@ -131,10 +132,7 @@ impl<'a> Personalizer<'a> {
         let shown = self.shown(drive, self.share)?;
         let axis = LinearHead::aggression(self.model).ok();
         let adb = adb.filter(|_| axis.is_some());
-        let points = adb.map(|adb| {
-            ModelError::check_scale(adb.range(), self.model.score_range())?;
-            Ok::<_, ModelError>(adb.points())
-        });
+        let points = adb.map(|adb| points_on(self.model.score_range(), adb));
         let points = points.transpose()?;
         let (posterior, readings) = self.posterior(&shown, points, self.model.days())?;
         let support = match &shown {

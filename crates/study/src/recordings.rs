@@ -89,7 +89,7 @@ pub(crate) fn read(
             warnings.push(format!("{}: left out, {}", meta.drive, why.reason));
             continue;
         }
-        let score = scores.told(&drive, Some(study), baseline)?;
+        let score = scores.of_drive(&drive, Some(study), baseline)?;
         let speed = objective::find("mean_velocity_mps").and_then(|m| m.of(&drive));
         let drove = Drove {
             drive: meta.drive.clone(),
@@ -119,8 +119,10 @@ pub(crate) fn read(
         who.then(key(a).cmp(&key(b)))
             .then_with(|| a.drove.drive.cmp(&b.drove.drive))
     });
-    let range = scores.range;
-    Ok(Recordings { rows, range })
+    Ok(Recordings {
+        rows,
+        range: scores.range,
+    })
 }
 
 #[cfg(test)]

@@ -67,40 +67,27 @@ impl StyleScores {
         Ok(Self { range, rows })
     }
 
-    /// The score that belongs to a drive: the one answered before the drives to the baseline, another to a professional's role.
+    /// The score that belongs to a drive: that of its role, where a study's says one by its instruction; else the one answered before the
+    /// drives to the baseline, another to a professional's role.
     ///
     /// # Errors
     /// [`StudyError`] for one outside the scale.
-    pub(crate) fn answered(
+    pub(crate) fn of_drive(
         &self,
         drive: &Drive,
+        study: Option<&DesignFile>,
         baseline: Option<ConditionId>,
     ) -> Result<Option<StyleScore>, StudyError> {
         let meta = drive.meta();
+        let role = study.and_then(|s| s.design.role(meta.condition));
         let moment = if Some(meta.condition) == baseline {
             Moment::Pre
         } else {
             Moment::after(meta.condition)
         };
         let is_of = |s: &&Score| s.participant == meta.participant && s.moment == moment;
-        let points = self.rows.iter().find(is_of).and_then(|s| s.value);
+        let answered = || self.rows.iter().find(is_of)?.value;
+        let points = role.and_then(|role| role.score).or_else(answered);
         Ok(points.map(|points| self.range.score(points)).transpose()?)
-    }
-
-    /// The score that a drive's role has by its instruction; else as [`StyleScores::answered`].
-    ///
-    /// # Errors
-    /// [`StudyError`] for one outside the scale.
-    pub(crate) fn told(
-        &self,
-        drive: &Drive,
-        study: Option<&DesignFile>,
-        baseline: Option<ConditionId>,
-    ) -> Result<Option<StyleScore>, StudyError> {
-        let role = study.and_then(|s| s.design.role(drive.meta().condition));
-        match role.and_then(|role| role.score) {
-            Some(points) => Ok(Some(self.range.score(points)?)),
-            None => self.answered(drive, baseline),
-        }
     }
 }

@@ -32,11 +32,6 @@ impl ScoreRange {
         Err(DomainError::NoRange { low, high })
     }
 
-    /// Lowest and highest score.
-    pub fn ends(self) -> [f64; 2] {
-        [self.low, self.high]
-    }
-
     /// Points from one end to the other.
     pub fn width(self) -> f64 {
         self.high - self.low
@@ -70,7 +65,7 @@ impl TryFrom<[f64; 2]> for ScoreRange {
 
 impl From<ScoreRange> for [f64; 2] {
     fn from(range: ScoreRange) -> Self {
-        range.ends()
+        [range.low, range.high]
     }
 }
 

@@ -7,6 +7,7 @@ use crate::{
     error::ModelError,
     heads::{Posterior, ScoredStyle, StyleHead},
     model::{Heads, Model, ModelParts},
+    on_range::points_on,
 };
 use maveric_domain::{Drive, Embedding};
 
@@ -54,11 +55,10 @@ pub fn learn_days(
             };
             place.embedding = Embedding::new(person.mean.clone())?;
             if let Some(adb) = drive.adb {
-                ModelError::check_scale(adb.range(), parts.score_range)?;
                 scored.push(ScoredStyle {
                     participant: drive.drive.meta().participant.clone(),
                     style: person,
-                    points: adb.points(),
+                    points: points_on(parts.score_range, adb)?,
                 });
             }
         }

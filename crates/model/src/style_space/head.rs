@@ -69,7 +69,7 @@ impl LinearHead {
             name: "aggression".to_owned(),
             gradient,
             offset,
-            range: model.score_range().ends(),
+            range: model.score_range().into(),
             covariance,
         })
     }

@@ -8,6 +8,7 @@ mod made;
 pub(crate) mod script;
 
 use made::model;
+use maveric_domain::ScoreRange;
 use maveric_model::model_file;
 use maveric_seat::{Seat, SeatError, SeatSettings, Wire, files, serve};
 use maveric_simulator::Scenario;

@@ -229,7 +229,7 @@ impl Ablate {
         let scores = StyleScores::of(scores.unwrap_or_default(), None)?;
         let baseline = DesignFile::find(None)?.design.baseline_id();
         let scored = |drive: Drive| {
-            let score = scores.answered(&drive, baseline)?;
+            let score = scores.of_drive(&drive, None, baseline)?;
             Ok((drive, score))
         };
         read_drives(&self.drives)?.into_iter().map(scored).collect()

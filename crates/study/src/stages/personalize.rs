@@ -147,7 +147,7 @@ impl Stage for Personalize {
         let personalizer = Personalizer::of_first(&model, self.fit_fraction)?;
         let mut warnings = Vec::new();
         let (tasks, unscored) = self.tasks(&drives, |drive| {
-            let score = scores.answered(drive, baseline)?;
+            let score = scores.of_drive(drive, None, baseline)?;
             Ok((score, score.is_some() && model.knows_aggression()))
         })?;
         warnings.extend(told_once("drive", unscored));

@@ -149,7 +149,7 @@ impl Stage for Train {
         let scores = StyleScores::of(scores.unwrap_or_default(), study.as_ref())?;
         let settings = self.settings();
         let baseline = DesignFile::find(design)?.design.baseline_id();
-        let score = |drive: &Drive| scores.told(drive, study.as_ref(), baseline);
+        let score = |drive: &Drive| scores.of_drive(drive, study.as_ref(), baseline);
         let mut unscored = Vec::new();
         let mut training = Vec::new();
         for drive in &drives {

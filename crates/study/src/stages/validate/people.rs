@@ -70,7 +70,7 @@ pub(super) fn read(folder: &Path) -> Result<People, StudyError> {
             let participant = first.meta().participant.clone();
             if let Some(again) = second.remove(&participant) {
                 drivers.push(Person {
-                    adb: scores.answered(&first, baseline)?,
+                    adb: scores.of_drive(&first, None, baseline)?,
                     latent: latents.get(&participant).copied(),
                     participant,
                     first,
@@ -95,7 +95,9 @@ pub(super) fn read(folder: &Path) -> Result<People, StudyError> {
     for drive in read_drives(&folder.join("drives").join("study1"))? {
         trained_on.push((
             values(&drive),
-            scores.answered(&drive, baseline)?.map(StyleScore::points),
+            scores
+                .of_drive(&drive, None, baseline)?
+                .map(StyleScore::points),
         ));
     }
     Ok(People {
