@@ -1,7 +1,5 @@
 //! What can be wrong with the nouns.
 
-use crate::survey::ScoreRange;
-
 /// A value that this crate refuses to make.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
@@ -89,12 +87,14 @@ pub enum DomainError {
         high: f64,
     },
     /// A score that its scale does not have.
-    #[error("a score of {found}, expected {range}")]
+    #[error("a score of {found}, expected {low} to {high}")]
     NotOnScale {
         /// The score, in points.
         found: f64,
-        /// The ends of its scale.
-        range: ScoreRange,
+        /// The lowest of its scale.
+        low: f64,
+        /// The highest of its scale.
+        high: f64,
     },
     /// A recording or drive without enough rows.
     #[error("{what} has {found} rows, expected at least {expected}")]

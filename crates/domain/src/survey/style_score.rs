@@ -43,10 +43,11 @@ impl ScoreRange {
     /// [`DomainError::NotOnScale`] for one outside the range.
     pub fn score(self, points: f64) -> Result<StyleScore, DomainError> {
         let (found, range) = (points, self);
-        if (self.low..=self.high).contains(&points) {
+        let Self { low, high } = self;
+        if (low..=high).contains(&points) {
             return Ok(StyleScore { points, range });
         }
-        Err(DomainError::NotOnScale { found, range })
+        Err(DomainError::NotOnScale { found, low, high })
     }
 
     /// Whether the scale has such a score, in points; one that only rounding puts outside counts as its end.
