@@ -114,7 +114,6 @@ fn opened_with(folder: &Path, model: Option<Vec<u8>>) -> Server {
         scales: read_scales(&folder.join("scales")).unwrap(),
         scenario: Scenario::paper(),
         model,
-        stretch: 1.0,
         ..settings
     };
     Server::of(

@@ -32,7 +32,7 @@ pub use contrast::{Claim, Compare, Hypothesis, LevelContrast, Levels};
 pub use error::DesignError;
 pub use exclude::Exclude;
 pub use files::{BeyondRule, Files, Mappings, ModelFile, RigMapping, Software};
-pub use lending::{FEWEST_DONORS, FURTHEST_SHIFT_POINTS, Offer};
+pub use lending::{FEWEST_DONORS, Offer, Reach};
 pub use needs::{InputDevice, Needs};
 pub use orders::OrderPlan;
 pub use outcome::{DeclaredTest, Homophily, Outcome, Quantity, ScoreName, Style};

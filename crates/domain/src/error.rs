@@ -78,6 +78,24 @@ pub enum DomainError {
         /// The range in words.
         expected: &'static str,
     },
+    /// Ends of a scale of scores that are none.
+    #[error("scores from {low} to {high}, expected two finite numbers, the lower one first")]
+    NoRange {
+        /// What should be the lowest score.
+        low: f64,
+        /// What should be the highest score.
+        high: f64,
+    },
+    /// A score that its scale does not have.
+    #[error("a score of {found}, expected {low} to {high}")]
+    NotOnScale {
+        /// The score, in points.
+        found: f64,
+        /// The lowest of its scale.
+        low: f64,
+        /// The highest of its scale.
+        high: f64,
+    },
     /// A recording or drive without enough rows.
     #[error("{what} has {found} rows, expected at least {expected}")]
     TooShort {

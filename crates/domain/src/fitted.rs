@@ -5,7 +5,7 @@ use crate::{
     embedding::Embedding,
     ids::{DriveId, ParticipantId},
     occasion::{first, is_first},
-    survey::AdbScore,
+    survey::ScoreRange,
 };
 use serde::{Deserialize, Serialize};
 use std::{fmt, num::NonZeroU32, str::FromStr};
@@ -31,14 +31,15 @@ pub enum BeyondWhy {
 }
 
 impl BeyondWhy {
-    /// The score that a drive has where a model read this one of it, in points of the ADB scale, and why the drive is beyond: a reading
+    /// The score that a drive has where a model read this one of it, in points of its scale, and why the drive is beyond: a reading
     /// that the scale does not have is no score, and is why; otherwise it is what the model's support says.
     pub fn of_reading(
+        range: ScoreRange,
         reading: Option<f64>,
         by_support: Option<Self>,
     ) -> (Option<f64>, Option<Self>) {
         match reading {
-            Some(points) if !AdbScore::has(points) => (None, Some(Self::Scale)),
+            Some(points) if !range.has(points) => (None, Some(Self::Scale)),
             _ => (reading, by_support),
         }
     }
@@ -156,14 +157,15 @@ mod tests {
                 habit: "pass".to_owned(),
             })
         };
+        let of_reading = |reading, why| BeyondWhy::of_reading(ScoreRange::ADB, reading, why);
         let scale = (None, Some(BeyondWhy::Scale));
-        assert_eq!(BeyondWhy::of_reading(Some(-1.3), None), scale);
-        assert_eq!(BeyondWhy::of_reading(Some(55.1), pass()), scale);
-        assert_eq!(
-            BeyondWhy::of_reading(Some(30.0), pass()),
-            (Some(30.0), pass())
-        );
-        assert_eq!(BeyondWhy::of_reading(None, None), (None, None));
+        assert_eq!(of_reading(Some(-1.3), None), scale);
+        assert_eq!(of_reading(Some(55.1), pass()), scale);
+        assert_eq!(of_reading(Some(30.0), pass()), (Some(30.0), pass()));
+        assert_eq!(of_reading(None, None), (None, None));
+        let risky = ScoreRange::new(1.0, 6.0).unwrap();
+        let found = BeyondWhy::of_reading(risky, Some(6.1), None);
+        assert_eq!(found, scale);
     }
 
     #[test]

@@ -41,7 +41,8 @@ pub use sees::Sees;
 pub use setpoints::{LaneWish, Setpoints, When};
 pub use steered::{ConditionRow, Lent, SweepPoint};
 pub use survey::{
-    AdbScore, Answer, Moment, NormCorrelation, Norms, ProbeAnswer, Scale, Score, Subscale,
+    Answer, Moment, NormCorrelation, Norms, ProbeAnswer, Scale, Score, ScoreRange, StyleScore,
+    Subscale,
 };
 pub use trace::{LaneActivity, TraceRow};
 pub use traits::LatentTraits;

@@ -5,13 +5,14 @@ use crate::{
     error::{ModelError, ModelWarning},
     fused::tile::{Known, Tile},
     losses::{Loss, LossWeights},
+    on_range::range_of,
     paper::Learned,
     params::TrainSettings,
     rows::{Row, RowWeights, left_out, now, rows_of},
     scaling::{Scaling, Standardization},
     windows::SIGNALS,
 };
-use maveric_domain::{AdbScore, DriveId};
+use maveric_domain::{DriveId, ScoreRange, StyleScore};
 use rayon::prelude::*;
 
 /// Rows of drives, standardised.
@@ -70,7 +71,8 @@ pub(crate) struct Data {
     pub(crate) drives: Vec<DriveId>,
     /// The same as they are, drive by drive.
     pub(crate) rows_of_each: Vec<Vec<Row>>,
-    /// Standardised ADB.
+    pub(crate) score_range: ScoreRange,
+    /// The standardised score.
     pub(crate) adb: Vec<Option<f32>>,
     pub(crate) mean_speed_mps: Vec<f64>,
     pub(crate) rows: RowSet,
@@ -105,7 +107,7 @@ impl Data {
             }
         }
         check_drivers(&used, given.len(), &mut warnings)?;
-        let mut data = Self::standardized(&used, rows_used, warnings);
+        let mut data = Self::standardized(&used, rows_used, range_of(given)?, warnings);
         data.note_losses_without_data(&settings.loss_weights);
         Ok(data)
     }
@@ -113,11 +115,12 @@ impl Data {
     fn standardized(
         used: &[&TrainingDrive<'_>],
         rows_of_each: Vec<Vec<Row>>,
+        score_range: ScoreRange,
         warnings: Vec<ModelWarning>,
     ) -> Self {
         let all_rows = || rows_of_each.iter().flatten();
         let grid = || all_rows().filter(|row| row.on_grid);
-        let scores = || used.iter().filter_map(|d| d.adb.map(AdbScore::points));
+        let scores = || used.iter().filter_map(|d| d.adb.map(StyleScore::points));
         let scaling = Scaling {
             signals: std::array::from_fn(|s| {
                 Standardization::from_values(grid().map(|row| now(row, s)))
@@ -151,6 +154,7 @@ impl Data {
             scores().any(|s| first.is_some_and(|first| (s - first).abs() > f64::EPSILON));
         Self {
             drives: used.iter().map(|d| d.drive.meta().drive.clone()).collect(),
+            score_range,
             adb: used
                 .iter()
                 .map(|d| Some(scaling.aggression.apply(d.adb?.points()) as f32))

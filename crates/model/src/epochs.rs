@@ -4,23 +4,23 @@ use crate::{
     error::{ModelError, ModelWarning},
     losses::LossTerms,
 };
-use maveric_domain::{AdbScore, Drive, ParticipantId, stream_seed};
+use maveric_domain::{Drive, ParticipantId, StyleScore, stream_seed};
 use rand::{SeedableRng, seq::SliceRandom};
 use rand_pcg::Pcg64Mcg;
 use serde::{Deserialize, Serialize};
 use std::{collections::BTreeSet, ops::ControlFlow};
 
-/// A drive to learn from, and its driver's ADB score where there is one.
+/// A drive to learn from, and its driver's score where there is one.
 #[derive(Debug, Clone, Copy)]
 pub struct TrainingDrive<'a> {
     /// The recording that style is learned from.
     pub drive: &'a Drive,
     /// The score; L4 is taken over the drives that have one.
-    pub adb: Option<AdbScore>,
+    pub adb: Option<StyleScore>,
 }
 
-impl<'a> From<&'a (Drive, AdbScore)> for TrainingDrive<'a> {
-    fn from((drive, adb): &'a (Drive, AdbScore)) -> Self {
+impl<'a> From<&'a (Drive, StyleScore)> for TrainingDrive<'a> {
+    fn from((drive, adb): &'a (Drive, StyleScore)) -> Self {
         Self {
             drive,
             adb: Some(*adb),

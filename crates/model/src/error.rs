@@ -1,7 +1,7 @@
 //! What can go wrong with models.
 
 use crate::heads_kind::HeadsKind;
-use maveric_domain::{DomainError, DriveId};
+use maveric_domain::{DomainError, DriveId, ScoreRange};
 
 /// A training, a personalising or a model file that this crate refuses.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -63,6 +63,14 @@ pub enum ModelError {
         found: usize,
         /// Coordinates of the model.
         expected: usize,
+    },
+    /// A score of another scale than the model's, or than the other drives'.
+    #[error("a score on a scale of {found}, expected one of {expected}")]
+    OtherScale {
+        /// The scale of the score.
+        found: ScoreRange,
+        /// The scale of the model, or of the other scores.
+        expected: ScoreRange,
     },
     /// A window of another length than the model reads.
     #[error("window has {found} steps, the model reads {expected}")]

@@ -16,6 +16,7 @@ mod losses;
 pub mod model;
 pub mod model_file;
 mod network;
+mod on_range;
 mod own_means;
 pub mod paper;
 pub mod params;

@@ -10,7 +10,7 @@ use crate::{
     paper::PaperNetworks,
     posted::Posted,
 };
-use maveric_domain::{DriveId, Embedding};
+use maveric_domain::{DriveId, Embedding, ScoreRange};
 use nalgebra::DVector;
 use serde::{Deserialize, Serialize};
 use std::str::FromStr;
@@ -72,6 +72,8 @@ impl TrainingEmbedding {
 #[serde(deny_unknown_fields)]
 pub(crate) struct ModelParts {
     pub(crate) embedding_size: usize,
+    /// The scale of the score that it reads.
+    pub(crate) score_range: ScoreRange,
     /// How those learned from differ; not in files of before there was support.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub(crate) population: Option<Population>,
@@ -89,7 +91,7 @@ pub(crate) struct ModelParts {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(try_from = "ModelParts", into = "ModelParts")]
 pub struct Model {
-    parts: ModelParts,
+    pub(crate) parts: ModelParts,
     mean_embedding: Embedding,
 }
 

@@ -6,7 +6,7 @@
 use crate::{error::ModelError, model::Model};
 
 /// Version of the format; a file of another one is refused.
-pub const VERSION: u32 = 4;
+pub const VERSION: u32 = 5;
 
 const MAGIC: &str = "maveric-model";
 /// The header is shorter than this.
@@ -115,7 +115,7 @@ mod tests {
             assert!(from_bytes(&bytes[..at]).is_err(), "cut at {at}");
         }
         let text = String::from_utf8(bytes.clone()).unwrap();
-        let other = text.replacen("maveric-model 4 ", "maveric-model 1 ", 1);
+        let other = text.replacen("maveric-model 5 ", "maveric-model 1 ", 1);
         assert!(matches!(
             from_bytes(other.as_bytes()),
             Err(ModelError::OtherVersion { found: 1, .. })

@@ -17,11 +17,12 @@ use crate::{
     heads::{Event, Posterior, Support, events_of, length_s, solve},
     losses::LossTerms,
     model::{Heads, Model},
+    on_range::points_on,
     params::share,
     rows::{Row, rows_of},
     style_space::LinearHead,
 };
-use maveric_domain::{AdbScore, Drive, Embedding};
+use maveric_domain::{Drive, Embedding, StyleScore};
 
 /// A driver in style space.
 #[derive(Debug, Clone, PartialEq, serde::Serialize)]
@@ -30,7 +31,7 @@ pub struct Personalized {
     pub embedding: Embedding,
     /// Its covariance, shape `(d, d)`, row by row; `None` where the drive is too short to tell (networks alone).
     pub covariance: Option<Vec<f64>>,
-    /// S's reading, in ADB points; `None` if the model has no aggression axis.
+    /// S's reading, in points of the model's scale; `None` if the model has no aggression axis.
     pub aggression_hat: Option<f64>,
     /// Events, or rows for the paper's networks, that it was solved from.
     pub readings: usize,
@@ -39,7 +40,7 @@ pub struct Personalized {
     pub support: Option<Support>,
     /// Whether what is posted lies outside what was posted for those learned from: a free speed is then compared across limits.
     pub posted_unseen: bool,
-    /// Whether an ADB score was read too. With it, position on the aggression line and ADB agree in part by construction.
+    /// Whether a score was read too. With it, position on the aggression line and score agree in part by construction.
     pub used_adb: bool,
 }
 
@@ -88,7 +89,7 @@ pub struct Personalizer<'a> {
 pub fn personalize(
     model: &Model,
     drive: &Drive,
-    adb: Option<AdbScore>,
+    adb: Option<StyleScore>,
 ) -> Result<Personalized, ModelError> {
     Personalizer::new(model).fit(drive, adb)
 }
@@ -121,16 +122,18 @@ impl<'a> Personalizer<'a> {
     /// The score is read too where `adb` is given and the model knows a score.
     ///
     /// # Errors
-    /// [`ModelError::DriveTooShort`] if the drive lasts less than one window of the networks. One that shows nothing that linear
+    /// [`ModelError::OtherScale`] for a score of another scale than the model's. [`ModelError::DriveTooShort`] if the drive lasts less than
+    /// one window of the networks. One that shows nothing that linear
     /// heads read says nothing: what is known is then what is known of everybody, from 0 readings.
     ///
     /// # Source
     /// Paper, "Personalizing": the weights frozen, `w` fitted. Posterior and damped solve are ours.
-    pub fn fit(&self, drive: &Drive, adb: Option<AdbScore>) -> Result<Personalized, ModelError> {
+    pub fn fit(&self, drive: &Drive, adb: Option<StyleScore>) -> Result<Personalized, ModelError> {
         let shown = self.shown(drive, self.share)?;
         let axis = LinearHead::aggression(self.model).ok();
         let adb = adb.filter(|_| axis.is_some());
-        let points = adb.map(AdbScore::points);
+        let points = adb.map(|adb| points_on(self.model.score_range(), adb));
+        let points = points.transpose()?;
         let (posterior, readings) = self.posterior(&shown, points, self.model.days())?;
         let support = match &shown {
             Shown::Events(events) => self.model.support(events),

@@ -156,9 +156,9 @@ impl Predictor {
 mod tests {
     use super::*;
     use crate::{params::TrainSettings, test_drives::drivers, windows::WindowSettings};
-    use maveric_domain::{AdbScore, Drive};
+    use maveric_domain::{Drive, StyleScore};
 
-    fn trained(drives: &[(Drive, AdbScore)], epochs: usize) -> Model {
+    fn trained(drives: &[(Drive, StyleScore)], epochs: usize) -> Model {
         let settings = TrainSettings {
             heads: crate::HeadsKind::Paper,
             epochs,

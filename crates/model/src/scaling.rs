@@ -50,7 +50,7 @@ pub(crate) struct Scaling {
     pub(crate) signals: [Standardization; SIGNALS],
     /// The gap in following rows, in m.
     pub(crate) following_distance: Standardization,
-    /// ADB, in points.
+    /// The score, in points.
     pub(crate) aggression: Standardization,
 }
 

@@ -24,7 +24,7 @@ use std::collections::BTreeSet;
 /// is told how it went, and may stop the training.
 ///
 /// # Errors
-/// [`ModelError::BadSetting`], [`ModelError::NoDrives`], [`ModelError::DuplicateDrive`], [`ModelError::Diverged`], or
+/// [`ModelError::BadSetting`], [`ModelError::NoDrives`], [`ModelError::DuplicateDrive`], [`ModelError::OtherScale`], [`ModelError::Diverged`], or
 /// [`ModelError::Cancelled`] where `observe` broke off. A drive that shows nothing is left out with a warning.
 ///
 /// # Source

@@ -138,6 +138,7 @@ impl<'a> Trainer<'a> {
         }
         Model::try_from(ModelParts {
             embedding_size: d,
+            score_range: data.score_range,
             population: None,
             posted: None,
             training,

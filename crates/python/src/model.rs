@@ -4,12 +4,11 @@ use crate::{
     drive::Drive,
     error::{asked_to_stop, maveric_error, raised},
 };
-use maveric_domain::{BeyondWhy, Embedding};
+use maveric_domain::{BeyondWhy, Embedding, ScoreRange};
 use maveric_model::{
     Habits, HeadsKind, Model as Learned, Support, TrainSettings, TrainingDrive, model_file,
     personalize, style_space::LinearHead, train,
 };
-use maveric_study::StyleScale;
 use pyo3::{
     prelude::*,
     types::{PyBytes, PyDict},
@@ -22,7 +21,6 @@ pub struct Model {
     pub(crate) learned: Arc<Learned>,
     drivers: Vec<(String, Embedding)>,
     warnings: Vec<String>,
-    scale: StyleScale,
 }
 
 /// A driver's style in a model's terms.
@@ -35,20 +33,18 @@ pub struct Style {
     /// How well the people learned from explain the drive that it was learned of.
     support: Option<Support>,
     clamped: bool,
-    scale: StyleScale,
 }
 
-/// The scale of scores between two numbers; that of the ADB score where none are given.
-fn scale_of(range: Option<(f64, f64)>) -> PyResult<StyleScale> {
-    range.map_or(Ok(StyleScale::ADB), |(low, high)| {
-        StyleScale::new(low, high).map_err(raised)
-    })
+/// The scale of scores between two numbers, where they are given.
+fn range_of(ends: Option<(f64, f64)>) -> PyResult<Option<ScoreRange>> {
+    let range = ends.map(|(low, high)| ScoreRange::new(low, high));
+    range.transpose().map_err(raised)
 }
 
 #[pymethods]
 impl Model {
     /// Learns from drives; `scores` has a score of aggression by the drive's name or its participant's, `score_range` the ends of its
-    /// scale.
+    /// scale, those of the ADB score where none are given.
     #[staticmethod]
     #[pyo3(signature = (drives, scores, score_range, heads, embedding_size, epochs, seed))]
     #[expect(clippy::too_many_arguments, reason = "a keyword each in Python")]
@@ -71,7 +67,7 @@ impl Model {
                 )));
             }
         };
-        let scale = scale_of(score_range)?;
+        let range = range_of(score_range)?.unwrap_or(ScoreRange::ADB);
         let settings = TrainSettings {
             heads,
             embedding_size,
@@ -90,7 +86,7 @@ impl Model {
                 },
             };
             let points = score.map(|s| s.extract::<f64>()).transpose()?;
-            let adb = points.map(|p| scale.score(p)).transpose().map_err(raised)?;
+            let adb = points.map(|p| range.score(p)).transpose().map_err(raised)?;
             given.push(TrainingDrive { drive, adb });
         }
         // Ctrl-C is seen between epochs.
@@ -111,8 +107,7 @@ impl Model {
         let warnings = trained.report.warnings.iter().map(ToString::to_string);
         Ok(Self {
             warnings: warnings.collect(),
-            scale,
-            learned: Arc::new(trained.model),
+            learned: Arc::new(trained.model.on_range(range)),
             drivers: trained
                 .embeddings
                 .into_iter()
@@ -124,7 +119,8 @@ impl Model {
     /// Solves for the style of a drive, the model as it is.
     #[pyo3(signature = (drive, score = None))]
     fn personalize(&self, py: Python<'_>, drive: &Drive, score: Option<f64>) -> PyResult<Style> {
-        let adb = score.map(|s| self.scale.score(s)).transpose();
+        let range = self.learned.score_range();
+        let adb = score.map(|s| range.score(s)).transpose();
         let adb = adb.map_err(raised)?;
         let fit = py.allow_threads(|| personalize(&self.learned, &drive.signals, adb));
         let fit = fit.map_err(raised)?;
@@ -189,15 +185,16 @@ impl Model {
         Ok(PyBytes::new(py, &bytes))
     }
 
-    /// The model of a model file's bytes, and the ends of the scale on which its scores are to be told.
+    /// The model of a model file's bytes; its scores are told on the scale with these ends, or on the file's own.
     #[staticmethod]
     #[pyo3(signature = (bytes, score_range = None))]
     fn from_bytes(bytes: &[u8], score_range: Option<(f64, f64)>) -> PyResult<Self> {
+        let learned = model_file::from_bytes(bytes).map_err(raised)?;
+        let range = range_of(score_range)?.unwrap_or(learned.score_range());
         Ok(Self {
-            learned: Arc::new(model_file::from_bytes(bytes).map_err(raised)?),
+            learned: Arc::new(learned.on_range(range)),
             drivers: Vec::new(),
             warnings: Vec::new(),
-            scale: scale_of(score_range)?,
         })
     }
 
@@ -219,7 +216,6 @@ impl Model {
             covariance: None,
             support: None,
             clamped: false,
-            scale: self.scale,
         }
     }
 }
@@ -230,7 +226,8 @@ impl Style {
         let axis = LinearHead::aggression(&self.model).ok();
         let reading = axis.map(|axis| axis.read(&self.embedding)).transpose();
         let by_support = self.support.as_ref().and_then(Support::beyond);
-        Ok(self.scale.score_of(reading.map_err(raised)?, by_support))
+        let (range, reading) = (self.model.score_range(), reading.map_err(raised)?);
+        Ok(BeyondWhy::of_reading(range, reading, by_support))
     }
 }
 
@@ -285,8 +282,7 @@ impl Style {
     /// The style so many points more aggressive; less, where negative.
     fn dial(&self, points: f64) -> PyResult<Self> {
         let axis = LinearHead::aggression(&self.model).map_err(raised)?;
-        let moved = axis.shift(&self.embedding, points * self.scale.stretch());
-        let moved = moved.map_err(raised)?;
+        let moved = axis.shift(&self.embedding, points).map_err(raised)?;
         Ok(Self {
             embedding: moved.embedding,
             clamped: moved.clamped,

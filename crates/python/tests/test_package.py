@@ -120,8 +120,10 @@ def test_the_dial_turns_in_points_of_the_scores_own_scale(trained, tmp_path):
     assert same.aggression == pytest.approx(1 + (own.aggression - 11) / 44 * 5)
     assert same.dial(1).embedding == pytest.approx(own.dial(8.8).embedding, abs=1e-6)
     sixth.save(tmp_path / "m")
-    again = maveric.Model.load(tmp_path / "m", score_range=(1, 6))
+    again = maveric.Model.load(tmp_path / "m")
     assert again.personalize(drives[4]).dial(1).aggression == pytest.approx(same.aggression + 1)
+    on_adb = maveric.Model.load(tmp_path / "m", score_range=(11, 55))
+    assert on_adb.personalize(drives[4]).aggression == pytest.approx(own.aggression)
     with pytest.raises(maveric.Error, match="1 to 6"):
         maveric.Model.train(drives, {"P0": 30.0}, score_range=(1, 6))
     with pytest.raises(maveric.Error, match="the lower one first"):

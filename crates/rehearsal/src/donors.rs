@@ -5,8 +5,8 @@ use crate::{
     population::{CarSetting, MeasureModel, PopulationModel},
 };
 use maveric_domain::{
-    ConditionId,
-    design::{FEWEST_DONORS, Matched, Offer},
+    ConditionId, ScoreRange,
+    design::{FEWEST_DONORS, Matched, Offer, Reach},
     stream_seed,
 };
 use maveric_participants::{Participant, Trait};
@@ -104,13 +104,15 @@ pub(crate) fn lend<'a>(
     seed: u64,
 ) -> Result<Vec<Loan<'a>>, RehearsalError> {
     enough(condition, places.len())?;
+    // Places are in points of the ADB's scale.
+    let reach = Reach::on(ScoreRange::ADB, matched.apart_sd);
     let mut lent = vec![0; places.len()];
     let mut loans = Vec::new();
     for (at, rider) in places.iter().enumerate() {
         let others: Vec<usize> = (0..places.len()).filter(|other| *other != at).collect();
         let offers = others.iter().map(|o| rider.offer(&places[*o], lent[*o]));
         let offers: Vec<Offer> = offers.collect();
-        let among = Offer::drawn_among(&offers, matched.apart_sd);
+        let among = Offer::drawn_among(&offers, reach);
         let labels = [rider.person.id.as_str(), "donor", condition.as_str()];
         let mut rng = Pcg64::seed_from_u64(stream_seed(seed, &labels));
         let drawn = among[rng.random_range(0..among.len())];
@@ -118,7 +120,7 @@ pub(crate) fn lend<'a>(
         loans.push(Loan {
             donor: places[others[drawn]].person,
             offer: offers[drawn],
-            within_reach: offers[drawn].within_reach(matched.apart_sd),
+            within_reach: offers[drawn].within(reach),
         });
     }
     Ok(loans)

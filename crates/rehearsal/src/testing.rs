@@ -1,7 +1,7 @@
 //! The paper's world, from the files that are shipped.
 
 use crate::{PopulationModel, World};
-use maveric_domain::{Design, Scale};
+use maveric_domain::{Design, Scale, ScoreRange};
 use std::path::Path;
 
 fn text(path: &str) -> String {
@@ -29,5 +29,5 @@ pub(crate) fn world() -> World {
         |p: &std::path::PathBuf| Scale::from_toml(&std::fs::read_to_string(p).unwrap()).unwrap();
     let scales: Vec<Scale> = paths.iter().map(scale).collect();
     let effects = toml::from_str(&text("effects.toml")).unwrap();
-    World::new(design(), population(), effects, scales, 1.0).unwrap()
+    World::new(design(), population(), effects, scales, ScoreRange::ADB).unwrap()
 }

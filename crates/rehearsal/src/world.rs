@@ -11,7 +11,7 @@ use maveric_analysis::{StudyData, Tables};
 use maveric_domain::{
     Answer, ConditionId, ConditionRow, Design, DriveId, DriveMeta, DrivenBy, Embedding,
     EmbeddingRow, Lent, MeasureValues, MeasuredDrive, Moment, ParticipantId, ProbeAnswer, Ride,
-    Scale, Score,
+    Scale, Score, ScoreRange,
     design::{Car, Condition, Matched, Probe, ScoreName},
     spread,
 };
@@ -46,7 +46,7 @@ pub struct Rehearsed {
 }
 
 impl World {
-    /// The world of a design. `points_a_point` is how many ADB points one point of the design's dial is worth.
+    /// The world of a design whose style has scores in this `range`.
     ///
     /// # Errors
     /// [`RehearsalError::UnknownCar`] for a condition whose drives cannot be made up; [`RehearsalError::NothingAcross`] for somebody else's
@@ -56,7 +56,7 @@ impl World {
         population: PopulationModel,
         mut effects: Effects,
         scales: Vec<Scale>,
-        points_a_point: f64,
+        range: ScoreRange,
     ) -> Result<Self, RehearsalError> {
         for Condition { id, car, .. } in design.conditions() {
             let condition = *id;
@@ -86,7 +86,7 @@ impl World {
             population,
             effects,
             scales,
-            points: POINTS / points_a_point,
+            points: POINTS * range.width() / ScoreRange::ADB.width(),
         })
     }
 

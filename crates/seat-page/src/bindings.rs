@@ -50,8 +50,6 @@ impl PageModel {
 /// The dial of a ride.
 struct Dial {
     points: Rc<Cell<f64>>,
-    /// Points of the model for one of the study's.
-    stretch: f64,
     own: Embedding,
     model: Rc<Model>,
 }
@@ -113,12 +111,7 @@ impl PageDrive {
         })
     }
 
-    /// A ride in a style (as a step has it, in JSON) of somebody whose own is `own` (empty: nothing was learned), at so many points of the study's on the dial; `stretch`
-    /// is points of the model for one of them.
-    #[expect(
-        clippy::too_many_arguments,
-        reason = "a page gives one after the other"
-    )]
+    /// A ride in a style (as a step has it, in JSON) of somebody whose own is `own` (empty: nothing was learned), at so many points on the dial.
     pub fn ride(
         json: &str,
         seconds: f64,
@@ -127,7 +120,6 @@ impl PageDrive {
         own: Vec<f64>,
         style: &str,
         points: f64,
-        stretch: f64,
     ) -> Result<PageDrive, String> {
         let scenario = scenario(json, seconds)?;
         let given = &scenario.settings().controllers;
@@ -137,15 +129,11 @@ impl PageDrive {
         } else {
             Embedding::new(own).map_err(text_of)?
         };
-        let style = (
-            serde_json::from_str(style).map_err(text_of)?,
-            points * stretch,
-        );
+        let style = (serde_json::from_str(style).map_err(text_of)?, points);
         let rider =
             Rider::new(Rc::clone(&model), embedding.clone(), style, given).map_err(text_of)?;
         let dial = Dial {
             points: rider.dial(),
-            stretch,
             own: embedding,
             model,
         };
@@ -305,17 +293,15 @@ impl PageDrive {
         self.drive.ticks() as f64
     }
 
-    /// Turns the dial of a ride to so many of the study's points from the person's own style, as far as it goes: gives where it is now.
+    /// Turns the dial of a ride to so many points from the person's own style, as far as it goes: gives where it is now.
     pub fn turn(&mut self, points: f64) -> Result<f64, String> {
         let Some(dial) = &self.dial else {
             return Err("nothing is ridden here".to_owned());
         };
         let head = LinearHead::aggression(&dial.model).map_err(text_of)?;
-        let moved = head
-            .shift(&dial.own, points * dial.stretch)
-            .map_err(text_of)?;
-        dial.points.set(moved.effective_points);
-        let now = moved.effective_points / dial.stretch;
+        let moved = head.shift(&dial.own, points).map_err(text_of)?;
+        let now = moved.effective_points;
+        dial.points.set(now);
         self.drive.note("dial", Some(now));
         Ok(now)
     }

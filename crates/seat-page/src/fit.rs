@@ -13,7 +13,7 @@ pub struct Fit {
     pub embedding: Vec<f64>,
     /// Its covariance, shape `(d, d)`, row by row; none where too little was driven.
     pub covariance: Option<Vec<f64>>,
-    /// The score that is read from it, in its scale's points; none where the model reads none.
+    /// The score that is read from it, in its scale's points; none where the model reads none, or one that the scale does not have.
     pub score: Option<f64>,
     /// Events or rows that it was learned from; 0: nothing was shown, and this is the average driver.
     pub readings: usize,
@@ -37,11 +37,14 @@ pub fn fit(
     let meta = DriveMeta::named("seat", "seat", "own", driven_by)?;
     let drive = Drive::from_recording(meta, recording)?;
     let personalized = personalize(model, &drive, None)?;
+    let support = personalized.support.as_ref().and_then(Support::beyond);
+    let reading = personalized.aggression_hat;
+    let (score, beyond) = BeyondWhy::of_reading(model.score_range(), reading, support);
     Ok(Fit {
         embedding: personalized.embedding.coordinates().to_vec(),
         covariance: personalized.covariance,
-        score: personalized.aggression_hat,
+        score,
         readings: personalized.readings,
-        beyond: personalized.support.as_ref().and_then(Support::beyond),
+        beyond,
     })
 }

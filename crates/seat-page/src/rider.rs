@@ -21,7 +21,7 @@ pub struct Rider {
 }
 
 impl Rider {
-    /// A style for somebody whose own is `own`, at `points` of the model on the dial.
+    /// A style for somebody whose own is `own`, at `points` on the dial.
     ///
     /// # Errors
     /// [`SeatPageError::Model`] if an embedding is not of the model's size, or there is no dial to turn.

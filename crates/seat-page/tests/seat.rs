@@ -4,7 +4,8 @@
 
 mod support;
 
-use maveric_domain::{DrivenBy, Embedding, MetresPerSecond, Seconds};
+use maveric_domain::{BeyondWhy, DrivenBy, Embedding, MetresPerSecond, Recording, Seconds};
+use maveric_model::Model;
 use maveric_seat_page::{
     Driven, Frames, Input, Keyboard, Keys, Practised, Record, RideStyle, Rider, SeatDrive,
     SeatPageError, Signal, fit, replay,
@@ -186,30 +187,46 @@ fn records_that_cannot_be_are_refused_with_the_line() {
     assert!(matches!(replay(&ride), Err(SeatPageError::Record { .. })));
 }
 
+/// A drive of five minutes by hand in the right lane, long enough for a block of free road before the first vehicle ahead.
+fn driven_at(speed_mps: f64) -> Recording {
+    let scenario = scenario(300.0);
+    let mut drive = SeatDrive::by_hand(&scenario, 9, DrivenBy::Human).unwrap();
+    let mut keyboard = Keyboard::new(&scenario);
+    loop {
+        let keys = pressed(&drive, 0.0, speed_mps);
+        let now = drive.session().car().speed_mps;
+        if !drive.tick(keyboard.input(keys, Signal::Off, now)) {
+            return drive.finish().unwrap().rollout.recording;
+        }
+    }
+}
+
 #[test]
 fn a_fast_hand_is_learned_as_faster_than_a_slow_one() {
     let model = model();
-    let fitted = |speed: f64| {
-        // Long enough for a block of free road before the first vehicle ahead.
-        let scenario = scenario(300.0);
-        let mut drive = SeatDrive::by_hand(&scenario, 9, DrivenBy::Human).unwrap();
-        let mut keyboard = Keyboard::new(&scenario);
-        loop {
-            let keys = pressed(&drive, 0.0, speed);
-            let now = drive.session().car().speed_mps;
-            if !drive.tick(keyboard.input(keys, Signal::Off, now)) {
-                break;
-            }
-        }
-        let driven = drive.finish().unwrap();
-        fit(&model, &driven.rollout.recording, DrivenBy::Human).unwrap()
-    };
-    let (slow, fast) = (fitted(22.0), fitted(33.0));
+    let [slow, fast] =
+        [22.0, 33.0].map(|speed| fit(&model, &driven_at(speed), DrivenBy::Human).unwrap());
     assert!(slow.readings > 0 && fast.readings > 0);
     assert!(
         fast.embedding[0] > slow.embedding[0] + 0.5,
         "{slow:?} {fast:?}"
     );
+}
+
+#[test]
+fn a_style_that_reads_as_no_score_of_the_scale_has_none_and_is_beyond() {
+    let driven = driven_at(27.0);
+    let read = |offset: f64| {
+        let mut parts = serde_json::to_value(model()).unwrap();
+        parts["heads"]["linear"]["style"]["offset"] = offset.into();
+        let model: Model = serde_json::from_value(parts).unwrap();
+        let fit = fit(&model, &driven, DrivenBy::Human).unwrap();
+        (fit.score.is_some(), fit.beyond)
+    };
+    assert_eq!(read(30.0), (true, None));
+    for none in [-60.0, 120.0] {
+        assert_eq!(read(none), (false, Some(BeyondWhy::Scale)));
+    }
 }
 
 #[test]

@@ -5,7 +5,7 @@
 
 #![expect(clippy::print_stdout, reason = "a program that says what it measured")]
 
-use maveric_domain::{Design, DrivenBy, Seconds};
+use maveric_domain::{Design, DrivenBy, ScoreRange, Seconds};
 use maveric_seat::{Seat, SeatSettings, Wire, files::Files, serve, steps::Texts};
 use maveric_seat_page::{Chunk, Frames, Held, Input, SeatDrive, Signal};
 use maveric_simulator::{Hands, Scenario};
@@ -119,7 +119,7 @@ fn settings() -> Result<SeatSettings, Failed> {
         scenario: Scenario::paper(),
         model: None,
         made_up_model: false,
-        stretch: 1.0,
+        range: ScoreRange::ADB,
         files: Files::nowhere(),
         password: Some(PASSWORD.to_owned()),
     })

@@ -107,13 +107,20 @@ mod tests {
     #[test]
     fn who_drives_beyond_what_the_model_has_learned_from_has_no_place_among_the_others_and_is_nobodys_neighbour()
      {
-        let mut all: Vec<Person> = [31.0, 18.5, 40.0, 25.0, -5.0]
+        let mut all: Vec<Person> = [31.0, 18.5, 40.0, 25.0]
             .iter()
             .enumerate()
             .map(|(i, score)| person(&i.to_string(), *score, Some("done")))
             .collect();
         let others = vec![18.5, 25.0, 31.0, 40.0];
-        let off_the_scale = person("me", 60.0, Some("done"));
+        let off_the_scale = |token: &str| {
+            let mut person = person(token, 60.0, Some("done"));
+            let fit = person.fit.take().unwrap();
+            person.fit = Some(fit.replace("60", r#"null,"beyond":"scale""#));
+            person
+        };
+        all.push(off_the_scale("other"));
+        let off_the_scale = off_the_scale("me");
         assert_eq!(beside(&off_the_scale, &all), Some((None, others.clone())));
         let mut stranger = person("me", 20.0, Some("done"));
         let fit = stranger.fit.take().unwrap();

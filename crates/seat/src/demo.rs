@@ -1,7 +1,7 @@
 //! A model of made-up people, trained on first use and kept, for a seat without a study.
 
 use crate::{error::SeatError, files::Files, seat::SeatSettings, steps::Texts};
-use maveric_domain::Design;
+use maveric_domain::{Design, ScoreRange};
 use maveric_model::{FreeSpeed, HeadsKind};
 use maveric_study::{
     Stage as _, Watch,
@@ -72,7 +72,7 @@ pub fn settings(cache: &Path, jobs: usize, watch: Watch<'_>) -> Result<SeatSetti
         scenario: read_seat_scenario(None)?,
         model: Some(model(cache, jobs, watch)?),
         made_up_model: true,
-        stretch: 1.0,
+        range: ScoreRange::ADB,
         files: Files::nowhere(),
         password: None,
     })
@@ -175,7 +175,6 @@ mod tests {
         let design = Design::from_toml(DESIGN).unwrap();
         let riding = Riding {
             order: &[0, 1],
-            stretch: 1.0,
             styles: &Styles::new(),
         };
         let (texts, nobody) = (Texts::default(), Whose::Nobody);

@@ -5,7 +5,7 @@ use crate::{
     crash::CRASH,
     drives::Begun,
     error::SeatError,
-    person::{Person, on_the_scale},
+    person::Person,
     seat::Seat,
     sheet::Sheet,
     steps::{DEVICE_GONE, Step, TICKS_PER_S},
@@ -147,13 +147,7 @@ impl Seat {
 
     /// How far the style that a ride began with is from the one that the step asks for; none where they agree, or nobody can say.
     fn style_apart(&self, person: &Person, found: &Step, record: &Record) -> Option<f64> {
-        let Step::Ride {
-            style,
-            points,
-            stretch,
-            ..
-        } = found
-        else {
+        let Step::Ride { style, points, .. } = found else {
             return None;
         };
         if *style == RideStyle::Replay {
@@ -164,10 +158,7 @@ impl Seat {
             .style()
             .and_then(|fit| Embedding::new(fit.embedding).ok());
         let own_embedding = fitted.unwrap_or_else(|| model.mean_embedding().clone());
-        let expected = style
-            .place(model, &own_embedding, points * stretch)
-            .ok()?
-            .embedding;
+        let expected = style.place(model, &own_embedding, *points).ok()?.embedding;
         let apart = apart(
             record.header.style.as_ref()?.coordinates(),
             expected.coordinates(),
@@ -230,7 +221,7 @@ impl Seat {
             return;
         };
         let learned = match fit(model, &again.rollout.recording, record.header.driven_by) {
-            Ok(learned) => on_the_scale(learned),
+            Ok(learned) => learned,
             Err(error) => return outcome.tell(&format!("no style learned: {error}")),
         };
         if let Some(why) = &learned.beyond {
@@ -410,21 +401,19 @@ mod tests {
             seed: "1".to_owned(),
             style,
             points: 0.0,
-            stretch: 1.0,
             turns: None,
             lent: None,
             probe: None,
         };
         let mut person = Person::new("t".to_owned(), "P001".to_owned(), Vec::new());
         assert_eq!(mark(&person, &ride(RideStyle::Own)), None);
-        let fit = |score: f64| {
-            let text =
-                format!(r#"{{"embedding":[0.0],"covariance":null,"score":{score},"readings":3}}"#);
+        let fit = |known: &str| {
+            let text = format!(r#"{{"embedding":[0.0],"covariance":null,{known},"readings":3}}"#);
             Some(text)
         };
-        person.fit = fit(30.0);
+        person.fit = fit(r#""score":30.0"#);
         assert_eq!(mark(&person, &ride(RideStyle::Own)), None);
-        person.fit = fit(-3.0);
+        person.fit = fit(r#""score":null,"beyond":"scale""#);
         let text = mark(&person, &ride(RideStyle::Own)).unwrap();
         assert!(text.contains("the scale does not have"), "{text}");
         assert_eq!(mark(&person, &ride(RideStyle::Mean)), None);

@@ -11,7 +11,7 @@ use crate::{
     steps::Step,
 };
 use maveric_domain::{
-    DriveId, Embedding, Lent,
+    DriveId, Embedding,
     design::{Car, FEWEST_DONORS},
 };
 use maveric_model::ModelError;
@@ -146,7 +146,6 @@ impl Seat {
             let Step::Ride {
                 condition,
                 style,
-                stretch,
                 lent,
                 ..
             } = step
@@ -178,10 +177,7 @@ impl Seat {
                 continue;
             };
             *style = RideStyle::Given(embedding);
-            *lent = Some(Lent {
-                donor_shift_points: from.donor_shift_points / *stretch,
-                ..from
-            });
+            *lent = Some(from);
         }
         for id in nobodys {
             let text =

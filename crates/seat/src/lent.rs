@@ -99,7 +99,6 @@ mod tests {
             seed: "1".to_owned(),
             style: RideStyle::Given(Embedding::new(vec![0.5, 1.0]).unwrap()),
             points: 0.0,
-            stretch: 1.0,
             turns: None,
             lent: donor.map(|donor| Lent {
                 donor: DriveId::new(donor).unwrap(),

@@ -5,19 +5,9 @@ use maveric_domain::{BeyondWhy, Occasion, survey::Kind};
 use maveric_seat_page::Fit;
 use serde_json::{Value, json};
 
-/// A style as the page or the seat learned it, without a score where the scale has none: it is beyond what the model has learned from.
-pub(crate) fn on_the_scale(style: Fit) -> Fit {
-    let (score, beyond) = BeyondWhy::of_reading(style.score, style.beyond);
-    Fit {
-        score,
-        beyond,
-        ..style
-    }
-}
-
 /// A style as it is kept.
 pub(crate) fn style_kept(fit: Option<&str>) -> Option<Fit> {
-    serde_json::from_str(fit?).ok().map(on_the_scale)
+    serde_json::from_str(fit?).ok()
 }
 
 /// How the part of somebody ended who does not take part.
@@ -192,24 +182,5 @@ mod tests {
             panic!("{:?}", steps[3]);
         };
         assert!(is_boxes(again));
-    }
-
-    #[test]
-    fn a_style_that_reads_as_no_score_of_the_scale_has_none_and_is_beyond() {
-        let style = |score: f64| {
-            on_the_scale(Fit {
-                embedding: vec![0.5],
-                covariance: None,
-                score: Some(score),
-                readings: 3,
-                beyond: None,
-            })
-        };
-        assert_eq!((style(30.0).score, style(30.0).beyond), (Some(30.0), None));
-        for none in [-1.3, 55.5] {
-            let style = style(none);
-            assert_eq!((style.score, style.beyond), (None, Some(BeyondWhy::Scale)));
-            assert_eq!(style.embedding, [0.5]);
-        }
     }
 }

@@ -58,8 +58,6 @@ impl Whose<'_> {
 pub struct Riding<'a> {
     /// The places that the conditions have in the design, in the order in which they are ridden.
     pub order: &'a [usize],
-    /// Points of the model for one of the study's style.
-    pub stretch: f64,
     /// The styles that conditions name.
     pub styles: &'a Styles,
 }
@@ -257,7 +255,6 @@ impl Planning<'_> {
                     seed: world(protocol, whose, (among_all, ride)),
                     style,
                     points,
-                    stretch: riding.stretch,
                     turns,
                     lent: None,
                     probe: self.probe.clone(),

@@ -19,7 +19,7 @@ use crate::{
     token, unnamed,
     withdrawal::Withdrawal,
 };
-use maveric_domain::{Design, DriveId, Scale, SpeedUnit, design::ProtocolStep};
+use maveric_domain::{Design, DriveId, Scale, ScoreRange, SpeedUnit, design::ProtocolStep};
 use maveric_model::{Model, model_file};
 use maveric_simulator::Scenario;
 use std::{
@@ -47,8 +47,8 @@ pub struct SeatSettings {
     pub model: Option<Vec<u8>>,
     /// Whether it learned from made-up people.
     pub made_up_model: bool,
-    /// Points of the model for one point of the study's style.
-    pub stretch: f64,
+    /// The scale of the score that the study's dial turns.
+    pub range: ScoreRange,
     /// Where logs and answers are written.
     pub files: Files,
     /// The password of the experimenter's page; none for no such page.
@@ -95,7 +95,7 @@ impl SeatSettings {
     /// The model, the styles that conditions name, and what keeps the seat from running the study.
     fn examined(&self) -> Result<(Option<Model>, Styles, Vec<Hindrance>), SeatError> {
         let model = self.model.as_deref().map(model_file::from_bytes);
-        let model = model.transpose()?;
+        let model = model.transpose()?.map(|model| model.on_range(self.range));
         let mut in_the_way = Vec::new();
         for texts in [&self.texts].into_iter().chain(&self.in_others) {
             let words = (&self.scales[..], texts);
@@ -270,7 +270,6 @@ impl Seat {
         let s = &self.settings;
         let riding = self.rides().then_some(Riding {
             order,
-            stretch: s.stretch,
             styles: &self.styles,
         });
         let texts = self.texts_in(language);

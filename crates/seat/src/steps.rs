@@ -146,8 +146,6 @@ pub enum Step {
         style: RideStyle,
         /// From where on the dial, in points of the study's style.
         points: f64,
-        /// Points of the model for one of the study's.
-        stretch: f64,
         /// Points a step of the dial towards sportier (negative on a score of calmness), where the person may turn it.
         turns: Option<f64>,
         /// Whose style it is where somebody else's is lent, once the drive by hand was learned from.

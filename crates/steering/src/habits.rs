@@ -141,7 +141,7 @@ mod tests {
         });
         let heads: Vec<_> = heads.collect();
         let model: Model = serde_json::from_value(json!({
-            "embedding_size": 1, "training": [], "heads": {"linear": {"heads": heads, "style": null}},
+            "embedding_size": 1, "score_range": [11.0, 55.0], "training": [], "heads": {"linear": {"heads": heads, "style": null}},
         }))
         .unwrap();
         let habits = Habits::new(&model, &Embedding::new(vec![0.0]).unwrap()).unwrap();

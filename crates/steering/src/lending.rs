@@ -113,6 +113,7 @@ mod tests {
         let heads: Vec<_> = heads.collect();
         serde_json::from_value(json!({
             "embedding_size": 2,
+            "score_range": [11.0, 55.0],
             "training": training,
             "heads": {"linear": {
                 "heads": heads,

@@ -63,7 +63,7 @@ impl From<Seed> for String {
 pub struct PlacedStyle {
     /// In style space.
     pub embedding: Embedding,
-    /// How far that is along the dial from the person's own, in points of the model; none where the model has no dial.
+    /// How far that is along the dial from the person's own, in points of the score; none where the model has no dial.
     pub moved_points: Option<f64>,
     /// Angle of a move across the dial, in rad; only there.
     pub angle_rad: Option<f64>,
@@ -74,7 +74,7 @@ pub struct PlacedStyle {
 }
 
 impl RideStyle {
-    /// Where this style lies for somebody whose own is `own`, with the dial at `points` of the model; the dial moves the own style alone.
+    /// Where this style lies for somebody whose own is `own`, with the dial at `points`; the dial moves the own style alone.
     ///
     /// # Errors
     /// [`ModelError::NoAggressionAxis`] for a dial, or a move across it, of a model without one; [`ModelError::NoPerpendicular`] where there

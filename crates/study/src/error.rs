@@ -1,5 +1,6 @@
 //! What can go wrong between files and the science.
 
+use maveric_domain::DomainError;
 use maveric_pipeline::{PipelineError, is_held};
 use path_slash::PathExt as _;
 use std::path::PathBuf;
@@ -80,7 +81,7 @@ pub enum StudyError {
     Pipeline(#[from] PipelineError),
     /// A value that the nouns refuse.
     #[error(transparent)]
-    Domain(#[from] maveric_domain::DomainError),
+    Domain(#[from] DomainError),
     /// A log that cannot be ingested.
     #[error(transparent)]
     Ingest(#[from] maveric_ingest::IngestError),
@@ -132,6 +133,9 @@ impl StudyError {
             Self::Stats(error) => error.suggestion().map(str::to_owned),
             Self::Ingest(error) => error.suggestion(),
             Self::Model(error) => error.suggestion().map(str::to_owned),
+            Self::Domain(DomainError::NotOnScale { .. }) => {
+                Some("give the range of the questionnaire, or check the score".to_owned())
+            }
             _ => None,
         }
     }

@@ -4,11 +4,10 @@ use crate::{
     design::DesignFile,
     error::StudyError,
     gate::Gate,
-    run_folder::adb_of,
-    style_scale::{StyleScale, instructed, style_scores},
+    style_scores::StyleScores,
     tables::{drives::drives_in, surveys::read_scores},
 };
-use maveric_domain::{ConditionId, Drive};
+use maveric_domain::{ConditionId, Drive, ScoreRange, StyleScore};
 use maveric_measures::objective::{self, median_time_gap_s};
 use maveric_rehearsal::leave_out::Drove;
 use std::path::Path;
@@ -36,6 +35,8 @@ pub(crate) struct Recorded {
 #[derive(Debug)]
 pub(crate) struct Recordings {
     pub(crate) rows: Vec<Recorded>,
+    /// The scale of their points.
+    pub(crate) range: ScoreRange,
 }
 
 impl Recordings {
@@ -59,7 +60,6 @@ impl Recordings {
 pub(crate) fn read(
     study: &DesignFile,
     (folder, scores): (&Path, Option<&Path>),
-    scale: StyleScale,
     warnings: &mut Vec<String>,
 ) -> Result<Recordings, StudyError> {
     let design = &study.design;
@@ -71,7 +71,7 @@ pub(crate) fn read(
     }
     let gate = Gate::where_listed(study, None)?;
     let scores = scores.map(read_scores).transpose()?.unwrap_or_default();
-    let (scores, _) = style_scores(scores, study.path.as_deref())?;
+    let scores = StyleScores::of(scores, Some(study))?;
     let baseline = design.baseline_id();
     let mut rows = Vec::new();
     for drive in drives_in(folder)? {
@@ -89,14 +89,13 @@ pub(crate) fn read(
             warnings.push(format!("{}: left out, {}", meta.drive, why.reason));
             continue;
         }
-        let by_role = instructed(&drive, Some(study), scale)?;
-        let score = by_role.or(adb_of(&drive, &scores, baseline)?);
+        let score = scores.of_drive(&drive, Some(study), baseline)?;
         let speed = objective::find("mean_velocity_mps").and_then(|m| m.of(&drive));
         let drove = Drove {
             drive: meta.drive.clone(),
             participant: meta.participant.clone(),
             role,
-            points: score.map(|score| scale.outward(score.points())),
+            points: score.map(StyleScore::points),
             speed_mps: speed,
             time_gap_s: median_time_gap_s(&drive),
         };
@@ -120,7 +119,10 @@ pub(crate) fn read(
         who.then(key(a).cmp(&key(b)))
             .then_with(|| a.drove.drive.cmp(&b.drove.drive))
     });
-    Ok(Recordings { rows })
+    Ok(Recordings {
+        rows,
+        range: scores.range,
+    })
 }
 
 #[cfg(test)]

@@ -18,8 +18,7 @@ use crate::{
 };
 use maveric_analysis::{Driven, Person, Stopped, StudyData, Tables};
 use maveric_domain::{
-    AdbScore, Answer, ConditionId, Drive, DriveId, Moment, ParticipantId, ProbeAnswer, Ride, Scale,
-    Score, Seconds,
+    Answer, DriveId, ParticipantId, ProbeAnswer, Ride, Scale, Score, Seconds,
     design::{ScoreName, Software},
 };
 use maveric_measures::survey::score_probes;
@@ -183,30 +182,6 @@ pub fn read_seat_scenario(path: Option<&Path>) -> Result<Scenario, StudyError> {
 
 fn scenario_of(path: &Path, text: &str) -> Result<Scenario, StudyError> {
     toml::from_str(text).map_err(|e| StudyError::file(path, format!("not a scenario: {e}")))
-}
-
-/// The ADB score that belongs to a drive: the one answered before the drives to the baseline, another to a professional's role.
-pub(crate) fn adb_of(
-    drive: &Drive,
-    scores: &[Score],
-    baseline: Option<ConditionId>,
-) -> Result<Option<AdbScore>, StudyError> {
-    let meta = drive.meta();
-    let moment = if Some(meta.condition) == baseline {
-        Moment::Pre
-    } else {
-        Moment::after(meta.condition)
-    };
-    let points = scores
-        .iter()
-        .find(|s| {
-            s.participant == meta.participant
-                && s.moment == moment
-                && s.scale == "adb"
-                && s.subscale == "total"
-        })
-        .and_then(|s| s.value);
-    Ok(points.map(AdbScore::new).transpose()?)
 }
 
 /// Reads the tables that a pipeline left in a folder; `participants` names who took part, else as [`DesignFile::people_of`].

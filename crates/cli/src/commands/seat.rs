@@ -10,7 +10,7 @@ use maveric_seat::{
 };
 use maveric_study::outcome::Format;
 use maveric_study::{
-    DesignFile, StudyError, check_design, design::DESIGN_FILE, dial_stretch, run_folder,
+    DesignFile, StudyError, check_design, design::DESIGN_FILE, run_folder, style_range,
 };
 use path_slash::PathExt as _;
 use std::{
@@ -301,7 +301,7 @@ fn settings(
             .map_err(Failure::study(OPENING))?,
         model: bytes.map_err(|e| Failure::io(OPENING, e))?,
         made_up_model: study.design.synthetic() || study.design.model().is_some_and(|m| m.made_up),
-        stretch: dial_stretch(study).map_err(Failure::study(OPENING))?,
+        range: style_range(study).map_err(Failure::study(OPENING))?,
         files: files::Files::of(study, folder.join(RECORDS)),
         password,
         design: study.design.clone(),

@@ -13,11 +13,12 @@ use crate::{
     epochs::{TrainingDrive, check_drivers},
     error::{ModelError, ModelWarning},
     model::{Heads, LinearHeads, Model, ModelParts, TrainingEmbedding},
+    on_range::range_of,
     params::TrainSettings,
     posted::Posted,
     training_report::{Trained, TrainingReport},
 };
-use maveric_domain::{AdbScore, Drive, Embedding, ParticipantId};
+use maveric_domain::{Drive, Embedding, ParticipantId, StyleScore};
 use std::collections::BTreeSet;
 
 /// Length of the first share of a drive's rows, in s.
@@ -51,7 +52,7 @@ pub(crate) fn train_heads(
     settings: &TrainSettings,
     seed: u64,
 ) -> Result<Trained, ModelError> {
-    let d = settings.embedding_size;
+    let (d, score_range) = (settings.embedding_size, range_of(given)?);
     let posted = Posted::learn(given.iter().map(|t| t.drive), settings.free_speed);
     let mut warnings = Vec::new();
     let mut used: Vec<&TrainingDrive<'_>> = Vec::new();
@@ -78,7 +79,7 @@ pub(crate) fn train_heads(
             Some(ScoredStyle {
                 participant: t.drive.meta().participant.clone(),
                 style: latent.style(d),
-                points: t.adb.map(AdbScore::points)?,
+                points: t.adb.map(StyleScore::points)?,
             })
         })
         .collect();
@@ -102,6 +103,7 @@ pub(crate) fn train_heads(
     }
     let model = Model::try_from(ModelParts {
         embedding_size: d,
+        score_range,
         population: Some(population),
         posted,
         training,

@@ -5,6 +5,7 @@ use crate::{
     test_drives::{Habits, drive_apart, drivers_apart},
     train::tests::trained,
 };
+use maveric_domain::ScoreRange;
 
 /// Linear heads of twelve drivers.
 pub(crate) fn linear_model() -> Model {
@@ -54,7 +55,7 @@ fn a_score_draws_the_style_its_way_and_makes_it_surer() {
     let new = drive_apart("new", &FAST, 120.0);
     let plain = personalizer.fit(&new, None).unwrap();
     let scored = personalizer
-        .fit(&new, Some(AdbScore::new(16.0).unwrap()))
+        .fit(&new, Some(ScoreRange::ADB.score(16.0).unwrap()))
         .unwrap();
     assert!(scored.used_adb);
     assert!(scored.aggression_hat.unwrap() < plain.aggression_hat.unwrap());
@@ -79,7 +80,7 @@ fn a_drive_that_shows_nothing_leaves_what_is_known_of_everybody_and_a_score_is_r
     );
     let sds = found.standard_error().unwrap();
     assert!(sds.iter().all(|sd| (sd - 1.0).abs() < 1e-12), "{sds:?}");
-    let score = AdbScore::new(45.0).unwrap();
+    let score = ScoreRange::ADB.score(45.0).unwrap();
     let scored = personalizer.fit(&blank, Some(score)).unwrap();
     assert!(scored.aggression_hat.unwrap() > found.aggression_hat.unwrap());
 }

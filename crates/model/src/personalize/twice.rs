@@ -7,8 +7,9 @@ use crate::{
     error::ModelError,
     heads::{Posterior, ScoredStyle, StyleHead},
     model::{Heads, Model, ModelParts},
+    on_range::points_on,
 };
-use maveric_domain::{AdbScore, Drive, Embedding};
+use maveric_domain::{Drive, Embedding};
 
 /// The model with standard errors that are of the person and not of the drive alone.
 ///
@@ -17,7 +18,8 @@ use maveric_domain::{AdbScore, Drive, Embedding};
 /// the person's style, which a drive tells less well than its own. With fewer people than numbers of a style, the model stays as it is.
 ///
 /// # Errors
-/// [`ModelError::BadSetting`] for a share that is not above 0, up to 1; [`ModelError::DriveTooShort`] as [`Personalizer::fit`].
+/// [`ModelError::BadSetting`] for a share that is not above 0, up to 1; [`ModelError::DriveTooShort`] and
+/// [`ModelError::OtherScale`] as [`Personalizer::fit`].
 pub fn learn_days(
     model: &Model,
     training: &[TrainingDrive<'_>],
@@ -52,11 +54,13 @@ pub fn learn_days(
                 continue;
             };
             place.embedding = Embedding::new(person.mean.clone())?;
-            scored.extend(drive.adb.map(|adb| ScoredStyle {
-                participant: drive.drive.meta().participant.clone(),
-                style: person,
-                points: AdbScore::points(adb),
-            }));
+            if let Some(adb) = drive.adb {
+                scored.push(ScoredStyle {
+                    participant: drive.drive.meta().participant.clone(),
+                    style: person,
+                    points: points_on(parts.score_range, adb)?,
+                });
+            }
         }
         linear.style = StyleHead::fit(&scored, d, seed);
     }

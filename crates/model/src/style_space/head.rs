@@ -5,7 +5,7 @@ use crate::{
     linear_algebra::{dot, norm, spread},
     model::{Heads, Model},
 };
-use maveric_domain::{AdbScore, Embedding};
+use maveric_domain::Embedding;
 
 /// A score read from a style: `g·w + c`, within the range in which it was seen. It is linear, so g is one direction.
 ///
@@ -39,10 +39,10 @@ pub struct Moved {
 }
 
 impl LinearHead {
-    /// S of a model, under the name `aggression`, within the ends of the ADB scale.
+    /// S of a model, under the name `aggression`, within the ends of its scale.
     ///
     /// # Errors
-    /// [`ModelError::NoAggressionAxis`] if the model saw no ADB score, or its S is flat.
+    /// [`ModelError::NoAggressionAxis`] if the model saw no score, or its S is flat.
     pub fn aggression(model: &Model) -> Result<Self, ModelError> {
         let none = ModelError::NoAggressionAxis;
         let (gradient, offset, covariance) = match model.heads() {
@@ -69,7 +69,7 @@ impl LinearHead {
             name: "aggression".to_owned(),
             gradient,
             offset,
-            range: [AdbScore::MIN, AdbScore::MAX],
+            range: model.score_range().into(),
             covariance,
         })
     }

@@ -2,7 +2,10 @@
 
 use super::{LinearHead, PerpendicularEllipse};
 use crate::{error::ModelError, model::Model};
-use maveric_domain::{Embedding, design::Offer};
+use maveric_domain::{
+    Embedding,
+    design::{Offer, Reach},
+};
 use rand::{RngExt as _, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 
@@ -23,11 +26,11 @@ pub struct Donor<'a> {
 pub struct MatchedStyle {
     /// `w_d + g (S_own − S_d)/|g|²`.
     pub embedding: Embedding,
-    /// `S_own − S_d`, in points of the model.
+    /// `S_own − S_d`, in points of the score.
     pub shift_points: f64,
     /// How far donor and rider lie apart across the dial, in standard deviations of the people learned from.
     pub distance_sd: f64,
-    /// As [`Offer::within_reach`].
+    /// As [`Offer::within`].
     pub within_reach: bool,
 }
 
@@ -36,7 +39,7 @@ pub struct MatchedStyle {
 pub struct Matching {
     dial: LinearHead,
     across: PerpendicularEllipse,
-    apart_sd: [f64; 2],
+    reach: Reach,
 }
 
 impl Matching {
@@ -48,7 +51,7 @@ impl Matching {
         Ok(Self {
             dial: LinearHead::aggression(model)?,
             across: PerpendicularEllipse::of(model)?,
-            apart_sd,
+            reach: Reach::on(model.score_range(), apart_sd),
         })
     }
 
@@ -81,7 +84,7 @@ impl Matching {
             embedding,
             shift_points,
             distance_sd,
-            within_reach: offer.within_reach(self.apart_sd),
+            within_reach: offer.within(self.reach),
         })
     }
 
@@ -103,7 +106,7 @@ impl Matching {
             lent: donor.lent,
         });
         let offers: Vec<Offer> = offers.collect();
-        let among = Offer::drawn_among(&offers, self.apart_sd);
+        let among = Offer::drawn_among(&offers, self.reach);
         if among.is_empty() {
             return Ok(None);
         }
@@ -115,6 +118,7 @@ impl Matching {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use maveric_domain::ScoreRange;
     use nalgebra::DVector;
 
     /// The first coordinate is the dial, 4 points a unit; across it one SD is 1 along the second and 2 along the third.
@@ -128,7 +132,7 @@ mod tests {
         Matching {
             dial: LinearHead::for_tests("aggression", &[4.0, 0.0, 0.0], 30.0, [11.0, 55.0]),
             across: PerpendicularEllipse::around(&direction, &points, &[20.0; 4]),
-            apart_sd: [0.7, 2.5],
+            reach: Reach::on(ScoreRange::ADB, [0.7, 2.5]),
         }
     }
 

@@ -7,10 +7,10 @@ use crate::{
     style_space::{LinearHead, PerpendicularEllipse, share_outside_training},
     test_drives::{Habits, drive, drivers},
 };
-use maveric_domain::{AdbScore, Drive, Embedding};
+use maveric_domain::{Drive, Embedding, ScoreRange, StyleScore};
 use std::ops::ControlFlow;
 
-fn training(drives: &[(Drive, AdbScore)]) -> Vec<TrainingDrive<'_>> {
+fn training(drives: &[(Drive, StyleScore)]) -> Vec<TrainingDrive<'_>> {
     drives.iter().map(TrainingDrive::from).collect()
 }
 
@@ -31,7 +31,7 @@ fn run(drives: &[TrainingDrive<'_>], settings: &TrainSettings) -> Result<Trained
 }
 
 /// The model that is learned from drives with their scores.
-pub(crate) fn trained(drives: &[(Drive, AdbScore)], settings: &TrainSettings) -> Model {
+pub(crate) fn trained(drives: &[(Drive, StyleScore)], settings: &TrainSettings) -> Model {
     run(&training(drives), settings).unwrap().model
 }
 
@@ -165,7 +165,7 @@ fn a_drive_that_never_meets_anyone_teaches_speed_alone() {
     let alone = drive("P1", &habits, 9.0);
     let given = [TrainingDrive {
         drive: &alone,
-        adb: Some(AdbScore::new(30.0).unwrap()),
+        adb: Some(ScoreRange::ADB.score(30.0).unwrap()),
     }];
     let report = run(&given, &quick(|s| s.epochs = 2)).unwrap().report;
     let networks = report.networks.unwrap();

@@ -6,7 +6,8 @@
 )]
 
 use maveric_domain::{
-    AdbScore, Drive, DriveMeta, DrivenBy, EgoTrack, ObjectTrack, Recording, Road, VehicleId,
+    Drive, DriveMeta, DrivenBy, EgoTrack, ObjectTrack, Recording, Road, ScoreRange, StyleScore,
+    VehicleId,
 };
 
 /// How somebody drives in [`drive`].
@@ -160,7 +161,7 @@ fn driven(
 }
 
 /// A drive and its driver's score.
-pub(crate) type Scored = (Drive, AdbScore);
+pub(crate) type Scored = (Drive, StyleScore);
 
 /// `n` drivers from slow with long gaps to fast with short ones, with ADB scores that say so.
 pub(crate) fn drivers(n: usize, seconds: f64) -> Vec<Scored> {
@@ -185,7 +186,7 @@ fn drivers_of(n: usize, drive: impl Fn(&str, &Habits) -> Drive) -> Vec<Scored> {
             passes: true,
         };
         let drive = drive(&format!("P{i:02}"), &habits);
-        (drive, AdbScore::new(16.0 + 30.0 * a).unwrap())
+        (drive, ScoreRange::ADB.score(16.0 + 30.0 * a).unwrap())
     };
     (0..n).map(of).collect()
 }

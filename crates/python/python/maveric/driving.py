@@ -178,7 +178,7 @@ class Model:
 
     @classmethod
     def load(cls, path: str | os.PathLike[str], *, score_range: tuple[float, float] | None = None) -> Model:
-        """Read a model, from here or from ``maveric train``; `score_range` as in `train`, for it is not in the file."""
+        """Read a model, from here or from ``maveric train``; its scores on `score_range`, or on the scale that it learned."""
         try:
             return cls(_native.Model.from_bytes(Path(path).read_bytes(), score_range))
         except OSError as error:

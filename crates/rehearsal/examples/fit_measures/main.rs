@@ -8,7 +8,7 @@
 mod made_up;
 
 use made_up::{Wrong, all_cores, cohort, driven, people_of, scores};
-use maveric_domain::{AdbScore, Drive, Embedding, stream_seed};
+use maveric_domain::{Drive, Embedding, StyleScore, stream_seed};
 use maveric_model::{
     TrainSettings, TrainingDrive, personalize,
     style_space::{LinearHead, PerpendicularEllipse},
@@ -123,7 +123,7 @@ fn see(path: &str, n: usize, seed: u64) -> Result<Vec<Seen>, Wrong> {
             car: car?.try_into().map_err(|_| "four drives of the car")?,
             angle: across.angle_rad,
             line: [axis.position(&plain)?, axis.position(&known)?],
-            adb: adb.map_or(f64::NAN, AdbScore::points),
+            adb: adb.map_or(f64::NAN, StyleScore::points),
         })
     };
     all_cores(&own_drives, see)

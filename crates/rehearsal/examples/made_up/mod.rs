@@ -5,7 +5,8 @@
 pub(crate) mod errors;
 
 use maveric_domain::{
-    AdbScore, Design, DomainError, Drive, DriveId, DriveMeta, DrivenBy, Moment, Scale, stream_seed,
+    Design, DomainError, Drive, DriveId, DriveMeta, DrivenBy, Moment, Scale, ScoreRange,
+    StyleScore, stream_seed,
 };
 use maveric_participants::{Cohort, CohortSettings, Effects, PlannedDrive, answer_before};
 use maveric_simulator::{Driver, People, Scenario, rollout};
@@ -42,7 +43,7 @@ pub(crate) fn people_of(path: &str) -> Result<People, Wrong> {
 pub(crate) fn scores(
     cohort: &Cohort,
     seed: u64,
-) -> Result<impl Fn(&Drive) -> Option<AdbScore>, Wrong> {
+) -> Result<impl Fn(&Drive) -> Option<StyleScore>, Wrong> {
     let scale = Scale::from_toml(maveric_data::SCALES_ADB)?;
     let mut effects: Effects = toml::from_str(maveric_data::EFFECTS)?;
     // Answers to questionnaires that nobody is asked here.
@@ -66,7 +67,7 @@ pub(crate) fn scores(
         let total = scores.iter().find(|s| {
             s.participant == meta.participant && s.moment == moment && s.subscale == "total"
         });
-        AdbScore::new(total?.value?).ok()
+        ScoreRange::ADB.score(total?.value?).ok()
     })
 }
 

@@ -48,7 +48,7 @@ fn people_come_again_and_what_is_asked_on_the_way_is_answered_without_changing_t
         once.population.clone(),
         once.effects.clone(),
         once.scales.clone(),
-        1.0,
+        ScoreRange::ADB,
     );
     assert!(matches!(bare, Err(RehearsalError::NoProbeScale { scale }) if scale == "misc"));
     let scales = [once.scales.clone(), vec![misc]].concat();
@@ -57,7 +57,7 @@ fn people_come_again_and_what_is_asked_on_the_way_is_answered_without_changing_t
         once.population.clone(),
         once.effects.clone(),
         scales,
-        1.0,
+        ScoreRange::ADB,
     )
     .unwrap();
     let (once, twice) = (
@@ -118,7 +118,7 @@ fn with_design(text: &str) -> Result<World, RehearsalError> {
         scales,
         ..
     } = world();
-    World::new(design, population, effects, scales, 1.0)
+    World::new(design, population, effects, scales, ScoreRange::ADB)
 }
 
 /// Its cars drive without an error, and everybody's dial is alike.
@@ -303,7 +303,7 @@ fn too_few_donors_and_people_who_differ_along_the_line_alone_are_refused() {
         }
     }
     population.line.loadings = BTreeMap::from([(Trait::Aggressiveness, 0.8), (Trait::Pace, 0.0)]);
-    let refused = World::new(design, population, effects, scales, 1.0).unwrap_err();
+    let refused = World::new(design, population, effects, scales, ScoreRange::ADB).unwrap_err();
     assert!(matches!(
         refused,
         RehearsalError::NothingAcross { found: 1, .. }

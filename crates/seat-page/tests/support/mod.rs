@@ -19,6 +19,7 @@ pub(crate) fn model() -> Model {
     let heads: Vec<_> = heads.collect();
     serde_json::from_value(json!({
         "embedding_size": 1,
+        "score_range": [11.0, 55.0],
         "training": [],
         "heads": {"linear": {
             "heads": heads,

@@ -28,7 +28,7 @@ export type Step =
   | { kind: "controls" }
   | { kind: "practice"; seconds: number; lane_kept_s: number; passes: number; seed: string; probe?: Probe }
   | { kind: "drive"; condition: string; session?: number; seconds: number; seed: string; probe?: Probe }
-  | { kind: "ride"; condition: string; session?: number; trial?: number; number: number; seconds: number; seed: string; style: RideStyle; points: number; stretch: number; turns: number | null; probe?: Probe }
+  | { kind: "ride"; condition: string; session?: number; trial?: number; number: number; seconds: number; seed: string; style: RideStyle; points: number; turns: number | null; probe?: Probe }
   | { kind: "elsewhere"; condition: string; number: number }
   | { kind: "between"; session: number; days: [number, number] }
   | { kind: "aftercare"; text: string; again?: Probe }

@@ -20,7 +20,7 @@ const element = (id: string): HTMLElement => document.getElementById(id) as HTML
 export interface Wanted {
   state: api.State; step: number; attempt: number;
   /// Who drives: a person by these means, or a model.
-  ride: { model: PageModel; own: Float64Array; style: string; beyond: string | null; points: number; stretch: number; turns: number | null } | null;
+  ride: { model: PageModel; own: Float64Array; style: string; beyond: string | null; points: number; turns: number | null } | null;
   /// The record of the drive that a ride shows again.
   shown: string | null;
   seconds: number; seed: string;
@@ -48,7 +48,7 @@ export async function run(wanted: Wanted, learn: PageModel | null): Promise<Ran>
   const { state, ride, shown } = wanted;
   const rides = ride !== null || shown !== null;
   const drive = shown !== null ? PageDrive.shown(state.scenario, wanted.seconds, wanted.seed, shown) : ride
-    ? PageDrive.ride(state.scenario, wanted.seconds, wanted.seed, ride.model, ride.own, ride.style, ride.points, ride.stretch)
+    ? PageDrive.ride(state.scenario, wanted.seconds, wanted.seed, ride.model, ride.own, ride.style, ride.points)
     : PageDrive.by_hand(state.scenario, wanted.seconds, wanted.seed, driver);
   const road = roadOf(drive);
   const panel = element("drive");

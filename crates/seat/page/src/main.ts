@@ -63,7 +63,7 @@ async function drives(state: api.State, step: api.Step & { kind: "practice" | "d
     const theirs = step.style === "own" || (typeof step.style === "object" && !("given" in step.style));
     if (theirs && !fitted) throw new Error(say("no_style"));
     const beyond = (theirs && state.fit?.beyond) || null;
-    wanted.ride = { model: learned, own: fitted ?? new Float64Array(), style: JSON.stringify(step.style), beyond, points: step.points, stretch: step.stretch, turns: step.turns };
+    wanted.ride = { model: learned, own: fitted ?? new Float64Array(), style: JSON.stringify(step.style), beyond, points: step.points, turns: step.turns };
   }
   // All rides are in the style of the first session's drive.
   const { fit, crashed } = await run(wanted, step.kind === "drive" && (step.session ?? 1) === 1 ? learned : null);

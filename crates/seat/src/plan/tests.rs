@@ -22,7 +22,6 @@ fn worlds(line: &str, whose: Whose<'_>, index: usize) -> (Vec<String>, Vec<(Stri
     ));
     let riding = Riding {
         order: &williams(3, index),
-        stretch: 1.0,
         styles: &Styles::new(),
     };
     let steps = of_design(&design, &[], &Texts::default(), whose, Some(riding)).unwrap();
@@ -52,7 +51,6 @@ fn which_ride_was_in_the_own_style_is_asked_by_the_numbers_that_the_rides_had() 
     let asked = |order: &[usize]| {
         let riding = Riding {
             order,
-            stretch: 1.0,
             styles: &Styles::new(),
         };
         let (texts, whose) = (Texts::default(), Whose::Person("P001"));
@@ -86,7 +84,6 @@ fn the_consent_asks_for_a_style_where_it_may_be_lent_to_others_who_take_part_and
         let styles = Styles::new();
         let riding = rides.then_some(Riding {
             order: &[0, 1],
-            stretch: 1.0,
             styles: &styles,
         });
         let whose = Whose::Person("P001");

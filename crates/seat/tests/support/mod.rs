@@ -8,6 +8,7 @@ mod made;
 pub(crate) mod script;
 
 use made::model;
+use maveric_domain::ScoreRange;
 use maveric_model::model_file;
 use maveric_seat::{Seat, SeatError, SeatSettings, Wire, files, serve};
 use maveric_simulator::Scenario;
@@ -97,7 +98,7 @@ pub(crate) fn settings(folder: &Path) -> SeatSettings {
         scenario: Scenario::paper(),
         model: Some(fs::read(folder.join("lab.maveric")).unwrap()),
         made_up_model: true,
-        stretch: 1.0,
+        range: ScoreRange::ADB,
         files,
         password: Some("open & see".to_owned()),
         design: study.design,

@@ -149,8 +149,7 @@ impl Script {
         let own = self.own.clone().unwrap_or_else(|| {
             serde_json::from_value(state["fit"]["embedding"].clone()).unwrap_or_else(|_| mean())
         });
-        let stretch = step["stretch"].as_f64().unwrap_or(1.0);
-        let points = step["points"].as_f64().unwrap_or(0.0) * stretch;
+        let points = step["points"].as_f64().unwrap_or(0.0);
         let style = serde_json::from_value(step["style"].clone()).unwrap_or(RideStyle::Own);
         let mut rider = Rider::new(Rc::clone(&self.model), own, (style, points), settings).unwrap();
         let controllers = rider.controllers();

@@ -7,7 +7,7 @@
 )]
 
 use maveric_domain::{
-    AdbScore, Drive, DriveMeta, DrivenBy, EgoTrack, LatentTraits, ObjectTrack, Recording, Road,
+    Drive, DriveMeta, DrivenBy, EgoTrack, LatentTraits, ObjectTrack, Recording, Road, ScoreRange,
     Sees, VehicleId, stream_seed,
 };
 use maveric_model::{
@@ -101,7 +101,7 @@ pub fn learned(people: usize, role: f64, scenario: &Scenario) -> Result<Model, B
         for (label, aggressiveness) in labels {
             let drive = driven(&person, label, aggressiveness, scenario)?;
             let answered = 27.0 + 7.0 * aggressiveness + 3.0 * normal(&[&person, label, "answer"]);
-            let score = AdbScore::new(answered.clamp(AdbScore::MIN, AdbScore::MAX))?;
+            let score = ScoreRange::ADB.score(answered.clamp(11.0, 55.0))?;
             drives.push((Drive::from_recording(drive.meta, &drive.recording)?, score));
         }
     }

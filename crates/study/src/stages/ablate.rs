@@ -13,13 +13,12 @@ use crate::{
     once::told_once,
     outcome::{Outcome, Watch, threads},
     recordings::{self, Recorded},
-    run_folder::adb_of,
     stage::{Files, Stage},
-    style_scale::StyleScale,
+    style_scores::StyleScores,
     tables::{drives::read_drives, surveys::read_scores},
 };
 use maveric_analysis::{Finding, Part, Question};
-use maveric_domain::{AdbScore, Drive, DrivenBy};
+use maveric_domain::{Drive, DrivenBy, StyleScore};
 use maveric_model::{
     Ablated, AblationSettings, HeldOut, ModelError, TrainSettings, TrainingDrive, VariantResult,
     ablate as compare, variants,
@@ -221,16 +220,16 @@ impl Stage for Ablate {
 }
 
 /// A drive with the score that teaches, where it has one.
-type Scored = (Drive, Option<AdbScore>);
+type Scored = (Drive, Option<StyleScore>);
 
 impl Ablate {
     /// The drives of a folder, each with what its driver answered.
     fn scored(&self) -> Result<Vec<Scored>, StudyError> {
         let scores = self.scores.as_deref().map(read_scores).transpose()?;
-        let scores = scores.unwrap_or_default();
+        let scores = StyleScores::of(scores.unwrap_or_default(), None)?;
         let baseline = DesignFile::find(None)?.design.baseline_id();
         let scored = |drive: Drive| {
-            let score = adb_of(&drive, &scores, baseline)?;
+            let score = scores.of_drive(&drive, None, baseline)?;
             Ok((drive, score))
         };
         read_drives(&self.drives)?.into_iter().map(scored).collect()
@@ -239,9 +238,8 @@ impl Ablate {
     /// The drives in roles of a design, each with the score of its role, and how many people drove them.
     fn in_roles(&self, warnings: &mut Vec<String>) -> Result<(Vec<Scored>, usize), StudyError> {
         let study = DesignFile::find(self.design.as_deref())?;
-        let scale = StyleScale::of(&study)?;
         let files = (&*self.drives, self.scores.as_deref());
-        let driven = recordings::read(&study, files, scale, warnings)?;
+        let driven = recordings::read(&study, files, warnings)?;
         let people = people(&driven.drove()).len();
         recordings::enough(people).map_err(|why| {
             StudyError::file(&self.drives, why)
@@ -249,7 +247,8 @@ impl Ablate {
         })?;
         let scored = |recorded: Recorded| {
             let points = recorded.drove.points;
-            let score = points.map(|points| scale.score(points)).transpose()?;
+            let score = points.map(|points| driven.range.score(points));
+            let score = score.transpose()?;
             Ok((recorded.drive, score))
         };
         let scored: Result<_, StudyError> = driven.rows.into_iter().map(scored).collect();

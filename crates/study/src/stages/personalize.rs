@@ -10,11 +10,12 @@ use crate::{
     design::{DesignFile, drives_of},
     error::StudyError,
     forget::refuse_learned_from_gone,
+    off_the_scale::{self, OffTheScale},
     once::told_once,
     outcome::{Outcome, Watch, for_each_on},
-    run_folder::{adb_of, read_model},
+    run_folder::read_model,
     stage::{Files, Stage},
-    style_scale::{OffTheScale, StyleScale, style_scores},
+    style_scores::StyleScores,
     tables::{
         TableName,
         embeddings::{EmbeddingRow, write_embeddings},
@@ -23,7 +24,7 @@ use crate::{
         write_rows,
     },
 };
-use maveric_domain::{AdbScore, Drive, Score};
+use maveric_domain::{Drive, StyleScore};
 use maveric_model::{ModelError, Personalizer, Support, TrainSettings, style_space::LinearHead};
 use maveric_participants::Part;
 use serde::Serialize;
@@ -101,7 +102,7 @@ pub struct PersonalizedDrives {
 /// One fit to make: a drive, and its ADB score where that is to be fitted too.
 struct Task<'a> {
     drive: &'a Drive,
-    adb: Option<AdbScore>,
+    adb: Option<StyleScore>,
     use_adb: bool,
 }
 
@@ -115,7 +116,7 @@ impl Stage for Personalize {
 
     fn files(&self, root: &Path) -> Result<Files, StudyError> {
         let design = self.design.as_deref();
-        let study = DesignFile::below(root, design).filter(|_| self.scores.is_some());
+        let study = DesignFile::below(root, design);
         Ok(Files::default()
             .reads([&self.model, &self.drives])
             .reads(&self.scores)
@@ -141,11 +142,12 @@ impl Stage for Personalize {
             self.participants.as_deref(),
             Part::Test,
         )?;
-        let (scores, scale, scored_without_drive) = self.scores_of(&drives)?;
+        let (scores, scored_without_drive) = self.scores_of(&drives)?;
+        let model = model.on_range(scores.range);
         let personalizer = Personalizer::of_first(&model, self.fit_fraction)?;
         let mut warnings = Vec::new();
         let (tasks, unscored) = self.tasks(&drives, |drive| {
-            let score = adb_of(drive, &scores, baseline)?;
+            let score = scores.of_drive(drive, None, baseline)?;
             Ok((score, score.is_some() && model.knows_aggression()))
         })?;
         warnings.extend(told_once("drive", unscored));
@@ -192,8 +194,8 @@ impl Stage for Personalize {
             })?;
             write_rows(TableName::Variability, path, &measured)?;
         }
-        let off_the_scale = scale.outward_rows(&mut rows);
-        warnings.extend(scale.warnings(&off_the_scale));
+        let off_the_scale = off_the_scale::taken_out(scores.range, &mut rows);
+        warnings.extend(off_the_scale::warnings(scores.range, &off_the_scale));
         warnings.extend(beyond::warnings(&model, &rows));
         let strangers = rows.iter().filter(|row| row.beyond() == Some(true));
         let strangers: BTreeSet<&str> = strangers.map(|row| row.drive.as_str()).collect();
@@ -228,14 +230,15 @@ impl Stage for Personalize {
 }
 
 impl Personalize {
-    /// The scores as the model has them, of which scale they were, and how many who have one do not drive here.
-    fn scores_of(&self, drives: &[Drive]) -> Result<(Vec<Score>, StyleScale, usize), StudyError> {
+    /// What people scored, and how many who have a score do not drive here.
+    fn scores_of(&self, drives: &[Drive]) -> Result<(StyleScores, usize), StudyError> {
+        let study = DesignFile::here(self.design.as_deref())?;
         let Some(path) = &self.scores else {
-            return Ok((Vec::new(), StyleScale::ADB, 0));
+            return Ok((StyleScores::of(Vec::new(), study.as_ref())?, 0));
         };
-        let (scores, scale) = style_scores(read_scores(path)?, self.design.as_deref())?;
+        let scores = StyleScores::of(read_scores(path)?, study.as_ref())?;
         let without_drive = scored_without_drive(&scores, drives, path)?;
-        Ok((scores, scale, without_drive))
+        Ok((scores, without_drive))
     }
 
     /// What is fitted: of each drive an embedding with its score, where that can be used, and one without; which drives have no score, where scores
@@ -243,7 +246,7 @@ impl Personalize {
     fn tasks<'a>(
         &self,
         drives: &'a [Drive],
-        score: impl Fn(&Drive) -> Result<(Option<AdbScore>, bool), StudyError>,
+        score: impl Fn(&Drive) -> Result<(Option<StyleScore>, bool), StudyError>,
     ) -> Result<Tasks<'a>, StudyError> {
         let (mut tasks, mut unscored) = (Vec::new(), Vec::new());
         for drive in drives {
@@ -285,18 +288,14 @@ fn without_habits(rows: &[EmbeddingRow]) -> (usize, Vec<String>) {
     (blank.len(), told_once("drive", reasons))
 }
 
-/// Counts the participants with an ADB score and without a drive; if that is all of them, the files do not belong
+/// Counts the participants with a score and without a drive; if that is all of them, the files do not belong
 /// together.
 fn scored_without_drive(
-    scores: &[Score],
+    scores: &StyleScores,
     drives: &[Drive],
     path: &Path,
 ) -> Result<usize, StudyError> {
-    let scored: BTreeSet<&str> = scores
-        .iter()
-        .filter(|s| s.scale == "adb")
-        .map(|s| s.participant.as_str())
-        .collect();
+    let scored: BTreeSet<&str> = scores.rows.iter().map(|s| s.participant.as_str()).collect();
     let drive: BTreeSet<&str> = drives
         .iter()
         .map(|d| d.meta().participant.as_str())
@@ -339,7 +338,7 @@ fn fit(personalizer: &Personalizer<'_>, task: &Task<'_>) -> Result<EmbeddingRow,
         session: meta.session,
         trial: meta.trial,
         adb_used: fitted.used_adb,
-        adb: task.adb.map(AdbScore::points),
+        adb: task.adb.map(StyleScore::points),
         adb_hat: fitted.aggression_hat,
         line_position: axis
             .as_ref()

@@ -16,6 +16,7 @@ use crate::{
     outcome::{Outcome, Watch},
     run_folder::read_model,
     stage::{Files, Stage},
+    style_scores::style_range,
     tables::{
         collected::{LENT, consents_of_study},
         conditions::{ConditionRow, write_conditions},
@@ -119,7 +120,7 @@ impl Stage for Steer {
     fn work(&self, watch: Watch<'_>) -> Result<Outcome<Steered>, StudyError> {
         let study = DesignFile::find(self.design.as_deref())?;
         refuse_learned_from_gone(&study, &self.model)?;
-        let model = read_model(&self.model)?;
+        let model = read_model(&self.model)?.on_range(style_range(&study)?);
         let rows = read_embeddings(&self.embeddings)?;
         let sweeps = !self.sweep.is_empty() || self.attribute.is_some();
         let axis = match LinearHead::aggression(&model) {
@@ -168,9 +169,9 @@ fn is_beyond(model: &Model, embedding: &Embedding) -> Result<bool, StudyError> {
     )
 }
 
-/// SD of by how many points a style was moved from one end of a step to the other, `stretch` points of the model each.
-fn moved_sd(axis: &LinearHead, [from, to]: [&Embedding; 2], stretch: f64) -> Option<f64> {
+/// SD of by how many points a style was moved from one end of a step to the other.
+fn moved_sd(axis: &LinearHead, [from, to]: [&Embedding; 2]) -> Option<f64> {
     let ends = to.coordinates().iter().zip(from.coordinates());
     let step: Vec<f64> = ends.map(|(to, from)| to - from).collect();
-    axis.step_sd(&step).map(|sd| sd / stretch)
+    axis.step_sd(&step)
 }

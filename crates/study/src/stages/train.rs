@@ -4,17 +4,18 @@ use crate::{
     atomic_write::{atomic_write_bytes, write_json},
     design::{DesignFile, drives_of},
     error::StudyError,
+    off_the_scale,
     once::{count, told_once},
     outcome::{Outcome, Watch, threads},
-    run_folder::{adb_of, embeddings_path, training_path},
+    run_folder::{embeddings_path, training_path},
     stage::{Files, Stage},
-    style_scale::{instructed, style_scores},
+    style_scores::StyleScores,
     tables::{
         embeddings::{EmbeddingRow, write_embeddings},
         surveys::read_scores,
     },
 };
-use maveric_domain::{AdbScore, Drive, Score};
+use maveric_domain::{Drive, StyleScore};
 use maveric_model::{
     Days, EpochReport, HeadReport, Heads, Model, ModelError, NetworkReport, Selection, StyleHead,
     TrainSettings, TrainingDrive, learn_days, model_file, style_space::LinearHead, train as learn,
@@ -120,7 +121,7 @@ impl Stage for Train {
 
     fn files(&self, root: &Path) -> Result<Files, StudyError> {
         let design = self.design.as_deref();
-        let study = DesignFile::below(root, design).filter(|_| self.scores.is_some());
+        let study = DesignFile::below(root, design);
         Ok(Files::default()
             .reads([&self.drives])
             .reads(&self.again)
@@ -144,14 +145,11 @@ impl Stage for Train {
             Part::Learn,
         )?;
         let scores = self.scores.as_deref().map(read_scores).transpose()?;
-        let (scores, scale) = style_scores(scores.unwrap_or_default(), design)?;
-        let settings = self.settings();
         let study = DesignFile::here(design)?;
+        let scores = StyleScores::of(scores.unwrap_or_default(), study.as_ref())?;
+        let settings = self.settings();
         let baseline = DesignFile::find(design)?.design.baseline_id();
-        let score = |drive: &Drive| -> Result<Option<AdbScore>, StudyError> {
-            let by_role = instructed(drive, study.as_ref(), scale)?;
-            Ok(by_role.or(adb_of(drive, &scores, baseline)?))
-        };
+        let score = |drive: &Drive| scores.of_drive(drive, study.as_ref(), baseline);
         let mut unscored = Vec::new();
         let mut training = Vec::new();
         for drive in &drives {
@@ -196,17 +194,16 @@ impl Stage for Train {
             seed: self.seed,
             settings,
             heads: report.heads,
-            // In points of the study's own score, as every file has them.
-            style: style_of(&model).map(|style| scale.outward_head(style)),
+            style: style_of(&model),
             networks: report.networks,
             scores_without_drive,
         };
         write_json(&training_path(&self.out), &summary)?;
         let mut rows = self.places(&model, &drives, score)?;
-        let off_the_scale = scale.outward_rows(&mut rows);
+        let off = off_the_scale::taken_out(scores.range, &mut rows);
         write_embeddings(&embeddings_path(&self.out), &rows)?;
         let mut warnings = summary.warnings.clone();
-        warnings.extend(scale.warnings(&off_the_scale));
+        warnings.extend(off_the_scale::warnings(scores.range, &off));
         let mut lines = self.lines(&summary);
         lines.extend(progress.rate_line());
         Ok(Outcome {
@@ -236,7 +233,7 @@ impl Train {
         &self,
         model: &Model,
         drives: &[Drive],
-        score: impl Fn(&Drive) -> Result<Option<AdbScore>, StudyError>,
+        score: impl Fn(&Drive) -> Result<Option<StyleScore>, StudyError>,
     ) -> Result<Vec<EmbeddingRow>, StudyError> {
         let axis = LinearHead::aggression(model).ok();
         let mut rows = Vec::new();
@@ -252,7 +249,7 @@ impl Train {
                 trial: meta.trial,
                 // Linear heads learn where drivers lie from their driving alone.
                 adb_used: self.heads == HeadsKind::Paper && adb.is_some(),
-                adb: adb.map(AdbScore::points),
+                adb: adb.map(StyleScore::points),
                 adb_hat: axis.as_ref().map(|a| a.read(&embedding)).transpose()?,
                 line_position: axis.as_ref().map(|a| a.position(&embedding)).transpose()?,
                 ..EmbeddingRow::new(id, who, meta.condition, embedding)
@@ -393,31 +390,25 @@ fn validation_line(selection: &Selection) -> String {
     )
 }
 
-/// ADB scores with a value.
-fn adb_scores(scores: &[Score]) -> impl Iterator<Item = &Score> {
-    let is_one = |s: &&Score| s.scale == "adb" && s.subscale == "total" && s.value.is_some();
-    scores.iter().filter(is_one)
-}
-
-/// ADB scores of participants without a drive here.
-fn without_drive(scores: &[Score], drives: &[Drive]) -> usize {
-    let drives_here = |s: &Score| drives.iter().any(|d| d.meta().participant == s.participant);
-    adb_scores(scores).filter(|s| !drives_here(s)).count()
+/// Scores of participants without a drive here.
+fn without_drive(scores: &StyleScores, drives: &[Drive]) -> usize {
+    let scored = scores.rows.iter().filter(|s| s.value.is_some());
+    let foreign = scored.filter(|s| drives.iter().all(|d| d.meta().participant != s.participant));
+    foreign.count()
 }
 
 /// Scores that are all of other people are the wrong file, and not a study without scores.
 fn refuse_foreign_scores(
     path: &Path,
-    scores: &[Score],
+    scores: &StyleScores,
     drives: &[Drive],
     foreign: usize,
 ) -> Result<(), StudyError> {
-    let total = adb_scores(scores).count();
+    let total = scores.rows.iter().filter(|s| s.value.is_some()).count();
     if foreign == 0 || foreign < total {
         return Ok(());
     }
-    let of_scores = scores.iter().find(|s| s.scale == "adb");
-    let of_scores = of_scores.map(|s| s.participant.to_string());
+    let of_scores = scores.rows.first().map(|s| s.participant.to_string());
     let of_drives = drives.first().map(|d| d.meta().participant.to_string());
     let problem = format!(
         "none of its {total} ADB scores is of a participant who drives here: the first is of {}, the first \

@@ -25,7 +25,7 @@ use crate::{
     stages::report::write_page,
 };
 use maveric_analysis::Finding;
-use maveric_domain::{Drive, DrivenBy};
+use maveric_domain::{Drive, DrivenBy, ScoreRange};
 use maveric_model::{HeadsKind, TrainSettings};
 use maveric_pages::PageTexts;
 use maveric_rehearsal::validation::{MEASURES, Values, mean, retest, title, values};
@@ -201,7 +201,8 @@ impl Validate {
         let mut models = Vec::new();
         for path in &self.models {
             let name = path.to_slash_lossy().into_owned();
-            models.push(examination.examine(&name, &read_model(path)?, watch)?);
+            let model = read_model(path)?.on_range(ScoreRange::ADB);
+            models.push(examination.examine(&name, &model, watch)?);
         }
         let measured = |drive: fn(&people::Person) -> &Drive| -> Vec<Values> {
             people.test.iter().map(|p| values(drive(p))).collect()

@@ -5,7 +5,7 @@ use crate::{
     design::DesignFile,
     error::StudyError,
     run_folder::{effects_of, read_effects, read_scales},
-    style_scale::StyleScale,
+    style_scores::style_range,
 };
 use maveric_rehearsal::{PopulationModel, RehearsalError, World};
 use std::path::Path;
@@ -29,9 +29,9 @@ pub(crate) fn read_world(
     let path = population.unwrap_or(Path::new("population.toml"));
     let population = PopulationModel::from_toml(&text)
         .map_err(|error| StudyError::file(path, error.to_string()))?;
-    let stretch = StyleScale::of(study)?.stretch();
-    World::new(study.design.clone(), population, effects, scales, stretch).map_err(|error| {
-        match error {
+    let range = style_range(study)?;
+    World::new(study.design.clone(), population, effects, scales, range).map_err(
+        |error| match error {
             RehearsalError::UnknownCar { .. } => study.wrong(
                 error.to_string(),
                 Some(
@@ -46,6 +46,6 @@ pub(crate) fn read_world(
                 ),
             ),
             other => other.into(),
-        }
-    })
+        },
+    )
 }

@@ -6,7 +6,6 @@ use crate::{
     error::StudyError,
     once::told_once,
     outcome::{Outcome, Watch},
-    style_scale::StyleScale,
     tables::{
         collected::{LENT, LentRow, consents_of_study},
         conditions::ConditionRow,
@@ -36,9 +35,8 @@ struct Steering<'a> {
     lending: BTreeMap<ConditionId, Lending>,
     /// What was lent in the seat.
     ridden: Vec<LentRow>,
-    scale: StyleScale,
-    /// Points of the model for one of the design's: a `--points` that is not the design's own step.
-    stretch: f64,
+    /// How many of the design's steps `--points` is.
+    steps: f64,
     seed: u64,
 }
 
@@ -66,19 +64,15 @@ pub(super) fn conditions(
             ),
         ));
     }
-    let scale = StyleScale::of(study)?;
     let step = design.style().and_then(|style| style.points);
-    let stretch = options.points.zip(step);
+    let steps = options.points.zip(step);
     let mut steering = Steering {
         model,
         axis,
         across: false,
         lending: BTreeMap::new(),
         ridden: study.lent()?,
-        stretch: stretch.map_or(scale.stretch(), |(points, step)| {
-            scale.stretch() * (points / step)
-        }),
-        scale,
+        steps: steps.map_or(1.0, |(points, step)| points / step),
         seed: options.seed,
     };
     let mut warnings = steering.look_across(&driven)?;
@@ -90,7 +84,8 @@ pub(super) fn conditions(
     for person in people {
         watch.check()?;
         let own_hat = steering.hat(&person.embedding)?;
-        let (_, why) = BeyondWhy::of_reading(own_hat, person.beyond_why.clone());
+        let by_support = person.beyond_why.clone();
+        let (_, why) = BeyondWhy::of_reading(model.score_range(), own_hat, by_support);
         let may_turn = strangers.may_turn(&person.participant, why.as_ref(), turned);
         for condition in &driven {
             if !may_turn && turns(condition) {
@@ -177,7 +172,8 @@ impl Steering<'_> {
             let lend = |person: &&&EmbeddingRow| !refused.contains(&person.participant);
             for person in people.iter().filter(lend) {
                 let hat = self.hat(&person.embedding)?;
-                let (_, beyond) = BeyondWhy::of_reading(hat, person.beyond_why.clone());
+                let (range, by_support) = (self.model.score_range(), person.beyond_why.clone());
+                let (_, beyond) = BeyondWhy::of_reading(range, hat, by_support);
                 if beyond.is_none() {
                     tested.push((person.drive.clone(), person.embedding.clone()));
                 }
@@ -201,7 +197,7 @@ impl Steering<'_> {
         };
         let embedding = placed.embedding;
         let ends = [&person.embedding, &embedding];
-        let stretch = self.scale.stretch();
+        let range = self.model.score_range();
         let of_the_own_style = matches!(
             condition.car,
             Some(Car::Dial(_) | Car::Across | Car::Replay)
@@ -209,9 +205,9 @@ impl Steering<'_> {
         Ok(Some(ConditionRow {
             participant: person.participant.clone(),
             condition: condition.id,
-            adb_hat: self.scale.score_of(self.hat(&embedding)?, None).0,
-            moved_points: placed.moved_points.map(|points| points / stretch),
-            moved_points_sd: self.axis.and_then(|axis| moved_sd(axis, ends, stretch)),
+            adb_hat: BeyondWhy::of_reading(range, self.hat(&embedding)?, None).0,
+            moved_points: placed.moved_points,
+            moved_points_sd: self.axis.and_then(|axis| moved_sd(axis, ends)),
             clamped: placed.clamped,
             angle_rad: placed.angle_rad,
             lent,
@@ -253,10 +249,7 @@ impl Steering<'_> {
                 let Some((style, from)) = loan.transpose()?.flatten() else {
                     return Ok(None);
                 };
-                lent = Some(Lent {
-                    donor_shift_points: from.donor_shift_points / self.scale.stretch(),
-                    ..from
-                });
+                lent = Some(from);
                 RideStyle::Given(style)
             }
             Some(Car::Mean) => RideStyle::Mean,
@@ -267,7 +260,7 @@ impl Steering<'_> {
             }
             _ => return Ok(None),
         };
-        let points = condition.dial().unwrap_or(0.0) * self.stretch;
+        let points = condition.dial().unwrap_or(0.0) * self.steps;
         let placed = style.place(self.model, &person.embedding, points)?;
         Ok(Some((placed, lent)))
     }

@@ -10,7 +10,6 @@ use crate::{
     design::DesignFile,
     error::StudyError,
     outcome::{Outcome, Watch},
-    style_scale::StyleScale,
     tables::{
         conditions::{ConditionRow, SweepPoint},
         embeddings::EmbeddingRow,
@@ -44,7 +43,6 @@ pub(super) fn sweep(
     let heads = options.attribute.as_ref().map(fit).transpose()?;
     let sweeping = Sweeping {
         design,
-        scale: StyleScale::of(study)?,
         model,
         axis,
         heads: heads.as_ref(),
@@ -58,7 +56,8 @@ pub(super) fn sweep(
     for row in people {
         watch.check()?;
         let own_hat = axis.read(&row.embedding)?;
-        let (_, why) = BeyondWhy::of_reading(Some(own_hat), row.beyond_why.clone());
+        let by_support = row.beyond_why.clone();
+        let (_, why) = BeyondWhy::of_reading(model.score_range(), Some(own_hat), by_support);
         let may_turn = strangers.may_turn(&row.participant, why.as_ref(), turned);
         for point in points.iter().filter(|p| may_turn || !turns(p)) {
             conditions.push(sweeping.row(row, own_hat, *point, why.clone())?);
@@ -124,7 +123,6 @@ fn points(options: &Steer) -> Result<Vec<f64>, StudyError> {
 /// What moves, along what, and by what it is read.
 struct Sweeping<'a> {
     design: &'a Design,
-    scale: StyleScale,
     model: &'a Model,
     axis: &'a LinearHead,
     /// Along an attribute; none along S.
@@ -142,10 +140,8 @@ impl Sweeping<'_> {
             let moved = self.metric.move_along(&axes, from, by)?;
             return Ok((moved.embedding, moved.effective_points, moved.clamped));
         }
-        let stretch = self.scale.stretch();
-        let shifted = self.axis.shift(from, by * stretch)?;
-        let came = shifted.effective_points / stretch;
-        Ok((shifted.embedding, came, shifted.clamped))
+        let shifted = self.axis.shift(from, by)?;
+        Ok((shifted.embedding, shifted.effective_points, shifted.clamped))
     }
 
     fn row(
@@ -155,19 +151,19 @@ impl Sweeping<'_> {
         requested_points: f64,
         beyond_why: Option<BeyondWhy>,
     ) -> Result<ConditionRow, StudyError> {
-        let (axis, stretch) = (self.axis, self.scale.stretch());
+        let (axis, range) = (self.axis, self.model.score_range());
         let (embedding, attribute_points, clamped) =
             self.moved(&person.embedding, requested_points)?;
         let adb_hat = axis.read(&embedding)?;
-        let moved_points = (adb_hat - own_hat) / stretch;
+        let moved_points = adb_hat - own_hat;
         let ends = [&person.embedding, &embedding];
         let who = person.participant.as_str();
         Ok(ConditionRow {
             participant: person.participant.clone(),
             condition: condition(self.design, requested_points, moved_points)?,
-            adb_hat: self.scale.score_of(Some(adb_hat), None).0,
+            adb_hat: BeyondWhy::of_reading(range, Some(adb_hat), None).0,
             moved_points: Some(moved_points),
-            moved_points_sd: moved_sd(axis, ends, stretch),
+            moved_points_sd: moved_sd(axis, ends),
             clamped,
             angle_rad: None,
             lent: None,

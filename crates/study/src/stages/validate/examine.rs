@@ -8,7 +8,7 @@ use crate::{
     stages::simulate::drive_style,
 };
 use maveric_analysis::Finding;
-use maveric_domain::{AdbScore, Drive, DriveId, DriveMeta, DrivenBy, Embedding, stream_seed};
+use maveric_domain::{Drive, DriveId, DriveMeta, DrivenBy, Embedding, StyleScore, stream_seed};
 use maveric_measures::likeness::{Window, windows};
 use maveric_model::{
     Heads, Model, Personalized, personalize,
@@ -432,7 +432,7 @@ impl Examination<'_> {
         let position = |points: &[Embedding]| -> Result<Vec<Option<f64>>, StudyError> {
             points.iter().map(|e| Ok(Some(axis.position(e)?))).collect()
         };
-        let adb: Vec<Option<f64>> = test.iter().map(|p| p.adb.map(AdbScore::points)).collect();
+        let adb: Vec<Option<f64>> = test.iter().map(|p| p.adb.map(StyleScore::points)).collect();
         let latent: Vec<Option<f64>> = test.iter().map(|p| p.latent).collect();
         let readings = [
             (Reading::WithScore, position(&fits.scored)?),

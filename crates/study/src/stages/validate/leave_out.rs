@@ -22,7 +22,6 @@ use crate::{
     outcome::{Outcome, Watch},
     recordings::{self, Recorded, Recordings},
     stages::report::write_page,
-    style_scale::StyleScale,
 };
 use answer::findings_of;
 use folds::{Fold, Learning, styles};
@@ -89,14 +88,13 @@ pub struct Answered {
 /// Leaves people out in turn; writes `validation.json`, `validation.md` and a page with the tables.
 pub(super) fn work(options: &Validate, watch: Watch<'_>) -> Result<Outcome<InTurn>, StudyError> {
     let study = DesignFile::find(options.design.as_deref())?;
-    let scale = StyleScale::of(&study)?;
     let mut warnings = Vec::new();
     let scores = options.run.join("scores.csv");
     let files = (
         &*options.run.join("drives"),
         scores.is_file().then_some(&*scores),
     );
-    let recordings = recordings::read(&study, files, scale, &mut warnings)?;
+    let recordings = recordings::read(&study, files, &mut warnings)?;
     let (rules, rules_hash) = if let Some(path) = &options.rules {
         let (rules, hash) = Rules::read(path)?;
         (rules, Some(hash))
@@ -124,7 +122,6 @@ pub(super) fn work(options: &Validate, watch: Watch<'_>) -> Result<Outcome<InTur
             table,
             recordings: &recordings,
             settings: &settings,
-            scale,
         };
         let mut answered = bench.answered(watch)?;
         answered.changed_since =
@@ -182,7 +179,6 @@ struct Bench<'a> {
     table: &'a Table,
     recordings: &'a Recordings,
     settings: &'a TrainSettings,
-    scale: StyleScale,
 }
 
 impl Bench<'_> {
@@ -242,7 +238,7 @@ impl Bench<'_> {
             drove,
             learn: &table.learn,
             settings: self.settings,
-            scale: self.scale,
+            range: self.recordings.range,
             seed: self.options.seed,
             jobs: self.options.jobs,
             watch,

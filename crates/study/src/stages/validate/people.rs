@@ -3,10 +3,10 @@
 use crate::{
     design::DesignFile,
     error::StudyError,
-    run_folder::adb_of,
+    style_scores::StyleScores,
     tables::{drives::read_drives, participants::read_participants, surveys::read_scores},
 };
-use maveric_domain::{AdbScore, Drive, ParticipantId};
+use maveric_domain::{Drive, ParticipantId, StyleScore};
 use maveric_rehearsal::validation::{Values, values};
 use path_slash::PathExt as _;
 use std::{collections::BTreeMap, path::Path};
@@ -17,7 +17,7 @@ pub(super) struct Person {
     pub(super) participant: ParticipantId,
     pub(super) first: Drive,
     pub(super) again: Drive,
-    pub(super) adb: Option<AdbScore>,
+    pub(super) adb: Option<StyleScore>,
     /// What the generator drew; none for real people.
     pub(super) latent: Option<f64>,
 }
@@ -39,7 +39,7 @@ pub(super) struct People {
 /// # Errors
 /// [`StudyError`] if a table cannot be read or fewer than three people who are tested drove twice.
 pub(super) fn read(folder: &Path) -> Result<People, StudyError> {
-    let scores = read_scores(&folder.join("scores.csv"))?;
+    let scores = StyleScores::of(read_scores(&folder.join("scores.csv"))?, None)?;
     let people = folder.join("participants.csv");
     let design = DesignFile::paper()?.design;
     let baseline = design.baseline_id();
@@ -70,7 +70,7 @@ pub(super) fn read(folder: &Path) -> Result<People, StudyError> {
             let participant = first.meta().participant.clone();
             if let Some(again) = second.remove(&participant) {
                 drivers.push(Person {
-                    adb: adb_of(&first, &scores, baseline)?,
+                    adb: scores.of_drive(&first, None, baseline)?,
                     latent: latents.get(&participant).copied(),
                     participant,
                     first,
@@ -95,7 +95,9 @@ pub(super) fn read(folder: &Path) -> Result<People, StudyError> {
     for drive in read_drives(&folder.join("drives").join("study1"))? {
         trained_on.push((
             values(&drive),
-            adb_of(&drive, &scores, baseline)?.map(AdbScore::points),
+            scores
+                .of_drive(&drive, None, baseline)?
+                .map(StyleScore::points),
         ));
     }
     Ok(People {

@@ -79,7 +79,7 @@ pub(super) fn pointing(
         role_of(table.lower.first().copied())?,
     );
     let measured: Vec<Change> = rows.iter().map(|r| axes(&r.drive)).collect();
-    let points = table.points.unwrap_or(options.points) * bench.scale.stretch();
+    let points = table.points.unwrap_or(options.points);
     let (mut judged, mut rides, mut uncounted) = (Vec::new(), Vec::new(), Vec::new());
     for fold in folds {
         if !table.judged.is_empty() && !table.judged.contains(&fold.person) {

@@ -11,7 +11,7 @@ use crate::{
     recordings::Recorded,
     run_folder::read_model,
 };
-use maveric_domain::BeyondWhy;
+use maveric_domain::{BeyondWhy, ScoreRange};
 use maveric_model::{Personalized, Support, style_space::LinearHead};
 use maveric_rehearsal::leave_out::{
     By, Drove, Missing, Shipped, ShippedPerson, Uncounted, people, shipped,
@@ -28,7 +28,7 @@ pub(super) fn said_of(
         return Ok(None);
     };
     let model = read_model(path)?;
-    let axis = LinearHead::aggression(&model)?;
+    let (axis, range) = (LinearHead::aggression(&model)?, model.score_range());
     let fitted = for_each_on(bench.options.jobs, rows, watch, "styles", |row| {
         Ok(read_alone(&model, &row.drive)?)
     })?;
@@ -65,8 +65,8 @@ pub(super) fn said_of(
         readings.push(ShippedPerson {
             line: of_higher.zip(of_ordinary).map(|(h, o)| h - o),
             line_se: ses.map(|(o, h)| libm::hypot(o, h)),
-            ordinary_beyond: known(ordinary).and_then(beyond),
-            higher_beyond: known(higher).and_then(beyond),
+            ordinary_beyond: known(ordinary).and_then(|k| beyond(range, k)),
+            higher_beyond: known(higher).and_then(|k| beyond(range, k)),
             participant: who,
         });
     }
@@ -75,9 +75,9 @@ pub(super) fn said_of(
 
 /// Whether a drive is beyond what the model has met, before any style is fitted or because it reads as a score that the scale does not
 /// have; none where the model cannot say.
-fn beyond(known: &Personalized) -> Option<bool> {
-    let support = known.support.as_ref();
-    let (_, why) = BeyondWhy::of_reading(known.aggression_hat, support.and_then(Support::beyond));
+fn beyond(range: ScoreRange, known: &Personalized) -> Option<bool> {
+    let (support, reading) = (known.support.as_ref(), known.aggression_hat);
+    let (_, why) = BeyondWhy::of_reading(range, reading, support.and_then(Support::beyond));
     let says = support.is_some_and(|s| s.p.is_some());
     (says || why.is_some()).then(|| why.is_some())
 }

@@ -4,9 +4,8 @@ use crate::{
     error::StudyError,
     outcome::{Watch, for_each_on},
     stages::validate::examine::with_covariance,
-    style_scale::StyleScale,
 };
-use maveric_domain::{AdbScore, ConditionId, Drive, ParticipantId};
+use maveric_domain::{ConditionId, Drive, ParticipantId, ScoreRange, StyleScore};
 use maveric_model::{
     HeadsKind, Model, ModelError, Personalized, TrainSettings, TrainingDrive, personalize,
     score_line, style_space::LinearHead, train,
@@ -24,7 +23,7 @@ pub(super) struct Learning<'a> {
     pub(super) learn: &'a [ConditionId],
     pub(super) settings: &'a TrainSettings,
     /// The scale of the points.
-    pub(super) scale: StyleScale,
+    pub(super) range: ScoreRange,
     pub(super) seed: u64,
     pub(super) jobs: usize,
     pub(super) watch: Watch<'a>,
@@ -47,9 +46,9 @@ impl Learning<'_> {
     /// Learns all models with these points of the drives.
     pub(super) fn folds(&self, points: &[Option<f64>]) -> Result<Vec<Fold>, StudyError> {
         let everybody = people(&self.drove);
-        let scores: Vec<Option<AdbScore>> = points
+        let scores: Vec<Option<StyleScore>> = points
             .iter()
-            .map(|p| p.map(|p| self.scale.score(p)).transpose())
+            .map(|p| p.map(|p| self.range.score(p)).transpose())
             .collect::<Result<_, _>>()?;
         let one = |person: &ParticipantId| {
             let teaching = (0..self.drives.len()).filter(|&i| self.teaches(i, person));
@@ -145,8 +144,7 @@ impl Learning<'_> {
             };
             line.position
                 .push(reading(|axis, k| axis.position(&k.embedding))?);
-            let score = reading(|axis, k| axis.read(&k.embedding))?;
-            line.score.push(score.map(|s| self.scale.outward(s)));
+            line.score.push(reading(|axis, k| axis.read(&k.embedding))?);
             line.se
                 .push(known.as_ref().and_then(|k| k.sd_along(&direction)));
         }

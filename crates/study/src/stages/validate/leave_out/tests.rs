@@ -44,12 +44,13 @@ fn elsewhere(folder: &Path, change: impl Fn(&mut serde_json::Value)) -> std::pat
         .iter()
         .map(|drive| maveric_model::TrainingDrive {
             drive,
-            adb: maveric_domain::AdbScore::new(if drive.meta().condition.as_str() == "sporty" {
-                45.0
-            } else {
-                20.0
-            })
-            .ok(),
+            adb: maveric_domain::ScoreRange::ADB
+                .score(if drive.meta().condition.as_str() == "sporty" {
+                    45.0
+                } else {
+                    20.0
+                })
+                .ok(),
         })
         .collect();
     let mut observe = |_: &maveric_model::EpochReport| std::ops::ControlFlow::Continue(());
