@@ -20,7 +20,7 @@ pub(crate) type Lanes = [f64; LANES];
 /// Rows after which cars that are out of the race make room for others.
 const BLOCK: usize = 128;
 /// Numbers of a law at most.
-const NUMBERS: usize = 6;
+const NUMBERS: usize = 7;
 
 /// A car between two blocks of rows.
 struct Car<'a> {
@@ -142,7 +142,8 @@ fn drive(stretch: &Stretch<'_>, rows: Range<usize>, cars: &mut [Car<'_>], errors
                     errors,
                     #[inline(always)]
                     |l, _, gap, speed, lead| {
-                        idm(&p, l).accel_braking_by_mps2(p[5][l], gap, speed, lead)
+                        let closing_m = speed * (speed - lead) * p[6][l];
+                        idm(&p, l).accel_of_mps2(speed * p[5][l], closing_m, gap, speed)
                     },
                 ),
             }
@@ -206,15 +207,16 @@ impl Through<'_> {
     }
 }
 
-/// The numbers of a law, zeros behind them; the sixth of IDM is what it brakes by.
+/// The numbers of a law, zeros behind them; the last two of IDM are what it multiplies by in the place of a division.
 pub(crate) fn numbers(law: &Law) -> [f64; NUMBERS] {
     match *law {
-        Law::Newell(l) => [l.delay_s, l.distance_m, 0.0, 0.0, 0.0, 0.0],
+        Law::Newell(l) => [l.delay_s, l.distance_m, 0.0, 0.0, 0.0, 0.0, 0.0],
         Law::Helly(l) => [
             l.gains.speed_per_s,
             l.gains.gap_per_s2,
             l.standstill_gap_m,
             l.time_gap_s,
+            0.0,
             0.0,
             0.0,
         ],
@@ -225,6 +227,7 @@ pub(crate) fn numbers(law: &Law) -> [f64; NUMBERS] {
             l.max_accel_mps2,
             l.ego_braking_mps2,
             l.lead_braking_mps2,
+            0.0,
         ],
         Law::Idm(l) => [
             l.desired_speed_mps,
@@ -232,7 +235,8 @@ pub(crate) fn numbers(law: &Law) -> [f64; NUMBERS] {
             l.standstill_gap_m,
             l.max_accel_mps2,
             l.comfortable_braking_mps2,
-            l.braking_mps2(),
+            1.0 / l.desired_speed_mps,
+            1.0 / l.braking_mps2(),
         ],
     }
 }

@@ -25,13 +25,18 @@ impl Idm {
     /// s*: the gap wanted at these speeds, in m.
     #[inline]
     pub fn desired_gap_m(&self, ego_speed_mps: f64, lead_speed_mps: f64) -> f64 {
-        self.desired_gap_braking_by_m(self.braking_mps2(), ego_speed_mps, lead_speed_mps)
+        self.desired_gap_closing_m(self.closing_m(ego_speed_mps, lead_speed_mps), ego_speed_mps)
     }
 
     #[inline]
-    fn desired_gap_braking_by_m(&self, braking_mps2: f64, v: f64, lead_speed_mps: f64) -> f64 {
-        let dynamic = v * self.time_gap_s + v * (v - lead_speed_mps) / braking_mps2;
+    fn desired_gap_closing_m(&self, closing_m: f64, ego_speed_mps: f64) -> f64 {
+        let dynamic = ego_speed_mps * self.time_gap_s + closing_m;
         self.standstill_gap_m + dynamic.max(0.0)
+    }
+
+    #[inline]
+    fn closing_m(&self, v: f64, lead_speed_mps: f64) -> f64 {
+        v * (v - lead_speed_mps) / self.braking_mps2()
     }
 
     /// 2√(a·b): what closing in is divided by, in m/s².
@@ -43,20 +48,22 @@ impl Idm {
     /// Acceleration, in m/s².
     #[inline]
     pub fn accel_mps2(&self, gap_m: f64, ego_speed_mps: f64, lead_speed_mps: f64) -> f64 {
-        self.accel_braking_by_mps2(self.braking_mps2(), gap_m, ego_speed_mps, lead_speed_mps)
+        let share = ego_speed_mps / self.desired_speed_mps;
+        let closing_m = self.closing_m(ego_speed_mps, lead_speed_mps);
+        self.accel_of_mps2(share, closing_m, gap_m, ego_speed_mps)
     }
 
-    /// [`Idm::accel_mps2`] with what [`Idm::braking_mps2`] gives, for who asks many times.
+    /// [`Idm::accel_mps2`] from v/v0 and v·(v − v_lead)/(2√(a·b)) in m, for who works those out without a division.
     #[inline]
-    pub fn accel_braking_by_mps2(
+    pub fn accel_of_mps2(
         &self,
-        braking_mps2: f64,
+        share_of_desired_speed: f64,
+        closing_m: f64,
         gap_m: f64,
         ego_speed_mps: f64,
-        lead_speed_mps: f64,
     ) -> f64 {
-        let desired = self.desired_gap_braking_by_m(braking_mps2, ego_speed_mps, lead_speed_mps);
-        let free = (ego_speed_mps / self.desired_speed_mps).powi(4);
+        let desired = self.desired_gap_closing_m(closing_m, ego_speed_mps);
+        let free = share_of_desired_speed.powi(4);
         self.max_accel_mps2 * (1.0 - free - (desired / gap_m.max(LEAST_GAP_M)).powi(2))
     }
 

@@ -1,7 +1,7 @@
 //! The network in one place, for whoever drives by it.
 
 use super::{
-    controller::{Parameters, of_output},
+    controller::{Parameters, of_outputs},
     lanes::{Lanes, nothing},
     layers::Styled,
     unrolled::inputs,
@@ -32,8 +32,8 @@ impl<'a> Alone<'a> {
         let inputs = inputs(self.world, &[speed]);
         let outputs =
             (self.network).forward(self.first.len(), &inputs, &mut self.first, &mut self.second);
-        let value = |k: usize| of_output(k, &outputs[k]).0[0];
-        Parameters::from_array(std::array::from_fn(value))
+        let [values, _] = of_outputs(&outputs);
+        Parameters::from_array(values.map(|value| value[0]))
     }
 
     /// Acceleration, in m/s², from gap (m), ego speed and lead speed (m/s).

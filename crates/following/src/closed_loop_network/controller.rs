@@ -5,7 +5,7 @@
 )]
 
 use super::{
-    lanes::{Lanes, lanes},
+    lanes::{Lanes, lanes, nothing},
     layout::OUTPUTS,
 };
 use maveric_laws::{LEAST_GAP_M, Real, Rss};
@@ -120,19 +120,31 @@ impl<T: Real> Parameters<T> {
     }
 }
 
-/// What an output of the network stands for in each lane, and how that changes with it: x + √(1 + x²), above 0, 1 at 0, and like an
+/// What the outputs of the network stand for in each lane, and how that changes with them: x + √(1 + x²), above 0, 1 at 0, and like an
 /// exponential but for its growth.
 #[inline(always)]
-pub(super) fn of_output<T: Real, const N: usize>(
-    k: usize,
-    outputs: &Lanes<T, N>,
-) -> (Lanes<T, N>, Lanes<T, N>) {
-    let (usual, one) = (T::of(USUAL[k]), T::of(1.0));
-    let roots = lanes(outputs, outputs, |x, _| (one + x * x).sqrt());
-    // The two are equal; the sum loses its digits below 0.
-    let values = lanes(outputs, &roots, |x, root| {
+pub(super) fn of_outputs<T: Real, const N: usize>(
+    outputs: &[Lanes<T, N>; OUTPUTS],
+) -> [[Lanes<T, N>; OUTPUTS]; 2] {
+    let one = T::of(1.0);
+    let [mut values, mut slopes] = [[nothing(); OUTPUTS]; 2];
+    let both = values
+        .as_flattened_mut()
+        .iter_mut()
+        .zip(slopes.as_flattened_mut());
+    for (&x, (value, slope)) in outputs.as_flattened().iter().zip(both) {
+        let root = (one + x * x).sqrt();
         let sum = x.abs() + root;
-        usual * if x < T::of(0.0) { one / sum } else { sum }
-    });
-    (values, lanes(&values, &roots, |value, root| value / root))
+        // One division for one over the root and one over the sum.
+        let over = one / (sum * root);
+        // The sum loses its digits below 0, where one over it without the sign is the same.
+        *value = if x < T::of(0.0) { over * root } else { sum };
+        *slope = *value * (over * sum);
+    }
+    for k in 0..OUTPUTS {
+        let usual = T::of(USUAL[k]);
+        values[k] = lanes(&values[k], &values[k], |value, _| usual * value);
+        slopes[k] = lanes(&slopes[k], &slopes[k], |slope, _| usual * slope);
+    }
+    [values, slopes]
 }

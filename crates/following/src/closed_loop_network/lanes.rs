@@ -56,10 +56,31 @@ pub(super) fn add_product<T: Real, const N: usize>(
     add(sum, &product(x, y));
 }
 
-/// x/(1 + |x|): unlike tanh the same few instructions on every machine, and so the same bytes.
+/// x/(1 + |x|) of every number: unlike tanh the same few instructions on every machine, and so the same bytes.
 #[inline(always)]
-pub(super) fn softsign<T: Real, const N: usize>(x: &Lanes<T, N>) -> Lanes<T, N> {
-    lanes(x, x, |x, _| x / (T::of(1.0) + x.abs()))
+pub(super) fn softsign<T: Real, const N: usize>(all: &mut [Lanes<T, N>]) {
+    let (one, all) = (T::of(1.0), all.as_flattened_mut());
+    let quarter = all.len() / 4;
+    let (fours, rest) = all.split_at_mut(4 * quarter);
+    let (front, back) = fours.split_at_mut(2 * quarter);
+    let (front, back) = (front.split_at_mut(quarter), back.split_at_mut(quarter));
+    for ((a, b), (c, d)) in front
+        .0
+        .iter_mut()
+        .zip(front.1)
+        .zip(back.0.iter_mut().zip(back.1))
+    {
+        // One division for four numbers: it takes as long as a dozen products.
+        let [under_a, under_b, under_c, under_d] = [*a, *b, *c, *d].map(|x| one + x.abs());
+        let (ab, cd) = (under_a * under_b, under_c * under_d);
+        let over = one / (ab * cd);
+        let (over_ab, over_cd) = (over * cd, over * ab);
+        (*a, *b) = (*a * (over_ab * under_b), *b * (over_ab * under_a));
+        (*c, *d) = (*c * (over_cd * under_d), *d * (over_cd * under_c));
+    }
+    for x in rest {
+        *x = *x / (one + x.abs());
+    }
 }
 
 /// The derivative by what went into [`softsign`], from that by `y`, what came out.

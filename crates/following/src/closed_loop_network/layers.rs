@@ -61,15 +61,17 @@ impl<'a, T: Real, const N: usize> Styled<'a, T, N> {
             for k in 0..INPUTS {
                 add_scaled(&mut sum, from_inputs[unit * INPUTS + k], &inputs[k]);
             }
-            first[unit] = softsign(&sum);
+            first[unit] = sum;
         }
+        softsign(first);
         for unit in 0..h {
             let mut sum = [bias[unit]; N];
             for from in 0..h {
                 add_scaled(&mut sum, from_first[unit * h + from], &first[from]);
             }
-            second[unit] = softsign(&sum);
+            second[unit] = sum;
         }
+        softsign(second);
         let mut outputs = [nothing(); OUTPUTS];
         for (k, output) in outputs.iter_mut().enumerate() {
             let mut sum = last_base[k];

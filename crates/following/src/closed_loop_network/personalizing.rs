@@ -23,7 +23,7 @@ const MOST_STEPS: usize = 40;
 /// below it is none.
 const DESCENT: Descent = Descent {
     displaced: 5e-4,
-    closed: 1e-5,
+    closed: 1e-4,
     damping: &[-7, -3, -1, 1],
 };
 

@@ -7,7 +7,7 @@
 
 use super::{
     ClosedLoopSettings,
-    controller::{Parameters, of_output},
+    controller::{Parameters, of_outputs},
     lanes::{LANES, Lanes, nothing},
     layers::{Gradient, Strided, Styled, Sums},
     layout::{INPUTS, Layout, OUTPUTS},
@@ -86,14 +86,8 @@ struct Asked<T> {
 impl<T: Real> Asked<T> {
     #[inline(always)]
     fn from_outputs(outputs: &[Lanes<T>; OUTPUTS]) -> Self {
-        let mut wanted = Self {
-            values: [nothing(); OUTPUTS],
-            slopes: [nothing(); OUTPUTS],
-        };
-        for k in 0..OUTPUTS {
-            (wanted.values[k], wanted.slopes[k]) = of_output(k, &outputs[k]);
-        }
-        wanted
+        let [values, slopes] = of_outputs(outputs);
+        Self { values, slopes }
     }
 }
 
