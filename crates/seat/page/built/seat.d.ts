@@ -45,10 +45,9 @@ export class PageDrive {
      */
     practised(): Float64Array;
     /**
-     * A ride in a style (as a step has it, in JSON) of somebody whose own is `own` (empty: nothing was learned), at so many points of the study's on the dial; `stretch`
-     * is points of the model for one of them.
+     * A ride in a style (as a step has it, in JSON) of somebody whose own is `own` (empty: nothing was learned), at so many points on the dial.
      */
-    static ride(json: string, seconds: number, seed: string, model: PageModel, own: Float64Array | number[], style: string, points: number, stretch: number): PageDrive;
+    static ride(json: string, seconds: number, seed: string, model: PageModel, own: Float64Array | number[], style: string, points: number): PageDrive;
     /**
      * Rides so many steps. What is shown again is over where it was.
      */
@@ -71,7 +70,7 @@ export class PageDrive {
      */
     ticks(): number;
     /**
-     * Turns the dial of a ride to so many of the study's points from the person's own style, as far as it goes: gives where it is now.
+     * Turns the dial of a ride to so many points from the person's own style, as far as it goes: gives where it is now.
      */
     turn(points: number): number;
     /**
@@ -139,7 +138,7 @@ export interface InitOutput {
     readonly pagedrive_pad: (a: number, b: number, c: number, d: number, e: number, f: number) => number;
     readonly pagedrive_places: (a: number, b: number, c: number) => [number, number];
     readonly pagedrive_practised: (a: number) => [number, number];
-    readonly pagedrive_ride: (a: number, b: number, c: number, d: number, e: number, f: number, g: number, h: number, i: number, j: number, k: number, l: number) => [number, number, number];
+    readonly pagedrive_ride: (a: number, b: number, c: number, d: number, e: number, f: number, g: number, h: number, i: number, j: number, k: number) => [number, number, number];
     readonly pagedrive_rides: (a: number, b: number) => number;
     readonly pagedrive_road: (a: number) => [number, number];
     readonly pagedrive_seen: (a: number) => [number, number];

@@ -168,8 +168,7 @@ export class PageDrive {
         return v1;
     }
     /**
-     * A ride in a style (as a step has it, in JSON) of somebody whose own is `own` (empty: nothing was learned), at so many points of the study's on the dial; `stretch`
-     * is points of the model for one of them.
+     * A ride in a style (as a step has it, in JSON) of somebody whose own is `own` (empty: nothing was learned), at so many points on the dial.
      * @param {string} json
      * @param {number} seconds
      * @param {string} seed
@@ -177,14 +176,12 @@ export class PageDrive {
      * @param {Float64Array | number[]} own
      * @param {string} style
      * @param {number} points
-     * @param {number} stretch
      * @returns {PageDrive}
      */
-    static ride(json, seconds, seed, model, own, style, points, stretch) {
+    static ride(json, seconds, seed, model, own, style, points) {
         _assertClass(model, PageModel);
         const val5 = +seconds;
         const val6 = +points;
-        const val7 = +stretch;
         let ptr0, len0, ptr1, len1, ptr2, len2, ptr3, len3;
         try {
             ptr0 = passStringToWasm0(json, wasm.__wbindgen_malloc, wasm.__wbindgen_realloc);
@@ -202,7 +199,7 @@ export class PageDrive {
             if (ptr0) { wasm.__wbindgen_free(ptr0, len0 * 1, 1); }
             throw e;
         }
-        const ret = wasm.pagedrive_ride(ptr0, len0, val5, ptr1, len1, model.__wbg_ptr, ptr2, len2, ptr3, len3, val6, val7);
+        const ret = wasm.pagedrive_ride(ptr0, len0, val5, ptr1, len1, model.__wbg_ptr, ptr2, len2, ptr3, len3, val6);
         if (ret[2]) {
             throw takeFromExternrefTable0(ret[1]);
         }
@@ -277,7 +274,7 @@ export class PageDrive {
         return ret;
     }
     /**
-     * Turns the dial of a ride to so many of the study's points from the person's own style, as far as it goes: gives where it is now.
+     * Turns the dial of a ride to so many points from the person's own style, as far as it goes: gives where it is now.
      * @param {number} points
      * @returns {number}
      */
