@@ -48,7 +48,7 @@ pub fn versions() -> BTreeMap<String, String> {
         ("simulate", 10),
         ("measure", 7),
         ("rate", 5),
-        ("evaluate", 8),
+        ("evaluate", 9),
         ("stats", 17),
         ("ablate", 9),
         ("validate", 13),

@@ -328,7 +328,7 @@ pub(crate) fn refuse_unclear(
     Err(StudyError::file(path, problem).with_help(help))
 }
 
-/// Reads them back; refuses two scores of one subscale at one moment of a person.
+/// Reads scores back; refuses two scores of one subscale at one moment of a person.
 pub(crate) fn read_scores(path: &Path) -> Result<Vec<Score>, StudyError> {
     let table = Table::read(path)?;
     let mut key = vec!["participant", "moment", "scale", "subscale"];

@@ -59,7 +59,7 @@ fn alone<T: Real>(world: &World<T>, weights: &[T], embeddings: &[T], batch: &Bat
 #[test]
 fn the_gradient_through_the_closed_loop_is_the_difference_quotient() {
     // The usual number of hidden units is compiled apart.
-    for hidden in [4, USUAL_HIDDEN] {
+    for hidden in [4, 5, USUAL_HIDDEN] {
         let world = world(hidden);
         let (weights, batch) = (weights(world.layout), batch(60));
         let found = alone(&world, &weights, &EMBEDDINGS, &batch);
