@@ -16,7 +16,7 @@ use maveric_stats::Belief;
 use scale::on_the_scale;
 use serde::Serialize;
 
-/// Settings that a further trial may show, in ADB points from the own style.
+/// Settings that a further trial may show, in ADB points from the own style; on another scale the same shares of it.
 pub const SETTINGS: [f64; 7] = [-15.0, -10.0, -5.0, 0.0, 5.0, 10.0, 15.0];
 
 /// A reason: by how many points it moves the recommendation.
@@ -26,7 +26,7 @@ pub struct Reason {
     pub because: String,
     /// The person's value in SDs from the mean of those learned from; none where it is no trait.
     pub standardised: Option<f64>,
-    /// Effect on the recommended shift, in ADB points.
+    /// Effect on the recommended shift, in points of the style's score.
     pub points: f64,
 }
 
@@ -46,7 +46,7 @@ pub struct Recommendation {
     pub before_riding: Option<Preferred>,
     /// The reasons, the largest first.
     pub reasons: Vec<Reason>,
-    /// The setting whose rating would tell most, in ADB points, and how much, in nats; none where the dial is not turned.
+    /// The setting whose rating would tell most, in points of the style's score, and how much, in nats; none where the dial is not turned.
     pub next: Option<(f64, f64)>,
 }
 
@@ -91,7 +91,7 @@ impl Learned {
     /// The setting that is expected to tell most.
     pub fn next(&self, belief: &Belief, traits: &[f64]) -> (f64, f64) {
         let mut best = (0.0, f64::NEG_INFINITY);
-        for points in SETTINGS {
+        for points in SETTINGS.map(|points| points * self.adb_point) {
             let nats = self.information(belief, traits, points);
             if nats > best.1 + 1e-12 {
                 best = (points, nats);

@@ -2,7 +2,7 @@
 
 use super::{StudyData, cells::FIRST};
 use maveric_domain::{
-    ConditionId, Moment, Occasion, ParticipantId, Scale, Subscale,
+    ConditionId, Moment, Occasion, ParticipantId, Scale, ScoreRange, Subscale,
     design::{ScoreName, Sign},
 };
 use std::num::NonZeroU32;
@@ -82,6 +82,13 @@ impl StudyData {
             Some(scale.score_range(subscale))
         };
         declared.or_else(of_scale)
+    }
+
+    /// Points of the design's style that one ADB point is, both scales end on end: 1 on the ADB, and where nobody says the range.
+    pub fn adb_point(&self) -> f64 {
+        let range = self.style_range();
+        let range = range.and_then(|(low, high)| ScoreRange::new(low, high).ok());
+        range.unwrap_or(ScoreRange::ADB).width() / ScoreRange::ADB.width()
     }
 
     /// What a page calls a score: the subscale's title, or the scale's where it has no other.

@@ -37,6 +37,8 @@ pub struct Standard {
 pub struct Learned {
     /// People learned from.
     pub people: usize,
+    /// [`StudyData::adb_point`] of the study.
+    pub adb_point: f64,
     /// How a drive is perceived.
     pub percept: Percept,
     /// Where the dial is.
@@ -49,7 +51,7 @@ pub struct Learned {
     pub fit: Hierarchical,
 }
 
-/// Where a person would like the dial, in ADB points.
+/// Where a person would like the dial, in points of the style's score.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Preferred {
     /// The middle of what is believed.
@@ -58,13 +60,14 @@ pub struct Preferred {
     pub low: f64,
     /// High end.
     pub high: f64,
-    /// How sure that it is within 5 points of `points`, 0 to 1.
+    /// How sure that it is within 5 ADB points of `points`, or as large a share of another scale, 0 to 1.
     pub within_5: f64,
 }
 
 /// Columns before the traits: 1, A, A², D.
 const PLAIN: usize = 4;
-/// Settings further from the own style than this are not recommended, in ADB points: nobody has driven them.
+/// Settings further from the own style than this are not recommended, in ADB points or as large a share of another scale: nobody has
+/// driven them.
 pub const FURTHEST_POINTS: f64 = 30.0;
 
 /// Names and values of what is known of a person before any ride.
@@ -97,7 +100,7 @@ fn standard(name: String, values: &[f64]) -> Option<Standard> {
     (sd.is_finite() && sd > 1e-9).then_some(Standard { name, mean, sd })
 }
 
-/// Which setting a condition of the study showed.
+/// Which setting a condition of the study showed that moved by so many ADB points, or as large a share of another scale.
 pub(super) fn setting_of(condition: &Condition, moved_points: Option<f64>) -> Option<usize> {
     condition.dial()?;
     let moved = moved_points?;
@@ -152,6 +155,7 @@ impl Learned {
             .collect();
         let mut learned = Self {
             people: people.len(),
+            adb_point: data.adb_point(),
             percept,
             dial,
             traits,
@@ -245,6 +249,7 @@ impl Learned {
                     (rating, self.percept.of_condition(data, p, c.id))
                 {
                     let moved = data.condition(p, c.id).and_then(|row| row.moved_points);
+                    let moved = moved.map(|points| points / self.adb_point);
                     let row = Self::row(&traits, perceived, setting_of(c, moved));
                     self.observe(&mut belief, &row, y);
                 }
@@ -267,7 +272,9 @@ impl Learned {
         let (linear, square) = parabola(traits);
         let shift = |points: f64| self.dial.expected(points).0;
         let settled_shift = shift(settled.points);
-        let a_point = (shift(settled.points + 0.5) - shift(settled.points - 0.5)).abs();
+        let half = 0.5 * self.adb_point;
+        let apart = shift(settled.points + half) - shift(settled.points - half);
+        let a_point = apart.abs() / self.adb_point;
         let mut slope: Vec<f64> = linear
             .iter()
             .zip(&square)
@@ -283,22 +290,20 @@ impl Learned {
     pub fn preferred(&self, belief: &Belief, traits: &[f64]) -> Option<Preferred> {
         let (linear, square) = parabola(traits);
         let tops = belief.top_of_parabola(&linear, &square)?;
+        let furthest = FURTHEST_POINTS * self.adb_point;
         let points: Vec<f64> = tops
             .into_iter()
-            .map(|shift| {
-                self.dial
-                    .points_at(shift)
-                    .clamp(-FURTHEST_POINTS, FURTHEST_POINTS)
-            })
+            .map(|shift| self.dial.points_at(shift).clamp(-furthest, furthest))
             .collect();
         let quantile = |share: f64| points[((points.len() - 1) as f64 * share).round() as usize];
         let middle = quantile(0.5);
-        let near = points.iter().filter(|v| (*v - middle).abs() <= 5.0).count();
+        let within = 5.0 * self.adb_point;
+        let near = points.iter().filter(|v| (*v - middle).abs() <= within);
         Some(Preferred {
             points: middle,
             low: quantile(0.025),
             high: quantile(0.975),
-            within_5: near as f64 / points.len() as f64,
+            within_5: near.count() as f64 / points.len() as f64,
         })
     }
 
@@ -312,7 +317,8 @@ impl Learned {
             .zip(&square)
             .map(|(l, s)| -l / (2.0 * g) + s * b / (2.0 * g * g))
             .collect();
-        let setting = SETTINGS.iter().position(|s| (s - points).abs() < 0.5);
+        let shown = points / self.adb_point;
+        let setting = SETTINGS.iter().position(|s| (s - shown).abs() < 0.5);
         let row = Self::row(traits, self.dial.expected(points), setting);
         belief.information(&target, &row, self.fit.residual_sd.powi(2))
     }

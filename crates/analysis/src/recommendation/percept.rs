@@ -156,7 +156,7 @@ fn ends(data: &StudyData) -> Option<[ConditionId; 3]> {
 }
 
 impl Dial {
-    /// ADB points at which the car is perceived to be shifted by `shift`, on a straight line to either end and beyond.
+    /// Points of the style's score at which the car is perceived to be shifted by `shift`, on a straight line to either end and beyond.
     pub fn points_at(&self, shift: f64) -> f64 {
         let [low, middle, high] = self.shift;
         let step = if shift >= middle {

@@ -67,6 +67,7 @@ fn learned() -> Learned {
     };
     Learned {
         people: 9,
+        adb_point: 1.0,
         percept: Percept {
             shift: BTreeMap::new(),
             distance: BTreeMap::new(),
@@ -254,6 +255,20 @@ fn a_setting_tells_by_how_far_it_is_shifted() {
         -0.5 * (1.0 - share).ln(),
         1e-9,
     );
+}
+
+#[test]
+fn on_a_scale_from_1_to_6_a_recommendation_is_as_large_a_share_as_on_the_adb() {
+    let a_point = 5.0 / 44.0;
+    let mut learned = learned();
+    (learned.adb_point, learned.dial.points) = (a_point, 15.0 * a_point);
+    let belief = believed(&learned);
+    let at = |pace: f64| learned.preferred(&belief, &[pace, 0.0]).unwrap();
+    near(at(2.0).points, 6.0 * a_point, 1e-9);
+    near(at(30.0).points, 30.0 * a_point, 1e-9);
+    learned.fit.coefficients = known(&[(1, 1.0)]);
+    let (next, _) = learned.next(&believed(&learned), &[0.0, 0.0]);
+    near(next, 15.0 * a_point, 1e-12);
 }
 
 #[test]

@@ -52,7 +52,7 @@ pub fn versions() -> BTreeMap<String, String> {
         ("stats", 17),
         ("ablate", 9),
         ("validate", 13),
-        ("recommend", 4),
+        ("recommend", 5),
         ("rehearse", 10),
         ("rehearse-dial", 6),
         ("report", 20),

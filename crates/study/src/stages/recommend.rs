@@ -12,7 +12,7 @@ use crate::{
     tables::{collected::SEAT, dial::read_turns},
 };
 use maveric_analysis::{Learned, Preferred, Recommendation, StudyData};
-use maveric_domain::ParticipantId;
+use maveric_domain::{ParticipantId, ScoreRange};
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 
@@ -90,7 +90,7 @@ impl Stage for Recommend {
         let mut summary: Vec<String> = value
             .recommendations
             .iter()
-            .flat_map(|r| lines(r, self.participant.is_some()))
+            .flat_map(|r| lines(r, Points::of(&data), self.participant.is_some()))
             .collect();
         if data.is_synthetic() {
             summary.push("synthetic participants".to_owned());
@@ -141,10 +141,43 @@ fn unknown(name: &str, data: &StudyData) -> StudyError {
 /// Reasons that a line names.
 const SHOWN: usize = 5;
 
-fn lines(r: &Recommendation, at_length: bool) -> Vec<String> {
+/// How points are said.
+#[derive(Debug, Clone, Copy)]
+struct Points {
+    /// Whose they are.
+    unit: &'static str,
+    /// What counts as near: 5 ADB points, or as large a share of another scale.
+    near: f64,
+    /// Further decimals, on a narrow scale.
+    further: usize,
+}
+
+impl Points {
+    fn of(data: &StudyData) -> Self {
+        let style = data.design.style();
+        let is_adb = style.is_none_or(|style| style.score.to_string() == "adb.total");
+        let a_point = data.adb_point();
+        Self {
+            unit: if is_adb { "ADB points" } else { "points" },
+            near: (5.0 * a_point * 100.0).round() / 100.0,
+            further: usize::from(a_point * ScoreRange::ADB.width() < NARROW),
+        }
+    }
+}
+
+/// A scale of fewer points than this needs a further decimal.
+const NARROW: f64 = 15.0;
+
+fn lines(r: &Recommendation, said: Points, at_length: bool) -> Vec<String> {
+    let Points {
+        unit,
+        near,
+        further,
+    } = said;
+    let fine = 1 + further;
     let line = |p: &Preferred| {
         format!(
-            "{:+.1} ADB points (95% {:+.1} to {:+.1}; within 5 points with probability {:.2})",
+            "{:+.fine$} {unit} (95% {:+.fine$} to {:+.fine$}; within {near} points with probability {:.2})",
             p.points, p.low, p.high, p.within_5
         )
     };
@@ -159,7 +192,7 @@ fn lines(r: &Recommendation, at_length: bool) -> Vec<String> {
     )];
     if let Some(s) = &r.on_the_scale {
         lines.push(format!(
-            "  on the scale: {:.0} points (95% {:.0} to {:.0}), the own style being {:.0} ± {:.0}",
+            "  on the scale: {:.further$} points (95% {:.further$} to {:.further$}), the own style being {:.further$} ± {:.further$}",
             s.at, s.low, s.high, s.own, s.own_sd
         ));
     }
@@ -173,13 +206,53 @@ fn lines(r: &Recommendation, at_length: bool) -> Vec<String> {
                 .standardised
                 .map_or_else(String::new, |z| format!(" ({z:+.1} SD)"));
             lines.push(format!(
-                "  {:+.1} points: {}{z}",
+                "  {:+.fine$} points: {}{z}",
                 reason.points, reason.because
             ));
         }
         lines.extend(r.next.map(|(points, nats)| {
-            format!("  show next: {points:+.0} points (would tell {nats:.2} nats of the preferred shift)")
+            format!("  show next: {points:+.further$} points (would tell {nats:.2} nats of the preferred shift)")
         }));
     }
     lines
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn points_of_the_adb_are_named_and_those_of_a_narrow_scale_have_a_further_decimal() {
+        let recommended = Recommendation {
+            participant: ParticipantId::new("p").unwrap(),
+            beyond: None,
+            preferred: Some(Preferred {
+                points: 1.25,
+                low: 0.5,
+                high: 2.0,
+                within_5: 0.75,
+            }),
+            on_the_scale: None,
+            before_riding: None,
+            reasons: Vec::new(),
+            next: None,
+        };
+        let said = |unit, near, further| {
+            let points = Points {
+                unit,
+                near,
+                further,
+            };
+            lines(&recommended, points, false)
+        };
+        assert_eq!(
+            said("points", 0.57, 1),
+            ["p: +1.25 points (95% +0.50 to +2.00; within 0.57 points with probability 0.75)"]
+        );
+        let adb = &said("ADB points", 5.0, 0)[0];
+        assert!(
+            adb.contains(" ADB points (95% +0.5 to +2.0; within 5 points with"),
+            "{adb}"
+        );
+    }
 }
