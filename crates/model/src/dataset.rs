@@ -215,7 +215,7 @@ impl Data {
             (
                 Loss::Aggression,
                 self.learned.aggression,
-                "no two drives have different ADB scores",
+                "no two drives have different scores of the style",
             ),
             (Loss::MutualInformation, true, ""),
         ];

@@ -99,8 +99,10 @@ pub enum ModelError {
         /// What was found.
         found: f64,
     },
-    /// A model trained without ADB scores has no direction of aggression.
-    #[error("the model learned no aggression axis: no drive it was trained on had an ADB score")]
+    /// A model trained without scores of the style has no direction of aggression.
+    #[error(
+        "the model learned no aggression axis: no drive it was trained on had a score of the style"
+    )]
     NoAggressionAxis,
     /// An embedding of one number has nothing perpendicular to its axis.
     #[error("an embedding of size {found} has no perpendicular directions, expected at least 2")]
@@ -256,7 +258,12 @@ impl ModelError {
                 Some("hold fewer attributes")
             }
             Self::NoPerpendicular { .. } => Some("train with `embedding_size` 2 or more"),
-            Self::NoAggressionAxis => Some("score the ADB questionnaire and train with its scores"),
+            Self::NoAggressionAxis => Some(
+                "score the questionnaire of the style (the ADB's without a study) and train with its scores",
+            ),
+            Self::OtherScale { .. } => Some(
+                "give scores of the model's own scale, or the study whose `[style]` says theirs, on which the model is then put",
+            ),
             Self::Diverged { .. } => Some("lower `learning_rate` or `gradient_clip`"),
             Self::OtherHeads {
                 expected: HeadsKind::Paper,

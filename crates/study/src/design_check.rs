@@ -143,7 +143,7 @@ fn of_scales(study: &DesignFile, scales: &[Scale]) -> Result<(), DesignError> {
     let (design, known) = (&study.design, Known::new(&study.design, scales));
     if let Some(style) = design.style() {
         known.score("style.score", &style.score)?;
-        style_range(design, style, scales)?;
+        check_style_range(design, style, scales)?;
     }
     for (at, outcome) in design.outcomes().iter().enumerate() {
         match &outcome.quantity {
@@ -211,7 +211,7 @@ fn dropped_items(
 }
 
 /// The range of the style is that of its scale or lies within it, and no condition asks for more than its width.
-fn style_range(design: &Design, style: &Style, scales: &[Scale]) -> Result<(), DesignError> {
+fn check_style_range(design: &Design, style: &Style, scales: &[Scale]) -> Result<(), DesignError> {
     let Some((low, high)) = score_range(scales, &style.score) else {
         return Ok(());
     };

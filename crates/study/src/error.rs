@@ -5,6 +5,9 @@ use maveric_pipeline::{PipelineError, is_held};
 use path_slash::PathExt as _;
 use std::path::PathBuf;
 
+/// What to do about a score that its scale does not have.
+pub(crate) const CHECK_SCORE: &str = "check the score: its scale is that of the study's `[style]`, and the ADB's (11 to 55) where no study says one";
+
 /// A command's failure, naming the file and what to do.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
@@ -133,9 +136,7 @@ impl StudyError {
             Self::Stats(error) => error.suggestion().map(str::to_owned),
             Self::Ingest(error) => error.suggestion(),
             Self::Model(error) => error.suggestion().map(str::to_owned),
-            Self::Domain(DomainError::NotOnScale { .. }) => {
-                Some("give the range of the questionnaire, or check the score".to_owned())
-            }
+            Self::Domain(DomainError::NotOnScale { .. }) => Some(CHECK_SCORE.to_owned()),
             _ => None,
         }
     }

@@ -121,7 +121,7 @@ pub(crate) fn read(
     });
     Ok(Recordings {
         rows,
-        range: scores.range,
+        range: scores.scale(),
     })
 }
 

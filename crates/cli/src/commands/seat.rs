@@ -5,6 +5,7 @@ use crate::{
     diagnostics::{Failure, tell},
     interrupt, progress,
 };
+use maveric_domain::ScoreRange;
 use maveric_seat::{
     Hindrance, Seat as Open, SeatError, SeatSettings, Wire, carried, demo, files, replay,
 };
@@ -292,6 +293,7 @@ fn settings(
     let world = study.resolve(&named.scenario);
     let world = world.is_file().then_some(world);
     let (texts, in_others) = maveric_seat::files::texts(study).map_err(failure(OPENING))?;
+    let range = style_range(study).map_err(Failure::study(OPENING))?;
     let settings = SeatSettings {
         scales: run_folder::read_scales(&study.resolve(&named.scales))
             .map_err(Failure::study(OPENING))?,
@@ -301,7 +303,7 @@ fn settings(
             .map_err(Failure::study(OPENING))?,
         model: bytes.map_err(|e| Failure::io(OPENING, e))?,
         made_up_model: study.design.synthetic() || study.design.model().is_some_and(|m| m.made_up),
-        range: style_range(study).map_err(Failure::study(OPENING))?,
+        range: range.unwrap_or(ScoreRange::ADB),
         files: files::Files::of(study, folder.join(RECORDS)),
         password,
         design: study.design.clone(),

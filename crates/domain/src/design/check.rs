@@ -18,7 +18,7 @@ use super::{
     },
     which::which,
 };
-use crate::{design::Design, units::SpeedUnit};
+use crate::{design::Design, survey::ScoreRange, units::SpeedUnit};
 use std::collections::BTreeMap;
 
 /// Most conditions: a study compares them in pairs, of which these are 1,225 for every outcome.
@@ -209,12 +209,12 @@ fn people(raw: PeopleToml) -> People {
 fn style(raw: StyleToml) -> Checked<Style> {
     if let Some([low, high]) = raw
         .range
-        .filter(|[low, high]| low.partial_cmp(high) != Some(std::cmp::Ordering::Less))
+        .filter(|ends| ScoreRange::try_from(*ends).is_err())
     {
         return refuse(
             "style.range",
             format!("[{low}, {high}]"),
-            "the lowest score, then a higher one",
+            "the lowest score, then a higher one, both finite",
         );
     }
     if let Some(points) = raw.points.filter(|p| !(p.is_finite() && *p > 0.0)) {

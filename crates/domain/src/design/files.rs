@@ -125,7 +125,7 @@ impl Software {
 /// A model that was learned elsewhere.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct ModelFile {
-    /// The model, from the folder of the design's file.
+    /// The model, from the folder of the design's file. The score that it learned is put on the range of the study's style, end on end.
     pub file: PathBuf,
     /// Whether it learned from made-up people: whoever rides is told.
     pub made_up: bool,

@@ -224,9 +224,10 @@ fn a_dial_needs_a_style_and_a_learned_car_somebody_to_learn_from() {
     let error = read(&narrow).unwrap_err();
     let said = "`condition.sporty.car.dial`: found 7.5, expected at most 5";
     assert!(error.contains(said), "{error}");
-    let reversed = SMALL.replace("points = 15", "points = 1\nrange = [6, 1]");
-    let error = read(&reversed).unwrap_err();
-    assert!(error.contains("`style.range`"), "{error}");
+    for no_range in ["[6, 1]", "[0, inf]", "[-inf, 6]", "[1, nan]"] {
+        let error = within(&format!("points = 1\nrange = {no_range}")).unwrap_err();
+        assert!(error.contains("`style.range`"), "{no_range}: {error}");
+    }
 }
 
 #[test]

@@ -15,7 +15,7 @@ use crate::{
     outcome::{Outcome, Watch, for_each_on},
     run_folder::read_model,
     stage::{Files, Stage},
-    style_scores::StyleScores,
+    style_scores::{StyleScores, on_range_of},
     tables::{
         TableName,
         embeddings::{EmbeddingRow, write_embeddings},
@@ -51,7 +51,7 @@ pub struct Personalize {
     /// Folder of drives
     #[arg(long)]
     pub drives: PathBuf,
-    /// Questionnaire scores; each drive is then fitted both with and without its ADB score
+    /// Questionnaire scores; each drive is then fitted both with and without its score of the style
     #[arg(long)]
     pub scores: Option<PathBuf>,
     /// Embeddings to write
@@ -99,7 +99,7 @@ pub struct PersonalizedDrives {
     pub embeddings: Vec<EmbeddingRow>,
 }
 
-/// One fit to make: a drive, and its ADB score where that is to be fitted too.
+/// One fit to make: a drive, and its score where that is to be fitted too.
 struct Task<'a> {
     drive: &'a Drive,
     adb: Option<StyleScore>,
@@ -127,7 +127,7 @@ impl Stage for Personalize {
             .writes(&self.variability))
     }
 
-    /// Fits an embedding to every drive of a folder: with its ADB score where there is one, and always without.
+    /// Fits an embedding to every drive of a folder: with its score where there is one, and always without.
     ///
     /// A drive that is too short is left out with a warning; one that shows no habit says nothing, with a warning.
     fn work(&self, watch: Watch<'_>) -> Result<Outcome<PersonalizedDrives>, StudyError> {
@@ -143,7 +143,7 @@ impl Stage for Personalize {
             Part::Test,
         )?;
         let (scores, scored_without_drive) = self.scores_of(&drives)?;
-        let model = model.on_range(scores.range);
+        let model = on_range_of(model, scores.range);
         let personalizer = Personalizer::of_first(&model, self.fit_fraction)?;
         let mut warnings = Vec::new();
         let (tasks, unscored) = self.tasks(&drives, |drive| {
@@ -194,8 +194,8 @@ impl Stage for Personalize {
             })?;
             write_rows(TableName::Variability, path, &measured)?;
         }
-        let off_the_scale = off_the_scale::taken_out(scores.range, &mut rows);
-        warnings.extend(off_the_scale::warnings(scores.range, &off_the_scale));
+        let off_the_scale = off_the_scale::taken_out(model.score_range(), &mut rows);
+        warnings.extend(off_the_scale::warnings(model.score_range(), &off_the_scale));
         warnings.extend(beyond::warnings(&model, &rows));
         let strangers = rows.iter().filter(|row| row.beyond() == Some(true));
         let strangers: BTreeSet<&str> = strangers.map(|row| row.drive.as_str()).collect();
@@ -221,11 +221,7 @@ impl Stage for Personalize {
             people_learned_from: model.people(),
             embeddings: rows,
         };
-        Ok(Outcome {
-            value,
-            summary,
-            warnings,
-        })
+        Ok(Outcome::new(value, summary, warnings))
     }
 }
 

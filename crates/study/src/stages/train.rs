@@ -90,7 +90,7 @@ pub struct Train {
 pub struct TrainingSummary {
     /// Drives learned from.
     pub drives: usize,
-    /// Of them with an ADB score.
+    /// Of them with a score of the style.
     pub drives_with_adb: usize,
     /// Numbers that were learned.
     pub parameters: usize,
@@ -109,7 +109,7 @@ pub struct TrainingSummary {
     /// How far one person's drives differ; none where nobody drove twice, and standard errors are of the drive.
     #[serde(default)]
     pub days: Option<Days>,
-    /// ADB scores in the table that are of nobody who drove here.
+    /// Scores of the style in the table that are of nobody who drove here.
     #[serde(default)]
     pub scores_without_drive: usize,
 }
@@ -200,17 +200,13 @@ impl Stage for Train {
         };
         write_json(&training_path(&self.out), &summary)?;
         let mut rows = self.places(&model, &drives, score)?;
-        let off = off_the_scale::taken_out(scores.range, &mut rows);
+        let off = off_the_scale::taken_out(model.score_range(), &mut rows);
         write_embeddings(&embeddings_path(&self.out), &rows)?;
         let mut warnings = summary.warnings.clone();
-        warnings.extend(off_the_scale::warnings(scores.range, &off));
+        warnings.extend(off_the_scale::warnings(model.score_range(), &off));
         let mut lines = self.lines(&summary);
         lines.extend(progress.rate_line());
-        Ok(Outcome {
-            value: summary,
-            summary: lines,
-            warnings,
-        })
+        Ok(Outcome::new(summary, lines, warnings))
     }
 }
 
@@ -411,7 +407,7 @@ fn refuse_foreign_scores(
     let of_scores = scores.rows.first().map(|s| s.participant.to_string());
     let of_drives = drives.first().map(|d| d.meta().participant.to_string());
     let problem = format!(
-        "none of its {total} ADB scores is of a participant who drives here: the first is of {}, the first \
+        "none of its {total} scores of the style is of a participant who drives here: the first is of {}, the first \
              drive of {}",
         of_scores.unwrap_or_default(),
         of_drives.unwrap_or_default()

@@ -7,6 +7,7 @@ use crate::{
     run_folder::{effects_of, read_effects, read_scales},
     style_scores::style_range,
 };
+use maveric_domain::ScoreRange;
 use maveric_rehearsal::{PopulationModel, RehearsalError, World};
 use std::path::Path;
 
@@ -29,7 +30,7 @@ pub(crate) fn read_world(
     let path = population.unwrap_or(Path::new("population.toml"));
     let population = PopulationModel::from_toml(&text)
         .map_err(|error| StudyError::file(path, error.to_string()))?;
-    let range = style_range(study)?;
+    let range = style_range(study)?.unwrap_or(ScoreRange::ADB);
     World::new(study.design.clone(), population, effects, scales, range).map_err(
         |error| match error {
             RehearsalError::UnknownCar { .. } => study.wrong(
