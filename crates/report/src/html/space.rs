@@ -14,7 +14,7 @@ pub struct StyleSpace {
     pub drives: Vec<SpaceDrive>,
     /// The test participants.
     pub people: Vec<SpacePerson>,
-    /// The gradient of the style predictor, shape `(3,)`; not zero.
+    /// The gradient of the style predictor, shape `(3,)`; not zero. Its direction is drawn.
     pub gradient: [f64; 3],
     /// The half-axes of the ellipse across the gradient, round each participant's own style, shape `(2, 3)`; `None` where no condition
     /// moves across it.
@@ -95,7 +95,7 @@ impl StyleSpace {
             "drives": self.drives.iter().take(MOST).map(drive).collect::<Vec<_>>(),
             "people": self.people.iter().take(MOST).map(person).collect::<Vec<_>>(),
             "unit": context.speed.name(),
-            "gradient": rounded(&self.gradient),
+            "gradient": direction(self.gradient),
             "ellipse": self.ellipse.map(|axes| axes.map(|axis| rounded(&axis))),
             "score": [self.score.0, self.score.1, self.score.2],
             "dial": self.dial.iter().map(ToString::to_string).collect::<Vec<_>>(),
@@ -142,7 +142,29 @@ impl StyleSpace {
     }
 }
 
+/// The same way, one long: rounded to decimals a gradient on a narrow scale would have none.
+fn direction(gradient: [f64; 3]) -> [f64; 3] {
+    let largest = gradient.iter().fold(0.0_f64, |most, g| most.max(g.abs()));
+    let [x, y, z] = gradient.map(|g| g / largest);
+    let length = libm::hypot(libm::hypot(x, y), z);
+    [x, y, z].map(|g| g / length)
+}
+
 /// A number with four decimals: more than a screen can show.
 fn short(value: f64) -> f64 {
     (value * 1e4).round() / 1e4
+}
+
+#[cfg(test)]
+mod tests {
+    use super::direction;
+
+    #[test]
+    fn a_gradient_however_small_keeps_its_direction() {
+        for size in [1.0, 1e-6, 1e-200] {
+            let [x, y, z] = direction([3.0 * size, 0.0, -4.0 * size]);
+            assert!((x - 0.6).abs() < 1e-12 && (z + 0.8).abs() < 1e-12);
+            assert!(y.abs() < 1e-12);
+        }
+    }
 }
