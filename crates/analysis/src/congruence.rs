@@ -106,7 +106,7 @@ impl<'a> Rows<'a> {
     fn driven(&self, near: f64, places: usize) -> Distances {
         let middle = middle(self.data.style_range());
         let row = |(person, condition)| self.data.condition(person, condition);
-        let own_style = |cell| {
+        let own_points = |cell| {
             let row = row(cell)?;
             Some(row.adb_hat? - row.moved_points? - middle)
         };
@@ -114,7 +114,7 @@ impl<'a> Rows<'a> {
         Distances {
             perceived: None,
             moved: cells().map(|cell| row(cell)?.moved_points).collect(),
-            own: cells().map(own_style).collect(),
+            own: cells().map(own_points).collect(),
             middle,
             near,
             places: Some(places),

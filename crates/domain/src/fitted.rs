@@ -87,9 +87,9 @@ pub struct EmbeddingRow {
     /// Which drive of the condition within the session it was.
     #[serde(default = "first", skip_serializing_if = "is_first")]
     pub trial: NonZeroU32,
-    /// Whether the ADB score took part in the fit.
+    /// Whether the score of the style (the ADB's, or the study's own) took part in the fit.
     pub adb_used: bool,
-    /// ADB score, in points, where there is one.
+    /// Score of the style, in points, where there is one.
     pub adb: Option<f64>,
     /// Ŝ(w), in points; none for a model that saw no scores.
     pub adb_hat: Option<f64>,

@@ -146,7 +146,7 @@ pub struct Ablated {
 
 /// Holds out each fold of drivers in turn, for every variant.
 ///
-/// All drives of a participant are in one fold, and the folds are the same for all variants. ADB scores teach
+/// All drives of a participant are in one fold, and the folds are the same for all variants. Scores teach
 /// the networks, but no unseen driver's score is used. `observe` is told how many trainings are done, and of how many.
 ///
 /// # Errors

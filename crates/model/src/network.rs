@@ -103,7 +103,7 @@ pub(crate) struct Networks {
     pub(crate) speed_encoder: Mlp,
     /// V_β: ego's speed. `[w, z_v] → v̂ (1)`, by L3. V never reads ego's own speed: that would teach it to copy.
     pub(crate) speed_head: Mlp,
-    /// S_θ: the ADB score, by one linear layer, so that its gradient is one direction everywhere. `w → ŝ (1)`, by L4.
+    /// S_θ: the score of the style, by one linear layer, so that its gradient is one direction everywhere. `w → ŝ (1)`, by L4.
     pub(crate) style: Mlp,
     /// M_α: a normal over `w`. `[v_lead, z_l, z_v, f̂, P(change), v̂, ŝ] → [μ (d), ln σ (d)]`, by L5, whose gradient flows on into
     /// every predictor.

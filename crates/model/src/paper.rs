@@ -22,7 +22,7 @@ pub struct Learned {
     pub following_distance: bool,
     /// C: there were rows with and without a lane change being started.
     pub lane_change: bool,
-    /// S: there were ADB scores.
+    /// S: there were scores of the style.
     pub aggression: bool,
 }
 

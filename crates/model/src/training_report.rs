@@ -29,7 +29,7 @@ pub struct TrainingReport {
     pub warnings: Vec<ModelWarning>,
     /// Drives learned from.
     pub drives: usize,
-    /// Drives among them with an ADB score.
+    /// Drives among them with a score of the style.
     pub drives_with_adb: usize,
     /// The linear heads: what each learned from and how well it does on driving kept back; empty for the paper's networks.
     pub heads: Vec<HeadReport>,

@@ -1,7 +1,7 @@
 //! Whitening: coordinates in which the training embeddings have mean 0 and covariance I.
 //!
 //! `w' = C^(-1/2) (w − mean)`. The gradient of S depends on how `w` is scaled; with identity covariance moving
-//! along it is the population's regression on ADB. The networks read `w`, everybody else `w'`.
+//! along it is the population's regression on the score. The networks read `w`, everybody else `w'`.
 //!
 //! # Source
 //! Method section 3, calibration section 3.

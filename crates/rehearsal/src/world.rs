@@ -231,7 +231,7 @@ struct Driven<'a> {
 
 impl World {
     /// Points of the ADB's scale in a standard deviation over people on the line.
-    fn adb_points_a_sd(&self, style: &StyleScore) -> f64 {
+    fn adb_points_a_sd(&self, style: &OwnStyleScore) -> f64 {
         style.sd / self.points * POINTS
     }
 
@@ -240,7 +240,7 @@ impl World {
         &self,
         people: &'a [Participant],
         fitted: &[Fitted],
-        style: &StyleScore,
+        style: &OwnStyleScore,
         seed: u64,
     ) -> Result<Vec<LentTo<'a>>, RehearsalError> {
         let mut lent = vec![LentTo::new(); people.len()];
@@ -267,7 +267,7 @@ impl World {
         &self,
         loan: &Loan<'_>,
         baseline: ConditionId,
-        style: &StyleScore,
+        style: &OwnStyleScore,
     ) -> Result<Lent, RehearsalError> {
         let sds = loan.offer.shift_points / self.adb_points_a_sd(style);
         Ok(Lent {
@@ -360,7 +360,7 @@ impl World {
 }
 
 /// The score that the positions are made of: that of the design's own style.
-struct StyleScore {
+struct OwnStyleScore {
     name: ScoreName,
     /// Which way aggression moves it.
     aggression: f64,
@@ -368,7 +368,7 @@ struct StyleScore {
     sd: f64,
 }
 
-impl StyleScore {
+impl OwnStyleScore {
     /// The score of a place on the line, which lies in standard deviations over people.
     fn points(&self, position: f64) -> f64 {
         self.mean + self.aggression * self.sd * position
@@ -393,9 +393,9 @@ impl StyleScore {
 
 impl World {
     /// The ADB score has the mean and SD that its effects were planted with; another score those of the people who answered it.
-    fn style_of(&self, pre: &[Score]) -> StyleScore {
+    fn style_of(&self, pre: &[Score]) -> OwnStyleScore {
         let declared = self.design.style();
-        let mut style = StyleScore {
+        let mut style = OwnStyleScore {
             name: declared.map_or_else(
                 || ScoreName {
                     scale: "adb".to_owned(),

@@ -77,7 +77,7 @@ pub struct LearningCurve {
 
 /// Fits an embedding to the first minutes of `drive` and judges it on the drive's last part.
 ///
-/// The ADB score takes no part: the question is what driving tells. Minutes count driving: a hole in the
+/// The score takes no part: the question is what driving tells. Minutes count driving: a hole in the
 /// recording adds nothing.
 ///
 /// # Errors

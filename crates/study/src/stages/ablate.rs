@@ -211,11 +211,7 @@ impl Stage for Ablate {
             folds,
             page.to_slash_lossy()
         ));
-        Ok(Outcome {
-            value: ablated,
-            summary,
-            warnings,
-        })
+        Ok(Outcome::new(ablated, summary, warnings))
     }
 }
 

@@ -208,11 +208,8 @@ impl Stage for Rehearse {
             items.len(),
             page.to_slash_lossy()
         ));
-        Ok(Outcome {
-            value,
-            summary,
-            warnings: beyond_reach(&lent.concat()),
-        })
+        let warnings = beyond_reach(&lent.concat());
+        Ok(Outcome::new(value, summary, warnings))
     }
 }
 

@@ -227,11 +227,7 @@ impl Validate {
         let page = write_page(&self.out, &page)?;
         let page = BTreeMap::from([("page", page.to_slash_lossy())]);
         summary.push(texts.with(&page).text("line")?);
-        Ok(Outcome {
-            value,
-            summary,
-            warnings,
-        })
+        Ok(Outcome::new(value, summary, warnings))
     }
 }
 

@@ -47,7 +47,7 @@ fn design() -> Design {
 
 /// The ids of the conditions.
 pub(crate) fn conditions() -> Vec<ConditionId> {
-    design().conditions().iter().map(|c| c.id).collect()
+    design().condition_ids().collect()
 }
 
 /// Synthetic participants in these conditions.

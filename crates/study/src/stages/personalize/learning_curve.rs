@@ -104,24 +104,25 @@ pub(super) fn of_drives(
         }
     }
     write(path, &rows, &curves)?;
-    let summary = rows.iter().map(|r| {
-        let minutes = r.minutes.map_or("all".to_owned(), |m| format!("{m}"));
-        let show = |m: &MeanWithInterval| m.mean.map_or("-".to_owned(), |x| format!("{x:.3}"));
-        format!(
-            "  {minutes:>4} min: loss {} on the rest, {} SD from the whole drive's ({} drives)",
-            show(&r.held_out),
-            show(&r.distance_to_full_sd),
-            r.drives
-        )
-    });
-    Ok(Outcome {
-        summary: summary.collect(),
-        value: CurveOfDrives {
-            drives: curves.len(),
-            rows,
-        },
+    let summary: Vec<String> = rows
+        .iter()
+        .map(|r| {
+            let minutes = r.minutes.map_or("all".to_owned(), |m| format!("{m}"));
+            let show = |m: &MeanWithInterval| m.mean.map_or("-".to_owned(), |x| format!("{x:.3}"));
+            format!(
+                "  {minutes:>4} min: loss {} on the rest, {} SD from the whole drive's ({} drives)",
+                show(&r.held_out),
+                show(&r.distance_to_full_sd),
+                r.drives
+            )
+        })
+        .collect();
+    let drives = curves.len();
+    Ok(Outcome::new(
+        CurveOfDrives { drives, rows },
+        summary,
         warnings,
-    })
+    ))
 }
 
 fn is_at(point: &CurvePoint, minutes: Option<f64>) -> bool {

@@ -118,18 +118,15 @@ pub(super) fn conditions(
         driven.len() - driven.iter().filter(nowhere).count(),
         options.out.to_slash_lossy()
     )];
-    Ok(Outcome {
-        value: Steered {
-            participants: people.len(),
-            clamped,
-            beyond: strangers.people,
-            beyond_left_out: strangers.left_out,
-            attributes: Vec::new(),
-            conditions: rows,
-        },
-        summary,
-        warnings,
-    })
+    let value = Steered {
+        participants: people.len(),
+        clamped,
+        beyond: strangers.people,
+        beyond_left_out: strangers.left_out,
+        attributes: Vec::new(),
+        conditions: rows,
+    };
+    Ok(Outcome::new(value, summary, warnings))
 }
 
 impl Steering<'_> {

@@ -16,8 +16,7 @@ use crate::{
     },
 };
 use maveric_domain::{
-    BeyondWhy, ConditionId, Design, DomainError, DriveId, Embedding,
-    design::{Car, Sign},
+    BeyondWhy, ConditionId, Design, DomainError, DriveId, Embedding, design::Sign,
 };
 use maveric_model::{
     Model,
@@ -88,18 +87,15 @@ pub(super) fn sweep(
         options.out.to_slash_lossy()
     )];
     summary.extend(attributes.iter().map(ToString::to_string));
-    Ok(Outcome {
-        value: Steered {
-            participants: people.len(),
-            clamped,
-            beyond: strangers.people,
-            beyond_left_out: strangers.left_out,
-            attributes,
-            conditions,
-        },
-        summary,
-        warnings,
-    })
+    let value = Steered {
+        participants: people.len(),
+        clamped,
+        beyond: strangers.people,
+        beyond_left_out: strangers.left_out,
+        attributes,
+        conditions,
+    };
+    Ok(Outcome::new(value, summary, warnings))
 }
 
 /// The points of the sweep: those that are asked for, else a step down, none, and a step up.
@@ -186,21 +182,20 @@ fn condition(
     requested_points: f64,
     moved_points: f64,
 ) -> Result<ConditionId, DomainError> {
-    let conditions = || design.conditions().iter();
-    let on = |way| conditions().find(move |c| c.side() == Some(way));
+    let on = |way| {
+        let mut conditions = design.conditions().iter();
+        conditions.find(|c| c.side() == Some(way)).map(|c| c.id)
+    };
     let there = if requested_points.abs() < UNMOVED {
-        conditions().find(|c| c.dial() == Some(0.0))
+        design.own_style()
     } else if moved_points > UNMOVED {
         on(Sign::Plus)
     } else if moved_points < -UNMOVED {
         on(Sign::Minus)
     } else {
-        conditions().find(|c| c.car == Some(Car::Across))
+        design.across()
     };
-    there.map_or_else(
-        || ConditionId::new(&point_name(requested_points)),
-        |c| Ok(c.id),
-    )
+    there.map_or_else(|| ConditionId::new(&point_name(requested_points)), Ok)
 }
 
 /// `up15`, `down0_5`, `0`.

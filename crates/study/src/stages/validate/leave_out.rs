@@ -165,11 +165,7 @@ pub(super) fn work(options: &Validate, watch: Watch<'_>) -> Result<Outcome<InTur
         value.drives,
         page.to_slash_lossy()
     ));
-    Ok(Outcome {
-        value,
-        summary,
-        warnings,
-    })
+    Ok(Outcome::new(value, summary, warnings))
 }
 
 /// One table and what it is answered with.

@@ -2,6 +2,7 @@
 
 use crate::{
     atomic_write::read_text,
+    deciding::hash_of,
     error::StudyError,
     recordings::{Recorded, Recordings},
 };
@@ -162,7 +163,7 @@ impl Rules {
                 ));
             }
         }
-        Ok((rules, blake3::hash(text.as_bytes()).to_hex().to_string()))
+        Ok((rules, hash_of(text.as_bytes())))
     }
 
     /// The tables that follow from the roles that were driven: the role of the highest score above all others; whose drive it is; and
