@@ -170,6 +170,11 @@ impl Seat {
                     b.set_steps(&person.participant, &person.steps)?;
                 }
             }
+            for person in &people {
+                if let Some(style) = seat.style_anew(person) {
+                    b.fit(person, &style)?;
+                }
+            }
             seat.find_rows(b, &people)?;
             let known = |p: &Person| (p.token.clone(), Arc::new(Known::from_person(p)));
             Ok::<_, SeatError>(Links {

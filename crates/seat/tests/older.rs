@@ -4,10 +4,12 @@
 
 mod support;
 
-use maveric_seat::SeatError;
+use maveric_domain::ScoreRange;
+use maveric_seat::{Seat, SeatError, SeatSettings};
 use rusqlite::Connection;
+use serde_json::{Value, json};
 use std::{fs, path::Path};
-use support::{Server, folder, open, script::finish};
+use support::{Server, folder, lab, open, script::finish, settings};
 
 /// The tables of the first version.
 const FIRST: &str = "
@@ -130,4 +132,63 @@ fn a_file_of_a_later_version_is_refused_and_left_as_it_is() {
         }
     ));
     assert_eq!(one(folder.path(), "SELECT COUNT(*) FROM person"), 3);
+}
+
+/// The style that is kept of P001.
+fn style_of_the_first(folder: &Path) -> Value {
+    let state = Connection::open(folder.join("seat/seat.db")).unwrap();
+    let question = "SELECT fit FROM person WHERE participant = 'P001'";
+    let style: String = state.query_row(question, [], |row| row.get(0)).unwrap();
+    serde_json::from_str(&style).unwrap()
+}
+
+#[test]
+fn a_score_that_an_older_version_kept_is_judged_and_is_in_points_of_the_study_s_scale_from_then_on()
+{
+    let adb = ScoreRange::ADB;
+    let risky = ScoreRange::new(1.0, 6.0).unwrap();
+    let wide = ScoreRange::new(11.0, 66.0).unwrap();
+    // The model reads 30 of the ADB's points of 0, and 10 more of a style of 1.
+    for (range, kept, style, expected) in [
+        (adb, 30.0, json!([0.0]), Some(30.0)),
+        (adb, -3.0, json!([-3.3]), None),
+        (risky, 30.0, json!([0.0]), Some(1.0 + 19.0 * 5.0 / 44.0)),
+        (risky, -3.0, json!([-3.3]), None),
+        (wide, 30.0, json!([0.0]), Some(11.0 + 19.0 * 55.0 / 44.0)),
+        // What another model said stays, and so does what this one says now.
+        (adb, 30.0, json!([0.5]), Some(30.0)),
+        (adb, 30.0, json!([0.0, 0.0]), Some(30.0)),
+        (wide, 30.0, json!([-0.38]), Some(30.0)),
+    ] {
+        let folder = folder();
+        let state = first_version(folder.path());
+        let fit = json!({"embedding": style, "covariance": null, "score": kept, "readings": 3});
+        let change = "UPDATE person SET fit = ?1 WHERE participant = 'P001'";
+        state.execute(change, [fit.to_string()]).unwrap();
+        drop(state);
+        // Opened a second time, nothing is changed again.
+        for _ in 0..2 {
+            let settings = SeatSettings {
+                range,
+                ..settings(folder.path())
+            };
+            let seat = Seat::open(&folder.path().join("seat/seat.db"), settings).unwrap();
+            let found = style_of_the_first(folder.path());
+            let case = format!("{kept} on {range}: {found}");
+            match expected {
+                Some(points) => {
+                    let score = found["score"].as_f64().unwrap();
+                    assert!((score - points).abs() < 1e-9, "{case}");
+                    assert!(found["beyond"].is_null(), "{case}");
+                }
+                None => {
+                    assert!(found["score"].is_null(), "{case}");
+                    assert_eq!(found["beyond"], "scale", "{case}");
+                }
+            }
+            assert_eq!(found["embedding"], style, "{case}");
+            let marked = lab(&Server::of(seat, |_| {})).contains("beyond what the model has met");
+            assert_eq!(marked, expected.is_none(), "{case}");
+        }
+    }
 }
