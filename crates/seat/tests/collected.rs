@@ -9,7 +9,7 @@
 mod support;
 
 use maveric_ingest::{IngestSettings, read_log};
-use maveric_model::{Model, model_file};
+use maveric_model::model_file;
 use maveric_seat::{SeatError, carried};
 use maveric_study::tables::{
     Table,
@@ -207,26 +207,6 @@ fn three_agreed() -> tempfile::TempDir {
         assert_eq!(agreed.0, 200, "{}", agreed.1);
     }
     folder
-}
-
-/// A model of two numbers that learned from these drives.
-fn learned_from(folder: &Path, drives: &[&str]) -> Vec<u8> {
-    let made = fs::read(folder.join("lab.maveric")).unwrap();
-    let mut made = serde_json::to_value(model_file::from_bytes(&made).unwrap()).unwrap();
-    let training = (0_i32..).zip(drives).map(|(i, drive)| {
-        let place = [f64::from(i % 3), f64::from(i % 2)];
-        json!({"drive": drive, "embedding": place, "mean_speed_mps": 27.0})
-    });
-    made["training"] = training.collect();
-    made["embedding_size"] = 2.into();
-    let linear = &mut made["heads"]["linear"];
-    for head in linear["heads"].as_array_mut().unwrap() {
-        head["slopes"] = json!([head["slopes"][0], 0.1]);
-    }
-    linear["style"]["gradient"] = json!([10.0, 0.0]);
-    linear["style"]["covariance"] = json!([0.01, 0.0, 0.0, 0.0, 0.01, 0.0, 0.0, 0.0, 0.01]);
-    let model: Model = serde_json::from_value(made).unwrap();
-    model_file::to_bytes(&model).unwrap()
 }
 
 #[test]

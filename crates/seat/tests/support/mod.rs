@@ -9,12 +9,12 @@ pub(crate) mod script;
 
 use made::model;
 use maveric_domain::ScoreRange;
-use maveric_model::model_file;
+use maveric_model::{Model, model_file};
 use maveric_seat::{Seat, SeatError, SeatSettings, Wire, files, serve};
 use maveric_simulator::Scenario;
 use maveric_study::DesignFile;
 use maveric_study::run_folder::read_scales;
-use serde_json::Value;
+use serde_json::{Value, json};
 use std::fs;
 use std::io::{Read as _, Write as _};
 use std::net::{SocketAddr, TcpStream};
@@ -84,6 +84,26 @@ pub(crate) fn folder_of(design: &str) -> tempfile::TempDir {
     write("lab.maveric", &model_file::to_bytes(&model()).unwrap());
     fs::create_dir_all(folder.path().join("seat")).unwrap();
     folder
+}
+
+/// A model of two numbers that learned from these drives.
+pub(crate) fn learned_from(folder: &Path, drives: &[&str]) -> Vec<u8> {
+    let made = fs::read(folder.join("lab.maveric")).unwrap();
+    let mut made = serde_json::to_value(model_file::from_bytes(&made).unwrap()).unwrap();
+    let training = (0_i32..).zip(drives).map(|(i, drive)| {
+        let place = [f64::from(i % 3), f64::from(i % 2)];
+        json!({"drive": drive, "embedding": place, "mean_speed_mps": 27.0})
+    });
+    made["training"] = training.collect();
+    made["embedding_size"] = 2.into();
+    let linear = &mut made["heads"]["linear"];
+    for head in linear["heads"].as_array_mut().unwrap() {
+        head["slopes"] = json!([head["slopes"][0], 0.1]);
+    }
+    linear["style"]["gradient"] = json!([10.0, 0.0]);
+    linear["style"]["covariance"] = json!([0.01, 0.0, 0.0, 0.0, 0.01, 0.0, 0.0, 0.0, 0.01]);
+    let model: Model = serde_json::from_value(made).unwrap();
+    model_file::to_bytes(&model).unwrap()
 }
 
 /// What the seat of the study in a folder is opened with.
