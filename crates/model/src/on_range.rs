@@ -69,6 +69,7 @@ impl Model {
 mod tests {
     use super::*;
     use crate::{
+        heads::StyleHead,
         heads_kind::HeadsKind,
         model_file,
         params::TrainSettings,
@@ -89,6 +90,34 @@ mod tests {
             (drive, risky().score(points).unwrap())
         };
         drivers_apart(6, 240.0).into_iter().map(on_six).collect()
+    }
+
+    fn is_scaled(found: f64, from: f64, by: f64) {
+        let expected = from * by;
+        assert!(
+            (found - expected).abs() < 1e-9 * (1.0 + expected.abs()),
+            "{found} instead of {expected}"
+        );
+    }
+
+    /// All that is in points of the score is in points of the ADB's: 8.8 for one.
+    fn is_stretched(own: &StyleHead, adb: &StyleHead) {
+        let square = 8.8 * 8.8;
+        is_scaled(adb.reading_sd, own.reading_sd, 8.8);
+        is_scaled(
+            adb.cross_fitted_rmse.unwrap(),
+            own.cross_fitted_rmse.unwrap(),
+            8.8,
+        );
+        assert_eq!(adb.cross_fitted_r, own.cross_fitted_r);
+        let d = own.gradient.len();
+        let both = [own, adb].map(|style| &style.covariance);
+        assert_eq!(both.map(Vec::len), [(d + 1) * (d + 1); 2]);
+        for (own, adb) in both[0].iter().zip(both[1]) {
+            is_scaled(*adb, *own, square);
+        }
+        // The offset's, in the last line.
+        assert!(both[0].last().is_some_and(|variance| *variance > 0.0));
     }
 
     #[test]
@@ -126,11 +155,16 @@ mod tests {
             assert!((stretched - (11.0 + (reads - 1.0) * 8.8)).abs() < 1e-9);
             assert!((again - reads).abs() < 1e-12);
             let sds = [0, 1].map(|i| axes[i].step_sd(embedding.coordinates()));
-            assert!(
-                sds[0]
-                    .zip(sds[1])
-                    .is_none_or(|(own, adb)| (adb - 8.8 * own).abs() < 1e-9)
-            );
+            let of_linear = [&own, &adb].map(|m| m.linear().ok()?.style.as_ref());
+            match (heads, of_linear, sds) {
+                (HeadsKind::Linear, [Some(own), Some(adb)], [Some(own_sd), Some(adb_sd)]) => {
+                    assert!(own_sd > 0.0);
+                    is_scaled(adb_sd, own_sd, 8.8);
+                    is_stretched(own, adb);
+                }
+                (HeadsKind::Paper, [None, None], [None, None]) => {}
+                other => panic!("{other:?}"),
+            }
             // A point of the one is 8.8 of the other.
             let turned = [(0, 0.5), (1, 4.4)].map(|(i, by)| axes[i].shift(embedding, by).unwrap());
             let both = turned.each_ref().map(|moved| moved.embedding.coordinates());
@@ -167,6 +201,13 @@ mod tests {
         let adb = model.on_range(ScoreRange::ADB);
         let twice = given.windows(2).map(|both| [both[0].drive, both[1].drive]);
         let twice: Vec<_> = twice.collect();
-        assert!(learn_days(&adb, &given[..6], 1.0, &twice, 1).is_err());
+        let other = ModelError::OtherScale {
+            found: risky(),
+            expected: ScoreRange::ADB,
+        };
+        assert_eq!(
+            learn_days(&adb, &given[..6], 1.0, &twice, 1).err(),
+            Some(other)
+        );
     }
 }

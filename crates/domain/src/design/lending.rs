@@ -98,6 +98,21 @@ mod tests {
     }
 
     #[test]
+    fn on_another_scale_reach_ends_at_as_large_a_share_of_it() {
+        let on = |low, high| Reach::on(ScoreRange::new(low, high).unwrap(), [0.7, 2.5]);
+        for (reach, furthest) in [(on(1.0, 6.0), 10.0 / 11.0), (on(11.0, 66.0), 10.0)] {
+            assert!((reach.shift_points - furthest).abs() < 1e-12);
+            assert_eq!(
+                reach.apart_sd.map(f64::to_bits),
+                [0.7, 2.5].map(f64::to_bits)
+            );
+            let reached = |shift_points| offers([(shift_points, 1.0, 0)])[0].within(reach);
+            assert!(reached(furthest - 1e-9) && reached(1e-9 - furthest));
+            assert!(!reached(furthest + 1e-9) && !reached(-1e-9 - furthest));
+        }
+    }
+
+    #[test]
     fn one_is_drawn_among_those_within_reach_that_were_lent_least() {
         let among = |of: [(f64, f64, usize); 4]| Offer::drawn_among(&offers(of), reach());
         let reached = [(1.0, 1.0, 1), (0.0, 2.0, 0), (-3.0, 1.0, 0)];

@@ -256,6 +256,46 @@ fn the_dial_of_a_score_of_calmness_makes_the_car_slower() {
 }
 
 #[test]
+fn a_step_of_the_dial_and_of_a_loan_is_as_large_a_share_of_a_scale_from_1_to_6_as_of_the_adb() {
+    let paper = include_str!("../../../../study_data/designs/paper.toml");
+    let on_adb = paper.replace("{ across = true }", "{ other = \"matched\" }");
+    let points = 15.0 * 5.0 / 44.0;
+    let on_risky = on_adb
+        .replace("adb.total", "mdsi.risky")
+        .replace("range = [11, 55]", "range = [1, 6]")
+        .replace("points = 15", &format!("points = {points}"));
+    let made = |text: &str, range: ScoreRange| {
+        let World {
+            population,
+            effects,
+            scales,
+            ..
+        } = world();
+        let design = Design::from_toml(text).unwrap();
+        World::new(design, population, effects, scales, range).unwrap()
+    };
+    let adb = made(&on_adb, ScoreRange::ADB);
+    let risky = made(&on_risky, ScoreRange::new(1.0, 6.0).unwrap());
+    near(adb.points, 15.0);
+    near(risky.points, points);
+    let [adb, risky] = [adb, risky].map(|world| world.study(30, 4).unwrap().data);
+    for p in &adb.participants {
+        for (condition, steps) in [("aggressive", 1.0), ("cautious", -1.0), ("mimic", 0.0)] {
+            let measured = |data: &StudyData| data.measured(p, id(condition), VELOCITY).unwrap();
+            near(measured(&risky), measured(&adb));
+            let row = risky.condition(p, id(condition)).unwrap();
+            near(row.moved_points.unwrap(), steps * points);
+        }
+        let row = risky.condition(p, id("perpendicular")).unwrap();
+        let lent = row.lent.as_ref().unwrap();
+        // Two elevenths of 5 points.
+        let within = lent.donor_shift_points.abs() <= 10.0 / 11.0
+            && (0.7..=2.5).contains(&lent.donor_distance_sd);
+        assert_eq!(lent.donor_within_reach, within);
+    }
+}
+
+#[test]
 fn what_cannot_be_made_up_is_refused_with_the_reason() {
     for (car, why) in [
         ("{ free = true }", "how people turn the dial"),
