@@ -1,6 +1,9 @@
 //! Cars that a model steers, with people who were made up.
 
 use super::*;
+use maveric_domain::Embedding;
+use maveric_model::{model_file, style_space::LinearHead};
+use std::collections::BTreeMap;
 
 /// Makes up people for a study's folder, with drives of two minutes, in which everybody shows a habit.
 fn generate(study: &TempStudy, folder: &str, learn: &str, test: &str) {
@@ -130,6 +133,7 @@ fn five_conditions_on_a_dial_of_11_to_66_points_with_roles_and_then_a_model_from
     assert!(!ran.stderr.contains("train:"), "{}", ran.stderr);
     let conditions = study.read("theirs/results/conditions.csv");
     assert_eq!(conditions.lines().count(), 1 + 3 * 2);
+    is_on_the_borrowers_scale(&study);
     page(&study, "theirs")
         .says(&[
             "Synthetic participants: 3 participants in two conditions: Calm and Brisk",
@@ -147,6 +151,58 @@ fn five_conditions_on_a_dial_of_11_to_66_points_with_roles_and_then_a_model_from
             "perpendicular",
             "brisker",
         ]);
+}
+
+/// The rows of a table, each cell by its column.
+fn cells(table: &str) -> Vec<BTreeMap<&str, &str>> {
+    let mut lines = table.lines().map(|line| line.split(','));
+    let header: Vec<&str> = lines.next().unwrap().collect();
+    lines
+        .map(|line| header.iter().copied().zip(line).collect())
+        .collect()
+}
+
+/// The lender's model reads 11 to 66 points, the borrower's study says 11 to 55: all that its stages say is in points of the latter.
+fn is_on_the_borrowers_scale(study: &TempStudy) {
+    let bytes = std::fs::read(study.path("mine/results/model.maveric")).unwrap();
+    let lenders = LinearHead::aggression(&model_file::from_bytes(&bytes).unwrap()).unwrap();
+    assert!(lenders.range()[1] > 65.0, "{:?}", lenders.range());
+    let number = |row: &BTreeMap<&str, &str>, name: &str| row[name].parse::<f64>().unwrap();
+    let lenders_points = |row: &BTreeMap<&str, &str>| {
+        let numbers = (1..).map_while(|i| row.get(&*format!("w{i}"))?.parse::<f64>().ok());
+        let style = Embedding::new(numbers.collect()).unwrap();
+        lenders.read(&style).unwrap()
+    };
+    let near = |found: f64, expected: f64| assert!((found - expected).abs() < 1e-6, "{found}");
+    let on_55 = |points: f64| 11.0 + (points - 11.0) * 44.0 / 55.0;
+    let embeddings = study.read("theirs/results/embeddings.csv");
+    let fitted = cells(&embeddings);
+    for row in fitted.iter().filter(|row| !row["adb_hat"].is_empty()) {
+        near(number(row, "adb_hat"), on_55(lenders_points(row)));
+    }
+    let conditions = study.read("theirs/results/conditions.csv");
+    let mut whole_steps = 0;
+    for row in &cells(&conditions) {
+        // The style that is steered from: the one that was fitted with the score, where there is one.
+        let theirs = |r: &&BTreeMap<&str, &str>| r["participant"] == row["participant"];
+        let own = fitted.iter().filter(theirs);
+        let own = own.max_by_key(|r| r["adb_used"] == "true").unwrap();
+        let points = lenders_points(row);
+        near(number(row, "adb_hat"), on_55(points));
+        let moved = points - lenders_points(own);
+        near(number(row, "moved_points"), moved * 44.0 / 55.0);
+        if row["clamped"] == "false" {
+            // Half a step of 15 points, towards the side of the condition.
+            let side = if row["condition"] == "brisk" {
+                1.0
+            } else {
+                -1.0
+            };
+            near(moved, side * 7.5 * 55.0 / 44.0);
+            whole_steps += 1;
+        }
+    }
+    assert!(whole_steps > 0, "{conditions}");
 }
 
 #[test]
