@@ -1,6 +1,8 @@
 //! The small study: everything runs, a second run does nothing, a changed parameter rebuilds what follows and only that.
 
 use super::*;
+use maveric_domain::ScoreRange;
+use maveric_model::model_file;
 
 const SMOKE: &str = "pipelines/smoke.toml";
 
@@ -232,6 +234,16 @@ fn people_who_drove_twice_validate_a_model_and_their_first_drives_stay_what_they
     assert!(model["perpendicular_moves_s"].as_f64().unwrap() < 1e-5);
     assert_eq!(model["drives"], 3 * (9 + 5));
     assert_eq!(model["collisions"], 0);
+    // A model of a score from 1 to 6 is read on the ADB's scale, on which these people answered.
+    let learned = model_file::from_bytes(&log("model.maveric")).unwrap();
+    let on_six = learned.on_range(ScoreRange::new(1.0, 6.0).unwrap());
+    study.write("on_six.maveric", model_file::to_bytes(&on_six).unwrap());
+    let validate = validate.replace("model.maveric --out found", "on_six.maveric --out six");
+    let ran = study.maveric(&argv(&validate)).ok();
+    let on_adb: serde_json::Value = serde_json::from_str(&ran.stdout).unwrap();
+    let on_adb = &on_adb["models"][0];
+    assert_eq!(on_adb["drives"], model["drives"]);
+    assert!(on_adb["perpendicular_moves_s"].as_f64().unwrap() < 1e-5);
     let page = study.read("found/validation.md");
     assert!(page.contains("Identity") && !page.contains("NaN"));
     for table in [
