@@ -119,7 +119,7 @@ fn settings() -> Result<SeatSettings, Failed> {
         scenario: Scenario::paper(),
         model: None,
         made_up_model: false,
-        range: ScoreRange::ADB,
+        range: Some(ScoreRange::ADB),
         files: Files::nowhere(),
         password: Some(PASSWORD.to_owned()),
     })

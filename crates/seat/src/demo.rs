@@ -72,7 +72,7 @@ pub fn settings(cache: &Path, jobs: usize, watch: Watch<'_>) -> Result<SeatSetti
         scenario: read_seat_scenario(None)?,
         model: Some(model(cache, jobs, watch)?),
         made_up_model: true,
-        range: ScoreRange::ADB,
+        range: Some(ScoreRange::ADB),
         files: Files::nowhere(),
         password: None,
     })

@@ -2,7 +2,7 @@
 
 use crate::{person::Person, seat::Seat};
 use maveric_domain::{BeyondWhy, Embedding, ScoreRange};
-use maveric_model::style_space::LinearHead;
+use maveric_model::{Model, style_space::LinearHead};
 use maveric_seat_page::Fit;
 
 /// How near two readings of a style lie that are the same but for how often its model was learned again, in shares of the scale.
@@ -55,7 +55,8 @@ impl Seat {
         let reading = axis
             .zip(embedding)
             .and_then(|(axis, embedding)| axis.read(&embedding).ok());
-        serde_json::to_string(&anew(style, self.settings.range, reading)?).ok()
+        let range = self.settings.range.or(model.map(Model::score_range))?;
+        serde_json::to_string(&anew(style, range, reading)?).ok()
     }
 }
 

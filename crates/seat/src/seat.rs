@@ -47,8 +47,8 @@ pub struct SeatSettings {
     pub model: Option<Vec<u8>>,
     /// Whether it learned from made-up people.
     pub made_up_model: bool,
-    /// The scale of the score that the study's dial turns.
-    pub range: ScoreRange,
+    /// The scale of the score that the study's dial turns; the model's own where the study says none.
+    pub range: Option<ScoreRange>,
     /// Where logs and answers are written.
     pub files: Files,
     /// The password of the experimenter's page; none for no such page.
@@ -95,7 +95,10 @@ impl SeatSettings {
     /// The model, the styles that conditions name, and what keeps the seat from running the study.
     fn examined(&self) -> Result<(Option<Model>, Styles, Vec<Hindrance>), SeatError> {
         let model = self.model.as_deref().map(model_file::from_bytes);
-        let model = model.transpose()?.map(|model| model.on_range(self.range));
+        let model = model.transpose()?.map(|model| match self.range {
+            Some(range) => model.on_range(range),
+            None => model,
+        });
         let mut in_the_way = Vec::new();
         for texts in [&self.texts].into_iter().chain(&self.in_others) {
             let words = (&self.scales[..], texts);

@@ -169,7 +169,7 @@ fn a_score_that_an_older_version_kept_is_judged_and_is_in_points_of_the_study_s_
         // Opened a second time, nothing is changed again.
         for _ in 0..2 {
             let settings = SeatSettings {
-                range,
+                range: Some(range),
                 ..settings(folder.path())
             };
             let seat = Seat::open(&folder.path().join("seat/seat.db"), settings).unwrap();

@@ -5,7 +5,6 @@ use crate::{
     diagnostics::{Failure, tell},
     interrupt, progress,
 };
-use maveric_domain::ScoreRange;
 use maveric_seat::{
     Hindrance, Seat as Open, SeatError, SeatSettings, Wire, carried, demo, files, replay,
 };
@@ -303,7 +302,7 @@ fn settings(
             .map_err(Failure::study(OPENING))?,
         model: bytes.map_err(|e| Failure::io(OPENING, e))?,
         made_up_model: study.design.synthetic() || study.design.model().is_some_and(|m| m.made_up),
-        range: range.unwrap_or(ScoreRange::ADB),
+        range,
         files: files::Files::of(study, folder.join(RECORDS)),
         password,
         design: study.design.clone(),

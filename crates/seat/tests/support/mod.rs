@@ -118,7 +118,7 @@ pub(crate) fn settings(folder: &Path) -> SeatSettings {
         scenario: Scenario::paper(),
         model: Some(fs::read(folder.join("lab.maveric")).unwrap()),
         made_up_model: true,
-        range: ScoreRange::ADB,
+        range: Some(ScoreRange::ADB),
         files,
         password: Some("open & see".to_owned()),
         design: study.design,
