@@ -78,7 +78,7 @@ fn a_model_learned_on_the_adbs_scale_is_served_reads_turns_and_lends_in_points_o
     let range = ScoreRange::new(1.0, 6.0).unwrap();
     let settings = SeatSettings {
         model: Some(model_file::to_bytes(&learned).unwrap()),
-        range,
+        range: Some(range),
         ..settings(folder.path())
     };
     let seat = Seat::open(&folder.path().join("seat/seat.db"), settings).unwrap();
