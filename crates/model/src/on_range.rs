@@ -139,7 +139,8 @@ mod tests {
             let kept = model_file::from_bytes(&model_file::to_bytes(&adb).unwrap()).unwrap();
             assert_eq!((kept.score_range(), &kept), (ScoreRange::ADB, &adb));
             let axes = [&own, &adb, &back].map(|m| LinearHead::aggression(m).unwrap());
-            assert_eq!(axes[1].range(), [11.0, 55.0]);
+            let ends = [11.0_f64, 55.0].map(f64::to_bits);
+            assert_eq!(axes[1].range().map(f64::to_bits), ends);
             let (drive, score) = &people[4];
             let on_adb = ScoreRange::ADB.score(11.0 + (score.points() - 1.0) * 8.8);
             let fits = [

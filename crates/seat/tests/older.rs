@@ -175,16 +175,13 @@ fn a_score_that_an_older_version_kept_is_judged_and_is_in_points_of_the_study_s_
             let seat = Seat::open(&folder.path().join("seat/seat.db"), settings).unwrap();
             let found = style_of_the_first(folder.path());
             let case = format!("{kept} on {range}: {found}");
-            match expected {
-                Some(points) => {
-                    let score = found["score"].as_f64().unwrap();
-                    assert!((score - points).abs() < 1e-9, "{case}");
-                    assert!(found["beyond"].is_null(), "{case}");
-                }
-                None => {
-                    assert!(found["score"].is_null(), "{case}");
-                    assert_eq!(found["beyond"], "scale", "{case}");
-                }
+            if let Some(points) = expected {
+                let score = found["score"].as_f64().unwrap();
+                assert!((score - points).abs() < 1e-9, "{case}");
+                assert!(found["beyond"].is_null(), "{case}");
+            } else {
+                assert!(found["score"].is_null(), "{case}");
+                assert_eq!(found["beyond"], "scale", "{case}");
             }
             assert_eq!(found["embedding"], style, "{case}");
             let marked = lab(&Server::of(seat, |_| {})).contains("beyond what the model has met");

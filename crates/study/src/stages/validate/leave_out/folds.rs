@@ -102,7 +102,7 @@ impl Learning<'_> {
             Some(self.folds(points)?)
         };
         let folds = learned.as_deref().unwrap_or(folds);
-        folds.iter().map(|fold| self.line_of_model(fold)).collect()
+        folds.iter().map(line_of_model).collect()
     }
 
     fn line_again(&self, fold: &Fold, points: &[Option<f64>]) -> Result<Option<Line>, StudyError> {
@@ -131,25 +131,25 @@ impl Learning<'_> {
             score: each(&|k| Some(offset + along(k.embedding.coordinates()))),
         }))
     }
+}
 
-    fn line_of_model(&self, fold: &Fold) -> Result<Option<Line>, StudyError> {
-        let Ok(axis) = LinearHead::aggression(&fold.model) else {
-            return Ok(None);
+fn line_of_model(fold: &Fold) -> Result<Option<Line>, StudyError> {
+    let Ok(axis) = LinearHead::aggression(&fold.model) else {
+        return Ok(None);
+    };
+    let direction = axis.direction();
+    let mut line = Line::default();
+    for known in &fold.fitted {
+        let reading = |value: fn(&LinearHead, &Personalized) -> Result<f64, ModelError>| {
+            known.as_ref().map(|k| value(&axis, k)).transpose()
         };
-        let direction = axis.direction();
-        let mut line = Line::default();
-        for known in &fold.fitted {
-            let reading = |value: fn(&LinearHead, &Personalized) -> Result<f64, ModelError>| {
-                known.as_ref().map(|k| value(&axis, k)).transpose()
-            };
-            line.position
-                .push(reading(|axis, k| axis.position(&k.embedding))?);
-            line.score.push(reading(|axis, k| axis.read(&k.embedding))?);
-            line.se
-                .push(known.as_ref().and_then(|k| k.sd_along(&direction)));
-        }
-        Ok(Some(line))
+        line.position
+            .push(reading(|axis, k| axis.position(&k.embedding))?);
+        line.score.push(reading(|axis, k| axis.read(&k.embedding))?);
+        line.se
+            .push(known.as_ref().and_then(|k| k.sd_along(&direction)));
     }
+    Ok(Some(line))
 }
 
 /// A drive as a model reads it without a score; none where it shows nothing.
