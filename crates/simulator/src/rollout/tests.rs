@@ -118,6 +118,29 @@ fn final_gap_m(rollout: &Rollout, other: usize) -> f64 {
     centres - 0.5 * (track.length_m + ego.length_m)
 }
 
+#[test]
+fn a_car_that_creeps_keeps_its_lane_however_its_place_in_it_sways() {
+    let scenario = with(|s| {
+        s.duration_s = 240.0;
+        s.vehicles = vec![placed(180.0, 0, 25.0)];
+        s.controllers.following_rule = FollowingRule::Paper;
+        s.controllers.speed_difference_gain_per_s = 0.01;
+    });
+    let planner = Swaying {
+        inner: always(0.0, 190.0),
+        sway: (0.0, 5.0, 7.7),
+        time_s: 0.0,
+    };
+    let driven = automated(&scenario, planner, 1);
+    let ego = driven.recording.ego();
+    let slowest = ego.speed_mps.iter().copied().fold(f64::MAX, f64::min);
+    assert!(slowest < 1.0, "{slowest}");
+    let furthest = ego.y_m.iter().fold(0.0_f64, |most, y| most.max(y.abs()));
+    let to_the_line = 0.5 * (3.66 - scenario.settings().vehicle.width_m);
+    assert!(furthest < to_the_line, "{furthest}");
+    assert_eq!(driven.report.collisions, 0);
+}
+
 proptest! {
     #![proptest_config(ProptestConfig { cases: 48, failure_persistence: None, ..ProptestConfig::default() })]
 
