@@ -45,7 +45,7 @@ pub fn versions() -> BTreeMap<String, String> {
         ("train", 11),
         ("personalize", 10),
         ("steer", 8),
-        ("simulate", 10),
+        ("simulate", 11),
         ("measure", 7),
         ("rate", 5),
         ("evaluate", 9),
