@@ -33,16 +33,19 @@ impl Model {
         self.parts.score_range
     }
 
-    /// The same model with its score on another scale, end on end: for a study whose own score has that range.
+    /// The same model with its score on another scale, end on end: for a study whose own score has that range. Without a range it stays
+    /// on its own.
     #[must_use]
-    pub fn on_range(mut self, range: ScoreRange) -> Self {
+    pub fn on_range(mut self, range: impl Into<Option<ScoreRange>>) -> Self {
+        let Some(range) = range.into() else {
+            return self;
+        };
         let learned = std::mem::replace(&mut self.parts.score_range, range);
         if learned == range {
             return self;
         }
-        let [[from, _], [to, _]] = [learned, range].map(<[f64; 2]>::from);
         let a_point = range.width() / learned.width();
-        let said = |points: f64| to + (points - from) * a_point;
+        let there = |points: f64| learned.onto(range, points);
         match &mut self.parts.heads {
             Heads::Linear(LinearHeads {
                 style: Some(style), ..
@@ -50,14 +53,14 @@ impl Model {
                 style.gradient.iter_mut().for_each(|g| *g *= a_point);
                 let square = a_point * a_point;
                 style.covariance.iter_mut().for_each(|c| *c *= square);
-                style.offset = said(style.offset);
+                style.offset = there(style.offset);
                 style.reading_sd *= a_point;
                 style.cross_fitted_rmse = style.cross_fitted_rmse.map(|e| e * a_point);
             }
             Heads::Linear(_) => {}
             Heads::Paper(paper) => {
                 let aggression = &mut paper.scaling.aggression;
-                aggression.mean = said(aggression.mean);
+                aggression.mean = there(aggression.mean);
                 aggression.sd *= a_point;
             }
         }

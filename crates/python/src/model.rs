@@ -190,9 +190,8 @@ impl Model {
     #[pyo3(signature = (bytes, score_range = None))]
     fn from_bytes(bytes: &[u8], score_range: Option<(f64, f64)>) -> PyResult<Self> {
         let learned = model_file::from_bytes(bytes).map_err(raised)?;
-        let range = range_of(score_range)?.unwrap_or(learned.score_range());
         Ok(Self {
-            learned: Arc::new(learned.on_range(range)),
+            learned: Arc::new(learned.on_range(range_of(score_range)?)),
             drivers: Vec::new(),
             warnings: Vec::new(),
         })

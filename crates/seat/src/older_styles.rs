@@ -8,18 +8,12 @@ use maveric_seat_page::Fit;
 /// How near two readings of a style lie that are the same but for how often its model was learned again, in shares of the scale.
 const SAME_READING: f64 = 1e-3;
 
-/// A score in points of the ADB's scale as one of this `range`, end on end.
-fn from_adb(points: f64, range: ScoreRange) -> f64 {
-    let [[from, _], [to, _]] = [ScoreRange::ADB, range].map(<[f64; 2]>::from);
-    to + (points - from) * range.width() / ScoreRange::ADB.width()
-}
-
 /// The score that was kept, in points of this `range`; `reading` is what the model that rides reads of the style.
 fn points_on(range: ScoreRange, kept: f64, reading: Option<f64>) -> f64 {
     if range == ScoreRange::ADB {
         return kept;
     }
-    let converted = from_adb(kept, range);
+    let converted = ScoreRange::ADB.onto(range, kept);
     let near = |points: &f64| (points - converted).abs() < SAME_READING * range.width();
     match reading.filter(near) {
         Some(points) => points,
@@ -119,9 +113,15 @@ mod tests {
         }
         let off = Some((None, Some(BeyondWhy::Scale)));
         assert_eq!(score(risky, -3.0, None), off);
-        assert_eq!(score(risky, 60.0, Some(from_adb(60.0, risky))), off);
+        assert_eq!(
+            score(risky, 60.0, Some(ScoreRange::ADB.onto(risky, 60.0))),
+            off
+        );
         // A score of 3 points of the ADB's scale is none, one of the study's is.
-        assert_eq!(score(risky, 3.0, Some(from_adb(3.0, risky))), off);
+        assert_eq!(
+            score(risky, 3.0, Some(ScoreRange::ADB.onto(risky, 3.0))),
+            off
+        );
         assert_eq!(score(risky, 3.0, Some(3.0)), None);
         // Both scales have 30: what the model reads says which it was.
         let wide = range(11.0, 66.0);

@@ -95,10 +95,7 @@ impl SeatSettings {
     /// The model, the styles that conditions name, and what keeps the seat from running the study.
     fn examined(&self) -> Result<(Option<Model>, Styles, Vec<Hindrance>), SeatError> {
         let model = self.model.as_deref().map(model_file::from_bytes);
-        let model = model.transpose()?.map(|model| match self.range {
-            Some(range) => model.on_range(range),
-            None => model,
-        });
+        let model = model.transpose()?.map(|model| model.on_range(self.range));
         let mut in_the_way = Vec::new();
         for texts in [&self.texts].into_iter().chain(&self.in_others) {
             let words = (&self.scales[..], texts);

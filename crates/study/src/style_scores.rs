@@ -9,7 +9,6 @@ use maveric_domain::{
     ConditionId, DomainError, Drive, Moment, Scale, Score, ScoreRange, StyleScore,
     design::DesignError,
 };
-use maveric_model::Model;
 
 /// The ends of the scale of a study's style; none where it has no style.
 ///
@@ -38,14 +37,6 @@ pub fn style_range(study: &DesignFile) -> Result<Option<ScoreRange>, StudyError>
     let name = style.score.to_string();
     let error = DesignError::word("style.score", &name, ids.iter().map(String::as_str));
     Err(study.wrong(error.to_string(), error.suggestion()))
-}
-
-/// A model with its score on the scale of a study's style; on its own where no study says one.
-pub(crate) fn on_range_of(model: Model, range: Option<ScoreRange>) -> Model {
-    match range {
-        Some(range) => model.on_range(range),
-        None => model,
-    }
 }
 
 /// What people scored on a study's style.

@@ -50,6 +50,11 @@ impl ScoreRange {
         Err(DomainError::NotOnScale { found, low, high })
     }
 
+    /// So many points of this scale as points of another, end on end.
+    pub fn onto(self, other: Self, points: f64) -> f64 {
+        other.low + (points - self.low) * (other.width() / self.width())
+    }
+
     /// Whether the scale has such a score, in points; one that only rounding puts outside counts as its end.
     pub fn has(self, points: f64) -> bool {
         let rounding = 1e-9 * self.width();

@@ -15,7 +15,7 @@ use crate::{
     outcome::{Outcome, Watch, for_each_on},
     run_folder::read_model,
     stage::{Files, Stage},
-    style_scores::{StyleScores, on_range_of},
+    style_scores::StyleScores,
     tables::{
         TableName,
         embeddings::{EmbeddingRow, write_embeddings},
@@ -143,7 +143,7 @@ impl Stage for Personalize {
             Part::Test,
         )?;
         let (scores, scored_without_drive) = self.scores_of(&drives)?;
-        let model = on_range_of(model, scores.range);
+        let model = model.on_range(scores.range);
         let personalizer = Personalizer::of_first(&model, self.fit_fraction)?;
         let mut warnings = Vec::new();
         let (tasks, unscored) = self.tasks(&drives, |drive| {

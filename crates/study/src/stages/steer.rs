@@ -16,7 +16,7 @@ use crate::{
     outcome::{Outcome, Watch},
     run_folder::read_model,
     stage::{Files, Stage},
-    style_scores::{on_range_of, style_range},
+    style_scores::style_range,
     tables::{
         collected::{LENT, consents_of_study},
         conditions::{ConditionRow, write_conditions},
@@ -120,7 +120,7 @@ impl Stage for Steer {
     fn work(&self, watch: Watch<'_>) -> Result<Outcome<Steered>, StudyError> {
         let study = DesignFile::find(self.design.as_deref())?;
         refuse_learned_from_gone(&study, &self.model)?;
-        let model = on_range_of(read_model(&self.model)?, style_range(&study)?);
+        let model = read_model(&self.model)?.on_range(style_range(&study)?);
         let rows = read_embeddings(&self.embeddings)?;
         let sweeps = !self.sweep.is_empty() || self.attribute.is_some();
         let axis = match LinearHead::aggression(&model) {
