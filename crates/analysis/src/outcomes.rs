@@ -148,7 +148,7 @@ impl Asked {
         let place = |id| -> Option<f64> {
             let condition = condition_of(id);
             let sign = condition.and_then(|c| self.against_baseline(data, c));
-            let still = is_baseline(id) || condition?.dial() == Some(0.0);
+            let still = is_baseline(id) || condition?.in_own_style();
             sign.map(Sign::factor).or(still.then_some(0.0))
         };
         Sign::of(place(first)? - place(second)?)

@@ -3,7 +3,7 @@
 use crate::{AnalysisError, data::StudyData};
 use maveric_domain::{
     ConditionId, ParticipantId,
-    design::{ScoreName, WHICH},
+    design::{Condition, ScoreName, WHICH},
 };
 use maveric_stats::{ForcedChoice, forced_choice};
 use serde::{Deserialize, Serialize};
@@ -28,13 +28,13 @@ pub(crate) fn which_ride(data: &StudyData) -> Result<Option<WhichRide>, Analysis
     let Some(pair) = data.design.protocol().which else {
         return Ok(None);
     };
-    let at_0 = |id: &ConditionId| {
+    let own = |id: &ConditionId| {
         let condition = data.design.condition(*id);
-        condition.is_some_and(|c| c.dial() == Some(0.0))
+        condition.is_some_and(Condition::in_own_style)
     };
     let [Some(own), Some(other)] = [
-        pair.into_iter().find(at_0),
-        pair.into_iter().find(|id| !at_0(id)),
+        pair.into_iter().find(own),
+        pair.into_iter().find(|id| !own(id)),
     ] else {
         return Ok(None);
     };

@@ -145,7 +145,7 @@ impl Failure {
         if success { Ok(()) } else { Err(Self::Told) }
     }
 
-    /// There is nothing to run in the folder one stands in.
+    /// There is nothing to run in the current directory.
     pub(crate) fn no_study() -> Self {
         Self::Failed(Failed {
             doing: "there is no study here".to_owned(),

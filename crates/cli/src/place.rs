@@ -5,7 +5,7 @@ use maveric_pipeline::{Ledger, Pipeline, Place, Program, Settings, command_line,
 use maveric_study::{DesignFile, design::DESIGN_FILE, missing::Missing};
 use std::path::{Path, PathBuf};
 
-/// The pipeline of the folder one stands in: that of its study, else the paper's.
+/// The pipeline of the current directory: that of its study, else the paper's.
 pub(crate) const DEFAULT_PIPELINE: &str = ".";
 /// The paper's.
 const PAPER_PIPELINE: &str = "pipelines/paper.toml";
@@ -31,7 +31,7 @@ fn has_text(file: &Path) -> bool {
     std::fs::metadata(file).is_ok_and(|m| m.is_file() && m.len() > 0)
 }
 
-/// The file that was named; for the folder one stands in, with a `study.toml` its own pipeline, else the one that follows from the
+/// The file that was named; for the current directory, with a `study.toml` its own pipeline, else the one that follows from the
 /// design; without, the paper's.
 fn named(file: &Path) -> Result<PathBuf, Failure> {
     if file != Path::new(DEFAULT_PIPELINE) {

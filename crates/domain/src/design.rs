@@ -162,10 +162,10 @@ impl Design {
         self.conditions.iter().find(|c| c.id == id)
     }
 
-    /// The condition that drives as the person does: at 0 on the dial.
+    /// The first condition that drives as the person does.
     pub fn own_style(&self) -> Option<ConditionId> {
-        let at_0 = |c: &&Condition| c.dial() == Some(0.0);
-        self.conditions.iter().find(at_0).map(|c| c.id)
+        let own = self.conditions.iter().find(|c| c.in_own_style());
+        own.map(|c| c.id)
     }
 
     /// The condition that moves across the dial.

@@ -47,7 +47,7 @@ pub(crate) fn parts(path: &Path, mapping: Option<&Mapping>) -> Result<Parts, Ing
     for file in entries_of(folder.unwrap_or(Path::new(".")))? {
         let (theirs, number) = part_of(&file, names);
         if theirs == key && file.is_file() && !mapping.skips(&file) {
-            // As it was named: without the folder that one stands in.
+            // As it was named: without the current directory.
             let file = path.with_file_name(file.file_name().unwrap_or_default());
             parts.push((number, file));
         }

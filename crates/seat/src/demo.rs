@@ -176,6 +176,7 @@ mod tests {
         let riding = Riding {
             order: &[0, 1],
             styles: &Styles::new(),
+            range: ScoreRange::ADB,
         };
         let (texts, nobody) = (Texts::default(), Whose::Nobody);
         let steps = of_design(&design, &[], &texts, nobody, Some(riding)).unwrap();

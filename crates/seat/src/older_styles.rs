@@ -2,7 +2,7 @@
 
 use crate::{person::Person, seat::Seat};
 use maveric_domain::{BeyondWhy, Embedding, ScoreRange};
-use maveric_model::{Model, style_space::LinearHead};
+use maveric_model::style_space::LinearHead;
 use maveric_seat_page::Fit;
 
 /// How near two readings of a style lie that are the same but for how often its model was learned again, in shares of the scale.
@@ -49,7 +49,7 @@ impl Seat {
         let reading = axis
             .zip(embedding)
             .and_then(|(axis, embedding)| axis.read(&embedding).ok());
-        let range = self.settings.range.or(model.map(Model::score_range))?;
+        let range = self.score_range()?;
         serde_json::to_string(&anew(style, range, reading)?).ok()
     }
 }

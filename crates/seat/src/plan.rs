@@ -10,7 +10,7 @@ use crate::{
     withdrawal,
 };
 use maveric_domain::{
-    ConditionId, Design, EmbeddingRow, Moment, Occasion, ParticipantId, Ride, Scale,
+    ConditionId, Design, EmbeddingRow, Moment, Occasion, ParticipantId, Ride, Scale, ScoreRange,
     design::{Car, Condition, Donors, Protocol, ProtocolStep, WHICH, World},
     occasion::is_first,
     stream_seed,
@@ -60,6 +60,8 @@ pub struct Riding<'a> {
     pub order: &'a [usize],
     /// The styles that conditions name.
     pub styles: &'a Styles,
+    /// What the dial is counted in points of.
+    pub range: ScoreRange,
 }
 
 /// The steps of a person; `riding` is none while nobody rides.
@@ -243,7 +245,7 @@ impl Planning<'_> {
                     number,
                 });
             } else {
-                let (style, points, turns) = driven(design, condition, whose, riding.styles)?;
+                let (style, points, turns) = driven(design, condition, whose, riding)?;
                 let among_all = (session as usize - 1) * a_session + number;
                 // The world of the drive, where that is shown again.
                 let among_all = if shown_again { 0 } else { among_all };
@@ -387,24 +389,23 @@ pub(crate) fn ridden_elsewhere(design: &Design) -> bool {
     design.conditions().iter().all(|c| c.car.is_none())
 }
 
-/// Points that the dial turns at a press where the design has no step: a third of the paper's 15.
-const DIAL_STEP: f64 = 5.0;
-
 /// What the car does in a condition: whose style, where on the dial it begins, and points a turn where it can be turned.
 fn driven(
     design: &Design,
     condition: &Condition,
     whose: Whose<'_>,
-    styles: &Styles,
+    riding: Riding<'_>,
 ) -> Result<(RideStyle, f64, Option<f64>), SeatError> {
-    let step = design.style().map_or(DIAL_STEP, |style| {
-        let points = style.points.map_or(DIAL_STEP, |points| points / 3.0);
-        points * style.aggression.factor()
-    });
+    let style = design.style();
+    let step = style
+        .and_then(|s| s.points)
+        .unwrap_or(riding.range.step(1.0));
+    // Three turns are a step.
+    let turn = style.map_or(1.0, |s| s.aggression.factor()) * step / 3.0;
     let root = design.protocol().seed;
     let style = match car(condition)? {
         Car::Dial(points) => return Ok((RideStyle::Own, *points, None)),
-        Car::Free => return Ok((RideStyle::Own, 0.0, Some(step))),
+        Car::Free => return Ok((RideStyle::Own, 0.0, Some(turn))),
         Car::Replay => RideStyle::Replay,
         Car::Mean => RideStyle::Mean,
         Car::Across => RideStyle::Across(whose.place(root, condition.id)),
@@ -415,7 +416,7 @@ fn driven(
             withheld: std::collections::BTreeSet::new(),
         },
         Car::Embedding(file) => {
-            let rows = styles.get(file).map_or(&[][..], Vec::as_slice);
+            let rows = riding.styles.get(file).map_or(&[][..], Vec::as_slice);
             let id = match whose {
                 Whose::Person(id) => Some(ParticipantId::new(id)?),
                 Whose::Link(_) | Whose::Nobody => None,

@@ -265,6 +265,12 @@ impl Seat {
         chosen.unwrap_or(&self.settings.texts)
     }
 
+    /// What styles are scored on here: the study's range, else the model's.
+    pub(crate) fn score_range(&self) -> Option<ScoreRange> {
+        let models = || self.model.as_ref().map(Model::score_range);
+        self.settings.range.or_else(models)
+    }
+
     /// The steps of `whose`, who rides in this order of the conditions, in a language as [`Seat::texts_in`] takes it.
     pub(crate) fn steps_of(
         &self,
@@ -276,6 +282,7 @@ impl Seat {
         let riding = self.rides().then_some(Riding {
             order,
             styles: &self.styles,
+            range: self.score_range().unwrap_or(ScoreRange::ADB),
         });
         let texts = self.texts_in(language);
         let mut steps = plan::of_design(&s.design, &s.scales, texts, whose, riding)?;

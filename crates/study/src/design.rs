@@ -58,12 +58,12 @@ impl DesignFile {
         })
     }
 
-    /// The design that was asked for; else `study.toml` of the folder one stands in; else the paper's.
+    /// The design that was asked for; else `study.toml` of the current directory; else the paper's.
     pub fn find(given: Option<&Path>) -> Result<Self, StudyError> {
         Self::here(given)?.map_or_else(Self::paper, Ok)
     }
 
-    /// The design that was asked for; else `study.toml` of the folder one stands in; else none: what works without a design.
+    /// The design that was asked for; else `study.toml` of the current directory; else none: what works without a design.
     pub fn here(given: Option<&Path>) -> Result<Option<Self>, StudyError> {
         let in_folder = || Some(Path::new(DESIGN_FILE)).filter(|path| path.is_file());
         given.or_else(in_folder).map(Self::read).transpose()

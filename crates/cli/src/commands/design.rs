@@ -46,7 +46,7 @@ struct Describe {
 
 #[derive(Debug, clap::Args)]
 struct Args {
-    /// Design of the study (TOML); study.toml of the folder one stands in when not given, else the paper's
+    /// Design of the study (TOML); study.toml of the current directory when not given, else the paper's
     #[arg(long, value_name = "FILE")]
     design: Option<PathBuf>,
     /// How to print the result

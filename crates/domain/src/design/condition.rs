@@ -41,6 +41,11 @@ impl Condition {
         }
     }
 
+    /// Whether it is in the person's own style: at 0 on the dial.
+    pub fn in_own_style(&self) -> bool {
+        self.dial() == Some(0.0)
+    }
+
     /// Which way it lies from the person's own style on the dial; none for the own style and off the dial.
     pub fn side(&self) -> Option<Sign> {
         self.dial().and_then(Sign::of)

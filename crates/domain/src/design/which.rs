@@ -20,7 +20,7 @@ pub(super) fn which(protocol: &Protocol, conditions: &[Condition]) -> Checked<()
     for id in pair {
         known(KEY, id, conditions)?;
     }
-    let is_own = |c: &&Condition| pair.contains(&c.id) && c.dial() == Some(0.0);
+    let is_own = |c: &&Condition| pair.contains(&c.id) && c.in_own_style();
     let [first, second] = pair;
     if first == second || conditions.iter().filter(is_own).count() != 1 {
         return refuse(

@@ -50,6 +50,21 @@ impl ScoreRange {
         Err(DomainError::NotOnScale { found, low, high })
     }
 
+    /// A step of the dial where nothing says how far one is, with the outermost setting `steps` of them from the middle: a third of the
+    /// range, to two digits (15 points of the ADB's 44), or what keeps that setting within the length of the scale.
+    pub fn step(self, steps: f64) -> f64 {
+        let digits = |points: f64, to_whole: fn(f64) -> f64| {
+            let digit = 10f64.powi(libm::log10(points).floor() as i32 - 1);
+            to_whole(points / digit + 1e-9) * digit
+        };
+        let mut points = digits(self.width() / 3.0, f64::round);
+        if points * steps > self.width() {
+            points = digits(self.width() / steps, f64::floor);
+        }
+        // No tail of binary digits in a file.
+        (points * 1e6).round() / 1e6
+    }
+
     /// So many points of this scale as points of another, end on end.
     pub fn onto(self, other: Self, points: f64) -> f64 {
         other.low + (points - self.low) * (other.width() / self.width())
@@ -114,6 +129,16 @@ mod tests {
         for none in [55.1, 10.9, f64::NAN, f64::INFINITY] {
             assert!(!adb.has(none), "{none}");
         }
+    }
+
+    #[test]
+    fn a_step_is_a_third_of_the_range_and_keeps_the_outermost_setting_on_its_length() {
+        let step = |low, high, steps| ScoreRange::new(low, high).unwrap().step(steps);
+        assert_eq!(ScoreRange::ADB.step(1.0).to_bits(), 15.0_f64.to_bits());
+        assert_eq!(step(1.0, 6.0, 1.0).to_bits(), 1.7_f64.to_bits());
+        assert_eq!(step(0.0, 300.0, 3.0).to_bits(), 100.0_f64.to_bits());
+        // 4 × 15 points are more than the 44 there are.
+        assert_eq!(ScoreRange::ADB.step(4.0).to_bits(), 11.0_f64.to_bits());
     }
 
     #[test]

@@ -19,7 +19,7 @@ pub fn steps(
     design: &maveric_domain::Design,
     rows: &[ConditionRow],
 ) -> Vec<(ConditionId, Vec<f64>, usize)> {
-    let turned = |c: &&Condition| c.dial().is_some_and(|d| d != 0.0);
+    let turned = |c: &&Condition| c.side().is_some();
     let mut steps = Vec::new();
     for condition in design.conditions().iter().filter(turned) {
         let rows = || rows.iter().filter(|r| r.condition == condition.id);

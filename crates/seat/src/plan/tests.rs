@@ -23,6 +23,7 @@ fn worlds(line: &str, whose: Whose<'_>, index: usize) -> (Vec<String>, Vec<(Stri
     let riding = Riding {
         order: &williams(3, index),
         styles: &Styles::new(),
+        range: ScoreRange::ADB,
     };
     let steps = of_design(&design, &[], &Texts::default(), whose, Some(riding)).unwrap();
     let by_hand = steps.iter().filter_map(|step| match step {
@@ -43,6 +44,31 @@ fn seeds(rides: &[(String, String)]) -> Vec<&String> {
 }
 
 #[test]
+fn a_turn_of_the_dial_is_a_third_of_a_step_and_where_none_is_said_of_one_on_the_range() {
+    let turn = |style: &str, range: ScoreRange| {
+        let tables = format!(
+            "{style}[[condition]]\nid = \"free\"\ncar = {{ free = true, recorded = true }}\n"
+        );
+        let riding = Riding {
+            order: &[0],
+            styles: &Styles::new(),
+            range,
+        };
+        let (design, texts) = (design(&tables), Texts::default());
+        let steps = of_design(&design, &[], &texts, Whose::Nobody, Some(riding)).unwrap();
+        let turns = steps.iter().find_map(|step| match step {
+            Step::Ride { turns, .. } => *turns,
+            _ => None,
+        });
+        turns.unwrap()
+    };
+    let risky = ScoreRange::new(1.0, 6.0).unwrap();
+    let near = |found: f64, expected: f64| assert!((found - expected).abs() < 1e-12, "{found}");
+    near(turn(ELSEWHERE, ScoreRange::ADB), 5.0);
+    near(turn(ELSEWHERE, risky), 1.7 / 3.0);
+}
+
+#[test]
 fn which_ride_was_in_the_own_style_is_asked_by_the_numbers_that_the_rides_had() {
     let which = "[protocol]\nwhich = [\"mean\", \"mine\"]\ndebrief = \"debrief.md\"\n";
     let design = design(&format!("{ELSEWHERE}{MINE}{CALM}{MEAN}{which}"));
@@ -52,6 +78,7 @@ fn which_ride_was_in_the_own_style_is_asked_by_the_numbers_that_the_rides_had() 
         let riding = Riding {
             order,
             styles: &Styles::new(),
+            range: ScoreRange::ADB,
         };
         let (texts, whose) = (Texts::default(), Whose::Person("P001"));
         let scales = std::slice::from_ref(&scale);
@@ -85,6 +112,7 @@ fn the_consent_asks_for_a_style_where_it_may_be_lent_to_others_who_take_part_and
         let riding = rides.then_some(Riding {
             order: &[0, 1],
             styles: &styles,
+            range: ScoreRange::ADB,
         });
         let whose = Whose::Person("P001");
         let steps = of_design(&design, &[], &texts, whose, riding).unwrap();

@@ -73,7 +73,7 @@ pub struct Ablate {
     /// score of its role
     #[arg(long, value_name = "people", conflicts_with = "folds")]
     pub leave_out: Option<LeaveOut>,
-    /// Design of the study whose roles were driven (TOML); study.toml of the folder one stands in when not given
+    /// Design of the study whose roles were driven (TOML); study.toml of the current directory when not given
     #[arg(long, value_name = "FILE", requires = "leave_out")]
     pub design: Option<PathBuf>,
     /// Passes over the rows of each training

@@ -18,7 +18,7 @@ use std::path::{Path, PathBuf};
 pub struct Analyse {
     /// Folder of results, as the pipeline leaves it
     pub results: PathBuf,
-    /// Design of the study (TOML); study.toml of the folder one stands in when not given, else the paper's
+    /// Design of the study (TOML); study.toml of the current directory when not given, else the paper's
     #[arg(long, value_name = "FILE")]
     pub design: Option<PathBuf>,
     /// Who took part; participants.csv among the results when not given, else the design's table

@@ -30,7 +30,7 @@ use std::{
 #[derive(Debug, Clone, clap::Args)]
 #[command(after_help = "Example: maveric generate --out study_data/generated/paper --seed 1")]
 pub struct Generate {
-    /// Design of the study (TOML); study.toml of the folder one stands in when not given, else the paper's
+    /// Design of the study (TOML); study.toml of the current directory when not given, else the paper's
     #[arg(long, value_name = "FILE")]
     pub design: Option<PathBuf>,
     /// Folder to write into: logs/study1, logs/study2, participants.csv, surveys.csv; the files that the design names when not given

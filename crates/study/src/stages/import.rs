@@ -52,7 +52,7 @@ pub struct Import {
     /// What wrote it; found out by what stands in it when not given
     #[arg(long, value_parser = software(), value_name = "SOFTWARE")]
     pub from: Option<Software>,
-    /// Design of the study (TOML), which says what conditions there are; study.toml of the folder one stands in when not given,
+    /// Design of the study (TOML), which says what conditions there are; study.toml of the current directory when not given,
     /// else the paper's
     #[arg(long, value_name = "FILE")]
     pub design: Option<PathBuf>,

@@ -39,7 +39,7 @@ use told::{none_ingested, sights, warnings};
 pub struct Ingest {
     /// Logs, or folders of logs; those of the design when none are given
     pub logs: Vec<PathBuf>,
-    /// Design of the study (TOML); study.toml of the folder one stands in when not given. Without either nothing is left out
+    /// Design of the study (TOML); study.toml of the current directory when not given. Without either nothing is left out
     #[arg(long, value_name = "FILE")]
     pub design: Option<PathBuf>,
     /// Who takes part; the design's table when not given

@@ -11,7 +11,7 @@ use crate::{
     stage::{Files, Stage},
 };
 use maveric_domain::{
-    ConditionId, Scale,
+    ConditionId, Scale, ScoreRange,
     design::{DesignError, ScoreName},
 };
 use path_slash::PathExt as _;
@@ -273,11 +273,11 @@ fn score(name: &str) -> Result<DialledScore, DesignError> {
     if let Ok(score) = name.parse::<ScoreName>()
         && let Some(scale) = scales.iter().find(|scale| score.scale == scale.id)
         && let Some(subscale) = scale.subscales.iter().find(|s| score.subscale == s.id)
+        && let Ok(range) = ScoreRange::try_from(<[f64; 2]>::from(scale.score_range(subscale)))
     {
-        let (low, high) = scale.score_range(subscale);
         return Ok(DialledScore {
             label: format!("{} score", subscale.title.to_lowercase()),
-            range: [low, high],
+            range,
             score,
         });
     }

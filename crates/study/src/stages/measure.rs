@@ -36,7 +36,7 @@ pub struct Measure {
     /// Folder of drives; may be given more than once, and left out where the study has measures of its own
     #[arg(long)]
     pub drives: Vec<PathBuf>,
-    /// Design of the study (TOML); study.toml of the folder one stands in when not given. Without either nothing is left out
+    /// Design of the study (TOML); study.toml of the current directory when not given. Without either nothing is left out
     #[arg(long, value_name = "FILE")]
     pub design: Option<PathBuf>,
     /// Who takes part; the design's table when not given

@@ -39,7 +39,7 @@ use std::{
     after_help = "Example: maveric personalize --model model.maveric --drives drives/study2 --scores scores.csv --out embeddings.csv"
 )]
 pub struct Personalize {
-    /// Design of the study (TOML); study.toml of the folder one stands in when not given. Without either every drive counts
+    /// Design of the study (TOML); study.toml of the current directory when not given. Without either every drive counts
     #[arg(long, value_name = "FILE")]
     pub design: Option<PathBuf>,
     /// Who takes part; the design's table when not given

@@ -39,7 +39,7 @@ use std::{
     after_help = "Example: maveric rate --measures measurements.parquet --participants participants.csv --out ratings.csv"
 )]
 pub struct Rate {
-    /// Design of the study (TOML); study.toml of the folder one stands in when not given, else the paper's
+    /// Design of the study (TOML); study.toml of the current directory when not given, else the paper's
     #[arg(long, value_name = "FILE")]
     pub design: Option<PathBuf>,
     /// Measurements of own and AV drives

@@ -20,7 +20,7 @@ use std::path::{Path, PathBuf};
 #[derive(Debug, Clone, clap::Args)]
 #[command(after_help = "Example: maveric recommend study_data/generated/paper --participant S2P07")]
 pub struct Recommend {
-    /// Design of the study (TOML); study.toml of the folder one stands in when not given, else the paper's
+    /// Design of the study (TOML); study.toml of the current directory when not given, else the paper's
     #[arg(long, value_name = "FILE")]
     pub design: Option<PathBuf>,
     /// Folder of results, as the pipeline leaves it

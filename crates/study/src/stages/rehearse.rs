@@ -36,7 +36,7 @@ Examples: maveric rehearse --effects-times 0 --studies 4000 --out reports/null
           maveric rehearse --participants 12,24,48,96 --effects-times 0.5,1 --studies 300 --out reports/power
 Rehearsed are cars that are { dial = POINTS }, { across = true }, { mean = true } or { other = \"matched\" }; docs/rehearsal.md says how.")]
 pub struct Rehearse {
-    /// Design of the study (TOML); study.toml of the folder one stands in when not given, else the paper's
+    /// Design of the study (TOML); study.toml of the current directory when not given, else the paper's
     #[arg(long, value_name = "FILE")]
     pub design: Option<PathBuf>,
     /// What drives look like (TOML); as shipped when not given

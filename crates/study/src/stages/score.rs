@@ -40,7 +40,7 @@ use std::{
 #[derive(Debug, Clone, clap::Args)]
 #[command(after_help = "Example: maveric score --surveys surveys.csv --out scores.csv")]
 pub struct ScoreAnswers {
-    /// Design of the study (TOML); study.toml of the folder one stands in when not given. Without either nothing is left out
+    /// Design of the study (TOML); study.toml of the current directory when not given. Without either nothing is left out
     #[arg(long, value_name = "FILE")]
     pub design: Option<PathBuf>,
     /// Answers: participant, moment, scale, item, answer; may be given more than once

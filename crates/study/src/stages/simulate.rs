@@ -42,7 +42,7 @@ use std::{
     after_help = "Example: maveric simulate --model model.maveric --conditions conditions.csv --out av --watch P07.html --watch-participant P07"
 )]
 pub struct Simulate {
-    /// Design of the study (TOML); study.toml of the folder one stands in when not given. Without either every condition is driven
+    /// Design of the study (TOML); study.toml of the current directory when not given. Without either every condition is driven
     #[arg(long, value_name = "FILE")]
     pub design: Option<PathBuf>,
     /// Trained model

@@ -39,7 +39,7 @@ use std::path::{Path, PathBuf};
     Another direction: maveric steer --model model.maveric --embeddings embeddings.csv --attribute mini_ipip.openness --scores scores.csv --points 1 --hold aggression --out openness.csv"
 )]
 pub struct Steer {
-    /// Design of the study (TOML); study.toml of the folder one stands in when not given, else the paper's
+    /// Design of the study (TOML); study.toml of the current directory when not given, else the paper's
     #[arg(long, value_name = "FILE")]
     pub design: Option<PathBuf>,
     /// Trained model
@@ -51,7 +51,7 @@ pub struct Steer {
     /// Conditions to write
     #[arg(long)]
     pub out: PathBuf,
-    /// A step of the dial, in points of the style or of the attribute; the design's when not given
+    /// A step, in points of the style or of the attribute; the design's, of an attribute a third of its range, when not given
     #[arg(long)]
     pub points: Option<f64>,
     /// Place these points in place of the conditions, such as --sweep=-20,-10,0,10,20

@@ -51,7 +51,7 @@ pub struct Validate {
     /// Who is left out in turn, the rest being learned from: one person after the other of a study's own recordings
     #[arg(long, value_name = "people")]
     pub leave_out: Option<LeaveOut>,
-    /// Design of the study whose roles were driven (TOML); study.toml of the folder one stands in when not given
+    /// Design of the study whose roles were driven (TOML); study.toml of the current directory when not given
     #[arg(long, value_name = "FILE", requires = "leave_out")]
     pub design: Option<PathBuf>,
     /// Which tables are computed (TOML), written down before; those that follow from the design's roles when not given

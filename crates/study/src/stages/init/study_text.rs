@@ -1,14 +1,14 @@
 //! The commented `study.toml` of a new study.
 
 use crate::texts;
-use maveric_domain::{ConditionId, design::ScoreName};
+use maveric_domain::{ConditionId, ScoreRange, design::ScoreName};
 use maveric_report::markup::capital;
 use minijinja::{Value, context};
 
 /// The score that the dial turns.
 pub(super) struct DialledScore {
     pub(super) score: ScoreName,
-    pub(super) range: [f64; 2],
+    pub(super) range: ScoreRange,
     /// In sentences.
     pub(super) label: String,
 }
@@ -23,28 +23,12 @@ pub(super) struct Wanted<'a> {
     pub(super) synthetic: bool,
 }
 
-/// A third of the range, to two digits: 15 points of the 44 of the ADB scale; less where the outermost condition, `steps` steps from the
-/// middle, would lie further away than the scale is long.
-fn step([low, high]: [f64; 2], steps: f64) -> f64 {
-    let range = high - low;
-    let digits = |points: f64, to_whole: fn(f64) -> f64| {
-        let digit = 10f64.powi(libm::log10(points).floor() as i32 - 1);
-        to_whole(points / digit + 1e-9) * digit
-    };
-    let mut points = digits(range / 3.0, f64::round);
-    if points * steps > range {
-        points = digits(range / steps, f64::floor);
-    }
-    // No tail of binary digits in the file.
-    (points * 1e6).round() / 1e6
-}
-
 /// The text; it reads as a design.
 pub(super) fn study_text(wanted: &Wanted<'_>) -> String {
     let middle = (wanted.conditions.len() as f64 - 1.0) / 2.0;
     let style = wanted.style.map(|style| {
-        let [low, high] = style.range;
-        let points = step(style.range, middle).to_string();
+        let [low, high] = style.range.into();
+        let points = style.range.step(middle).to_string();
         let (score, label) = (style.score.to_string(), &style.label);
         context! { score, label, scale => style.score.scale.as_str(), range => format!("{low}, {high}"), points }
     });
@@ -74,9 +58,9 @@ mod tests {
 
     fn of(conditions: &[&str], style: Option<(&str, [f64; 2])>) -> Design {
         let ids: Vec<ConditionId> = conditions.iter().map(|c| c.parse().unwrap()).collect();
-        let score = style.map(|(name, range)| DialledScore {
+        let score = style.map(|(name, [low, high])| DialledScore {
             score: name.parse().unwrap(),
-            range,
+            range: ScoreRange::new(low, high).unwrap(),
             label: "risky score".to_owned(),
         });
         let text = study_text(&Wanted {

@@ -16,7 +16,7 @@ use crate::{
     },
 };
 use maveric_domain::{
-    BeyondWhy, ConditionId, Design, DomainError, DriveId, Embedding, design::Sign,
+    BeyondWhy, ConditionId, Design, DomainError, DriveId, Embedding, ScoreRange, design::Sign,
 };
 use maveric_model::{
     Model,
@@ -24,8 +24,6 @@ use maveric_model::{
 };
 use path_slash::PathExt as _;
 
-/// A step of the dial, in points, where nothing says how far one is.
-const STEP_POINTS: f64 = 15.0;
 /// Change of S, in points, that counts as none.
 const UNMOVED: f64 = 1e-6;
 
@@ -37,9 +35,11 @@ pub(super) fn sweep(
     watch: Watch<'_>,
 ) -> Result<Outcome<Steered>, StudyError> {
     let design = &study.design;
-    let points = points(options)?;
     let fit = |attribute| Heads::fit(model, axis, (options, attribute), design.baseline_id());
     let heads = options.attribute.as_ref().map(fit).transpose()?;
+    let first = heads.as_ref().and_then(|heads| heads.all.first());
+    let asked = (options.sweep.as_slice(), options.points);
+    let points = points(asked, first.unwrap_or(axis).range())?;
     let sweeping = Sweeping {
         design,
         model,
@@ -98,22 +98,26 @@ pub(super) fn sweep(
     Ok(Outcome::new(value, summary, warnings))
 }
 
-/// The points of the sweep: those that are asked for, else a step down, none, and a step up.
-fn points(options: &Steer) -> Result<Vec<f64>, StudyError> {
-    if options.sweep.is_empty() {
-        let step = options.points.unwrap_or(STEP_POINTS);
+/// The points of the sweep: those that are asked for, else a step down, none, and a step up; on a range that says how far a step is
+/// where nothing else does.
+fn points(
+    (asked, step): (&[f64], Option<f64>),
+    [low, high]: [f64; 2],
+) -> Result<Vec<f64>, StudyError> {
+    if asked.is_empty() {
+        let usual = || Ok::<f64, DomainError>(ScoreRange::new(low, high)?.step(1.0));
+        let step = step.map_or_else(usual, Ok)?;
         return Ok(vec![-step, 0.0, step]);
     }
-    let points = &options.sweep;
-    for (index, point) in points.iter().enumerate() {
-        if !point.is_finite() || points[..index].iter().any(|p| (p - point).abs() < 1e-9) {
+    for (index, point) in asked.iter().enumerate() {
+        if !point.is_finite() || asked[..index].iter().any(|p| (p - point).abs() < 1e-9) {
             let problem =
                 format!("sweep: found {point} twice or not finite, expected points that differ");
             let help = "for example --sweep=-20,-10,0,10,20";
             return Err(StudyError::not_possible(problem).with_help(help));
         }
     }
-    Ok(points.clone())
+    Ok(asked.to_vec())
 }
 
 /// What moves, along what, and by what it is read.
@@ -227,6 +231,15 @@ mod tests {
         assert_eq!(name(15.0).as_str(), "P01-mini_ipip_openness-up15");
         assert_eq!(name(-0.5).as_str(), "P01-mini_ipip_openness-down0_5");
         assert_eq!(name(0.0).as_str(), "P01-mini_ipip_openness-0");
+    }
+
+    #[test]
+    fn without_points_a_sweep_is_a_step_of_the_range_to_either_side() {
+        let asked = |step, range| points((&[], step), range).unwrap();
+        assert_eq!(asked(None, [11.0, 55.0]), [-15.0, 0.0, 15.0]);
+        assert_eq!(asked(None, [1.0, 6.0]), [-1.7, 0.0, 1.7]);
+        assert_eq!(asked(Some(4.0), [1.0, 6.0]), [-4.0, 0.0, 4.0]);
+        assert_eq!(points((&[2.0], None), [1.0, 6.0]).unwrap(), [2.0]);
     }
 
     #[test]

@@ -1,19 +1,19 @@
 //! One trained model: everybody's embeddings, and the car driven from them.
 
+mod rides;
+
 use super::people::{People, Person};
 use crate::{
     error::StudyError,
     mean::column_means,
     outcome::{Watch, for_each_on},
-    stages::simulate::drive_style,
 };
 use maveric_analysis::Finding;
-use maveric_domain::{Drive, DriveId, DriveMeta, DrivenBy, Embedding, StyleScore, stream_seed};
-use maveric_measures::likeness::{Window, windows};
+use maveric_domain::{Drive, Embedding, StyleScore};
+use maveric_measures::likeness::windows;
 use maveric_model::{
     Heads, Model, Personalized, personalize,
-    style_space::{LinearHead, PerpendicularEllipse, share_outside_training},
-    variability,
+    style_space::{LinearHead, share_outside_training},
 };
 use maveric_rehearsal::findings;
 use maveric_rehearsal::validation::{
@@ -23,7 +23,7 @@ use maveric_rehearsal::validation::{
     within_person,
 };
 use maveric_simulator::{RolloutReport, Scenario};
-use rand_pcg::{Pcg64Mcg, rand_core::SeedableRng};
+use rides::Ridden;
 use serde::Serialize;
 
 /// What was found about one model.
@@ -136,29 +136,6 @@ const AGAIN: Day = |person| &person.again;
 const STEPS: [f64; 9] = [-20.0, -15.0, -10.0, -5.0, 0.0, 5.0, 10.0, 15.0, 20.0];
 /// Where 0 stands among them.
 const ZERO: usize = 4;
-
-/// The car's drive and who is to be recognised in it.
-#[derive(Debug, Clone)]
-struct Ride<'a> {
-    person: &'a Person,
-    embedding: Embedding,
-    /// Number of the road: the same traffic seed for one driver at every setting.
-    world: usize,
-    /// Whether an embedding is to be read back from it.
-    read_back: bool,
-    /// Whether the car wanders as the person's first drive does.
-    varying: bool,
-}
-
-struct Ridden {
-    values: Values,
-    report: RolloutReport,
-    windows: Vec<Window>,
-    read_back: Option<Embedding>,
-}
-
-/// Rides across the dial; the angle of each, in rad, and by how much it moves S, in points.
-type Sideways<'a> = (Vec<Ride<'a>>, Vec<(f64, f64)>);
 
 /// What a model learns of everybody's two drives: of the tested without their score and with it, of those it learned from without.
 struct Fits {
@@ -311,49 +288,6 @@ impl Examination<'_> {
         })
     }
 
-    /// A ride across the dial for each person, with its angle and by how much it moves S.
-    fn across(
-        &self,
-        model: &Model,
-        axis: &LinearHead,
-        scored: &[Embedding],
-    ) -> Result<Sideways<'_>, StudyError> {
-        let ellipse = PerpendicularEllipse::of(model)?;
-        let (mut rides, mut moved) = (Vec::new(), Vec::new());
-        for (person, w) in self.people.test.iter().zip(scored) {
-            let labels = [person.participant.as_str(), "perpendicular"];
-            let mut rng = Pcg64Mcg::seed_from_u64(stream_seed(self.seed, &labels));
-            let point = ellipse.sample(w, &mut rng)?;
-            let change = axis.read(&point.embedding)? - axis.read(w)?;
-            moved.push((point.angle_rad, change.abs()));
-            rides.push(Self::ride(person, &point.embedding, 0));
-        }
-        Ok((rides, moved))
-    }
-
-    /// Rides on another road, in the style that no score was asked for, as the average driver, and wandering: a person each, one after the other.
-    fn beside_the_dial(&self, model: &Model, fits: &Fits) -> Vec<Ride<'_>> {
-        let test = &self.people.test;
-        let scored = || test.iter().zip(&fits.scored);
-        let elsewhere = scored().map(|(person, w)| Self::ride(person, w, self.worlds));
-        let unscored = test.iter().zip(&fits.own).map(|(person, w)| Ride {
-            read_back: true,
-            ..Self::ride(person, w, 0)
-        });
-        let average = test
-            .iter()
-            .map(|person| Self::ride(person, model.mean_embedding(), 0));
-        let varying = scored().map(|(person, w)| Ride {
-            varying: true,
-            ..Self::ride(person, w, 0)
-        });
-        elsewhere
-            .chain(unscored)
-            .chain(average)
-            .chain(varying)
-            .collect()
-    }
-
     /// Who is recognised in what, and how well the stated standard errors hold.
     fn identity(
         &self,
@@ -444,32 +378,6 @@ impl Examination<'_> {
         Ok(rows.collect::<Result<_, maveric_rehearsal::RehearsalError>>()?)
     }
 
-    fn ride<'p>(person: &'p Person, embedding: &Embedding, world: usize) -> Ride<'p> {
-        Ride {
-            person,
-            embedding: embedding.clone(),
-            world,
-            read_back: false,
-            varying: false,
-        }
-    }
-
-    /// Driver by driver, setting by setting, road by road.
-    fn dial_rides(
-        &self,
-        axis: &LinearHead,
-        scored: &[Embedding],
-    ) -> Result<Vec<Ride<'_>>, StudyError> {
-        let mut rides = Vec::new();
-        for (person, w) in self.people.test.iter().zip(scored) {
-            for points in STEPS {
-                let there = axis.shift(w, points)?.embedding;
-                rides.extend((0..self.worlds).map(|world| Self::ride(person, &there, world)));
-            }
-        }
-        Ok(rides)
-    }
-
     /// Mean over the roads of each driver and setting, shape `(drivers, settings)`.
     fn averaged(&self, settings: &[Ridden]) -> Vec<Vec<Values>> {
         let settings = values_of(settings);
@@ -479,38 +387,6 @@ impl Examination<'_> {
             .chunks_exact(STEPS.len())
             .map(<[Values]>::to_vec)
             .collect()
-    }
-
-    fn drive(&self, model: &Model, ride: &Ride<'_>) -> Result<Ridden, StudyError> {
-        let id = ride.person.participant.as_str();
-        let world = stream_seed(self.seed, &[id, "validate", &ride.world.to_string()]);
-        let wandering = ride.varying.then(|| variability(&ride.person.first));
-        let driven = drive_style(
-            model,
-            &ride.embedding,
-            wandering.as_ref(),
-            self.scenario,
-            world,
-        )?
-        .completed()?;
-        let meta = DriveMeta::new(
-            DriveId::new(format!("{id}-validate"))?,
-            ride.person.participant.clone(),
-            ride.person.first.meta().condition,
-            DrivenBy::Automated,
-        );
-        let drive = Drive::from_recording(meta, &driven.recording)?;
-        let read_back = ride
-            .read_back
-            .then(|| personalize(model, &drive, None))
-            .transpose()?
-            .map(|k| k.embedding);
-        Ok(Ridden {
-            values: values(&drive),
-            report: driven.report,
-            windows: windows(&drive),
-            read_back,
-        })
     }
 }
 
