@@ -168,6 +168,7 @@ fn a_hypothesis_about_a_primary_contrast_has_its_unadjusted_p_and_none_behind_a_
     };
     let a = analysed_by(&(both() + &says(SPEED)), ridden(16, 0.5, 0.3));
     let judged = &a.hypotheses[0];
+    assert!(!judged.holm);
     assert_eq!((judged.verdict, judged.p), (Shown, a.primary[0].p));
     assert!(
         (judged.mean_difference.unwrap() + a.primary[0].mean_difference.unwrap()).abs() < 1e-12
