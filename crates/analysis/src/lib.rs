@@ -55,6 +55,7 @@ pub use error::AnalysisError;
 pub use exclusions::{Driven, LeftOut, Rule, Stopped, Why};
 pub use finding::{Finding, Needed, Part, Question};
 pub use flow::{Flow, LeftOutFor, NotAdmitted};
+pub use homophily::least_that_holds;
 pub use lent::{BesideLent, LentContrast};
 pub use other_choice::{OtherChoice, Sensitivity, SensitivityRow};
 pub use person::Person;

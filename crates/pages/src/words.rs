@@ -57,9 +57,14 @@ pub fn percent(share: Option<f64>) -> String {
     )
 }
 
+/// How a number is written: one that 1 bounds without the zero before the point.
+pub(crate) fn written(bounded: bool) -> fn(f64, usize) -> String {
+    if bounded { apa::bounded } else { apa::number }
+}
+
 /// ` [0.12, 0.34]`, or nothing.
-pub fn interval(ends: Option<(f64, f64)>, decimals: usize) -> String {
-    let written = |end| apa::number(end, decimals);
+pub fn interval(ends: Option<(f64, f64)>, decimals: usize, bounded: bool) -> String {
+    let written = |end| written(bounded)(end, decimals);
     ends.map_or_else(String::new, |(low, high)| {
         format!(" [{}, {}]", written(low), written(high))
     })
