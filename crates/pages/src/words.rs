@@ -49,6 +49,17 @@ pub fn listed(words: &[String]) -> String {
     }
 }
 
+/// `24`, or `21 to 23` of counts that differ; none of none.
+pub(crate) fn counted(counts: impl IntoIterator<Item = usize>) -> Option<String> {
+    let counts: Vec<usize> = counts.into_iter().collect();
+    let (least, most) = (counts.iter().min()?, counts.iter().max()?);
+    Some(if least == most {
+        most.to_string()
+    } else {
+        format!("{least} to {most}")
+    })
+}
+
 /// `86.9%`, with a true minus; `no value` where there is none.
 pub fn percent(share: Option<f64>) -> String {
     share.map_or_else(
@@ -138,8 +149,8 @@ pub(crate) fn effect_title(design: &Design, name: &str) -> String {
     factors.join(" × ")
 }
 
-/// A paired test in words; *p* is that of Holm over its family, under its plain name.
-pub fn paired(panel: &Panel, pair: &Contrast) -> Option<String> {
+/// A paired test in words; *p* is that of Holm over its family, under its own name or, where what stands beside says so, its plain one.
+pub fn paired(panel: &Panel, pair: &Contrast, named: Adjustment) -> Option<String> {
     let effect = pair.effect.as_ref();
     let p = pair.p_holm?;
     Some(match (panel.test?, pair.df) {
@@ -152,18 +163,13 @@ pub fn paired(panel: &Panel, pair: &Contrast) -> Option<String> {
                 })
             });
             let size = effect.and_then(|e| Some((e.value?, interval)));
-            apa::t(pair.statistic?, df, p, Adjustment::None, size)
+            apa::t(pair.statistic?, df, p, named, size)
                 .markup()
                 .to_owned()
         }
-        _ => apa::wilcoxon(
-            pair.statistic?,
-            p,
-            Adjustment::None,
-            effect.and_then(|e| e.value),
-        )
-        .markup()
-        .to_owned(),
+        _ => apa::wilcoxon(pair.statistic?, p, named, effect.and_then(|e| e.value))
+            .markup()
+            .to_owned(),
     })
 }
 

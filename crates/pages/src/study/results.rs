@@ -37,6 +37,9 @@ impl StudyPage<'_> {
     pub(super) fn results(&self) -> Result<Vec<Block>, ReportError> {
         let a = self.analysis;
         let mut blocks = vec![Block::Heading(1, self.results.text("heading")?)];
+        if a.synthetic {
+            blocks.push(Block::Paragraph(self.results.text("synthetic")?));
+        }
         blocks.extend(headed(
             self.results.text("primary_heading")?,
             self.each("primary", self.primary_rows().into_iter())?,
