@@ -263,3 +263,15 @@ pub fn of_group(panel: &Panel) -> String {
         .as_ref()
         .map_or_else(String::new, |g| format!(" ({}: {})", g.factor, g.label))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::counted;
+
+    #[test]
+    fn counts_that_differ_are_a_range_and_none_is_nothing() {
+        assert_eq!(counted([23, 21, 22]).as_deref(), Some("21 to 23"));
+        assert_eq!(counted([24, 24]).as_deref(), Some("24"));
+        assert_eq!(counted([]), None);
+    }
+}
