@@ -129,7 +129,12 @@ pub fn omnibus(design: &Design, panel: &Panel, short: bool) -> String {
 
 /// An effect of several factors by the labels of its factors: `City × Condition`.
 pub(crate) fn effect_title(design: &Design, name: &str) -> String {
-    let factors: Vec<String> = name.split(':').map(|f| design.factor_label(f)).collect();
+    let label = |name: &str| match name {
+        // What a model of ordered answers calls what a mixed model calls `condition`.
+        "conditions" => "condition".to_owned(),
+        factor => design.factor_label(factor),
+    };
+    let factors: Vec<String> = name.split(':').map(label).collect();
     factors.join(" × ")
 }
 
