@@ -112,10 +112,10 @@ fn linear_heads_drive_alike_at_every_seed_and_those_of_other_people_do_not() {
     let people = drivers_apart(6, 240.0);
     let learned = |people: &[(Drive, StyleScore)], seed| {
         let settings = TrainSettings::default();
-        let observe = &mut |_: &EpochReport| ControlFlow::Continue(());
-        train(&training(people), &settings, seed, observe)
-            .unwrap()
-            .model
+        let trained = train(&training(people), &settings, seed, &mut |_| {
+            ControlFlow::Continue(())
+        });
+        trained.unwrap().model
     };
     let (one, two) = (learned(&people, 1), learned(&people, 2));
     assert_ne!(one, two, "how sure S is was drawn anew");
