@@ -345,6 +345,19 @@ fn an_item_is_tested_by_its_order_with_the_period_and_has_no_carry_over() {
     // The difference is that of the answers, not of logits.
     let difference = a.primary[0].mean_difference.unwrap();
     assert!((2.0..4.0).contains(&difference) && a.primary[0].interval.is_none());
+    let odds = a.primary[0].odds.unwrap();
+    let (low, high) = odds.interval.unwrap();
+    // The whole interval above 1, as p is below .05.
+    assert!(
+        1.0 < low && low < odds.ratio && odds.ratio < high,
+        "{odds:?}"
+    );
+    let pair = ["calm", "sporty"].map(id);
+    let turned = crate::pairs::contrast(comfort_panel, pair).unwrap().odds;
+    let turned = turned.unwrap();
+    assert!((turned.ratio * odds.ratio - 1.0).abs() < 1e-9);
+    assert!((turned.interval.unwrap().0 * high - 1.0).abs() < 1e-9);
+    assert!(a.primary[0].p.unwrap() < 0.05);
     assert_eq!(
         comfort_panel.carry_over,
         Some(CarryOver::NotFitted {

@@ -68,8 +68,8 @@ pub use recommendation::{
 pub use result::{
     Above, AggressionLine, Analysis, Bias, ByFactor, CongruenceCurve, CongruenceRow, Contrast,
     ContrastTest, Correlation, Described, Exclusion, FactorContrast, Group, HomophilyRow, Judged,
-    Kept, LevelMean, LineRow, MixedRow, Nearer, Panel, PerceivedStyle, Preference, PrimaryOutcome,
-    Reproduction, SimilarityRow, TestedFactor,
+    Kept, LevelMean, LineRow, MixedRow, Nearer, Odds, Panel, PerceivedStyle, Preference,
+    PrimaryOutcome, Reproduction, SimilarityRow, TestedFactor,
 };
 pub use retest::{FEWEST_FOR_ICC, Repeats, Retest, RidesCounted};
 pub use turned::{Settled, Turns};

@@ -145,7 +145,16 @@ pub fn omnibus(design: &Design, panel: &Panel, short: bool) -> String {
 
 /// An effect of several factors by the labels of its factors: `City × Condition`.
 pub(crate) fn effect_title(design: &Design, name: &str) -> String {
-    let factors: Vec<String> = name.split(':').map(|f| design.factor_label(f)).collect();
+    // A model of ordered answers calls `conditions` what a mixed model calls `condition`.
+    let one = |label: String| {
+        if label == "conditions" {
+            "condition".to_owned()
+        } else {
+            label
+        }
+    };
+    let label = |name: &str| one(design.factor_label(name));
+    let factors: Vec<String> = name.split(':').map(label).collect();
     factors.join(" × ")
 }
 

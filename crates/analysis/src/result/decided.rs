@@ -1,5 +1,6 @@
 //! What was declared before the data and decides: primary outcomes and hypotheses.
 
+use super::Odds;
 use crate::verdict::Verdict;
 use maveric_domain::{
     ConditionId,
@@ -31,6 +32,9 @@ pub struct PrimaryOutcome {
     pub mean_difference: Option<f64>,
     /// Ends of its 95 % interval, of a mixed model.
     pub interval: Option<(f64, f64)>,
+    /// What p is of, where the order of answers alone counts.
+    #[serde(default)]
+    pub odds: Option<Odds>,
     /// p of the contrast, two-sided, not adjusted: it is the only one that decides.
     pub p: Option<f64>,
     /// Whether p is below α.

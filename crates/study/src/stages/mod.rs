@@ -51,7 +51,7 @@ pub fn versions() -> BTreeMap<String, String> {
         ("evaluate", 9),
         ("stats", 18),
         ("ablate", 9),
-        ("validate", 13),
+        ("validate", 14),
         ("recommend", 5),
         ("rehearse", 10),
         ("rehearse-dial", 6),
