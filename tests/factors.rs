@@ -330,6 +330,39 @@ fn its_page_calls_factors_by_their_labels_and_draws_the_interaction() {
     assert!(!svg.contains("***</text>"), "{svg}");
 }
 
+/// Times that are far from normal between people and that everybody orders as the conditions stand.
+fn ordered_alike() -> TempStudy {
+    let conditions = ["calm", "normal", "sporty"];
+    MadeUp {
+        people: 20,
+        conditions: conditions.map(|id| (id.to_owned(), String::new())).into(),
+        more: "[[factor]]\ncolumn = \"experience\"\nlabel = \"Experience\"\n",
+        seconds: |person, place| {
+            let late = 8.0 * ((noise(person, place) + 3.0) / 6.0).powi(8);
+            ((2.0 + place as f64 + late) * 1000.0).round() / 1000.0
+        },
+    }
+    .study()
+}
+
+#[test]
+fn an_effect_of_which_everybody_orders_the_levels_alike_is_said_wherever_effects_are() {
+    let study = ordered_alike();
+    run(&study);
+    let row = |table: &str, start: &str| {
+        let table = study.read(&format!("mine/report/tables/{table}.csv"));
+        let found = table.lines().find(|line| line.starts_with(start));
+        assert!(found.is_some(), "no {start} in: {table}");
+    };
+    // χ² of n people and three levels is 2 n where all agree.
+    row("omnibus", "tor_s,,condition,chi2,20,40,2,,");
+    row("simple-effects", "tor_s,condition,experience,n,24,2,,");
+    row("simple-effects", "tor_s,condition,experience,e,16,2,,");
+    let said = ["condition: *χ*<sup>2</sup>(2, *N* = 20) = 40.00, *p* < .001"];
+    tells(&study.read("mine/report/manuscript/results.md"), &said);
+    Page::read(&study.path("mine/report/index.html")).says(&["F has no bound"]);
+}
+
 #[test]
 fn twelve_conditions_have_at_most_six_brackets_names_that_are_whole() {
     let pairs: Vec<String> = (2..=12)
