@@ -48,7 +48,7 @@ pub fn versions() -> BTreeMap<String, String> {
         ("simulate", 11),
         ("measure", 7),
         ("rate", 5),
-        ("evaluate", 9),
+        ("evaluate", 10),
         ("stats", 18),
         ("ablate", 9),
         ("validate", 14),
