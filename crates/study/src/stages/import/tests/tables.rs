@@ -239,6 +239,32 @@ fn a_proposal_counts_from_zero_lists_words_and_abstains_where_several_columns_fi
 }
 
 #[test]
+fn a_proposal_is_written_over_a_map_that_is_not_filled_in_alone() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = folder.path().join("columns.toml");
+    let table = b"participant,condition,calm_1,calm_2,calm_3\nP01,sporty,1,2,3\n";
+    let propose = || {
+        let import = Import {
+            suggest: true,
+            out: Some(out.clone()),
+            ..in_folder(folder.path(), None, table, None, DESIGN)
+        };
+        import.run(Watch::unwatched())
+    };
+    std::fs::write(&out, "# what the columns mean\n\n# sheet = \"Data\"\n").unwrap();
+    propose().unwrap();
+    assert!(!std::fs::read_to_string(&out).unwrap().contains("Data"));
+    std::fs::write(&out, "# mine\nparticipant = \"VP\"\n").unwrap();
+    let error = propose().unwrap_err();
+    assert!(
+        error.to_string().contains("is filled in already"),
+        "{error}"
+    );
+    assert!(error.suggestion().unwrap().contains("--out"));
+    assert!(std::fs::read_to_string(&out).unwrap().contains("VP"));
+}
+
+#[test]
 fn a_workbook_is_read_by_the_name_of_its_sheet() {
     let answers: &[&[&str]] = &[
         &["participant", "condition", "calm_1", "calm_2", "calm_3"],
