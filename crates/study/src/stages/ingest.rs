@@ -28,7 +28,7 @@ use maveric_ingest::{IngestError, Provenance, Warning, begins_ns, read_log};
 use path_slash::PathExt as _;
 use serde::Serialize;
 use std::{
-    collections::BTreeSet,
+    collections::BTreeMap,
     path::{Path, PathBuf},
 };
 use told::{none_ingested, sights, warnings};
@@ -102,6 +102,7 @@ pub struct LeftOutDrive {
 struct Written {
     /// The file in the folder aside.
     file: PathBuf,
+    log: PathBuf,
     meta: DriveMeta,
     rows: usize,
     duration_s: f64,
@@ -242,12 +243,21 @@ fn some_let_in_and_none_twice(
         let help = "say whose drives these are under [names] of the mapping, or add people and conditions to the study";
         return Err(StudyError::not_possible(problem).with_help(help));
     }
-    let mut ids = BTreeSet::new();
-    if let Some(twice) = drives.iter().find(|d| !ids.insert(&d.meta.drive)) {
-        let problem = format!(
-            "two logs, or two vehicles of one, make the drive `{}`",
-            twice.meta.drive
-        );
+    let mut made = BTreeMap::new();
+    let twice = drives.iter().find_map(|second| {
+        let first = made.insert(&second.meta.drive, second)?;
+        Some((first, second))
+    });
+    if let Some((first, second)) = twice {
+        let drive = &second.meta.drive;
+        let [one, other] = [first, second].map(|made| made.log.to_slash_lossy());
+        let problem = if one == other {
+            format!(
+                "{one} makes the drive `{drive}` twice: it is named twice, or two of its vehicles have one name"
+            )
+        } else {
+            format!("{one} and {other} both make the drive `{drive}`")
+        };
         let help = "leave one of them out, or ingest them into two folders";
         return Err(StudyError::not_possible(problem).with_help(help));
     }
@@ -300,6 +310,7 @@ fn write_log((number, log): (usize, &logs::Log), aside: &Path) -> Result<Vec<Wri
         let rows = drive.rows();
         written.push(Written {
             file: write_drive_of(&folder, &drive, &provenance)?,
+            log: log.path.clone(),
             meta: drive.meta().clone(),
             rows: drive.len(),
             duration_s: rows.time_s.last().copied().unwrap_or(0.0),

@@ -1,4 +1,5 @@
 use super::*;
+use std::collections::BTreeSet;
 
 const LOG: &str =
     "time_s,ego_x_m,ego_y_m,ego_speed_mps,lead_id,lead_dx_m,lead_dy_m,lead_speed_mps\n";
@@ -94,7 +95,18 @@ fn drives_appear_together_and_a_log_that_cannot_be_read_is_listed_beside_them() 
     // The same log twice is one drive twice; what stood there before stays.
     let before = std::fs::read(out.join("a.parquet")).unwrap();
     let error = run(vec![logs.clone(), logs.join("a.csv")], &out).unwrap_err();
-    assert!(error.to_string().contains("make the drive"), "{error}");
+    assert!(
+        error
+            .to_string()
+            .contains("a.csv makes the drive `a` twice"),
+        "{error}"
+    );
+    std::fs::create_dir(logs.join("again")).unwrap();
+    std::fs::copy(logs.join("a.csv"), logs.join("again/a.csv")).unwrap();
+    let error = run(vec![logs.clone()], &out).unwrap_err().to_string();
+    for said in ["logs/a.csv", "logs/again/a.csv", " both make the drive `a`"] {
+        assert!(error.contains(said), "{error}");
+    }
     assert_eq!(names(&out).len(), 5);
     assert_eq!(std::fs::read(out.join("a.parquet")).unwrap(), before);
 }
