@@ -60,8 +60,9 @@ impl Grid {
             problem,
         };
         let separator = tabs.then_some(b'\t');
-        let maveric_ingest::Csv { frame, short, .. } =
-            maveric_ingest::read_csv(&text, separator).map_err(bad)?;
+        let maveric_ingest::Csv {
+            frame, mut short, ..
+        } = maveric_ingest::read_csv(&text, separator).map_err(bad)?;
         let mut cells: Vec<Vec<String>> = Vec::new();
         for column in frame.columns() {
             let column = column.str().map_err(|e| bad(e.to_string()))?;
@@ -77,6 +78,7 @@ impl Grid {
         for column in &mut cells {
             column.truncate(rows);
         }
+        short.retain(|(row, _)| *row < rows);
         Ok(Self {
             path: path.to_owned(),
             columns: frame

@@ -87,7 +87,7 @@ impl Imports<'_> {
         write(out, &rows, scales)?;
         write_kept_out(out, &kept_out)?;
         let value = self.counts(&rows, unused.len());
-        let unanswered = (0..).zip(scales);
+        let unanswered = scales.iter().enumerate();
         let unanswered = unanswered.filter(|(_, s)| !value.sheets.contains_key(&s.id));
         warnings.extend(unanswered.map(|(at, _)| self.unanswered(at, value.unused)));
         let mut summary = vec![
