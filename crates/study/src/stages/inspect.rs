@@ -201,6 +201,7 @@ impl Stage for Inspect {
     fn files(&self, root: &Path) -> Result<Files, StudyError> {
         let mut files = Files::default();
         if self.mapping.is_none()
+            && !self.files.is_empty()
             && let Some(study) = DesignFile::below(root, None)
         {
             let named = Ingest {
