@@ -207,7 +207,7 @@ impl Failure {
         match self {
             Self::Interrupted => {
                 tell!(
-                    "interrupted; every result is whole or not there, and what is left hidden beside them (`.maveric-…`) goes at the next run"
+                    "interrupted; every result is whole or not there, and what is left hidden beside them (`.maveric-…`) is removed by a later run"
                 );
                 INTERRUPTED
             }
