@@ -98,6 +98,66 @@ pub(crate) fn wrapped(text: &str, fits: impl Fn(&str) -> bool) -> Vec<String> {
     lines
 }
 
+/// A line with marks on as many as a width takes. A statement such as `*p* = .04` and what stands in brackets stay whole where they fit; a word
+/// that does not fit is divided at its dots and underscores.
+pub(crate) fn fitted(text: &str, look: Look, width: f64) -> Vec<String> {
+    let fits = |line: &str| look.width(line) <= width;
+    let mut lines: Vec<String> = Vec::new();
+    for (gap, piece) in pieces(text, fits) {
+        match lines.last_mut() {
+            Some(line) if fits(&format!("{line}{gap}{piece}")) => {
+                line.push_str(gap);
+                line.push_str(&piece);
+            }
+            _ => lines.push(piece),
+        }
+    }
+    lines
+}
+
+/// What can begin a line, each with what parts it from the piece before.
+fn pieces(text: &str, fits: impl Fn(&str) -> bool) -> Vec<(&'static str, String)> {
+    let mut pieces = Vec::new();
+    for whole in statements(text) {
+        if fits(&whole) {
+            pieces.push((" ", whole));
+            continue;
+        }
+        for word in whole.split_whitespace() {
+            if fits(word) {
+                pieces.push((" ", word.to_owned()));
+                continue;
+            }
+            let parts = word.split_inclusive(['.', '_']).enumerate();
+            pieces
+                .extend(parts.map(|(at, part)| (if at == 0 { " " } else { "" }, part.to_owned())));
+        }
+    }
+    pieces
+}
+
+/// Words, those about a sign of relation and those in brackets in one.
+fn statements(text: &str) -> Vec<String> {
+    let is_sign = |word: &str| matches!(word, "=" | "<" | ">");
+    let goes_on = |whole: &str, word: &str| {
+        let brackets = |signs: [char; 2]| whole.matches(signs).count();
+        brackets(['(', '[']) > brackets([')', ']'])
+            || is_sign(word)
+            || whole.split_whitespace().next_back().is_some_and(is_sign)
+    };
+    let mut out: Vec<String> = Vec::new();
+    for word in text.split_whitespace() {
+        match out.last_mut() {
+            Some(whole) if goes_on(whole, word) => {
+                whole.push(' ');
+                whole.push_str(word);
+            }
+            _ => out.push(word.to_owned()),
+        }
+    }
+    out
+}
+
 /// A name that fits, cut with an ellipsis.
 pub(crate) fn shortened(name: &str, room: f64) -> String {
     let look = Look::new(size::TICK);
@@ -133,6 +193,28 @@ mod tests {
         );
         assert!(two.height() > level.height());
         assert_eq!(Names::set(&short, 12.0), Names::Turned(short));
+    }
+
+    #[test]
+    fn a_line_ends_beside_a_statement_and_beside_brackets_and_a_long_word_at_its_dots() {
+        let look = Look::new(size::SUBTITLE);
+        let set = |text: &str, width: &str| fitted(text, look, look.width(width) + 0.1);
+        let said = "Style × Traffic: *F*(1, 20.69) = 0.06, *p* = .813";
+        assert_eq!(set(said, said), [said]);
+        assert_eq!(
+            set(said, "Style × Traffic: *F*(1, 20.69) = 0.06, *p* ="),
+            ["Style × Traffic: *F*(1, 20.69) = 0.06,", "*p* = .813"]
+        );
+        assert_eq!(
+            set("Comfort (Experience: Novice)", "Comfort (Experience: N"),
+            ["Comfort", "(Experience: Novice)"]
+        );
+        assert_eq!(set("(a b c)", "(a b"), ["(a b", "c)"]);
+        assert_eq!(
+            set("line.with_score.p", "line.with_sc"),
+            ["line.with_", "score.p"]
+        );
+        assert!(set("", "x").is_empty());
     }
 
     #[test]
