@@ -100,6 +100,7 @@ fn choosing_saves_rides_when_its_error_is_below_the_grids_after_half_of_them() {
     let judged = |middle: f64| {
         let trial = |trials, active| TrialError {
             trials,
+            people: 24,
             active: (active, 0.3),
             grid: (5.0, 0.4),
             within_5: (0.5, 0.4),
