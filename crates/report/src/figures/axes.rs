@@ -1,7 +1,7 @@
 //! Scales, ticks and the frame of a panel.
 
 use super::canvas::{Canvas, Look, Pen, cap_height};
-use super::names::{Names, fitted};
+use super::names::{LINE, Names, fitted};
 use super::style;
 use super::theme::{GRID, INK, size, stroke};
 pub(crate) use crate::apa::number;
@@ -364,11 +364,12 @@ impl Frame {
         for (&tick, label) in self.y.ticks.iter().zip(&self.y.labels) {
             let y = self.y.place(tick);
             canvas.line((left, y), (right, y), Pen::new(GRID, stroke::THIN));
-            canvas.text(
-                label,
-                (left - TICK_LENGTH - 2.0, y),
-                tick_look.end().centred(),
-            );
+            let lines: Vec<&str> = label.split('\n').collect();
+            let first = y - LINE * (lines.len() - 1) as f64 / 2.0;
+            for (at, line) in lines.into_iter().enumerate() {
+                let end = (left - TICK_LENGTH - 2.0, first + LINE * at as f64);
+                canvas.text(line, end, tick_look.end().centred());
+            }
         }
         for (index, (&tick, label)) in self.x.ticks.iter().zip(&self.x.labels).enumerate() {
             let x = self.x.place(tick);

@@ -12,7 +12,8 @@ const MOST_WHOLE: usize = 4;
 const LONGEST: f64 = 78.0;
 /// Points between two names.
 const GAP: f64 = 1.0;
-const LINE: f64 = 1.18 * size::TICK;
+/// From one line of names to the next.
+pub(crate) const LINE: f64 = 1.18 * size::TICK;
 
 /// How the names of an axis are set.
 #[derive(Debug, Clone, PartialEq)]
@@ -170,6 +171,26 @@ pub(crate) fn shortened(name: &str, room: f64) -> String {
     kept
 }
 
+/// A plain name on one line, else on two; of what does not fit there, the end stays: in it names of one kind differ.
+pub(crate) fn on_two_lines(name: &str, room: f64) -> Vec<String> {
+    let look = Look::new(size::TICK);
+    let fits = |line: &str| look.width(&markup::literal(line)) <= room;
+    let lines = wrapped(name, fits);
+    let Some((first, others)) = lines.split_first() else {
+        return Vec::new();
+    };
+    let mut set = vec![shortened(first, room)];
+    if !others.is_empty() {
+        let mut end = others.join(" ");
+        while !fits(&end) && end.chars().count() > 4 {
+            let kept: String = end.trim_start_matches('…').chars().skip(1).collect();
+            end = format!("…{}", kept.trim_start());
+        }
+        set.push(end);
+    }
+    set
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -193,6 +214,25 @@ mod tests {
         );
         assert!(two.height() > level.height());
         assert_eq!(Names::set(&short, 12.0), Names::Turned(short));
+    }
+
+    #[test]
+    fn of_a_name_that_two_lines_do_not_hold_the_end_stays() {
+        let room = Look::new(size::TICK).width("Conscientiousness and");
+        let set = |name: &str| on_two_lines(name, room);
+        assert_eq!(set("Trust"), ["Trust"]);
+        assert_eq!(
+            set("Conscientiousness and trust (own)"),
+            ["Conscientiousness and", "trust (own)"]
+        );
+        let long = set("Conscientiousness and trust in the other car (own − calm)");
+        assert_eq!(long.len(), 2);
+        assert!(
+            long[1].starts_with('…') && long[1].ends_with("(own − calm)"),
+            "{long:?}"
+        );
+        assert!(Look::new(size::TICK).widest(&long) <= room, "{long:?}");
+        assert!(set("").is_empty());
     }
 
     #[test]
