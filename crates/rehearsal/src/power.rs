@@ -62,6 +62,7 @@ mod tests {
                 tests: vec![Found {
                     part: Part::Omnibus,
                     key: "panel.mean_velocity_mps.omnibus".to_owned(),
+                    about: "Mean velocity".to_owned(),
                     family: None,
                     estimate: None,
                     p: Some(0.001),

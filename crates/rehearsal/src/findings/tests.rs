@@ -47,6 +47,7 @@ fn one_test_in_twenty_may_look_lax_and_no_more() {
         let test = |i: usize| TestRate {
             part: Of::Nearer,
             key: format!("t{i}"),
+            about: String::new(),
             studies: 1000,
             rejected: 0,
             rate: share(if i < lax { 100 } else { 50 }, 1000),
