@@ -27,18 +27,24 @@ pub(crate) enum Names {
 impl Names {
     /// Names, each with so many points from its neighbour.
     ///
-    /// A long name among many that fit is cut, if enough of it is left to tell it from the others.
+    /// A long name among many that fit stands below those beside it, or is cut, if enough of it is left to tell it from the others.
     pub(crate) fn set(names: &[String], space: f64) -> Self {
         let room = space - GAP;
         let look = Look::new(size::TICK);
         let line_fits = |line: &str| look.width(line) <= room;
         let lines = names.iter().map(|name| wrapped(name, line_fits));
         let lines: Vec<Vec<String>> = lines.collect();
-        let cut = |lines: &Vec<String>| lines.iter().map(|l| shortened(l, room)).collect();
-        let set: Vec<Vec<String>> = lines.iter().map(cut).collect();
+        let cut = |lines: &[String]| -> Vec<String> {
+            lines.iter().map(|l| shortened(l, room)).collect()
+        };
+        let set = (0..lines.len())
+            .map(|at| lowered(&lines, at, space).unwrap_or_else(|| cut(&lines[at])));
+        let set: Vec<Vec<String>> = set.collect();
         let long = || lines.iter().zip(&set).filter(|(whole, cut)| whole != cut);
-        let fits = set.iter().all(|l| l.len() <= MOST_LINES)
-            && set.iter().flatten().all(|line| line_fits(line));
+        let fits = set.iter().all(|l| {
+            let is_lowered = l.first().is_some_and(String::is_empty);
+            l.len() <= MOST_LINES && (is_lowered || l.iter().all(|line| line_fits(line)))
+        });
         let different = (1..set.len()).all(|i| !set[..i].contains(&set[i]));
         if fits && different && long().count() * MOST_WHOLE <= names.len() {
             return Self::Level(set);
@@ -72,7 +78,8 @@ impl Names {
         let look = Look::new(size::TICK);
         match self {
             Self::Level(names) => {
-                for (line, text) in names[index].iter().enumerate() {
+                let lines = names[index].iter().enumerate();
+                for (line, text) in lines.filter(|(_, text)| !text.is_empty()) {
                     let start = (x, y + LINE * line as f64);
                     canvas.text(text, start, look.middle().hanging());
                 }
@@ -82,6 +89,29 @@ impl Names {
             }
         }
     }
+}
+
+/// A word too long for its own place, below the names beside it if these fit and it ends within the panel.
+fn lowered(lines: &[Vec<String>], at: usize, space: f64) -> Option<Vec<String>> {
+    let look = Look::new(size::TICK);
+    let fits = |line: &String| look.width(line) <= space - GAP;
+    let [name] = &lines[at][..] else {
+        return None;
+    };
+    // At either end there is half a place and a little more.
+    if fits(name) || look.width(name) > 1.2 * space + 4.0 {
+        return None;
+    }
+    let beside = at.checked_sub(1).into_iter().chain([at + 1]);
+    let beside: Vec<&Vec<String>> = beside.filter_map(|at| lines.get(at)).collect();
+    if !beside.iter().copied().flatten().all(fits) {
+        return None;
+    }
+    let above = beside.iter().map(|lines| lines.len()).max();
+    let above = above.filter(|lines| *lines > 0)?;
+    let mut set = vec![String::new(); above];
+    set.push(name.clone());
+    Some(set)
 }
 
 /// A text on as few lines as its words need where each line is to fit.
@@ -266,7 +296,7 @@ mod tests {
         assert!(cut[0].ends_with('…') && Look::new(size::TICK).width(&cut[0]) <= LONGEST);
         // One of four is cut where the others stand level; two of four are not.
         let one = names(&["calm", "sporty", "own", "perpendicular"]);
-        let set = Names::set(&one, 34.0);
+        let set = Names::set(&one, 28.0);
         assert!(
             matches!(&set, Names::Level(lines) if lines[3][0].ends_with('…')),
             "{set:?}"
@@ -275,6 +305,13 @@ mod tests {
             (set.cut(), Names::set(&one, 60.0).cut()),
             (vec![3], Vec::new())
         );
+        // It stands whole below the others where that does not lead out of the panel.
+        let set = Names::set(&one, 34.0);
+        assert!(
+            matches!(&set, Names::Level(lines) if lines[3] == ["", "perpendicular"]),
+            "{set:?}"
+        );
+        assert!(set.cut().is_empty());
         let two = names(&["calm", "sporty", "perpendicularly", "perpendicular"]);
         assert!(matches!(Names::set(&two, 34.0), Names::Turned(_)));
     }
