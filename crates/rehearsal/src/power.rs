@@ -115,7 +115,7 @@ mod tests {
     fn without_hypotheses_the_best_test_of_each_part_is_asked_and_said_to_be_that() {
         let asked = power(&cell(&[]));
         assert_eq!(asked.verdict, Verdict::Shown);
-        let best = "Outcomes over the conditions: panel.mean_velocity_mps.omnibus";
+        let best = "Outcomes over the conditions: Mean velocity";
         assert_eq!(asked.parts[0].of, best);
     }
 }

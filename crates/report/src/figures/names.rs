@@ -205,13 +205,14 @@ pub(crate) fn shortened(name: &str, room: f64) -> String {
 pub(crate) fn on_two_lines(name: &str, room: f64) -> Vec<String> {
     let look = Look::new(size::TICK);
     let fits = |line: &str| look.width(&markup::literal(line)) <= room;
-    let lines = wrapped(name, fits);
+    let lines = fitted(name, look, room);
     let Some((first, others)) = lines.split_first() else {
         return Vec::new();
     };
     let mut set = vec![shortened(first, room)];
     if !others.is_empty() {
-        let mut end = others.join(" ");
+        let rest = name.strip_prefix(first.as_str()).map(str::trim_start);
+        let mut end = rest.map_or_else(|| others.join(" "), str::to_owned);
         while !fits(&end) && end.chars().count() > 4 {
             let kept: String = end.trim_start_matches('…').chars().skip(1).collect();
             end = format!("…{}", kept.trim_start());
@@ -262,6 +263,10 @@ mod tests {
             "{long:?}"
         );
         assert!(Look::new(size::TICK).widest(&long) <= room, "{long:?}");
+        assert_eq!(
+            set("panel.aggressiveness.score").concat(),
+            "panel.aggressiveness.score"
+        );
         assert!(set("").is_empty());
     }
 
