@@ -189,7 +189,7 @@ mod tests {
         let mut rows = vec![
             IntervalRow::new("Mean velocity", Some(0.4), Some((0.1, 0.7))),
             IntervalRow::new(
-                "A measure of so long a name that no room is left for its interval",
+                "A measure of so long a name that two lines do not hold it, so that its middle is left out",
                 None,
                 None,
             ),

@@ -179,7 +179,7 @@ fn statements(text: &str) -> Vec<String> {
     let mut out: Vec<String> = Vec::new();
     for word in text.split_whitespace() {
         match out.last_mut() {
-            Some(whole) if goes_on(whole, word) => {
+            Some(whole) if goes_on(whole.as_str(), word) => {
                 whole.push(' ');
                 whole.push_str(word);
             }
