@@ -80,6 +80,8 @@ pub struct LearnedFrom {
 pub struct TrialError {
     /// Trials shown.
     pub trials: usize,
+    /// New people over all studies.
+    pub people: usize,
     /// Mean |error| in ADB points and half of its 95 % interval, each setting chosen by expected information.
     pub active: (f64, f64),
     /// The same settings for all: a grid of seven, each person in an order of their own.
@@ -366,6 +368,7 @@ impl TrialError {
                 };
                 Self {
                     trials: trial,
+                    people: people.len(),
                     active: mean_and_half(&errors_of(0)),
                     grid: mean_and_half(&errors_of(1)),
                     within_5: (near(0), near(1)),
@@ -380,6 +383,16 @@ mod tests {
     use super::*;
     use crate::testing::world;
     use maveric_analysis::{Preferred, Turns};
+
+    #[test]
+    fn errors_after_a_trial_are_those_of_everybody() {
+        let person = |error: f64| [vec![error, error - 1.0], vec![error; 2]];
+        let found = TrialError::of(&[person(8.0), person(4.0)], 1);
+        assert_eq!(found.len(), 2);
+        assert_eq!((found[1].people, found[1].trials), (2, 1));
+        assert!((found[1].active.0 - 5.0).abs() < 1e-9);
+        assert!((found[1].grid.0 - 6.0).abs() < 1e-9);
+    }
 
     #[test]
     fn who_is_known_is_served_better_than_by_the_own_style_for_all() {

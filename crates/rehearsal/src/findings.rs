@@ -30,16 +30,16 @@ pub fn single(cell: &Cell) -> Finding {
 /// Would studies of this size show what is there? Each declared hypothesis has to be shown in more than [`POWER`] of them; without any, of
 /// each part of the analysis the test that most studies found, which flatters.
 pub fn power(cell: &Cell) -> Finding {
-    let part = |key: &str, share: Option<&Proportion>| {
+    let part = |of: &str, share: Option<&Proportion>| {
         // A question that no study could judge is as one of too few.
         let judged = share.map_or(cell.studies.min(1), |_| cell.studies);
-        Part::share(key, judged, share, (POWER, f64::INFINITY))
+        Part::share(of, judged, share, (POWER, f64::INFINITY))
     };
     let parts = if cell.hypotheses.is_empty() {
         let best = cell.best_tests().into_iter();
         best.map(|t: &TestRate| {
-            let key = format!("{}: {}", t.part.title(), t.key);
-            part(&key, t.rate.as_ref())
+            let of = format!("{}: {}", t.part.title(), t.about);
+            part(&of, t.rate.as_ref())
         })
         .collect()
     } else {

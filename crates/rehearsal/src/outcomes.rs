@@ -68,6 +68,8 @@ pub struct Found {
     pub part: Part,
     /// Such as `nearer.lane_changes.calm`; of a homophily test the claims ledger's key, before `.r`.
     pub key: String,
+    /// What it is about, for people: `Mean velocity, calm − sporty`.
+    pub about: String,
     /// Tests corrected together; none of a test that stands alone.
     pub family: Option<String>,
     /// r, share less ½, difference or coefficient; none for an omnibus test.
@@ -105,10 +107,11 @@ fn r_and_p(c: &Correlation) -> (Option<f64>, Option<f64>) {
 /// Tests of which each stands for itself.
 fn alone(a: &Analysis) -> Vec<Found> {
     let mut tests = Vec::new();
-    let mut add = |part, key: String, estimate, p| {
+    let mut add = |part, key: String, about: String, estimate, p| {
         tests.push(Found {
             part,
             key,
+            about,
             family: None,
             estimate,
             p,
@@ -116,33 +119,60 @@ fn alone(a: &Analysis) -> Vec<Found> {
         });
     };
     for line in [&a.line, &a.line_without_adb].into_iter().flatten() {
-        let fit = if line.adb_used {
-            "with_score"
+        let (fit, fitted) = if line.adb_used {
+            ("with_score", "fitted with the score")
         } else {
-            "without_score"
+            ("without_score", "fitted without the score")
         };
         for row in &line.rows {
             let (r, p) = r_and_p(&row.correlation);
-            add(Part::Line, format!("line.{fit}.{}", row.measure), r, p);
+            let about = format!("{}, {fitted}", row.title);
+            add(
+                Part::Line,
+                format!("line.{fit}.{}", row.measure),
+                about,
+                r,
+                p,
+            );
         }
     }
     for panel in &a.panels {
         let name = name_of(panel);
         match &panel.comparison {
             Some(comparison) => {
-                for (effect, p) in comparison.effects() {
-                    add(Part::Omnibus, format!("{name}.{effect}"), None, p);
+                let effects = comparison.effects();
+                let alone = effects.len() == 1;
+                for (effect, p) in effects {
+                    let about = if alone {
+                        title_of(panel)
+                    } else {
+                        format!("{}, {}", title_of(panel), effect.replace(':', " × "))
+                    };
+                    add(Part::Omnibus, format!("{name}.{effect}"), about, None, p);
                 }
             }
-            None => add(Part::Omnibus, format!("{name}.omnibus"), None, None),
+            None => {
+                let key = format!("{name}.omnibus");
+                add(Part::Omnibus, key, title_of(panel), None, None);
+            }
         }
     }
     for row in &a.kept {
         let key = |what: &str| format!("kept.{}.{what}", row.measure);
         let ((line_r, line_p), (angle_r, angle_p)) = (r_and_p(&row.line), r_and_p(&row.angle));
-        add(Part::Kept, key("line"), line_r, line_p);
-        add(Part::Kept, key("angle"), angle_r, angle_p);
-        add(Part::Kept, key("circle"), row.circular_r, row.circular_p);
+        for (what, r, p) in [
+            ("line", line_r, line_p),
+            ("angle", angle_r, angle_p),
+            ("circle", row.circular_r, row.circular_p),
+        ] {
+            add(
+                Part::Kept,
+                key(what),
+                format!("{}, {what}", row.title),
+                r,
+                p,
+            );
+        }
     }
     for row in &a.similarity {
         let ((pooled_r, pooled_p), (within_r, within_p)) =
@@ -150,23 +180,26 @@ fn alone(a: &Analysis) -> Vec<Found> {
         add(
             Part::SimilarityPooled,
             format!("similarity.{}", row.rating),
+            row.title.clone(),
             pooled_r,
             pooled_p,
         );
         add(
             Part::SimilarityWithin,
             format!("similarity_within.{}", row.rating),
+            row.title.clone(),
             within_r,
             within_p,
         );
     }
     for row in &a.mixed {
-        for name in ["shift", "shift_squared"] {
+        for (name, term) in [("shift", "shift"), ("shift_squared", "shift squared")] {
             let effect = row.model.as_ref().and_then(|m| m.fixed.get(name));
             let (estimate, p) = (effect.map(|e| e.estimate), effect.and_then(|e| e.p));
             add(
                 Part::Mixed,
                 format!("mixed.{}.{name}", row.rating),
+                format!("{}, {term}", row.title),
                 estimate,
                 p,
             );
@@ -177,7 +210,7 @@ fn alone(a: &Analysis) -> Vec<Found> {
         let curvature = row.model.as_ref().and_then(|m| m.coef.get("moved^2"));
         let (estimate, p) = (curvature.map(|c| c.estimate), curvature.and_then(|c| c.p));
         let key = format!("congruence.{}.curvature", row.rating);
-        add(Part::Congruence, key, estimate, p);
+        add(Part::Congruence, key, row.title.clone(), estimate, p);
     }
     tests
 }
@@ -185,22 +218,26 @@ fn alone(a: &Analysis) -> Vec<Found> {
 /// Tests that are corrected together with others.
 fn in_families(a: &Analysis) -> Vec<Found> {
     let mut tests = Vec::new();
-    let mut corrected = |part, key: String, family: String, estimate, p, p_holm| {
-        tests.push(Found {
-            part,
-            key,
-            family: Some(family),
-            estimate,
-            p,
-            p_holm,
-        });
-    };
+    let mut corrected =
+        |part, (key, about): (String, String), family: String, estimate, p, p_holm| {
+            tests.push(Found {
+                part,
+                key,
+                about,
+                family: Some(family),
+                estimate,
+                p,
+                p_holm,
+            });
+        };
     for panel in &a.panels {
         let name = name_of(panel);
         for pair in &panel.contrasts {
+            let (first, second) = (pair.first, pair.second);
+            let about = format!("{}, {first} − {second}", title_of(panel));
             corrected(
                 Part::Pairs,
-                format!("{name}.{}-{}", pair.first, pair.second),
+                (format!("{name}.{first}-{second}"), about),
                 name.clone(),
                 pair.mean_difference,
                 pair.p,
@@ -212,7 +249,7 @@ fn in_families(a: &Analysis) -> Vec<Found> {
         let key = format!("nearer.{}.{}", row.measure, row.than);
         corrected(
             Part::Nearer,
-            key,
+            (key, format!("{}, than {}", row.title, row.than)),
             "nearer".to_owned(),
             row.effect,
             row.p,
@@ -220,11 +257,12 @@ fn in_families(a: &Analysis) -> Vec<Found> {
         );
     }
     for row in &a.homophily {
-        let key = row.key();
+        let (title, rating, own, versus) = (&row.title, &row.rating_title, row.own, row.versus);
+        let about = format!("{title} / {rating} ({own} − {versus})");
         let (r, p) = r_and_p(&row.correlation);
         corrected(
             Part::Homophily,
-            key,
+            (row.key(), about),
             "homophily".to_owned(),
             r,
             p,
@@ -239,5 +277,13 @@ fn name_of(panel: &Panel) -> String {
     match &panel.group {
         Some(group) => format!("panel.{}.{}", panel.outcome, group.level),
         None => format!("panel.{}", panel.outcome),
+    }
+}
+
+/// The same for people.
+fn title_of(panel: &Panel) -> String {
+    match &panel.group {
+        Some(group) => format!("{} ({})", panel.title, group.label),
+        None => panel.title.clone(),
     }
 }

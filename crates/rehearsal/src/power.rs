@@ -64,6 +64,7 @@ mod tests {
                 tests: vec![Found {
                     part: Part::Omnibus,
                     key: "panel.mean_velocity_mps.omnibus".to_owned(),
+                    about: "Mean velocity".to_owned(),
                     family: None,
                     estimate: None,
                     p: Some(0.001),
@@ -116,7 +117,7 @@ mod tests {
     fn without_hypotheses_the_best_test_of_each_part_is_asked_and_said_to_be_that() {
         let asked = power(&cell(&[]));
         assert_eq!(asked.verdict, Verdict::Shown);
-        let best = "Outcomes over the conditions: panel.mean_velocity_mps.omnibus";
+        let best = "Outcomes over the conditions: Mean velocity";
         assert_eq!(asked.parts[0].of, best);
     }
 }

@@ -20,6 +20,9 @@ pub struct TestRate {
     pub part: Part,
     /// Name of the test.
     pub key: String,
+    /// What it is about, for people.
+    #[serde(default)]
+    pub about: String,
     /// Studies in which the test had a p.
     pub studies: usize,
     /// Those with p < .05.
@@ -145,6 +148,7 @@ impl Cell {
             TestRate {
                 part: first.part,
                 key: first.key.clone(),
+                about: first.about.clone(),
                 studies: p.len(),
                 rejected,
                 rate: share(rejected, p.len()),
@@ -263,6 +267,7 @@ mod tests {
         Found {
             part: Part::Nearer,
             key: "nearer.x".to_owned(),
+            about: "X".to_owned(),
             family: Some("nearer".to_owned()),
             estimate: Some(estimate),
             p: Some(p),
@@ -364,6 +369,15 @@ mod tests {
             .fold((0, 0), |(yes, all), t| (yes + t.rejected, all + t.studies));
         let rate = yes as f64 / all as f64;
         assert!((0.03..0.07).contains(&rate), "{rate} of {all}");
+    }
+
+    #[test]
+    fn every_test_says_what_it_is_about() {
+        let cell = run(&world(), 12, 1);
+        assert!(cell.tests.iter().all(|t| !t.about.is_empty()));
+        let is_speed = |t: &&TestRate| t.key.starts_with("panel.mean_velocity_mps.");
+        let mut speeds = cell.tests.iter().filter(is_speed);
+        assert!(speeds.all(|t| t.about.starts_with("Mean velocity")));
     }
 
     #[test]

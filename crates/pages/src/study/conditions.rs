@@ -56,11 +56,18 @@ pub(super) fn amount(panel: &Panel, unit: &str) -> String {
     }
 }
 
-/// The ends of the scale; what was measured and is never below 0 has its lower end there.
+/// The ends of the scale; of what was measured those that its values show.
 pub(super) fn ends(panel: &Panel) -> Option<(f64, f64)> {
-    let mut values = panel.rows.iter().flatten().flatten();
-    let is_amount = panel.differences_from.is_none() && values.all(|v| *v >= 0.0);
-    panel.range.or(is_amount.then_some((0.0, f64::INFINITY)))
+    let values = panel.rows.iter().flatten().flatten().copied();
+    let measured = panel.differences_from.is_none().then_some(values);
+    panel.range.or_else(|| measured.and_then(ends_of))
+}
+
+/// What is never below 0 has its lower end there; what is 0 or 1 alone ends at 1.
+fn ends_of(values: impl Iterator<Item = f64> + Clone) -> Option<(f64, f64)> {
+    let is_yes_or_no = values.clone().all(|v| [0.0, 1.0].contains(&v));
+    let most = if is_yes_or_no { 1.0 } else { f64::INFINITY };
+    values.clone().all(|v| v >= 0.0).then_some((0.0, most))
 }
 
 impl StudyPage<'_> {
@@ -212,6 +219,20 @@ impl StudyPage<'_> {
             pairs: brackets.filter_map(pair).collect(),
             reference: panel.same,
             range: ends(panel),
+            of_group: panel.group.is_some(),
         })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_0_or_1_alone_ends_there_and_an_amount_at_0_only() {
+        let ends = |values: &[f64]| ends_of(values.iter().copied());
+        assert_eq!(ends(&[0.0, 1.0, 1.0]), Some((0.0, 1.0)));
+        assert_eq!(ends(&[0.0, 1.0, 0.5]), Some((0.0, f64::INFINITY)));
+        assert_eq!(ends(&[0.0, -1.0]), None);
     }
 }

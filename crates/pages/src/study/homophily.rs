@@ -219,6 +219,7 @@ impl StudyPage<'_> {
         let texts = self.texts.with(&context! {
             less_is_better => row.less_is_better,
             estimate => curvature.map(|c| better * c.estimate),
+            turned => curvature.map(|c| c.estimate),
             p => curvature.and_then(|c| c.p),
         });
         let drawn_curve = |sds: i8| {

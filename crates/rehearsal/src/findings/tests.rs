@@ -47,6 +47,7 @@ fn one_test_in_twenty_may_look_lax_and_no_more() {
         let test = |i: usize| TestRate {
             part: Of::Nearer,
             key: format!("t{i}"),
+            about: String::new(),
             studies: 1000,
             rejected: 0,
             rate: share(if i < lax { 100 } else { 50 }, 1000),
@@ -100,6 +101,7 @@ fn choosing_saves_rides_when_its_error_is_below_the_grids_after_half_of_them() {
     let judged = |middle: f64| {
         let trial = |trials, active| TrialError {
             trials,
+            people: 24,
             active: (active, 0.3),
             grid: (5.0, 0.4),
             within_5: (0.5, 0.4),

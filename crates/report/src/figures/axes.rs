@@ -1,7 +1,8 @@
 //! Scales, ticks and the frame of a panel.
 
 use super::canvas::{Canvas, Look, Pen, cap_height};
-use super::names::Names;
+use super::names::{LINE, Names, fitted};
+use super::style;
 use super::theme::{GRID, INK, size, stroke};
 pub(crate) use crate::apa::number;
 
@@ -229,7 +230,51 @@ pub(crate) struct Labels<'a> {
 }
 
 const TITLE_GAP: f64 = 4.0;
+/// The widest letter of a panel.
+const LETTER: &str = "m)";
 const TICK_LENGTH: f64 = 2.0;
+
+fn title_look() -> Look {
+    Look::new(size::TITLE).semibold()
+}
+
+/// The lines of a text, each on as many as a width takes.
+fn set(text: &str, look: Look, width: f64) -> Vec<String> {
+    let set = |line: &str| {
+        let shown = style::current().and_then(|style| style.label(line));
+        let lines = fitted(shown.unwrap_or(line), look, width);
+        // Whoever draws it looks up what it is to be called.
+        if lines.len() > 1 {
+            lines
+        } else {
+            vec![line.to_owned()]
+        }
+    };
+    text.lines().flat_map(set).collect()
+}
+
+impl Labels<'_> {
+    /// The lines of title and subtitle in a panel of so many points' width.
+    fn head(&self, width: f64, has_letter: bool) -> [Vec<String>; 2] {
+        let look = title_look();
+        let letter = if has_letter { look.width(LETTER) } else { 0.0 };
+        let mut title = set(self.title, look, width - letter);
+        if has_letter && title.is_empty() {
+            title.push(String::new());
+        }
+        let subtitle = set(self.subtitle, Look::new(size::SUBTITLE), width);
+        [title, subtitle]
+    }
+
+    /// Points that the lines of title and subtitle take after the first of each.
+    pub(crate) fn further_lines(&self, width: f64, has_letter: bool) -> f64 {
+        let further = self
+            .head(width, has_letter)
+            .map(|l| l.len().saturating_sub(1) as f64);
+        let heights = [size::TITLE, size::SUBTITLE].map(|size| cap_height(size) + TITLE_GAP);
+        further[0] * heights[0] + further[1] * heights[1]
+    }
+}
 
 impl Frame {
     /// Draws title, axes, ticks, a grid across y, and gives the scales their places.
@@ -242,21 +287,23 @@ impl Frame {
     ) -> Self {
         let mut top = outer.top;
         let letter = canvas.letter.take();
-        if !labels.title.is_empty() || letter.is_some() {
+        let [title, subtitle] = labels.head(outer.right - outer.left, letter.is_some());
+        let mut left = outer.left;
+        if let Some(letter) = letter {
+            let first = top + cap_height(size::TITLE);
+            canvas.text(&format!("{letter})"), (left, first), title_look());
+            left += title_look().width(LETTER);
+        }
+        for line in &title {
             top += cap_height(size::TITLE);
-            let look = Look::new(size::TITLE).semibold();
-            let mut left = outer.left;
-            if let Some(letter) = letter {
-                canvas.text(&format!("{letter})"), (left, top), look);
-                left += look.width("m)");
-            }
-            canvas.text(labels.title, (left, top), look);
+            canvas.text(line, (left, top), title_look());
             top += TITLE_GAP;
-        } else if !labels.subtitle.is_empty() {
+        }
+        if title.is_empty() && !subtitle.is_empty() {
             // A raised exponent reaches above the capitals.
             top += 2.0;
         }
-        for line in labels.subtitle.lines() {
+        for line in &subtitle {
             top += cap_height(size::SUBTITLE);
             canvas.text(line, (outer.left, top), Look::new(size::SUBTITLE));
             top += TITLE_GAP;
@@ -317,11 +364,12 @@ impl Frame {
         for (&tick, label) in self.y.ticks.iter().zip(&self.y.labels) {
             let y = self.y.place(tick);
             canvas.line((left, y), (right, y), Pen::new(GRID, stroke::THIN));
-            canvas.text(
-                label,
-                (left - TICK_LENGTH - 2.0, y),
-                tick_look.end().centred(),
-            );
+            let lines: Vec<&str> = label.split('\n').collect();
+            let first = y - LINE * (lines.len() - 1) as f64 / 2.0;
+            for (at, line) in lines.into_iter().enumerate() {
+                let end = (left - TICK_LENGTH - 2.0, first + LINE * at as f64);
+                canvas.text(line, end, tick_look.end().centred());
+            }
         }
         for (index, (&tick, label)) in self.x.ticks.iter().zip(&self.x.labels).enumerate() {
             let x = self.x.place(tick);

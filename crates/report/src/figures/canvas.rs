@@ -181,7 +181,7 @@ impl Look {
         run.text.chars().any(|sign| !face.has(sign))
     }
 
-    /// Width in points.
+    /// Width in points, of several lines that of the widest.
     pub(crate) fn width(self, text: &str) -> f64 {
         let run_width = |run: &markup::Run| {
             let face = if run.italic { Face::Italic } else { self.face };
@@ -192,7 +192,8 @@ impl Look {
             };
             face.width_em(&run.text) * size
         };
-        markup::runs(text).iter().map(run_width).sum()
+        let line_width = |line: &str| markup::runs(line).iter().map(run_width).sum::<f64>();
+        text.lines().map(line_width).fold(0.0, f64::max)
     }
 
     /// Width of the widest of several texts, in points.

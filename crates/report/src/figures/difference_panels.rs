@@ -74,6 +74,9 @@ pub struct DifferencePanel {
     pub reference: Option<f64>,
     /// Lowest and highest value that there can be, where the scale has ends.
     pub range: Option<(f64, f64)>,
+    /// Whether these are one group of people: its pairs are of one family with those of the other groups.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub of_group: bool,
 }
 
 /// A post-hoc comparison.
@@ -272,21 +275,7 @@ fn caption(input: &DifferencePanels, context: &Context, (grid, width): (Grid, f6
         [] => String::new(),
         cut => format!(" In full: {}.", cut.join(", ")),
     };
-    let brackets = if input.panels.iter().all(|p| p.pairs.is_empty()) {
-        "Contrasts stand in their table.".to_owned()
-    } else {
-        let few = input.panels.iter().all(|p| p.pairs.len() <= MOST_BRACKETS);
-        let which = if few {
-            String::new()
-        } else {
-            format!(
-                " (at most {MOST_BRACKETS} a panel, those with the smallest *p*; the table has all)"
-            )
-        };
-        format!(
-            "Brackets{which} carry effect sizes (*d*_{{z}}, or the rank-biserial *r* where ranks were compared) with the stars of *p* after Holm over the contrasts of that panel (\\* .05, \\*\\* .01, \\*\\*\\* .001)."
-        )
-    };
+    let brackets = brackets(input);
     let nobody: Vec<String> = input
         .panels
         .iter()
@@ -305,6 +294,47 @@ fn caption(input: &DifferencePanels, context: &Context, (grid, width): (Grid, f6
          whom {complete} have a value in every condition and enter means, intervals and tests. \
          The omnibus test stands below each title. {brackets}{shortened}{}",
         nobody.concat()
+    )
+}
+
+/// What stands on the brackets, and over what its p is adjusted.
+fn brackets(input: &DifferencePanels) -> String {
+    let panels = || input.panels.iter().filter(|p| !p.pairs.is_empty());
+    if panels().next().is_none() {
+        return "Contrasts stand in their table.".to_owned();
+    }
+    let which = if panels().all(|p| p.pairs.len() <= MOST_BRACKETS) {
+        String::new()
+    } else {
+        format!(
+            " (at most {MOST_BRACKETS} a panel, those with the smallest *p*; the table has all)"
+        )
+    };
+    let groups = panels().filter(|p| p.of_group).count();
+    let family = match groups {
+        0 => "over the contrasts of that panel",
+        all if all == panels().count() => {
+            "over the contrasts of all groups of people for the outcome"
+        }
+        _ => {
+            "over the contrasts of that panel, in a panel of one group of people over those of all groups for the outcome"
+        }
+    };
+    let mut sized = panels()
+        .flat_map(bracketed)
+        .map(|pair| pair.effect.is_some());
+    let has_size = sized.clone().any(|sized| sized);
+    if !has_size {
+        return format!("Brackets{which} carry *p* after Holm {family}.");
+    }
+    let bare = if sized.all(|sized| sized) {
+        ""
+    } else {
+        "; *p* itself where there is no effect size"
+    };
+    format!(
+        "Brackets{which} carry effect sizes (*d*_{{z}}, or the rank-biserial *r* where ranks were compared) with the stars of *p* after Holm \
+         {family} (\\* .05, \\*\\* .01, \\*\\*\\* .001){bare}."
     )
 }
 
@@ -348,6 +378,7 @@ mod tests {
                 pairs: conditions[1..].iter().copied().map(pair).collect(),
                 reference: Some(0.0),
                 range: None,
+                of_group: false,
             }],
             from: Some(id("own")),
             part: None,
@@ -373,6 +404,49 @@ mod tests {
         assert!(figure.caption.ends_with("Synthetic participants."));
         assert!(figure.svg.contains("synthetic participants</text>"));
         assert!(figure.svg.contains(">1.25***</text>"));
+    }
+
+    #[test]
+    fn the_caption_says_what_the_brackets_carry_and_of_which_family_their_p_is() {
+        let said = |change: &dyn Fn(&mut DifferencePanels)| {
+            let mut input = panel(rows(6));
+            change(&mut input);
+            difference_panels(&input, &Context::real()).unwrap().caption
+        };
+        let bare = |input: &mut DifferencePanels, at: usize| {
+            for pair in &mut input.panels[at].pairs {
+                pair.effect = None;
+            }
+        };
+        let second = |input: &mut DifferencePanels| {
+            input.panels.push(input.panels[0].clone());
+            input.panels[1].of_group = true;
+        };
+        let sizes = said(&|_| ());
+        assert!(sizes.contains("carry effect sizes") && !sizes.contains("itself"));
+        assert!(sizes.contains("after Holm over the contrasts of that panel ("));
+        let without = said(&|input| bare(input, 0));
+        assert!(
+            without.contains("Brackets carry *p* after Holm over the contrasts of that panel.")
+        );
+        let both = said(&|input| {
+            second(input);
+            bare(input, 1);
+        });
+        assert!(both.contains("; *p* itself where there is no effect size."));
+        assert!(
+            both.contains(
+                "of that panel, in a panel of one group of people over those of all groups"
+            ),
+            "{both}"
+        );
+        let groups = said(&|input| {
+            second(input);
+            input.panels.remove(0);
+        });
+        assert!(groups.contains("over the contrasts of all groups of people for the outcome ("));
+        let none = said(&|input| input.panels[0].pairs.clear());
+        assert!(none.contains("Contrasts stand in their table."));
     }
 
     #[test]

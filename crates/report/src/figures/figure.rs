@@ -216,7 +216,8 @@ pub(crate) struct Plan {
     pub(crate) shows: Shows,
 }
 
-const MARGIN: f64 = 3.0;
+/// Around the drawing, in points.
+pub(crate) const MARGIN: f64 = 3.0;
 const LABEL_HEIGHT: f64 = 8.0;
 
 /// Draws a figure into its place; says "synthetic participants", or that a script drove, where that is so.

@@ -51,9 +51,14 @@ pub fn flow(input: &Flow, context: &Context) -> Result<Figure, ReportError> {
     let steps = steps(input);
     let height: f64 = steps.iter().map(Step::height).sum::<f64>() + GAP * steps.len() as f64;
     let out = count(&input.left_out);
+    let width = if has_beside(&steps) {
+        TWO_COLUMNS_MM
+    } else {
+        ONE_COLUMN_MM
+    };
     let plan = Plan {
         name: NAME.to_owned(),
-        size_mm: (TWO_COLUMNS_MM, (height + 12.0) * 25.4 / 72.0 + 4.0),
+        size_mm: (width, (height + 12.0) * 25.4 / 72.0 + 4.0),
         title: "Flow of participants".to_owned(),
         caption: format!(
             "Who was recruited, took part, was left out and is analysed, as CONSORT draws it. By outcome: participants with a value in every \
@@ -87,6 +92,11 @@ impl Step {
         let lines = self.lines.len().max(self.beside.len());
         lines as f64 * LINE + 2.0 * PAD
     }
+}
+
+/// Whether anything leaves the flow.
+fn has_beside(steps: &[Step]) -> bool {
+    steps.iter().any(|step| !step.beside.is_empty())
 }
 
 fn count(left: &[(String, usize)]) -> usize {
@@ -148,7 +158,12 @@ fn steps(input: &Flow) -> Vec<Step> {
 
 fn paint(canvas: &mut Canvas<'_>, place: Place, steps: &[Step]) {
     let width = place.right - place.left;
-    let (main, side) = (0.44 * width, 0.50 * width);
+    let side = 0.50 * width;
+    let main = if has_beside(steps) {
+        0.44 * width
+    } else {
+        width
+    };
     let mut top = place.top + 4.0;
     let middle = place.left + 0.5 * main;
     for (at, step) in steps.iter().enumerate() {
@@ -228,6 +243,23 @@ mod tests {
         };
         let figure = flow(&everybody, &Context::real()).unwrap();
         assert!(!figure.svg.contains("Asked"), "nobody was screened");
+    }
+
+    #[test]
+    fn where_nobody_is_left_out_the_figure_is_one_column_wide() {
+        let width = |input: &Flow| {
+            let svg = flow(input, &Context::real()).unwrap().svg;
+            let millimetres = svg.split_once(" width=\"").unwrap().1;
+            millimetres.split_once("mm").unwrap().0.to_owned()
+        };
+        assert_eq!(width(&input()), "180");
+        let everybody = Flow {
+            not_admitted: Vec::new(),
+            left_out: Vec::new(),
+            drives_left_out: Vec::new(),
+            ..input()
+        };
+        assert_eq!(width(&everybody), "85");
     }
 
     #[test]

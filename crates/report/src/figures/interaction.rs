@@ -101,7 +101,7 @@ pub fn interaction(input: &Interaction, context: &Context) -> Result<Figure, Rep
 fn caption(input: &Interaction) -> String {
     let n = counted(input.panels.iter().map(|panel| panel.n), " (by panel)");
     format!(
-        "Dots are means with 95% intervals, a line a level of one factor. {} *n* = {n}.",
+        "Markers are means with 95% intervals, a line a level of one factor. {} *n* = {n}.",
         input.intervals
     )
 }

@@ -1,6 +1,8 @@
 //! A few estimates with their intervals, small: the picture of an answer.
 
-use super::names::shortened;
+use super::figure::MARGIN;
+use super::names::{on_two_lines, shortened};
+use super::page::points_from_mm;
 use super::prelude::*;
 use maveric_stats::Proportion;
 
@@ -98,6 +100,8 @@ impl Intervals {
 
 const MOST: usize = 30;
 const ROW_MM: f64 = 3.9;
+/// Of a row whose name takes two lines.
+const TALL_ROW_MM: f64 = 5.8;
 /// Names get at most this share of the width.
 const NAMES: f64 = 0.42;
 
@@ -118,9 +122,13 @@ pub fn intervals(
     check.at_least(1, "estimates", estimates.count())?;
     check.finite("an estimate", values().chain(input.nothing))?;
     let estimates = input.rows.iter().filter_map(IntervalRow::words);
+    let room = NAMES * (points_from_mm(ONE_COLUMN_MM) - 2.0 * MARGIN);
+    let is_long = |row: &IntervalRow| on_two_lines(&row.label, room).len() > 1;
+    let are_tall = input.rows.iter().any(is_long);
+    let row_mm = if are_tall { TALL_ROW_MM } else { ROW_MM };
     let plan = Plan {
         name: name.to_owned(),
-        size_mm: (ONE_COLUMN_MM, ROW_MM * input.rows.len() as f64 + 12.0),
+        size_mm: (ONE_COLUMN_MM, row_mm * input.rows.len() as f64 + 12.0),
         title: title.to_owned(),
         caption: input.key(),
         alt: estimates.collect::<Vec<_>>().join("; "),
@@ -128,7 +136,13 @@ pub fn intervals(
     };
     draw(plan, context, |canvas, place| {
         let room = NAMES * (place.right - place.left);
-        let names = input.rows.iter().map(|row| shortened(&row.label, room));
+        let names = input.rows.iter().map(|row| {
+            if are_tall {
+                on_two_lines(&row.label, room).join("\n")
+            } else {
+                shortened(&row.label, room)
+            }
+        });
         let rows = Rows::new(names, 0.6);
         let ends = input.bounds.into_iter().flat_map(<[f64; 2]>::from);
         let ends = ends.filter(|end| end.is_finite());
@@ -180,7 +194,7 @@ mod tests {
         let mut rows = vec![
             IntervalRow::new("Mean velocity", Some(0.4), Some((0.1, 0.7))),
             IntervalRow::new(
-                "A measure of so long a name that no room is left for its interval",
+                "A measure of so long a name that two lines do not hold it, so that its middle is left out",
                 None,
                 None,
             ),
@@ -201,6 +215,22 @@ mod tests {
         assert!(figure.svg.contains('…') && figure.svg.contains("Mean velocity"));
         assert_eq!(figure.alt, "Mean velocity 0.40 [0.10, 0.70]");
         assert!(figure.caption.contains("Grey bar") && !figure.caption.contains("Ring"));
+    }
+
+    #[test]
+    fn rows_that_differ_at_their_ends_can_be_told_apart() {
+        let mut alike = input();
+        let rows = ["calm", "sporty"].map(|car| {
+            let label = format!("Conscientiousness / Trust (own - {car})");
+            IntervalRow::new(label, Some(0.1), None)
+        });
+        alike.rows = rows.to_vec();
+        let figure = intervals("card-x", "Does it?", &alike, &Context::real()).unwrap();
+        for end in ["calm)</text>", "sporty)</text>"] {
+            assert!(figure.svg.contains(end), "{end}: {}", figure.svg);
+        }
+        let short = intervals("card-x", "Does it?", &input(), &Context::real()).unwrap();
+        assert!(short.svg.contains("Mean velocity</text>"));
     }
 
     #[test]

@@ -38,6 +38,21 @@ pub struct AngleChange {
     pub change: f64,
 }
 
+impl PerpendicularPanel {
+    /// Angle in degrees, from 0 to below 360, and what changed there.
+    fn places(&self) -> impl Iterator<Item = (f64, f64)> {
+        let place = |p: &AngleChange| (p.angle_rad.to_degrees().rem_euclid(360.0), p.change);
+        self.points.iter().map(place)
+    }
+
+    /// Those that are drawn again: none where there are too many for single points.
+    fn repeated(&self) -> impl Iterator<Item = (f64, f64)> {
+        let is_few = self.points.len() <= crowd::MOST_POINTS;
+        let again = move |(degrees, _): &(f64, f64)| is_few && *degrees <= REPEATED_DEGREES;
+        self.places().filter(again)
+    }
+}
+
 const NAME: &str = "perpendicular";
 /// The first part of the circle is drawn again after 360°, so that neighbours are seen as such.
 const REPEATED_DEGREES: f64 = 30.0;
@@ -74,10 +89,11 @@ pub fn perpendicular(
         .map(|panel| format!("{} ({})", panel.points.len(), panel.title.to_lowercase()))
         .collect();
     let panels = input.panels.iter();
-    let repeated = if most > crowd::MOST_POINTS {
-        ""
-    } else {
+    let is_any_repeated = input.panels.iter().any(|p| p.repeated().next().is_some());
+    let repeated = if is_any_repeated {
         "The first 30° are repeated in grey. "
+    } else {
+        ""
     };
     let plan = Plan {
         name: NAME.to_owned(),
@@ -127,16 +143,12 @@ fn paint(canvas: &mut Canvas<'_>, place: Place, input: &PerpendicularPanel) {
         let inside = curve.filter(|(_, change)| (least..=most).contains(change));
         panel.line(inside, Pen::new(GREEN, stroke::STRONG));
     }
-    let degrees = angles.iter().map(|a| a.to_degrees().rem_euclid(360.0));
-    let places: Vec<(f64, f64)> = degrees.zip(changes).collect();
-    let again = |place: &&(f64, f64)| place.0 <= REPEATED_DEGREES;
-    if places.len() <= crowd::MOST_POINTS {
-        for &(degrees, change) in places.iter().filter(again) {
-            let again = panel.frame.at(degrees + 360.0, change);
-            panel.canvas.disc(again, 1.5, GREY, 0.6);
-            panel.canvas.ring(again, 1.5, Pen::new(PAPER, stroke::THIN));
-        }
+    for (degrees, change) in input.repeated() {
+        let again = panel.frame.at(degrees + 360.0, change);
+        panel.canvas.disc(again, 1.5, GREY, 0.6);
+        panel.canvas.ring(again, 1.5, Pen::new(PAPER, stroke::THIN));
     }
+    let places: Vec<(f64, f64)> = input.places().collect();
     let look = (Marker::Diamond, GREEN);
     crowd::paint(panel.canvas, &panel.frame, &places, 1.8, look);
 }
@@ -183,6 +195,17 @@ mod tests {
         let svg =
             |input: &PerpendicularChanges| perpendicular(input, &Context::real()).unwrap().svg;
         assert_eq!(svg(&a), svg(&b));
+    }
+
+    #[test]
+    fn the_caption_speaks_of_repeated_points_where_there_are_some() {
+        let caption = |angle: f64| {
+            perpendicular(&input(angle), &Context::real())
+                .unwrap()
+                .caption
+        };
+        assert!(caption(0.25).contains("repeated in grey"));
+        assert!(!caption(1.0).contains("repeated in grey"));
     }
 
     #[test]

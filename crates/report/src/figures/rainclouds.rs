@@ -55,19 +55,21 @@ pub(crate) fn paint(canvas: &mut Canvas<'_>, place: Place, input: &Panel<'_>) {
     let room = levels.map_or(0.0, |levels| levels as f64 * STEP + 3.0);
     let names: Vec<String> = input.slots.iter().map(|slot| slot.name.clone()).collect();
     let below = self::names(&names, place.right - place.left).height();
-    let plot = (place.bottom - place.top - 42.0 + cap_height(size::TICK) - below).max(40.0);
-    let (low, top) = data.ends();
-    let high = low + (top - low) * plot / (plot - room).max(plot / 3.0);
-    // Ticks only where there are data: what lies above them is room for the brackets.
-    let data = Scale::between(low, top, 4);
-    let y = Scale::labelled(low, high, data.ticks.into_iter().zip(data.labels).collect());
-    let x = Scale::of_names(-0.55, k as f64 - 0.4, names.into_iter());
     let labels = Labels {
         title: input.title,
         subtitle: input.subtitle,
         y: input.axis,
         ..Labels::default()
     };
+    let further = labels.further_lines(place.right - place.left, canvas.letter.is_some());
+    let around = 42.0 - cap_height(size::TICK) + below + further;
+    let plot = (place.bottom - place.top - around).max(40.0);
+    let (low, top) = data.ends();
+    let high = low + (top - low) * plot / (plot - room).max(plot / 3.0);
+    // Ticks only where there are data: what lies above them is room for the brackets.
+    let data = Scale::between(low, top, 4);
+    let y = Scale::labelled(low, high, data.ticks.into_iter().zip(data.labels).collect());
+    let x = Scale::of_names(-0.55, k as f64 - 0.4, names.into_iter());
     let mut panel = super::panel::Panel::open(canvas, place, &labels, (x, y));
     if let Some(reference) = input.reference {
         panel.rule(reference);

@@ -22,15 +22,18 @@ pub struct StepPanel {
     pub time_s: Vec<f64>,
     /// What was reached, one value a time.
     pub value: Vec<f64>,
-    /// What was asked for, one value a time; its last is what the answer settles at.
+    /// What was asked for, one value a time.
     pub target: Vec<f64>,
-    /// How far the answer went beyond the last target, in the unit; 0 if it did not.
+    /// Where the answer ends; none where that is the last target.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub end: Option<f64>,
+    /// How far the answer went beyond where it ends, in the unit; 0 if it did not.
     pub overshoot: f64,
     /// From when on, in seconds after the step, the answer stays within [`band`](Self::band); `None`: it does not.
     pub settling_s: Option<f64>,
     /// When the step came, in seconds.
     pub step_at_s: f64,
-    /// Half width of the band round the last target that counts as settled, in the unit.
+    /// Half width of the band round where it ends that counts as settled, in the unit.
     pub band: f64,
     /// Mean of the answer less the target once settled, in the unit; `None` if it did not settle.
     pub steady_state_error: Option<f64>,
@@ -62,9 +65,9 @@ pub fn step_responses(input: &StepResponses, context: &Context) -> Result<Figure
         size_mm: (grid.width_mm(), 60.0 * grid.rows() + 6.0),
         title: "Answers of the controllers to a step".to_owned(),
         caption: format!(
-            "What each controller reaches (black) when what it is asked for (dashed) steps. Shaded: the band that \
-             counts as settled, {}; vertical line: from then on the answer stays within it. Steady-state error: mean \
-             of answer less target after that. One simulated run a panel, without noise: no data of participants, \
+            "What each controller reaches (black) when what it is asked for (dashed) steps. Shaded: the band round where \
+             the answer ends that counts as settled, {}; vertical line: from then on the answer stays within it. \
+             Overshoot: how far it went beyond where it ends. Steady-state error: mean of answer less target after it has settled. One simulated run a panel, without noise: no data of participants, \
              *n* = {}; no test.",
             bands.collect::<Vec<_>>().join(", "),
             input.panels.len()
@@ -89,6 +92,7 @@ pub fn step_responses(input: &StepResponses, context: &Context) -> Result<Figure
             target,
             band,
             step_at_s,
+            end,
             ..
         } = &input.panels[index];
         let labels = Labels {
@@ -99,8 +103,8 @@ pub fn step_responses(input: &StepResponses, context: &Context) -> Result<Figure
             ..Labels::default()
         };
         let (first, last) = (time_s[0], time_s[time_s.len() - 1]);
-        let goal = target[target.len() - 1];
-        let ends = [goal - band, goal + band];
+        let end = end.unwrap_or(target[target.len() - 1]);
+        let ends = [end - band, end + band];
         let values = value.iter().chain(target).chain(&ends).copied();
         let scales = (Scale::between(first, last, 5), Scale::over(values, 5));
         let mut panel = Panel::open(canvas, place, &labels, scales);
@@ -140,7 +144,8 @@ fn check(input: &StepResponses) -> Result<(), ReportError> {
         check.finite("time_s", panel.time_s.iter().copied())?;
         check.rising("time_s", panel.time_s.iter().copied(), "rising times")?;
         let times = [panel.step_at_s].into_iter().chain(panel.settling_s);
-        check.finite("times of the step", times.chain(panel.steady_state_error))?;
+        let levels = panel.steady_state_error.into_iter().chain(panel.end);
+        check.finite("times and levels of the step", times.chain(levels))?;
         let any = (0.0, f64::MAX);
         check.within(any, "band", [panel.band], "at least 0")?;
         check.within(any, "overshoot", [panel.overshoot], "at least 0")?;
@@ -161,6 +166,7 @@ mod tests {
                 time_s: vec![0.0, 1.0, 2.0],
                 value: vec![25.0, 28.0, 30.0],
                 target: vec![30.0; 3],
+                end: None,
                 overshoot: 0.0,
                 settling_s,
                 step_at_s: 0.0,
@@ -176,6 +182,20 @@ mod tests {
         assert!(figure.svg.contains(">does not settle</text>"));
         let figure = step_responses(&input(Some(1.8)), &Context::synthetic(1)).unwrap();
         assert!(figure.svg.contains(">settled after 1.8 s</text>"));
+    }
+
+    #[test]
+    fn the_band_lies_round_where_the_answer_ends() {
+        let bands = |end| {
+            let mut input = input(Some(1.0));
+            input.panels[0].end = end;
+            let svg = step_responses(&input, &Context::real()).unwrap().svg;
+            let rects = svg.lines().filter(|line| line.starts_with("<rect x="));
+            rects.map(str::to_owned).collect::<Vec<_>>()
+        };
+        assert_eq!(bands(None).len(), 1);
+        assert_eq!(bands(None), bands(Some(30.0)));
+        assert_ne!(bands(None), bands(Some(28.0)));
     }
 
     #[test]

@@ -53,6 +53,7 @@ pub(crate) fn input() -> DifferencePanels {
             ],
             reference: Some(reference),
             range: None,
+            of_group: false,
         }
     };
     DifferencePanels {

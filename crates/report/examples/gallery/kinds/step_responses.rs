@@ -29,6 +29,7 @@ pub(crate) fn input() -> StepResponses {
             unit: unit.into(),
             target: time_s.iter().map(target).collect(),
             time_s,
+            end: None,
             overshoot: reached.iter().map(beyond).fold(0.0, f64::max),
             settling_s: Some(settled - step_at_s),
             step_at_s,

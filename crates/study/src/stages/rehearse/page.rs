@@ -115,7 +115,7 @@ fn power_figure(
                 .map(|(i, h)| panel(h.says.clone(), &|c| c.hypotheses.get(i)?.shown)),
         );
         for test in cell.best_tests() {
-            let names = BTreeMap::from([("part", test.part.title()), ("key", &*test.key)]);
+            let names = BTreeMap::from([("part", test.part.title()), ("about", &*test.about)]);
             let title = texts.with(&names).text("best")?;
             panels.push(panel(title, &|c| tables::rate_of(c, &test.key)));
         }

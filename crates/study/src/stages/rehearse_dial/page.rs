@@ -82,6 +82,9 @@ fn sizes_figure(
         points.collect()
     };
     let count = Method::ALL.len();
+    let first = rehearsal.learned_from.first();
+    let people = first.and_then(|l| l.scores.first()).map(|s| s.people);
+    let texts = &texts.with(&BTreeMap::from([("people", people)]));
     let input = Curves {
         name: "recommendation-sizes".to_owned(),
         title: texts.text("sizes")?,
@@ -139,6 +142,8 @@ fn search_figure(
         let trials = rehearsal.search.iter();
         trials.map(|t| point(t.trials, errors(t))).collect()
     };
+    let people = rehearsal.search.first().map(|t| t.people);
+    let texts = &texts.with(&BTreeMap::from([("people", people)]));
     let input = Curves {
         name: "active-learning".to_owned(),
         title: texts.text("search")?,
@@ -236,6 +241,7 @@ mod tests {
     fn the_trial_at_which_an_error_is_reached_is_the_first() {
         let trial = |trials, active, grid| TrialError {
             trials,
+            people: 24,
             active: (active, 0.1),
             grid: (grid, 0.1),
             within_5: (0.5, 0.4),

@@ -94,9 +94,7 @@ fn panel(answer: &StepResponse) -> StepPanel {
     let first = answer.value.first().copied().unwrap_or_default();
     let target = answer.target.last().copied().unwrap_or_default();
     let end = target - answer.steady_state_error;
-    let band = 0.05 * (end - first).abs();
-    // The band stands round what was asked for: what ends outside it has not settled there.
-    let settled = answer.steady_state_error.abs() <= band;
+    let moved = (end - first).abs();
     StepPanel {
         title: title.to_owned(),
         axis: axis.to_owned(),
@@ -104,14 +102,12 @@ fn panel(answer: &StepResponse) -> StepPanel {
         time_s: answer.time_s.clone(),
         value: answer.value.clone(),
         target: answer.target.clone(),
-        overshoot: answer.overshoot_percent / 100.0 * (end - first).abs(),
-        settling_s: answer.settling_time_s.filter(|_| settled),
+        end: Some(end),
+        overshoot: answer.overshoot_percent / 100.0 * moved,
+        settling_s: answer.settling_time_s,
         step_at_s: 0.0,
-        band,
-        steady_state_error: answer
-            .settling_time_s
-            .filter(|_| settled)
-            .map(|_| -answer.steady_state_error),
+        band: 0.05 * moved,
+        steady_state_error: answer.settling_time_s.map(|_| -answer.steady_state_error),
     }
 }
 

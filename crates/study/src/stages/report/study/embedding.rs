@@ -23,7 +23,10 @@ use maveric_report::{
 };
 use maveric_stats::HALF_95;
 use serde::Serialize;
-use std::path::{Path, PathBuf};
+use std::{
+    collections::BTreeSet,
+    path::{Path, PathBuf},
+};
 
 /// Number of points in which an ellipse is drawn.
 const ELLIPSE_POINTS: usize = 72;
@@ -150,8 +153,6 @@ pub(super) fn live(folder: &Path, run: &Run) -> Result<Option<Live>, StudyError>
             conditions: placed.collect(),
         })
     };
-    let is_own_drive =
-        |row: &&EmbeddingRow| row.adb_used && Some(row.condition) == run.design.baseline_id();
     let round = run.design.across().map(|_| PerpendicularEllipse::of(model));
     let ellipse = round.transpose()?.map(|round| {
         [0, 1].map(|i| {
@@ -164,9 +165,7 @@ pub(super) fn live(folder: &Path, run: &Run) -> Result<Option<Live>, StudyError>
             .iter()
             .filter_map(|row| drive(row, row.drive.to_string()))
             .collect(),
-        people: tested
-            .iter()
-            .filter(is_own_drive)
+        people: first_by_hand(&tested, run.design.baseline_id())
             .filter_map(person)
             .collect(),
         gradient,
@@ -178,6 +177,17 @@ pub(super) fn live(folder: &Path, run: &Run) -> Result<Option<Live>, StudyError>
         below: "embedding-space".to_owned(),
         content: LiveContent::StyleSpace(space),
     }))
+}
+
+/// Each person’s first drive of the baseline: that of a later session sets no condition.
+fn first_by_hand(
+    tested: &[EmbeddingRow],
+    baseline: Option<ConditionId>,
+) -> impl Iterator<Item = &EmbeddingRow> {
+    let mut met = BTreeSet::new();
+    let is_own = move |row: &&EmbeddingRow| row.adb_used && Some(row.condition) == baseline;
+    let own = tested.iter().filter(is_own);
+    own.filter(move |row| met.insert(&row.participant))
 }
 
 /// The conditions on the dial, from the low end to the high one.
@@ -246,4 +256,36 @@ fn example(
             .collect(),
         ellipse,
     }))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use maveric_domain::Embedding;
+
+    #[test]
+    fn a_person_of_two_sessions_is_there_once_by_the_first_drive() {
+        let row = |who: &str, drive: &str, at: f64, adb_used| EmbeddingRow {
+            adb_used,
+            ..EmbeddingRow::new(
+                DriveId::new(drive).unwrap(),
+                ParticipantId::new(who).unwrap(),
+                "own".parse().unwrap(),
+                Embedding::new(vec![at]).unwrap(),
+            )
+        };
+        let rows = [
+            row("P01", "P01-own", 1.0, true),
+            row("P01", "P01-own", 1.5, false),
+            row("P01", "P01-own_s2_t1", 2.0, true),
+            row("P02", "P02-own", 3.0, true),
+        ];
+        let drives = |baseline| {
+            let rows = first_by_hand(&rows, baseline);
+            rows.map(|row| row.drive.as_str()).collect::<Vec<_>>()
+        };
+        assert_eq!(drives("own".parse().ok()), ["P01-own", "P02-own"]);
+        assert!(drives("calm".parse().ok()).is_empty());
+        assert!(drives(None).is_empty());
+    }
 }
