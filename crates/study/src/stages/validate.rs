@@ -276,7 +276,7 @@ fn warnings(
     texts: &PageTexts,
 ) -> Result<Vec<String>, StudyError> {
     #[derive(Serialize)]
-    struct Same<'a> {
+    struct OneModel<'a> {
         model: &'a str,
         same: &'a [String],
         linear: bool,
@@ -289,7 +289,7 @@ fn warnings(
     }
     let mut warnings = Vec::new();
     for of in models.iter().filter(|m| !m.same.is_empty()) {
-        let same = Same {
+        let same = OneModel {
             model: &of.model,
             same: &of.same,
             linear: of.heads == HeadsKind::Linear,
