@@ -1,7 +1,7 @@
 //! Phrases that pages share: lists, shares, intervals, and tests as APA writes them.
 
 use maveric_analysis::{Contrast, ContrastTest, Correlation, OtherChoice, Panel, PrimaryOutcome};
-use maveric_domain::{ConditionId, Design, design::DeclaredTest};
+use maveric_domain::{ConditionId, Design, ScoreRange, design::DeclaredTest};
 pub use maveric_report::markup::capital;
 use maveric_report::{
     apa,
@@ -204,6 +204,21 @@ pub(crate) fn label_of_id(design: &Design, id: &str) -> String {
 /// What the dial turns.
 pub(crate) fn style(design: &Design) -> &str {
     design.style().map_or("the style", |style| &style.label)
+}
+
+/// Decimals of points of the style; none where nobody says its range.
+pub(crate) fn decimals(score_range: Option<(f64, f64)>) -> usize {
+    let range = score_range.and_then(|(low, high)| ScoreRange::new(low, high).ok());
+    range.map_or(0, ScoreRange::decimals)
+}
+
+/// How far on the dial something was set, in points that have so many decimals: `15`, `1.7`, `0.57`.
+pub(crate) fn points(points: f64, digits: usize) -> String {
+    let written = apa::number(points, digits + 1);
+    written
+        .trim_end_matches('0')
+        .trim_end_matches('.')
+        .to_owned()
 }
 
 /// A small number as a word.

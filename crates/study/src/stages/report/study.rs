@@ -357,6 +357,7 @@ fn cards(
         design: &run.design,
         analysis: &run.analysis,
         conditions: &run.conditions,
+        score_range: run.score_range(),
         alpha,
         steps: !steps(&run.design, &run.conditions).is_empty(),
     };
