@@ -12,6 +12,7 @@ fn whoever_lacks_a_value_is_left_out_and_named() {
     }
     let a = analysed(tables);
     assert_eq!(panel(&a, SPEED).dropped, ["P4"]);
+    assert_eq!(panel(&a, SPEED).lacking(), 1);
     assert_eq!((panel(&a, SPEED).n, a.reproduction[0].dropped), (5, 1));
     let said = |e: &crate::Exclusion| e.who == "P4" && e.what == "comparison of mean velocity";
     assert!(a.exclusions.iter().any(said));

@@ -232,6 +232,27 @@ mod tests {
     }
 
     #[test]
+    fn who_lacks_a_value_and_whose_order_is_not_known_are_told_apart() {
+        let out = |lacking: usize, unordered: usize| {
+            said(
+                "incomplete",
+                &context! { title => "Speed", lacking, unordered, n => 7 },
+            )
+        };
+        assert_eq!(
+            out(1, 0),
+            "Speed: 1 person without a value in every condition is not in the tests; *n* = 7 in them."
+        );
+        assert_eq!(
+            out(0, 4),
+            "Speed: 4 people whose order of the conditions is not known are not in the tests; *n* = 7 in them."
+        );
+        assert!(out(1, 4).contains(
+            "1 person without a value in every condition and 4 people whose order of the conditions is not known are not"
+        ));
+    }
+
+    #[test]
     fn one_minute_is_no_plural_and_a_road_says_its_lanes() {
         let driven = |minutes: Option<f64>| {
             let road = context! { lanes => 2, lane_width_m => 3.66 };
