@@ -212,13 +212,10 @@ pub(crate) fn decimals(score_range: Option<(f64, f64)>) -> usize {
     range.map_or(0, ScoreRange::decimals)
 }
 
-/// How far on the dial something was set, in points that have so many decimals: `15`, `1.7`, `0.57`.
-pub(crate) fn points(points: f64, digits: usize) -> String {
-    let written = apa::number(points, digits + 1);
-    written
-        .trim_end_matches('0')
-        .trim_end_matches('.')
-        .to_owned()
+/// A distance on the dial to one decimal more than its points have: 15, 1.7, 0.57.
+pub(crate) fn points(points: f64, digits: usize) -> f64 {
+    let finest = (0..=digits).fold(1.0, |finest, _| 10.0 * finest);
+    (points * finest).round() / finest
 }
 
 /// A small number as a word.

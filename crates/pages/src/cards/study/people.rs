@@ -52,7 +52,7 @@ pub(super) fn congruence(
         ratings => judged.len(),
         tops => shown(0),
         stay => shown(1),
-        near,
+        near => words::points(near, digits),
         digits,
         places => first.map(|row| row.places),
         furthest => furthest.map(|(row, top)| context! { title => row.title.as_str(), top }),
