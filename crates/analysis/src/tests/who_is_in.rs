@@ -64,6 +64,19 @@ fn whoever_is_excluded_is_out_of_everything_and_counted_with_the_reason() {
 }
 
 #[test]
+fn whoever_has_no_baseline_drive_or_answered_nothing_is_named() {
+    let whole = analysed(tables());
+    assert!(whole.without_baseline.is_empty() && whole.without_answer.is_empty());
+    let mut some = tables();
+    some.measurements
+        .retain(|d| d.meta.drive.as_str() != "P4-own");
+    some.post.retain(|s| s.participant.as_str() != "P5");
+    let a = analysed(some);
+    assert_eq!(a.without_baseline, ["P4"]);
+    assert_eq!(a.without_answer, ["P5"]);
+}
+
+#[test]
 fn too_few_conditions_are_counted_from_drives_and_answers() {
     let mut with = tables();
     with.measurements

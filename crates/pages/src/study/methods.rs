@@ -109,15 +109,28 @@ impl StudyPage<'_> {
         let texts = self
             .methods
             .with(&context! { by_car => by_car.clone(), recorded => recorded.clone() });
-        let mut did = Vec::new();
-        for (wanted, key) in [
-            (self.design.baseline().is_some(), "did_baseline"),
-            (!by_car.is_empty(), "did_ride"),
-            (!recorded.is_empty(), "did_recorded"),
-            (a.panels.iter().any(|p| !p.measured), "did_answer"),
+        let asked = a.panels.iter().any(|p| !p.measured);
+        let (mut did, mut of_some) = (Vec::new(), Vec::new());
+        for (wanted, key, without) in [
+            (
+                self.design.baseline().is_some(),
+                "did_baseline",
+                a.without_baseline.len(),
+            ),
+            (!by_car.is_empty(), "did_ride", 0),
+            (!recorded.is_empty(), "did_recorded", 0),
+            (asked, "did_answer", a.without_answer.len()),
         ] {
-            if wanted {
-                did.push(texts.text(key)?);
+            let n = a.participants.saturating_sub(without);
+            if !wanted || n == 0 {
+                continue;
+            }
+            let what = texts.text(key)?;
+            if without == 0 {
+                did.push(what);
+            } else {
+                let values = context! { n, what };
+                of_some.push(texts.with(&values).text("did_some")?);
             }
         }
         let mut sentences = Vec::new();
@@ -128,6 +141,7 @@ impl StudyPage<'_> {
         }
         sentences.push(texts.with(&context! { did }).text("did")?);
         let out: usize = a.flow.left_out.iter().map(|l| l.who.len()).sum();
+        sentences.extend(of_some);
         if out > 0 {
             let reasons = a.flow.left_out.iter().map(|l| texts.with(l).text("reason"));
             let reasons = reasons.collect::<Result<Vec<_>, _>>()?;
@@ -228,6 +242,15 @@ mod tests {
             learned(5).starts_with(
                 "The paper’s networks: windows of 4 s at 2.5 Hz; 2 passes over 10 rows"
             )
+        );
+    }
+
+    #[test]
+    fn what_some_did_alone_is_said_of_them_alone() {
+        let some = said("did_some", &context! { n => 10, what => "drove by hand" });
+        assert_eq!(
+            some,
+            "As far as there are data, 10 of these people drove by hand."
         );
     }
 
