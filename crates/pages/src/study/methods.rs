@@ -288,10 +288,11 @@ mod tests {
             )
         };
         assert_eq!(
-            driven(Some(1.2)),
+            driven(Some(0.999)),
             "2 lanes of 3.66 m in one direction, posted 55 mph, 1 minute a drive by hand."
         );
-        assert!(driven(Some(6.0)).contains("6 minutes a drive by hand"));
+        assert!(driven(Some(5.999)).contains("6 minutes a drive by hand"));
+        assert!(driven(Some(89.9 / 60.0)).contains(" 1.5 minutes a drive by hand"));
         assert!(driven(None).ends_with("55 mph."));
     }
 }
