@@ -29,7 +29,7 @@ pub struct Imported {
     pub software: Software,
     /// People with an answer.
     pub participants: usize,
-    /// Answers, those left out among them.
+    /// Items that were answered.
     pub answers: usize,
     /// Sheets (one scale answered once) by scale.
     pub sheets: BTreeMap<String, usize>,
@@ -140,7 +140,7 @@ impl Imports<'_> {
         Imported {
             software: self.export.software(),
             participants: participants.len(),
-            answers: rows.len(),
+            answers: rows.iter().filter(|row| row.is_answered()).count(),
             sheets,
             moments,
             unused,
