@@ -104,6 +104,7 @@ files! {
     PIPELINES_UAH = "pipelines/uah.toml";
     PIPELINES_UAH_RULES = "pipelines/uah_rules.toml";
     PIPELINES_VALIDATE = "pipelines/validate.toml";
+    PIPELINES_VALIDATE_NETWORKS = "pipelines/validate_networks.toml";
 }
 
 #[cfg(test)]

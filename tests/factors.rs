@@ -11,7 +11,7 @@ mod support;
 use serde_json::Value;
 use std::{collections::BTreeMap, fmt::Write as _, path::Path};
 use support::{
-    TempStudy, copy,
+    TempStudy, argv, copy,
     own_logs::{analysis, change, only_scales, scale},
     page::Page,
     tells,
@@ -328,6 +328,56 @@ fn its_page_calls_factors_by_their_labels_and_draws_the_interaction() {
     let panels = study.path("mine/report/figures/difference-panels.svg");
     let svg = std::fs::read_to_string(panels).unwrap();
     assert!(!svg.contains("***</text>"), "{svg}");
+}
+
+/// Times that are far from normal between people and that everybody orders as the conditions stand.
+fn ordered_alike(more: &str) -> TempStudy {
+    let conditions = ["calm", "normal", "sporty"];
+    MadeUp {
+        people: 20,
+        conditions: conditions.map(|id| (id.to_owned(), String::new())).into(),
+        more,
+        seconds: |person, place| {
+            let late = 8.0 * ((noise(person, place) + 3.0) / 6.0).powi(8);
+            ((2.0 + place as f64 + late) * 1000.0).round() / 1000.0
+        },
+    }
+    .study()
+}
+
+#[test]
+fn an_effect_of_which_everybody_orders_the_levels_alike_is_said_wherever_effects_are() {
+    let study = ordered_alike("[[factor]]\ncolumn = \"experience\"\nlabel = \"Experience\"\n");
+    run(&study);
+    let row = |table: &str, start: &str| {
+        let table = study.read(&format!("mine/report/tables/{table}.csv"));
+        let found = table.lines().find(|line| line.starts_with(start));
+        assert!(found.is_some(), "no {start} in: {table}");
+    };
+    // χ² of n people and three levels is 2 n where all agree.
+    row("omnibus", "tor_s,,condition,chi2,20,40,2,,");
+    row("simple-effects", "tor_s,condition,experience,n,24,2,,");
+    row("simple-effects", "tor_s,condition,experience,e,16,2,,");
+    let said = ["condition: *χ*<sup>2</sup>(2, *N* = 20) = 40.00, *p* < .001"];
+    tells(&study.read("mine/report/manuscript/results.md"), &said);
+    Page::read(&study.path("mine/report/index.html")).says(&["F has no bound"]);
+}
+
+#[test]
+fn the_call_that_an_export_gives_finds_the_numbers_of_the_page() {
+    let study = ordered_alike("");
+    let found = study.mine("run").ok();
+    study.write("key", "a secret of this test alone");
+    study.mine("export --key ../key --out ../shared").ok();
+    let readme = study.read("shared/README.md");
+    let (_, call) = readme.split_once("`maveric stats compare ").unwrap();
+    let call = argv(call.split('`').next().unwrap());
+    let call = [&["stats", "compare"][..], &call[..], &["--apa"]].concat();
+    let again = study.maveric_in("shared", &call).ok();
+    let said = "χ²(2, N = 20) = 40.00, p < .001, W = 1.00";
+    let over = format!("Take-over time over the conditions: {said}");
+    tells(&found.stdout, &[over.as_str()]);
+    tells(&again.stdout, &[format!("omnibus: {said}").as_str()]);
 }
 
 #[test]

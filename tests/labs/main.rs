@@ -81,7 +81,7 @@ fn proposed(study: &TempStudy, log: &str, changes: &[(&str, &str)]) {
 
 /// Scores an export of survey software without saying of which.
 fn score_as_they_are(study: &TempStudy, answers: &str) -> Ran {
-    let line = format!("score --surveys {answers} --scales scales --out s.csv");
+    let line = format!("score --surveys {answers} --out s.csv");
     study.mine(&line)
 }
 
@@ -91,7 +91,7 @@ fn suggested_columns(study: &TempStudy, answers: &str, software: &str) -> String
     change(study, "mine/study.toml", "software = \"table\"", &named);
     change(study, "mine/study.toml", "# columns =", "columns =");
     let out = "surveys/columns.toml";
-    let line = format!("import --suggest {answers} --scales scales --out {out}");
+    let line = format!("import --suggest {answers} --out {out}");
     study.mine(&line).ok();
     study.read("mine/surveys/columns.toml")
 }

@@ -212,11 +212,23 @@ fn people_who_drove_twice_validate_a_model_and_their_first_drives_stay_what_they
     let train = "train --drives run/drives/study1 --again run/drives/study1-again \
                  --scores run/scores.csv --out model.maveric --epochs 2";
     study.maveric(&argv(train)).ok();
-    let validate = "validate run --model model.maveric --out found --duration 120 --format json";
-    let ran = study.maveric(&argv(validate)).ok();
-    let found: serde_json::Value = serde_json::from_str(&ran.stdout).unwrap();
+    let other_seed = train.replace("model.maveric", "again.maveric") + " --seed 2";
+    study.maveric(&argv(&other_seed)).ok();
+    let validate = |models: &str| {
+        let line = format!("validate run {models} --duration 120 --format json");
+        let ran = study.maveric(&argv(&line)).ok();
+        serde_json::from_str::<serde_json::Value>(&ran.stdout).unwrap()
+    };
+    let found = validate("--model model.maveric --model again.maveric --out found");
     assert_eq!(found["drivers"], 3);
+    // Linear heads are the same at every training seed: two files, one model.
+    assert_eq!(found["models"].as_array().unwrap().len(), 1);
     let model = &found["models"][0];
+    assert_eq!(model["same"], serde_json::json!(["again.maveric"]));
+    let page = study.read("found/index.html");
+    assert!(page.contains("1 trained model in 2 files"));
+    assert!(page.contains("again.maveric holds the same model as model.maveric"));
+    assert!(!page.contains("in brackets"));
     // Three people who drove twice give no covariance of seven measures: one distance less for those.
     assert!(model["identity"].as_array().unwrap().len() >= 8);
     assert_eq!(model["fidelity"].as_array().unwrap().len(), 7);
@@ -238,9 +250,7 @@ fn people_who_drove_twice_validate_a_model_and_their_first_drives_stay_what_they
     let learned = model_file::from_bytes(&log("model.maveric")).unwrap();
     let on_six = learned.on_range(ScoreRange::new(1.0, 6.0).unwrap());
     study.write("on_six.maveric", model_file::to_bytes(&on_six).unwrap());
-    let validate = validate.replace("model.maveric --out found", "on_six.maveric --out six");
-    let ran = study.maveric(&argv(&validate)).ok();
-    let on_adb: serde_json::Value = serde_json::from_str(&ran.stdout).unwrap();
+    let on_adb = validate("--model on_six.maveric --out six");
     let on_adb = &on_adb["models"][0];
     assert_eq!(on_adb["drives"], model["drives"]);
     assert!(on_adb["perpendicular_moves_s"].as_f64().unwrap() < 1e-5);

@@ -2,7 +2,7 @@
 
 use crate::{
     AnalysisError,
-    result::{Contrast, ContrastTest},
+    result::{Contrast, ContrastTest, Odds},
     verdict::ALPHA,
 };
 use maveric_domain::{ConditionId, design::Sign};
@@ -23,6 +23,7 @@ impl Contrast {
             effect: None,
             p: None,
             p_holm: None,
+            odds: None,
         }
     }
 
@@ -95,20 +96,22 @@ impl ModelPairs<'_> {
                 ..untested
             };
         };
-        let (mean, se, interval) = if self.test == ContrastTest::Ordinal {
-            (raw, None, None)
+        let estimate = sign * pair.estimate;
+        let ends = pair.ci_low.zip(pair.ci_high);
+        let ends = ends.map(|(low, high)| {
+            if sign < 0.0 {
+                (-high, -low)
+            } else {
+                (low, high)
+            }
+        });
+        let (mean, se, interval, odds) = if self.test == ContrastTest::Ordinal {
+            (raw, None, None, Odds::of_logits(estimate, ends))
         } else {
-            let ends = pair.ci_low.zip(pair.ci_high);
-            let turned = ends.map(|(low, high)| {
-                if sign < 0.0 {
-                    (-high, -low)
-                } else {
-                    (low, high)
-                }
-            });
-            (Some(sign * pair.estimate), Some(pair.se), turned)
+            (Some(estimate), Some(pair.se), ends, None)
         };
         Contrast {
+            odds,
             mean_difference: mean,
             statistic: Some(sign * pair.t),
             df: pair.df,

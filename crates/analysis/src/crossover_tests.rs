@@ -168,6 +168,7 @@ fn a_hypothesis_about_a_primary_contrast_has_its_unadjusted_p_and_none_behind_a_
     };
     let a = analysed_by(&(both() + &says(SPEED)), ridden(16, 0.5, 0.3));
     let judged = &a.hypotheses[0];
+    assert!(!judged.holm);
     assert_eq!((judged.verdict, judged.p), (Shown, a.primary[0].p));
     assert!(
         (judged.mean_difference.unwrap() + a.primary[0].mean_difference.unwrap()).abs() < 1e-12
@@ -345,6 +346,19 @@ fn an_item_is_tested_by_its_order_with_the_period_and_has_no_carry_over() {
     // The difference is that of the answers, not of logits.
     let difference = a.primary[0].mean_difference.unwrap();
     assert!((2.0..4.0).contains(&difference) && a.primary[0].interval.is_none());
+    let odds = a.primary[0].odds.unwrap();
+    let (low, high) = odds.interval.unwrap();
+    // The whole interval above 1, as p is below .05.
+    assert!(
+        1.0 < low && low < odds.ratio && odds.ratio < high,
+        "{odds:?}"
+    );
+    let pair = ["calm", "sporty"].map(id);
+    let turned = crate::pairs::contrast(comfort_panel, pair).unwrap().odds;
+    let turned = turned.unwrap();
+    assert!((turned.ratio * odds.ratio - 1.0).abs() < 1e-9);
+    assert!((turned.interval.unwrap().0 * high - 1.0).abs() < 1e-9);
+    assert!(a.primary[0].p.unwrap() < 0.05);
     assert_eq!(
         comfort_panel.carry_over,
         Some(CarryOver::NotFitted {

@@ -110,6 +110,15 @@ pub(crate) fn homophily(data: &StudyData) -> Result<Vec<HomophilyRow>, AnalysisE
     Ok(rows)
 }
 
+/// People of the pair that most have both values of, and the smallest coefficient of so many that would leave zero out, whatever its sign, in
+/// a family of the size of all that were tested; none where nothing was.
+pub fn least_that_holds(rows: &[HomophilyRow]) -> Option<(usize, f64)> {
+    let tested = rows.iter().filter(|row| row.p_holm.is_some());
+    let most = tested.clone().map(|row| row.correlation.n).max()?;
+    let (_, least) = simultaneous_interval(0.0, most, tested.count(), false)?;
+    Some((most, least))
+}
+
 /// Everybody in every condition.
 pub(crate) fn cells(data: &StudyData) -> Vec<(&ParticipantId, ConditionId)> {
     let conditions = data.design.conditions();

@@ -5,7 +5,7 @@ use crate::{
     data::StudyData,
     pairs::{contrast, values},
     result::{Judged, Panel, PrimaryOutcome},
-    verdict::{FEWEST, Verdict, directed, equivalent, one_sided},
+    verdict::{FEWEST, Verdict, directed, equivalent, one_sided, outside},
 };
 use maveric_domain::design::{Claim, Hypothesis, Sign};
 use maveric_stats::tost_of_estimate;
@@ -55,6 +55,8 @@ fn judge(
             Claim::Equivalent(_) => None,
         },
         p: None,
+        holm: primary.is_none() && matches!(hypothesis.claim, Claim::Direction(_)),
+        p_outside: None,
     };
     if panel.rows.iter().flatten().all(Option::is_none) {
         return Ok(judged);
@@ -91,10 +93,12 @@ fn judge(
         }
         Claim::Equivalent([low, high]) if let Some((mean, se, df)) = model => {
             let test = tost_of_estimate((mean, se), df, (low, high));
+            let sides = (test.p_lower, test.p_upper);
             judged.mean_difference = Some(mean);
             judged.interval = test.ci90;
             judged.p = Some(test.p_lower.max(test.p_upper));
-            judged.verdict = one_sided(judged.n, Some((test.p_lower, test.p_upper)));
+            judged.p_outside = Some(outside(sides));
+            judged.verdict = one_sided(judged.n, Some(sides));
         }
         Claim::Equivalent([low, high]) => {
             let n = pairs.len() as f64;
@@ -102,6 +106,8 @@ fn judge(
             let (verdict, test) = equivalent((low, high), &differences)?;
             judged.verdict = verdict;
             judged.p = test.as_ref().and_then(|t| t.p);
+            let sides = test.as_ref().and_then(|t| t.p_lower.zip(t.p_upper));
+            judged.p_outside = sides.map(outside);
             judged.interval = test.and_then(|t| t.ci90_low.zip(t.ci90_high));
         }
     }
@@ -130,9 +136,12 @@ fn rule(claim: &Claim, panel: &Panel, primary: Option<&PrimaryOutcome>) -> Strin
                 }
             )
         }
-        Claim::Equivalent([low, high]) => format!(
-            "shown if two one-sided t tests place the difference between {low} and {high}{unit} (both p < .05); fails if one of them places it \
-             outside"
-        ),
+        Claim::Equivalent(bounds) => {
+            let [low, high] = bounds.map(|bound| bound.to_string().replace('-', "−"));
+            format!(
+                "shown if two one-sided t tests place the difference between {low} and {high}{unit} (both p < .05); fails if one of them \
+                 places it outside"
+            )
+        }
     }
 }

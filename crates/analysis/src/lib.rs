@@ -55,6 +55,7 @@ pub use error::AnalysisError;
 pub use exclusions::{Driven, LeftOut, Rule, Stopped, Why};
 pub use finding::{Finding, Needed, Part, Question};
 pub use flow::{Flow, LeftOutFor, NotAdmitted};
+pub use homophily::least_that_holds;
 pub use lent::{BesideLent, LentContrast};
 pub use other_choice::{OtherChoice, Sensitivity, SensitivityRow};
 pub use person::Person;
@@ -67,8 +68,8 @@ pub use recommendation::{
 pub use result::{
     Above, AggressionLine, Analysis, Bias, ByFactor, CongruenceCurve, CongruenceRow, Contrast,
     ContrastTest, Correlation, Described, Exclusion, FactorContrast, Group, HomophilyRow, Judged,
-    Kept, LevelMean, LineRow, MixedRow, Nearer, Panel, PerceivedStyle, Preference, PrimaryOutcome,
-    Reproduction, SimilarityRow, TestedFactor,
+    Kept, LevelMean, LineRow, MixedRow, Nearer, Odds, Panel, PerceivedStyle, Preference,
+    PrimaryOutcome, Reproduction, SimilarityRow, TestedFactor,
 };
 pub use retest::{FEWEST_FOR_ICC, Repeats, Retest, RidesCounted};
 pub use turned::{Settled, Turns};

@@ -36,7 +36,7 @@ pub enum OtherChoice {
     },
 }
 
-/// A contrast as it is decided, and by the other choice. Both p are of the primary contrast as it is, of others after Holm.
+/// A contrast as it is decided, and by the other choice.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct SensitivityRow {
     /// First condition.
@@ -53,6 +53,9 @@ pub struct SensitivityRow {
     pub other_mean_difference: Option<f64>,
     /// p of that difference, two-sided.
     pub other_p: Option<f64>,
+    /// Whether both p are after Holm over the contrasts of the outcome; of its primary contrast they are as they are.
+    #[serde(default)]
+    pub holm: bool,
     /// Of a difference, whether it is there with the same sign by the other choice; else whether one is there by that alone.
     pub other_differs: Verdict,
 }

@@ -6,7 +6,7 @@ use crate::{
     data::StudyData,
     design_test::Period,
     outcomes::Asked,
-    result::{Contrast, ContrastTest, Panel},
+    result::{Contrast, ContrastTest, Odds, Panel},
 };
 use maveric_domain::{ConditionId, design::DeclaredTest};
 use maveric_stats::{ByDesign, ChosenTest, PosthocTest};
@@ -39,6 +39,7 @@ pub(crate) fn contrast(panel: &Panel, [first, second]: [ConditionId; 2]) -> Opti
     let turned = |c: &Contrast| Contrast {
         mean_difference: c.mean_difference.map(|d| -d),
         interval: c.interval.map(|(low, high)| (-high, -low)),
+        odds: c.odds.map(Odds::turned),
         ..c.clone()
     };
     panel.contrasts.iter().find_map(|c| {

@@ -49,6 +49,7 @@ pub(crate) fn primary(data: &StudyData, panels: &[Panel]) -> Vec<PrimaryOutcome>
             n,
             closed_by: closed_by.clone(),
             mean_difference: contrast.as_ref().and_then(|c| c.mean_difference),
+            odds: contrast.as_ref().and_then(|c| c.odds),
             interval: contrast.and_then(|c| c.interval),
             p,
             verdict,

@@ -10,7 +10,7 @@ mod style;
 pub use by_factor::{ByFactor, FactorContrast, LevelMean, TestedFactor};
 pub use correlation::Correlation;
 pub use decided::{Judged, PrimaryOutcome};
-pub use panel::{Contrast, ContrastTest, Group, Panel};
+pub use panel::{Contrast, ContrastTest, Group, Odds, Panel};
 pub use ratings::{
     Above, CongruenceCurve, CongruenceRow, HomophilyRow, MixedRow, PerceivedStyle, Preference,
     SimilarityRow,

@@ -50,12 +50,10 @@ fn beside(
 ) -> Option<Sensitivity> {
     let id = other.outcome.clone();
     let decides = panel_of_everybody(panels, &id)?;
-    let p = |contrast: &Contrast| {
-        let pair = [contrast.first, contrast.second];
-        let alone = primary.iter().any(|primary| primary.is_of(&id, pair));
-        if alone { contrast.p } else { contrast.p_holm }
-    };
     let row = |(one, other_one): (&Contrast, &Contrast)| {
+        let pair = [one.first, one.second];
+        let holm = !primary.iter().any(|primary| primary.is_of(&id, pair));
+        let p = |contrast: &Contrast| if holm { contrast.p_holm } else { contrast.p };
         let differs = significant(decides.n, p(one));
         let way = one.mean_difference.and_then(Sign::of);
         let other_p = p(other_one);
@@ -67,6 +65,7 @@ fn beside(
             differs,
             other_mean_difference: other_one.mean_difference,
             other_p,
+            holm,
             other_differs: match way.filter(|_| differs == Verdict::Shown) {
                 Some(way) => directed(other.n, other_one.mean_difference, other_p, way),
                 None => significant(other.n, other_p),

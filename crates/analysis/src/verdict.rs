@@ -136,9 +136,14 @@ pub(crate) fn one_sided(n: usize, sides: Option<(f64, f64)>) -> Verdict {
     match sides {
         _ if n < FEWEST => Verdict::TooFew,
         Some((lower, upper)) if lower.max(upper) < ALPHA => Verdict::Shown,
-        Some((lower, upper)) if 1.0 - lower < ALPHA || 1.0 - upper < ALPHA => Verdict::Fails,
+        Some(sides) if outside(sides) < ALPHA => Verdict::Fails,
         _ => Verdict::NotShown,
     }
+}
+
+/// The smaller p of the tests the other way round: that the estimate lies beyond one of the bounds.
+pub(crate) fn outside((lower, upper): (f64, f64)) -> f64 {
+    1.0 - lower.max(upper)
 }
 
 #[cfg(test)]

@@ -206,7 +206,9 @@ impl Failure {
     pub(crate) fn report(self) -> u8 {
         match self {
             Self::Interrupted => {
-                tell!("interrupted; nothing was left half-written");
+                tell!(
+                    "interrupted; every result is whole or not there, and what is left hidden beside them (`.maveric-…`) is removed by a later run"
+                );
                 INTERRUPTED
             }
             Self::Told => 1,

@@ -17,8 +17,8 @@ const BESIDE: M = M::IdmPopulationOwnTimeGap;
 
 /// Tries every candidate on people it did not learn from, by their fit rows alone.
 ///
-/// People are dealt into `folds` by their place. Each fold is judged by what was learned from the fit rows of the others: a person's
-/// own part are the first two thirds of the fit rows, and the last third of the fit rows is driven.
+/// People are dealt into `folds` by the place of their first drive. Each fold is judged by what was learned from the fit rows of the
+/// others: a person's own part are the first two thirds of the fit rows, and the last third of the fit rows is driven.
 ///
 /// # Errors
 /// [`FollowingError::TooFewDrivers`] where a fold leaves fewer than two people to learn from, and those of [`evaluate`](crate::evaluate).
@@ -31,17 +31,18 @@ pub fn try_over_people(
     for run in runs {
         run.long_enough()?;
     }
+    let people = peers::people(runs);
     let mut evaluations = Vec::new();
-    for fold in 0..folds.min(runs.len()) {
+    for fold in 0..folds.min(people.len()) {
         let part = |judged: bool| -> Vec<FollowingRun> {
-            let people = runs.iter().enumerate();
-            people
-                .filter(|(place, _)| (place % folds == fold) == judged)
-                .map(|(_, run)| run.clone())
-                .collect()
+            let is_in = |run: &&FollowingRun| {
+                let place = people.iter().position(|person| *person == run.person());
+                place.is_some_and(|place| place % folds == fold) == judged
+            };
+            runs.iter().filter(is_in).cloned().collect()
         };
         let (judged, learned) = (part(true), part(false));
-        enough_drivers(learned.len(), 2)?;
+        enough_drivers(peers::people(&learned).len(), 2)?;
         let judged: Vec<FollowingRun> = judged
             .iter()
             .map(FollowingRun::fit_alone)

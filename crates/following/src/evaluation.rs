@@ -29,8 +29,8 @@ pub struct Distances<'a> {
 
 /// Tries the laws, the network in closed loop and F, where it is given, on the test rows of `judged`.
 ///
-/// What is known of people before a driver is met are the fit rows of `learned`, without the driver's own: give the same runs
-/// twice, and each is judged beside the others; or two groups of people. The network learns from all of `learned`. The
+/// What is known of people before a driver is met are the fit rows of `learned`, without any drive of the same person: give the same
+/// runs twice, and each is judged beside the others; or two groups of people. The network learns from all of `learned`. The
 /// comparisons of the result are left empty.
 ///
 /// # Errors
@@ -48,7 +48,8 @@ pub fn evaluate(
     settings: &FollowingSettings,
 ) -> Result<FollowingEvaluation, FollowingError> {
     settings.check()?;
-    enough_drivers(learned.len(), 2)?;
+    let people = peers::people(learned).len();
+    enough_drivers(people, 2)?;
     for run in judged.iter().chain(learned) {
         run.long_enough()?;
     }
@@ -69,7 +70,7 @@ pub fn evaluate(
     let networks = closed_loop.as_ref().map_or(&[][..], |c| &c.trained);
     let drivers = drive(judged, &laws, networks, f, settings)?;
     Ok(FollowingEvaluation {
-        learned_from: learned.len(),
+        learned_from: people,
         driven: M::DRIVEN_BY_DEFAULT,
         means: means(&drivers),
         drivers,
@@ -126,6 +127,7 @@ pub(crate) fn drive(
             }
             Ok(DriverEvaluation {
                 driver: run.driver().to_owned(),
+                person: (run.person() != run.driver()).then(|| run.person().to_owned()),
                 methods,
                 series,
             })
@@ -290,6 +292,23 @@ mod tests {
         assert_eq!((found.drivers.len(), found.learned_from), (1, 3));
         assert!(gap(&found, M::ClosedLoopShrunken) < gap(&found, M::ClosedLoopMean));
         assert_eq!(found.time_gap_shrinkage.people, 3);
+    }
+
+    #[test]
+    fn the_others_are_other_people_and_not_further_drives_of_the_same_one() {
+        let mut runs = runs(&[1.0, 2.6, 1.5, 2.0]);
+        let of_others = |judged: &[FollowingRun], learned: &[FollowingRun]| {
+            let found = evaluate(judged, learned, None, &quick(0)).unwrap();
+            let law = found.peers[0].laws[&M::ConstantTimeGapPopulation].law;
+            (law, found.people(), found.learned_from)
+        };
+        let (expected, ..) = of_others(&runs[..1], &runs[2..]);
+        let (four_people, ..) = of_others(&runs, &runs);
+        assert_ne!(four_people, expected);
+        runs[1] = runs[1].clone().of_person("T1");
+        assert_eq!(of_others(&runs, &runs), (expected, 3, 3));
+        let one = evaluate(&runs[..2], &runs[..2], None, &quick(0));
+        assert!(matches!(one, Err(FollowingError::TooFewDrivers { .. })));
     }
 
     #[test]

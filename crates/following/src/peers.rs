@@ -24,9 +24,20 @@ pub struct Peers {
     pub laws: BTreeMap<M, Calibrated>,
 }
 
-/// Those of `learned` who are not `driver`.
-pub(crate) fn others<'a>(learned: &'a [FollowingRun], driver: &str) -> Vec<&'a FollowingRun> {
-    learned.iter().filter(|r| r.driver() != driver).collect()
+/// The drives of `learned` that are not this person's.
+pub(crate) fn others<'a>(learned: &'a [FollowingRun], person: &str) -> Vec<&'a FollowingRun> {
+    learned.iter().filter(|r| r.person() != person).collect()
+}
+
+/// Who drove, each once, in the order of their first drives.
+pub(crate) fn people(runs: &[FollowingRun]) -> Vec<&str> {
+    let mut people: Vec<&str> = Vec::new();
+    for run in runs {
+        if !people.contains(&run.person()) {
+            people.push(run.person());
+        }
+    }
+    people
 }
 
 /// `fit` of each, in parallel; the first error in their order, whichever was found first.
@@ -64,8 +75,8 @@ impl<'a> Population<'a> {
     }
 
     /// That of the others; of all, for who was not learned from.
-    fn without(&self, driver: &str) -> Result<Calibrated, FollowingError> {
-        let others = others(self.learned, driver);
+    fn without(&self, person: &str) -> Result<Calibrated, FollowingError> {
+        let others = others(self.learned, person);
         if others.len() == self.learned.len() {
             return Ok(self.of_all);
         }
@@ -103,7 +114,7 @@ pub(crate) fn idm(
     };
     let population = Population::calibrate(Family::Idm, M::IdmPopulation, learned, settings)?;
     let of_learned = each(learned, |run| {
-        let others = population.without(run.driver())?;
+        let others = population.without(run.person())?;
         let [first, second] = run.fit().halves();
         let log =
             |half| Ok::<_, FollowingError>(vec![libm::log(fit_time_gap(idm_of(&others), half)?.0)]);
@@ -113,7 +124,7 @@ pub(crate) fn idm(
     let halves: Vec<_> = of_learned.iter().map(|(_, h)| h.clone()).collect();
     let seconds: Vec<f64> = learned.iter().map(|r| 0.5 * r.fit().seconds()).collect();
     let shrinkage = Shrinkage::estimate(&halves, &seconds)?;
-    let place = |run: &FollowingRun| learned.iter().position(|r| r.driver() == run.driver());
+    let place = |run: &FollowingRun| learned.iter().position(|r| r.person() == run.person());
     let peers = each(judged, |run| {
         // Strangers have the same others, all who were learned from.
         let others = place(run).map_or(population.of_all, |index| of_learned[index].0);
@@ -179,7 +190,7 @@ pub(crate) fn add_the_rest(
             let calibrated = family.calibrate(stretches, &settings.search, seed(method))?;
             Ok((method, calibrated))
         };
-        let from = others(learned, run.driver());
+        let from = others(learned, run.person());
         let gaps = from
             .iter()
             .map(|r| time_gap_s(r))
@@ -197,7 +208,7 @@ pub(crate) fn add_the_rest(
             constant(M::ConstantTimeGapPopulation, of_others_s),
             fit(Family::Newell, &own, M::NewellOwn)?,
             fit(Family::Helly, &own, M::HellyOwn)?,
-            (M::HellyPopulation, helly.without(run.driver())?),
+            (M::HellyPopulation, helly.without(run.person())?),
             fit(Family::Gipps, &own, M::GippsOwn)?,
             fit(Family::Idm, &test, M::IdmFloor)?,
         ])

@@ -5,6 +5,7 @@ use crate::{
     shrinkage::Shrinkage, simulation_errors::SimulationErrors,
 };
 use serde::{Deserialize, Serialize};
+use std::collections::BTreeSet;
 
 /// One method on one driver's test rows.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -31,13 +32,13 @@ pub struct MethodMean {
     pub nrmse: f64,
     /// Mean of the mixed error.
     pub mixed: f64,
-    /// In how many drivers the simulated gap reached 0.
+    /// In how many drives the simulated gap reached 0.
     pub reached_zero: usize,
-    /// Number of drivers.
+    /// Number of drives.
     pub drivers: usize,
 }
 
-/// Two methods driver by driver: the RMSE of the gap under one less that under the other.
+/// Two methods person by person: the RMSE of the gap under one less that under the other.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Compared {
     /// The method whose error the difference is taken of.
@@ -46,13 +47,13 @@ pub struct Compared {
     pub beside: FollowingMethod,
     /// Mean difference, in m; below 0 where `method` is nearer.
     pub mean_m: f64,
-    /// Lower end of its 95 % interval, drivers drawn with replacement; `None` with too few of them.
+    /// Lower end of its 95 % interval, people drawn with replacement; `None` with too few of them.
     pub low_m: Option<f64>,
     /// Upper end.
     pub high_m: Option<f64>,
     /// Median difference, in m.
     pub median_m: f64,
-    /// For how many drivers `method` is nearer.
+    /// For how many people `method` is nearer.
     pub better: usize,
     /// For how many it is further off.
     pub worse: usize,
@@ -87,8 +88,11 @@ pub struct TestSeries {
 /// Every method on one driver.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct DriverEvaluation {
-    /// Name of the driver.
+    /// Name of the driver, or of the drive.
     pub driver: String,
+    /// Who drove, where that is not the name of the driver.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub person: Option<String>,
     /// One entry a method that was tried, in the order of [`FollowingMethod::all`].
     pub methods: Vec<MethodErrors>,
     /// The test rows, to draw.
@@ -102,11 +106,11 @@ pub struct FollowingEvaluation {
     pub learned_from: usize,
     /// What is driven by default: [`FollowingMethod::DRIVEN_BY_DEFAULT`].
     pub driven: FollowingMethod,
-    /// One entry a driver, in the order of the runs.
+    /// One entry a run, in their order.
     pub drivers: Vec<DriverEvaluation>,
     /// One entry a method that was tried, in the order of [`FollowingMethod::all`].
     pub means: Vec<MethodMean>,
-    /// Pairs of methods driver by driver; empty unless somebody compared them.
+    /// Pairs of methods person by person; empty unless somebody compared them.
     pub compared: Vec<Compared>,
     /// The laws that stand beside the networks, one entry a driver.
     pub peers: Vec<Peers>,
@@ -132,10 +136,29 @@ impl FollowingEvaluation {
         method.knows() != Knows::Test && best.is_some_and(|b| b.method == method)
     }
 
-    /// The RMSE of the gap under `method` less that under `beside`, in m, a driver; empty unless both were tried.
+    /// How many people drove.
+    pub fn people(&self) -> usize {
+        let people: BTreeSet<&str> = self.drivers.iter().map(DriverEvaluation::person).collect();
+        people.len()
+    }
+
+    /// The RMSE of the gap under `method` less that under `beside`, in m, a person: the mean over the drives of one who has several;
+    /// empty unless both were tried.
     pub fn differences_m(&self, method: FollowingMethod, beside: FollowingMethod) -> Vec<f64> {
-        let one = |d: &DriverEvaluation| Some(d.gap_rmse_m(method)? - d.gap_rmse_m(beside)?);
-        self.drivers.iter().filter_map(one).collect()
+        let mut of_people: Vec<(&str, Vec<f64>)> = Vec::new();
+        for drive in &self.drivers {
+            let errors = drive.gap_rmse_m(method).zip(drive.gap_rmse_m(beside));
+            let Some(difference) = errors.map(|(one, other)| one - other) else {
+                continue;
+            };
+            match of_people.iter_mut().find(|(p, _)| *p == drive.person()) {
+                Some((_, differences)) => differences.push(difference),
+                None => of_people.push((drive.person(), vec![difference])),
+            }
+        }
+        let of_people = of_people.iter();
+        let mean = of_people.map(|(_, d)| d.iter().sum::<f64>() / d.len() as f64);
+        mean.collect()
     }
 
     /// The drivers whom `own` follows no better than `mean`, by the RMSE of the gap: whom personalising harms.
@@ -152,6 +175,11 @@ impl FollowingEvaluation {
 }
 
 impl DriverEvaluation {
+    /// Who drove.
+    pub fn person(&self) -> &str {
+        self.person.as_deref().unwrap_or(&self.driver)
+    }
+
     /// The gap's RMSE under a method, in m, if it was tried.
     pub fn gap_rmse_m(&self, method: FollowingMethod) -> Option<f64> {
         let tried = self.methods.iter().find(|m| m.method == method);
@@ -222,6 +250,7 @@ mod tests {
         };
         DriverEvaluation {
             driver: name.to_owned(),
+            person: None,
             methods: methods.iter().map(one).collect(),
             series: TestSeries {
                 time_s: Vec::new(),
@@ -314,6 +343,19 @@ mod tests {
         // No better is harm too.
         assert_eq!(found.harmed(M::IdmOwn, M::IdmPopulation), ["B", "C"]);
         assert_eq!(found.harmed(M::IdmOwn, M::HellyOwn), ["B"]);
+    }
+
+    #[test]
+    fn a_person_with_several_drives_counts_once_by_their_mean() {
+        let mut found = evaluation();
+        assert_eq!(found.people(), 3);
+        found.drivers[1].person = Some("A".to_owned());
+        assert_eq!(found.people(), 2);
+        assert_eq!(found.differences_m(M::IdmOwn, M::HellyOwn), [0.0]);
+        assert_eq!(
+            found.differences_m(M::IdmOwn, M::IdmPopulation),
+            [-0.25, 9.0]
+        );
     }
 
     #[test]

@@ -28,6 +28,7 @@ pub struct FollowingColumns {
 #[derive(Debug, Clone, PartialEq)]
 pub struct FollowingRun {
     driver: String,
+    person: String,
     rate_hz: f64,
     columns: FollowingColumns,
 }
@@ -40,7 +41,7 @@ pub struct Stretch<'a> {
 }
 
 impl FollowingRun {
-    /// Takes the columns of a run sampled `rate_hz` times a second; `driver` names it in results and errors.
+    /// Takes the columns of a run sampled `rate_hz` times a second; `driver` names it in results and errors, and who drove.
     ///
     /// # Errors
     /// [`FollowingError::TooShort`] below four rows; [`FollowingError::BadRate`], [`FollowingError::LengthMismatch`],
@@ -51,13 +52,22 @@ impl FollowingRun {
         rate_hz: f64,
         columns: FollowingColumns,
     ) -> Result<Self, FollowingError> {
+        let driver: String = driver.into();
         let run = Self {
-            driver: driver.into(),
+            person: driver.clone(),
+            driver,
             rate_hz,
             columns,
         };
         run.check()?;
         Ok(run)
+    }
+
+    /// The same run as one of this person's, who may have several.
+    #[must_use]
+    pub fn of_person(mut self, person: impl Into<String>) -> Self {
+        self.person = person.into();
+        self
     }
 
     /// Reads a drive that follows one leader throughout; the leader's position is `ego_x_m` + `lead_dx_m`.
@@ -97,12 +107,18 @@ impl FollowingRun {
             ego_speed_mps: rows.ego_speed_mps.clone(),
             gap_m: rows.lead_dx_m.clone(),
         };
-        Self::new(driver, drive.rate_hz(), columns)
+        let run = Self::new(driver, drive.rate_hz(), columns)?;
+        Ok(run.of_person(drive.meta().participant.to_string()))
     }
 
     /// Name of the driver, or of the drive.
     pub fn driver(&self) -> &str {
         &self.driver
+    }
+
+    /// Who drove.
+    pub fn person(&self) -> &str {
+        &self.person
     }
 
     /// Samples a second.
@@ -144,7 +160,8 @@ impl FollowingRun {
             ego_speed_mps: c.ego_speed_mps[..end].to_vec(),
             gap_m: c.gap_m[..end].to_vec(),
         };
-        Self::new(self.driver.clone(), self.rate_hz, columns)
+        let run = Self::new(self.driver.clone(), self.rate_hz, columns)?;
+        Ok(run.of_person(self.person.clone()))
     }
 
     /// The rest.
@@ -315,7 +332,8 @@ mod tests {
     #[test]
     fn a_drive_gives_the_gap_and_a_leader_ahead_by_it() {
         let run = FollowingRun::from_drive(&drive(30)).unwrap();
-        assert_eq!(run.driver(), "P01-own");
+        assert_eq!((run.driver(), run.person()), ("P01-own", "P01"));
+        assert_eq!(run.fit_alone().unwrap().person(), "P01");
         assert!((run.columns().gap_m[3] - 20.0).abs() < 1e-12);
         assert!((run.columns().leader_x_m[3] - 23.0).abs() < 1e-12);
     }

@@ -5,7 +5,7 @@ use crate::{
     parquet::first_line,
     raw::table::{
         parse::{BYTE_ORDER_MARK, parse},
-        text::{Header, cells, flaw, separator_of},
+        text::{Header, cells, flaw, separator_of, short_rows},
     },
 };
 use polars::prelude::{DataFrame, DataType};
@@ -20,6 +20,8 @@ pub struct Csv {
     pub frame: DataFrame,
     /// Whether numbers may have a comma before their decimals: cells are separated by semicolons.
     pub decimal_comma: bool,
+    /// Rows of the frame, from 0, that end before the header does, each with its number of cells; the others of such a row are empty.
+    pub short: Vec<(usize, usize)>,
 }
 
 /// Reads a table of words, separated by `separator`; without it by commas, semicolons or tabs, whichever its header has most of.
@@ -55,6 +57,7 @@ pub fn read_csv(bytes: &[u8], separator: Option<u8>) -> Result<Csv, String> {
     Ok(Csv {
         frame: frame.map_err(|e| first_line(&e))?,
         decimal_comma: separator == b';',
+        short: short_rows(text, &header),
     })
 }
 
@@ -76,6 +79,10 @@ mod tests {
         let long = read_csv(b"\n\"a\nb\",c\n1,2\n", None).unwrap().frame;
         assert_eq!(long.get_column_names(), ["a\nb", "c"]);
         assert_eq!(long.height(), 1);
+        let cut = b"\na,\"b\nb\",c\n1,2,\n\n1\n\"x\n,\",2\n1,2,3";
+        let cut = read_csv(cut, None).unwrap();
+        assert_eq!(cut.frame.height(), 5);
+        assert_eq!(cut.short, [(2, 1), (3, 2)]);
         for (bytes, what) in [
             (&b"a,b\n1,2,3\n"[..], "row 1 has 3 cells"),
             (b"a,b\n1,\"2\n", "row 1 opens a quote"),

@@ -111,6 +111,8 @@ pub enum IngestError {
         nearest: Option<String>,
         /// The columns there are.
         found: String,
+        /// Whether the name stands in that of another column, between characters that may separate cells.
+        unseparated: bool,
     },
     /// A cell that is not what its column holds.
     #[error("{} row {row} column `{column}` holds `{found}`, expected {expected}", path.to_slash_lossy())]
@@ -264,6 +266,9 @@ impl IngestError {
                 "give --mapping FILE.toml: study_data/mappings has some, and `maveric inspect --suggest-mapping` writes one"
                     .to_owned()
             }
+            Self::UnknownColumn { column, unseparated: true, .. } => format!(
+                "`{column}` stands in the name of one of them: another character separates the cells of this table; correct `separator` in the mapping, or leave it out to have it found"
+            ),
             Self::UnknownColumn { nearest, .. } => match nearest {
                 Some(nearest) => format!("did you mean `{nearest}`? correct it in the mapping"),
                 None => "correct the mapping, or give the one made for this table".to_owned(),

@@ -237,6 +237,23 @@ impl Model {
         }
     }
 
+    /// Whether another model reads and drives every style as this one does. How sure S is may differ: linear heads draw samples of people
+    /// for it, their one use of the training's seed, and no drive depends on it.
+    pub fn drives_as(&self, other: &Self) -> bool {
+        self.without_draws() == other.without_draws()
+    }
+
+    fn without_draws(&self) -> ModelParts {
+        let mut parts = self.parts.clone();
+        if let Heads::Linear(LinearHeads {
+            style: Some(style), ..
+        }) = &mut parts.heads
+        {
+            style.covariance.clear();
+        }
+        parts
+    }
+
     /// Numbers in an embedding, d.
     pub fn embedding_size(&self) -> usize {
         self.parts.embedding_size

@@ -67,10 +67,13 @@ pub(crate) fn environment() -> Environment<'static> {
         move |value: Option<f64>, decimals: Option<usize>| written(value, apa::bounded, decimals),
     );
     environment.add_filter("percent", words::percent);
-    environment.add_filter("interval", |ends: Option<Vec<f64>>, decimals: usize| {
-        let ends = ends.and_then(|ends| Some((*ends.first()?, *ends.get(1)?)));
-        words::interval(ends, decimals)
-    });
+    environment.add_filter(
+        "interval",
+        |ends: Option<Vec<f64>>, decimals: usize, bounded: Option<bool>| {
+            let ends = ends.and_then(|ends| Some((*ends.first()?, *ends.get(1)?)));
+            words::interval(ends, decimals, bounded.unwrap_or(false))
+        },
+    );
     environment.add_filter("p", |p: Option<f64>| {
         p.map(|p| apa::p(p).markup().to_owned())
     });
@@ -134,11 +137,7 @@ fn ends(
     if low.is_none() || high.is_none() {
         return Ok(None);
     }
-    let write = if bounded.unwrap_or(false) {
-        apa::bounded
-    } else {
-        apa::number
-    };
+    let write = words::written(bounded.unwrap_or(false));
     let [low, high] = [f64::try_from(low)?, f64::try_from(high)?].map(|end| write(end, decimals));
     Ok(Some(format!("{low} to {high}")))
 }
@@ -182,14 +181,14 @@ mod tests {
 
     #[test]
     fn numbers_are_written_as_apa_writes_them_and_what_is_not_known_says_so() {
-        let text = "[card]\na = \"{{ r | bounded(2) }}{{ ends | interval(1) }}, {{ x | number(1) }}, {{ x | percent }}, {{ all | listed }}\"\n";
+        let text = "[card]\na = \"{{ r | bounded(2) }}{{ ends | interval(1) }}{{ within | interval(2, true) }}, {{ x | number(1) }}, {{ x | percent }}, {{ all | listed }}\"\n";
         let texts = Texts::read("t.toml", text).unwrap();
         let all = ["a", "b", "c"].map(str::to_owned).to_vec();
-        let known = context! { r => -0.456, ends => value(&Some((-1.0, 2.0))), x => 0.25, all => all.clone() };
+        let known = context! { r => -0.456, ends => value(&Some((-1.0, 2.0))), within => vec![-0.5, 0.5], x => 0.25, all => all.clone() };
         let said = texts.say("card", "a", &known).unwrap();
-        assert_eq!(said, "−.46 [−1.0, 2.0], 0.2, 25.0%, a, b and c");
+        assert_eq!(said, "−.46 [−1.0, 2.0] [−.50, .50], 0.2, 25.0%, a, b and c");
         let none = None::<f64>;
-        let unknown = context! { r => none, ends => value(&None::<(f64, f64)>), x => none, all };
+        let unknown = context! { r => none, ends => value(&None::<(f64, f64)>), within => none, x => none, all };
         let said = texts.say("card", "a", &unknown).unwrap();
         assert_eq!(said, "not known, not known, no value, a, b and c");
         assert!(texts.say("other", "a", &unknown).is_err());

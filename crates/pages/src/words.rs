@@ -49,6 +49,17 @@ pub fn listed(words: &[String]) -> String {
     }
 }
 
+/// `24`, or `21 to 23` of counts that differ; none of none.
+pub(crate) fn counted(counts: impl IntoIterator<Item = usize>) -> Option<String> {
+    let counts: Vec<usize> = counts.into_iter().collect();
+    let (least, most) = (counts.iter().min()?, counts.iter().max()?);
+    Some(if least == most {
+        most.to_string()
+    } else {
+        format!("{least} to {most}")
+    })
+}
+
 /// `86.9%`, with a true minus; `no value` where there is none.
 pub fn percent(share: Option<f64>) -> String {
     share.map_or_else(
@@ -57,9 +68,14 @@ pub fn percent(share: Option<f64>) -> String {
     )
 }
 
+/// How a number is written: one that 1 bounds without the zero before the point.
+pub(crate) fn written(bounded: bool) -> fn(f64, usize) -> String {
+    if bounded { apa::bounded } else { apa::number }
+}
+
 /// ` [0.12, 0.34]`, or nothing.
-pub fn interval(ends: Option<(f64, f64)>, decimals: usize) -> String {
-    let written = |end| apa::number(end, decimals);
+pub fn interval(ends: Option<(f64, f64)>, decimals: usize, bounded: bool) -> String {
+    let written = |end| written(bounded)(end, decimals);
     ends.map_or_else(String::new, |(low, high)| {
         format!(" [{}, {}]", written(low), written(high))
     })
@@ -129,12 +145,21 @@ pub fn omnibus(design: &Design, panel: &Panel, short: bool) -> String {
 
 /// An effect of several factors by the labels of its factors: `City × Condition`.
 pub(crate) fn effect_title(design: &Design, name: &str) -> String {
-    let factors: Vec<String> = name.split(':').map(|f| design.factor_label(f)).collect();
+    // A model of ordered answers calls `conditions` what a mixed model calls `condition`.
+    let one = |label: String| {
+        if label == "conditions" {
+            "condition".to_owned()
+        } else {
+            label
+        }
+    };
+    let label = |name: &str| one(design.factor_label(name));
+    let factors: Vec<String> = name.split(':').map(label).collect();
     factors.join(" × ")
 }
 
-/// A paired test in words; *p* is that of Holm over its family, under its plain name.
-pub fn paired(panel: &Panel, pair: &Contrast) -> Option<String> {
+/// A paired test in words; *p* is that of Holm over its family, under its own name or, where what stands beside says so, its plain one.
+pub fn paired(panel: &Panel, pair: &Contrast, named: Adjustment) -> Option<String> {
     let effect = pair.effect.as_ref();
     let p = pair.p_holm?;
     Some(match (panel.test?, pair.df) {
@@ -147,18 +172,13 @@ pub fn paired(panel: &Panel, pair: &Contrast) -> Option<String> {
                 })
             });
             let size = effect.and_then(|e| Some((e.value?, interval)));
-            apa::t(pair.statistic?, df, p, Adjustment::None, size)
+            apa::t(pair.statistic?, df, p, named, size)
                 .markup()
                 .to_owned()
         }
-        _ => apa::wilcoxon(
-            pair.statistic?,
-            p,
-            Adjustment::None,
-            effect.and_then(|e| e.value),
-        )
-        .markup()
-        .to_owned(),
+        _ => apa::wilcoxon(pair.statistic?, p, named, effect.and_then(|e| e.value))
+            .markup()
+            .to_owned(),
     })
 }
 
@@ -263,4 +283,16 @@ pub fn of_group(panel: &Panel) -> String {
         .group
         .as_ref()
         .map_or_else(String::new, |g| format!(" ({}: {})", g.factor, g.label))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::counted;
+
+    #[test]
+    fn counts_that_differ_are_a_range_and_none_is_nothing() {
+        assert_eq!(counted([23, 21, 22]).as_deref(), Some("21 to 23"));
+        assert_eq!(counted([24, 24]).as_deref(), Some("24"));
+        assert_eq!(counted([]), None);
+    }
 }

@@ -56,6 +56,8 @@ mod tests {
             expected: None,
             bounds: None,
             p: Some(0.01),
+            holm: true,
+            p_outside: None,
         };
         let studies: Vec<Studied> = (0..100)
             .map(|i| Studied {

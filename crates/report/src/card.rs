@@ -76,16 +76,7 @@ impl Card {
         let Some(plot) = self.plot.as_ref().filter(|p| p.has_values()) else {
             return Ok(None);
         };
-        let mut figure = intervals(
-            &format!("card-{}", self.name),
-            &self.question,
-            plot,
-            context,
-        )?;
-        figure.caption = match &self.number {
-            Some(n) => format!("{}; {}; {}.", n.value, n.floor, n.ceiling),
-            None => figure.caption,
-        };
-        Ok(Some(figure))
+        let name = format!("card-{}", self.name);
+        intervals(&name, &self.question, plot, context).map(Some)
     }
 }

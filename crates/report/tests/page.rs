@@ -62,6 +62,7 @@ fn the_answers_stand_before_everything_else_and_the_supplement_is_folded_behind(
     for said in [
         "floor: 0",
         "ceiling: 1",
+        "Grey bar: the floor.",
         "Why you might doubt this",
         "href=\"#table-accuracy\"",
         "<span class=\"verdict half\">not shown",

@@ -134,7 +134,7 @@ fn train_in(work: &Path, jobs: usize, watch: Watch<'_>) -> Result<Vec<u8>, SeatE
         design: design.clone(),
         surveys: vec![study.resolve(&files.answers)],
         participants: None,
-        scales: study.resolve(&files.scales),
+        scales: None,
         drives: Vec::new(),
         moments: Moments::All,
         out: folder.join("scores.csv"),

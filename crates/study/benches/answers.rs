@@ -82,7 +82,7 @@ fn import(folder: &Path) {
         design: Some(folder.join("study.toml")),
         columns: Some(folder.join("columns.toml")),
         sheet: None,
-        scales: folder.join("scales"),
+        scales: Some(folder.join("scales")),
         suggest: false,
         out: Some(folder.join("answers.csv")),
     });
@@ -93,7 +93,7 @@ fn score(folder: &Path) {
         design: Some(folder.join("study.toml")),
         surveys: vec![folder.join("answers.csv")],
         participants: None,
-        scales: folder.join("scales"),
+        scales: Some(folder.join("scales")),
         drives: Vec::new(),
         moments: Moments::After,
         out: folder.join("scores.csv"),

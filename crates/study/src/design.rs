@@ -101,6 +101,27 @@ impl DesignFile {
         folder.unwrap_or(Path::new(PAPERS_FOLDER)).join(path)
     }
 
+    /// A file or folder of a study: `given`; else the design's own, where it is not the paper's that is built in; else as the paper's is
+    /// shipped.
+    fn chosen(&self, given: Option<&Path>, own: Option<&Path>, shipped: &str) -> PathBuf {
+        let own = own.filter(|_| self.path.is_some());
+        let own = || own.map(|path| self.resolve(path));
+        let given = given.map(Path::to_owned);
+        given.or_else(own).unwrap_or_else(|| shipped.into())
+    }
+
+    /// The folder of questionnaires: `given`, or the design's own.
+    pub fn scales_folder(&self, given: Option<&Path>) -> PathBuf {
+        let own = &self.design.files().scales;
+        self.chosen(given, Some(own), "study_data/scales")
+    }
+
+    /// The sizes of the effects: `given`, or the design's own.
+    pub(crate) fn effects_file(&self, given: Option<&Path>) -> PathBuf {
+        let own = self.design.files().effects.as_deref();
+        self.chosen(given, own, "study_data/effects.toml")
+    }
+
     /// The table of who takes part: `given`, or the design's own.
     pub fn people_file(&self, given: Option<&Path>) -> PathBuf {
         let of_design = || self.resolve(&self.design.people().file);
@@ -275,6 +296,27 @@ mod tests {
     fn the_papers_design_is_built_in() {
         let paper = DesignFile::paper().unwrap();
         assert_eq!(paper.design.conditions().len(), 4);
+    }
+
+    #[test]
+    fn questionnaires_and_effects_are_those_given_else_the_designs_else_as_shipped() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("study.toml");
+        let design = "[study]\ntitle = \"t\"\n[[condition]]\nid = \"calm\"\n[[condition]]\nid = \"sporty\"\n[files]\nscales = \"asked\"\n";
+        std::fs::write(&path, design).unwrap();
+        let (own, paper) = (
+            DesignFile::read(&path).unwrap(),
+            DesignFile::paper().unwrap(),
+        );
+        let given = Path::new("given");
+        for study in [&own, &paper] {
+            assert_eq!(study.scales_folder(Some(given)), given);
+            assert_eq!(study.effects_file(Some(given)), given);
+            let shipped = Path::new("study_data/effects.toml");
+            assert_eq!(study.effects_file(None), shipped);
+        }
+        assert_eq!(own.scales_folder(None), folder.path().join("asked"));
+        assert_eq!(paper.scales_folder(None), Path::new("study_data/scales"));
     }
 
     #[test]

@@ -139,4 +139,23 @@ mod tests {
         assert_eq!(judged(0.001, Some(0.04), 5), Some(TooFew));
         assert_eq!(judged(0.001, None, 24), None);
     }
+
+    #[test]
+    fn what_could_hold_is_told_of_the_pair_that_most_people_have_and_of_a_family_of_that_size() {
+        let rows = analysed(tables()).homophily;
+        let of = |n: usize, p_holm: Option<f64>| {
+            let mut row = rows[0].clone();
+            (row.correlation.n, row.p_holm) = (n, p_holm);
+            row
+        };
+        // Fisher's z: 2.236 / √(24 − 3) of two tests, 1.960 / √(20 − 3) of one.
+        let two = [of(20, Some(0.5)), of(24, Some(0.5)), of(30, None)];
+        let (n, least) = crate::least_that_holds(&two).unwrap();
+        assert_eq!(n, 24);
+        assert!((least - 0.452_7).abs() < 1e-3, "{least}");
+        let (n, least) = crate::least_that_holds(&two[..1]).unwrap();
+        assert_eq!(n, 20);
+        assert!((least - 0.442_5).abs() < 1e-3, "{least}");
+        assert_eq!(crate::least_that_holds(&[of(24, None)]), None);
+    }
 }

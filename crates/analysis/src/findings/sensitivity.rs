@@ -115,6 +115,17 @@ mod tests {
     }
 
     #[test]
+    fn both_p_are_corrected_but_of_the_contrast_that_decides_about_a_primary_outcome() {
+        let holm = |more: &str| {
+            let design = plain(&["fast", "slow"], &format!("{OUTCOME}{more}"));
+            analysed_by(&design, rated(WITH, WITH)).sensitivity[0].rows[0].holm
+        };
+        assert!(holm(""));
+        let primary = "primary = true\ntest = \"rm-anova\"\ncontrast = [\"fast\", \"slow\"]\n";
+        assert!(!holm(primary));
+    }
+
+    #[test]
     fn what_was_said_of_stopped_rides_counts_by_the_other_choice_alone() {
         let design = plain(
             &["fast", "slow"],

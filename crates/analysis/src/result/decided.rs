@@ -1,5 +1,6 @@
 //! What was declared before the data and decides: primary outcomes and hypotheses.
 
+use super::Odds;
 use crate::verdict::Verdict;
 use maveric_domain::{
     ConditionId,
@@ -31,6 +32,9 @@ pub struct PrimaryOutcome {
     pub mean_difference: Option<f64>,
     /// Ends of its 95 % interval, of a mixed model.
     pub interval: Option<(f64, f64)>,
+    /// What p is of, where the order of answers alone counts.
+    #[serde(default)]
+    pub odds: Option<Odds>,
     /// p of the contrast, two-sided, not adjusted: it is the only one that decides.
     pub p: Option<f64>,
     /// Whether p is below α.
@@ -63,6 +67,12 @@ pub struct Judged {
     pub expected: Option<Sign>,
     /// Bounds within which the two count as the same, of a claim that they are.
     pub bounds: Option<(f64, f64)>,
-    /// The p that decides: Holm's within the outcome, or the larger of the two one-sided tests.
+    /// The p by which it is shown: of the contrast, or the larger of the two one-sided tests.
     pub p: Option<f64>,
+    /// Whether `p` is adjusted after Holm over the contrasts of the outcome; else it is of this contrast alone.
+    #[serde(default)]
+    pub holm: bool,
+    /// Of a claim that the two are the same: the p by which it fails, that the difference lies outside the bounds.
+    #[serde(default)]
+    pub p_outside: Option<f64>,
 }

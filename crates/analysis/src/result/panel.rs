@@ -132,4 +132,35 @@ pub struct Contrast {
     pub p: Option<f64>,
     /// Adjusted after Holm over the contrasts of the outcome.
     pub p_holm: Option<f64>,
+    /// What the test is of, where the order of answers alone counts.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub odds: Option<Odds>,
+}
+
+/// The odds that one person's answer lies higher in the first condition, over those in the second: 1 is no difference.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct Odds {
+    /// First over second.
+    pub ratio: f64,
+    /// Ends of its 95 % interval.
+    pub interval: Option<(f64, f64)>,
+}
+
+impl Odds {
+    /// Of a difference of logits with the ends of its interval; none where a number cannot hold it.
+    pub(crate) fn of_logits(difference: f64, ends: Option<(f64, f64)>) -> Option<Self> {
+        let odds = |logit: f64| Some(libm::exp(logit)).filter(|odds| odds.is_normal());
+        Some(Self {
+            ratio: odds(difference)?,
+            interval: ends.and_then(|(low, high)| odds(low).zip(odds(high))),
+        })
+    }
+
+    /// Second over first.
+    pub(crate) fn turned(self) -> Self {
+        Self {
+            ratio: 1.0 / self.ratio,
+            interval: self.interval.map(|(low, high)| (1.0 / high, 1.0 / low)),
+        }
+    }
 }

@@ -161,6 +161,25 @@ fn a_hypothesis_is_judged_by_its_rule() {
 }
 
 #[test]
+fn what_fails_to_be_the_same_has_the_p_that_says_so_and_only_a_direction_is_corrected() {
+    let judged = |rule: &str| {
+        let claim = hypothesis(r#"["same", "across"]"#, rule);
+        let text = plain(&["same", "fast", "slow", "across"], &claim);
+        analysed_by(&text, tables()).hypotheses[0].clone()
+    };
+    let fails = judged("equivalent = [8, 15]");
+    assert_eq!(fails.verdict, Verdict::Fails);
+    near(fails.p_outside, 1.0 - fails.p.unwrap());
+    assert!(fails.p_outside.unwrap() < 0.05 && fails.p.unwrap() > 0.95);
+    let shown = judged("equivalent = [-6.5, 6.5]");
+    assert_eq!(shown.verdict, Verdict::Shown);
+    assert!(shown.p_outside.unwrap() > 0.95 && shown.p.unwrap() < 0.05);
+    assert!(!fails.holm && !shown.holm);
+    let directed = judged("direction = \"+\"");
+    assert!(directed.holm && directed.p_outside.is_none());
+}
+
+#[test]
 fn the_rule_of_an_equivalence_has_the_unit_of_what_was_measured_and_none_of_a_rating() {
     let rule = |outcome: &str| {
         let hypothesis = hypothesis(r#"["fast", "slow"]"#, "equivalent = [-1, 1]");
@@ -173,12 +192,12 @@ fn the_rule_of_an_equivalence_has_the_unit_of_what_was_measured_and_none_of_a_ra
         a.hypotheses[0].rule.clone()
     };
     assert!(
-        rule(SPEED).contains("between -1 and 1 km/h (both"),
+        rule(SPEED).contains("between −1 and 1 km/h (both"),
         "{}",
         rule(SPEED)
     );
     let rating = rule("jian_trust.overall");
-    assert!(rating.contains("between -1 and 1 (both"), "{rating}");
+    assert!(rating.contains("between −1 and 1 (both"), "{rating}");
     for (sign, way, expected) in [("+", "above", Sign::Plus), ("-", "below", Sign::Minus)] {
         let text = hypothesis(r#"["fast", "slow"]"#, &format!("direction = \"{sign}\""));
         let a = analysed_by(&plain(&["fast", "slow"], &text), tables());

@@ -46,8 +46,8 @@ pub struct ClosedLoopStudy {
     pub trained: Vec<TrainedFor>,
     /// Each alone; never one chosen by these errors.
     pub seeds: Vec<ClosedLoopSeed>,
-    /// The first seed again, each driver by a network that was trained on the other drivers alone; `None` where nobody who is
-    /// judged was learned from, as then every seed is that.
+    /// The first seed again, each driver by a network that was trained on the drives of other people alone; `None` where somebody who
+    /// is judged was not learned from, as every seed is that for them, or where fewer than two such drives are left.
     pub strangers: Option<ClosedLoopSeed>,
 }
 
@@ -129,11 +129,14 @@ pub(crate) fn study(
         .map(|(seed, trained)| errors_of(judged, seed, |index| (trained, index)))
         .collect::<Result<_, _>>()?;
     let first = settings.seed;
-    let known = |run: &FollowingRun| learned.iter().any(|r| r.driver() == run.driver());
-    let strangers = if judged.iter().all(known) && learned.len() > 2 {
+    let can_be_left_out = |run: &FollowingRun| {
+        let others = others(learned, run.person()).len();
+        others < learned.len() && others > 1
+    };
+    let strangers = if judged.iter().all(can_be_left_out) {
         let left_out = each(judged, |run| {
             let from: Vec<FollowingRun> =
-                others(learned, run.driver()).into_iter().cloned().collect();
+                others(learned, run.person()).into_iter().cloned().collect();
             train_for(std::slice::from_ref(run), &from, settings, first)
         })?;
         Some(errors_of(judged, first, |index| (&left_out[index], 0))?)
@@ -215,6 +218,19 @@ mod tests {
         for trained in &found.trained {
             assert!(trained.shrinkage.share(100.0) > 0.9, "{trained:?}");
         }
+    }
+
+    #[test]
+    fn a_stranger_to_a_network_is_one_of_whom_it_has_learned_from_no_drive() {
+        let mut runs = runs();
+        runs[1] = runs[1].clone().of_person("T0.9");
+        let found = study(&runs, &runs, &settings(1)).unwrap();
+        let alone = study(&runs[..1], &runs[2..], &settings(1)).unwrap();
+        let strangers = found.strangers.unwrap();
+        assert_eq!(strangers.own[0], alone.seeds[0].own[0]);
+        assert_eq!(strangers.mean[0], alone.seeds[0].mean[0]);
+        let few = study(&runs[..3], &runs[..3], &settings(1)).unwrap();
+        assert_eq!(few.strangers, None, "one drive is left without the two");
     }
 
     #[test]

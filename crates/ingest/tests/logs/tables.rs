@@ -49,6 +49,19 @@ fn an_unknown_column_is_named_with_the_nearest_one() {
 }
 
 #[test]
+fn a_separator_that_is_not_the_tables_is_the_matter_where_one_column_holds_all_names() {
+    let mut mapping = shipped("openacc.toml");
+    mapping.table.as_mut().unwrap().separator = Some(';');
+    let table = format!("{HEADER}0,0,1,9,1,0,9\n");
+    let error = read_named("oa_pair_run_f2_Car.csv", &table, mapping).unwrap_err();
+    let help = error.suggestion().unwrap();
+    assert!(help.contains("`separator`"), "{error}: {help}");
+    let error = of_text("t,x_follower\n0,0\n").unwrap_err();
+    let help = error.suggestion().unwrap();
+    assert!(!help.contains("`separator`"), "{error}: {help}");
+}
+
+#[test]
 fn a_table_without_rows_or_with_one_is_refused() {
     assert!(matches!(of_text(HEADER), Err(IngestError::BadTable { .. })));
     let one = of_text(&format!("{HEADER}0,0,1,9,1,0,9\n"));

@@ -5,7 +5,7 @@ use crate::{
     model_file,
     personalize::personalize,
     style_space::{LinearHead, PerpendicularEllipse, share_outside_training},
-    test_drives::{Habits, drive, drivers},
+    test_drives::{Habits, drive, drivers, drivers_apart},
 };
 use maveric_domain::{Drive, Embedding, ScoreRange, StyleScore};
 use std::ops::ControlFlow;
@@ -105,6 +105,22 @@ fn losses_fall_and_drivers_are_ordered_by_their_style() {
     let share = share_outside_training(&trained.model, &three).unwrap();
     assert!((share.unwrap() - 1.0 / 3.0).abs() < 1e-12);
     assert_eq!(share_outside_training(&trained.model, &[]).unwrap(), None);
+}
+
+#[test]
+fn linear_heads_drive_alike_at_every_seed_and_those_of_other_people_do_not() {
+    let people = drivers_apart(6, 240.0);
+    let learned = |people: &[(Drive, StyleScore)], seed| {
+        let settings = TrainSettings::default();
+        let trained = train(&training(people), &settings, seed, &mut |_| {
+            ControlFlow::Continue(())
+        });
+        trained.unwrap().model
+    };
+    let (one, two) = (learned(&people, 1), learned(&people, 2));
+    assert_ne!(one, two, "how sure S is was drawn anew");
+    assert!(one.drives_as(&two));
+    assert!(!one.drives_as(&learned(&people[..5], 1)));
 }
 
 #[test]

@@ -49,7 +49,7 @@ impl Following<'_> {
             method => pair.method.label(),
             beside => pair.beside.label(),
             interval => value(&pair.low_m.zip(pair.high_m)),
-            n => self.found.drivers.len(),
+            n => self.found.people(),
             ..value(pair)
         }
     }
@@ -93,7 +93,7 @@ impl Following<'_> {
             for_all => say(best(&|m| m.method.knows() == Knows::Population))?,
             fitted => say(best(&|m| m.method.knows() == Knows::Test))?,
             tie => self.peers.iter().any(|p| p.low_m.zip(p.high_m).is_some_and(holds_0)),
-            n => self.found.drivers.len(),
+            n => self.found.people(),
         };
         let (drawn, tests) = self.pairs(texts, "better", &self.peers)?;
         tested_card(texts, finding, &values, Some(drawn), tests)

@@ -4,7 +4,7 @@ use crate::{
     card::{Drawn, card, share_row},
     texts::{Texts, value},
 };
-use maveric_analysis::{Finding, Question, Verdict};
+use maveric_analysis::{Finding, Part, Question, Verdict};
 use maveric_rehearsal::{
     findings::{deciding, over_models},
     validation::{Agreement, Dial, Fidelity, Identification, Reading, mean},
@@ -58,6 +58,10 @@ impl Validation<'_> {
         Ok(cards)
     }
 
+    fn models(&self) -> usize {
+        self.fidelity.len()
+    }
+
     fn like_its_driver(&self, texts: &Texts, finding: &Finding) -> Result<Card, ReportError> {
         let first = self.fidelity.first().copied().unwrap_or_default();
         let row = |(k, f): (usize, &Fidelity)| {
@@ -72,7 +76,8 @@ impl Validation<'_> {
                 ..IntervalRow::new(
                     f.title,
                     car.map(|(mean, _)| 100.0 * mean),
-                    car.map(|(_, (low, high))| (100.0 * low, 100.0 * high)),
+                    car.filter(|_| self.models() > 1)
+                        .map(|(_, (low, high))| (100.0 * low, 100.0 * high)),
                 )
             }
         };
@@ -86,7 +91,7 @@ impl Validation<'_> {
             is_shown => finding.verdict == Verdict::Shown,
             above => rows.iter().filter(as_near).count(),
             measures => rows.len(),
-            models => self.fidelity.len(),
+            models => self.models(),
             drivers => self.drivers,
             mean => average(|r| r.estimate),
             floor => average(|r| r.floor),
@@ -102,6 +107,7 @@ impl Validation<'_> {
         };
         let percent = |i: &Identification| (100.0 * i.low, 100.0 * i.high);
         let values = context! {
+            models => self.models(),
             interval => value(&percent(shown)),
             chance => 1.0 / shown.n.max(1) as f64,
             ..value(shown)
@@ -130,7 +136,13 @@ impl Validation<'_> {
         let share = |row: &IntervalRow| row.estimate.unwrap_or(f64::INFINITY);
         let known = rows.iter().filter(|row| row.estimate.is_some());
         let least = known.min_by(|a, b| share(a).total_cmp(&share(b)));
-        let values = context! { least => least.map(value) };
+        let most_turn = |part: &Part| part.estimate.is_some_and(|share| share > 0.5);
+        let values = context! {
+            models => self.models(),
+            is_shown => finding.verdict == Verdict::Shown,
+            most => finding.parts.iter().all(most_turn),
+            least => least.map(value),
+        };
         let drawn = Drawn::beside(50.0, rows);
         card(texts, finding, &values, Some(drawn))
     }
@@ -141,6 +153,7 @@ impl Validation<'_> {
             return Ok(None);
         };
         let values = context! {
+            models => self.models(),
             n => shown.n,
             explained => 100.0 * shown.adb.unwrap_or(0.0).powi(2),
             reading => shown.reading.title(),
@@ -155,6 +168,7 @@ impl Validation<'_> {
 
     fn safe(&self, texts: &Texts, finding: &Finding) -> Result<Card, ReportError> {
         let values = context! {
+            models => self.models(),
             collisions => self.collisions,
             near => self.near,
             ..crate::card::counted(finding)
@@ -163,5 +177,54 @@ impl Validation<'_> {
         let rows = finding.parts.iter().map(|part| share_row(&label, part));
         let drawn = Drawn::beside(0.0, rows);
         card(texts, finding, &values, Some(drawn))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use maveric_rehearsal::{findings, validation::Right};
+
+    /// What the card says of a dial that turns so many of twelve drivers the right way upwards, and all of them downwards.
+    fn answer(right: usize, models: usize) -> String {
+        let turned = |right: usize| Right {
+            n: 12,
+            right,
+            ..Right::default()
+        };
+        let dial = [Dial {
+            title: "Mean velocity",
+            aggressive: turned(right),
+            cautious: turned(12),
+            ..Dial::default()
+        }];
+        let validation = Validation {
+            fidelity: vec![&[][..]; models],
+            identity: &[],
+            dial: &dial,
+            line: &[],
+            drivers: 12,
+            collisions: 0,
+            near: 0,
+            points: 15.0,
+        };
+        let finding = findings::dial(&[&dial[..]]);
+        let cards = validation.cards(&[finding]).unwrap();
+        cards[0].answer.clone()
+    }
+
+    #[test]
+    fn the_dial_turns_most_drivers_only_where_it_was_shown() {
+        assert_eq!(
+            answer(12, 1),
+            "For most drivers in every measure; least for mean velocity +15 (100% of drivers)."
+        );
+        let seven = answer(7, 1);
+        assert!(seven.starts_with("For more than half of these"), "{seven}");
+        let five = answer(5, 2);
+        assert_eq!(
+            five,
+            "Not in every measure for most drivers; least for mean velocity +15 (42% of drivers, first model)."
+        );
     }
 }

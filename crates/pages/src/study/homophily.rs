@@ -122,10 +122,12 @@ impl StudyPage<'_> {
     /// The pairs of the family that the claims name or that are below .05 here, then similarity.
     fn correlations(&self) -> Result<Table, ReportError> {
         let mut rows: Vec<Value> = Vec::new();
+        let mut counts = Vec::new();
         for row in &self.analysis.homophily {
             let key = format!("{}.r", row.key());
             let claimed = self.ledger.iter().any(|l| l.claim.key == key);
             if claimed || row.correlation.p.is_some_and(|p| p < 0.05) {
+                counts.push(row.correlation.n);
                 rows.push(context! {
                     id => row.key(),
                     independent => row.title.as_str(),
@@ -146,7 +148,9 @@ impl StudyPage<'_> {
                 paper => self.printed(&format!("similarity.{}.r", row.rating)),
             });
         }
-        self.texts.table("correlations", rows)
+        let people = words::counted(counts);
+        let texts = self.texts.with(&context! { people });
+        texts.table("correlations", rows)
     }
 
     /// Who rated another style above their own; `None` where nobody could.
@@ -288,12 +292,13 @@ impl StudyPage<'_> {
                 .map(|f| series.iter().map(|v| cell(f, rating, *v)).collect())
                 .collect(),
         };
+        let drawn = rows.iter().filter(|row| row.simultaneous.is_some());
         let texts = self.texts.with(values).with(first);
         Ok(Some(Family {
             rows: factors.iter().map(|f| f.title.clone()).collect(),
             panels: ratings.iter().map(panel).collect(),
             what: texts.text("family")?,
-            participants: self.analysis.participants,
+            n: drawn.map(|row| row.correlation.n).collect(),
             series,
         }))
     }

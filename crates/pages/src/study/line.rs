@@ -3,7 +3,7 @@
 use super::StudyPage;
 use crate::{
     texts::value,
-    words::{correlation, short, with_unit},
+    words::{correlation, counted, short, with_unit},
 };
 use maveric_analysis::{AggressionLine as Line, LineRow};
 use maveric_domain::{ConditionId, ConditionRow, design::Condition};
@@ -47,10 +47,9 @@ impl StudyPage<'_> {
             let paper = self.printed(&format!("line.{}.r", short(&row.measure)));
             context! { without => value(&other.map(|r| &r.correlation)), paper, ..value(row) }
         };
-        let mut tables = vec![
-            self.texts
-                .table("embedding-line", line.rows.iter().map(row))?,
-        ];
+        let people = counted(line.rows.iter().map(|row| row.correlation.n));
+        let texts = self.texts.with(&context! { people });
+        let mut tables = vec![texts.table("embedding-line", line.rows.iter().map(row))?];
         let row = |(condition, moved, clamped): (ConditionId, Vec<f64>, usize)| {
             let values: Vec<Option<f64>> = moved.iter().copied().map(Some).collect();
             let shape = maveric_stats::normality(&values).ok();

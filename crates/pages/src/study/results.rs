@@ -37,6 +37,9 @@ impl StudyPage<'_> {
     pub(super) fn results(&self) -> Result<Vec<Block>, ReportError> {
         let a = self.analysis;
         let mut blocks = vec![Block::Heading(1, self.results.text("heading")?)];
+        if a.synthetic {
+            blocks.push(Block::Paragraph(self.results.text("synthetic")?));
+        }
         blocks.extend(headed(
             self.results.text("primary_heading")?,
             self.each("primary", self.primary_rows().into_iter())?,
@@ -169,6 +172,30 @@ mod tests {
     use maveric_analysis::BeforePress;
     use maveric_domain::Design;
     use maveric_stats::{CaseStratum, Exposed, case_crossover, event_rates};
+
+    #[test]
+    fn a_hypothesis_stands_with_the_p_that_made_it_so() {
+        let label = Value::from_function(|id: &str| id.to_owned());
+        let texts = PageTexts::new(RESULTS, &context! { label }).unwrap();
+        let said = |verdict: &str, bounds: Option<Vec<f64>>, holm: bool| {
+            let values = context! {
+                says => "So", verdict, bounds, holm, rule => "shown if it is", n => 24, first => "calm", second => "sporty",
+                mean_difference => 2.0, interval => vec![1.5, 2.5], p => 0.999, p_outside => 0.001,
+            };
+            texts.with(&values).text("hypothesis").unwrap()
+        };
+        let bounds = || Some(vec![-1.0, 1.0]);
+        let fails = said("fails", bounds(), false);
+        assert!(
+            fails.starts_with("“So”: fails (shown if it is). ")
+                && fails.ends_with("lies outside: *p* = .001."),
+            "{fails}"
+        );
+        let open = said("not_shown", bounds(), false);
+        assert!(open.ends_with("the larger *p* = .999."), "{open}");
+        assert!(said("fails", None, true).ends_with(", *p*_{Holm} = .999."));
+        assert!(said("shown", None, false).ends_with(", *p* = .999."));
+    }
 
     #[test]
     fn what_was_pressed_stands_in_the_results_with_its_tests_and_what_was_not_tested_does_not() {

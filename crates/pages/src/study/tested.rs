@@ -8,8 +8,8 @@ use crate::{
 use maveric_analysis::{Contrast, Panel};
 use maveric_domain::Design;
 use maveric_stats::{
-    ByDesign, Chosen, ChosenTest, EffectMethod, FactorialFinding, GroupsAnalysis, PERIOD,
-    SmallSample, apa::Statements,
+    Adjustment, ByDesign, Chosen, ChosenTest, EffectMethod, FactorialFinding, GroupsAnalysis,
+    PERIOD, SmallSample, apa::Statements,
 };
 use minijinja::{Value, context};
 use serde::Serialize;
@@ -247,7 +247,7 @@ pub(super) fn contrast(panel: &Panel, pair: &Contrast) -> Value {
         level => group.map_or("", |g| g.level.as_str()),
         title => titled(panel),
         unit => panel.unit.as_str(),
-        sentence => paired(panel, pair),
+        sentence => paired(panel, pair, Adjustment::None),
         test => value(&panel.test),
         se => pair.se,
         interval => value(&pair.interval),

@@ -32,6 +32,15 @@ pub struct Made {
     pub shown_in: Option<String>,
 }
 
+/// What agreeing leaves open.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum LeftOpen {
+    /// The difference goes the claimed way, with no p below .05.
+    DirectionAlone,
+    /// The paper found nothing, and so did we.
+    NothingFound,
+}
+
 /// What comes of a comparison.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Verdict {
@@ -64,6 +73,27 @@ impl LedgerRow {
             (false, true) => "clear here only",
             (false, false) => "clear in neither",
         })
+    }
+
+    /// What an agreement leaves open, where its rule asks for less than a reader may take from it.
+    pub fn left_open(&self) -> Option<LeftOpen> {
+        let not_clear = self.ours_p.is_some_and(|p| p >= SIGNIFICANT);
+        match self.claim.rule {
+            _ if self.verdict != Verdict::Agrees => None,
+            Rule::PAbove { .. } => Some(LeftOpen::NothingFound),
+            Rule::Above | Rule::Below if not_clear => Some(LeftOpen::DirectionAlone),
+            _ => None,
+        }
+    }
+}
+
+impl LeftOpen {
+    /// As the ledger writes it.
+    pub fn text(self) -> &'static str {
+        match self {
+            Self::DirectionAlone => "same direction; not shown",
+            Self::NothingFound => "none found, which does not show that there is none",
+        }
     }
 }
 
@@ -292,6 +322,26 @@ mod tests {
             join(&claims, &results).unwrap()[0].verdict,
             Verdict::Differs
         );
+    }
+
+    #[test]
+    fn agreement_of_a_direction_alone_and_of_nothing_found_is_said_to_be_no_more() {
+        let open = |claims: &[Claim], key: &str, ours: f64, p: f64| {
+            let results = [(key, ours), ("x.p", p)].map(|(k, v)| (k.to_owned(), v));
+            join(claims, &BTreeMap::from(results)).unwrap()[0].left_open()
+        };
+        let mut higher = claim(">0", "\"above\"");
+        higher[0].quantity = Quantity::Difference;
+        higher[0].key = "x.difference".to_owned();
+        let difference = |ours, p| open(&higher, "x.difference", ours, p);
+        assert_eq!(difference(0.4, 0.6), Some(LeftOpen::DirectionAlone));
+        assert_eq!(difference(0.4, 0.01), None);
+        assert_eq!(difference(-0.4, 0.6), None);
+        let mut none = claim(">.05", "{ p-above = { bound = 0.05 } }");
+        none[0].quantity = Quantity::P;
+        none[0].key = "x.p".to_owned();
+        assert_eq!(open(&none, "x.p", 0.3, 0.3), Some(LeftOpen::NothingFound));
+        assert_eq!(open(&none, "x.p", 0.01, 0.01), None);
     }
 
     #[test]

@@ -1,6 +1,6 @@
 //! The ledger as a table.
 
-use super::join::{LedgerRow, Verdict};
+use super::join::{LedgerRow, LeftOpen, Verdict};
 use super::load::{DfSource, Quantity, Rule};
 use super::self_check::SelfCheck;
 use crate::apa;
@@ -37,7 +37,10 @@ pub fn ledger_table(rows: &[LedgerRow]) -> Table {
     .text("Verdict", |row| row.verdict.text())
     .text("Rule", |row| rule(row.claim.rule))
     .left("*p* < .05?", |row| {
-        row.clear().map_or(Cell::Missing, Cell::text)
+        let left_open = || row.left_open().map(LeftOpen::text);
+        row.clear()
+            .or_else(left_open)
+            .map_or(Cell::Missing, Cell::text)
     })
     .left("Does the paper agree with itself?", |row| {
         marked(own_figures(row))

@@ -6,7 +6,7 @@ mod load;
 mod recheck;
 mod self_check;
 
-pub use join::{LedgerRow, Made, Verdict, join};
+pub use join::{LedgerRow, LeftOpen, Made, Verdict, join};
 pub use ledger::{ledger_table, verdict_counts};
 pub(crate) use ledger::{ours, own_figures, rule, theirs};
 pub use load::{Claim, DfSource, Printed, Quantity, Rule, load};

@@ -16,8 +16,8 @@ pub struct Family {
     pub panels: Vec<FamilyPanel>,
     /// What the intervals are, and of how many tests. With marks.
     pub what: String,
-    /// Participants, for the caption.
-    pub participants: usize,
+    /// People behind each coefficient, for the caption.
+    pub n: Vec<usize>,
 }
 
 /// The correlations with one rating.
@@ -66,10 +66,10 @@ pub fn family(input: &Family, context: &Context) -> Result<Figure, ReportError> 
         size_mm: (TWO_COLUMNS_MM, lines as f64 * height + 8.0),
         title: "The declared family of correlations".to_owned(),
         caption: format!(
-            "{} {clear} of {} leave zero out. A line without a mark could not be computed. *n* = {} participants.",
+            "{} {clear} of {} leave zero out. A line without a mark could not be computed. *n* = {} participants who have both values.",
             input.what,
             cells.len(),
-            input.participants
+            counted(input.n.iter().copied(), "")
         ),
         alt: strongest(input),
         shows: Shows::Participants,
@@ -157,7 +157,7 @@ mod tests {
                 cells: vec![vec![cell(0.1), None], vec![cell(0.6), cell(-0.2)]],
             }],
             what: "Intervals for all 4 at once.".into(),
-            participants: 24,
+            n: vec![23, 21, 23],
         }
     }
 
@@ -165,7 +165,8 @@ mod tests {
     fn what_leaves_zero_out_is_counted_and_the_strongest_is_named() {
         let figure = family(&input(), &Context::real()).unwrap();
         assert!(
-            figure.caption.contains("1 of 3 leave zero out"),
+            figure.caption.contains("1 of 3 leave zero out")
+                && figure.caption.contains("*n* = 21 to 23 participants"),
             "{}",
             figure.caption
         );

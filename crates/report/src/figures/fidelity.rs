@@ -9,7 +9,7 @@ pub struct Fidelity {
     pub measures: Vec<FidelityRow>,
     /// Drivers, for the caption.
     pub drivers: usize,
-    /// Training seeds over which the ranges are taken.
+    /// Trained models over which the ranges are taken, each of another training seed.
     pub seeds: usize,
 }
 
@@ -22,7 +22,7 @@ pub struct FidelityRow {
     pub car: Accuracy,
     /// The driver's own second drive.
     pub test_retest: Option<Accuracy>,
-    /// The mean of all drivers.
+    /// The mean of the drivers learned from.
     pub population: Option<Accuracy>,
     /// What the paper printed.
     pub paper: Option<f64>,
@@ -59,15 +59,19 @@ pub fn fidelity(input: &Fidelity, context: &Context) -> Result<Figure, ReportErr
         )?;
     }
     let count = input.measures.len() as f64;
+    let points = match input.seeds {
+        1 => "one trained model".to_owned(),
+        seeds => format!("mean over {seeds} training seeds; line: their range"),
+    };
     let plan = Plan {
         name: NAME.to_owned(),
         size_mm: (120.0, (54.0 + ROW * count) / 72.0 * 25.4),
         title: "As near to the driver as the driver".to_owned(),
         caption: format!(
-            "Accuracy, 1 − |AV − driver| / driver, mean over drivers. Point: mean over {} training seeds; line: \
-             their range. The driver’s own second drive is the most that can be asked; the mean of all drivers is \
-             what needs no model. *n* = {} drivers; no test.",
-            input.seeds, input.drivers
+            "Accuracy, 1 − |AV − driver| / driver, mean over drivers. Point: {points}. The driver’s own second drive \
+             is the most that can be asked; the mean of the drivers learned from is what needs no model. *n* = {} \
+             drivers; no test.",
+            input.drivers
         ),
         alt: sentences(input.measures.iter().map(FidelityRow::words)),
         shows: Shows::Participants,
@@ -105,7 +109,7 @@ pub fn fidelity(input: &Fidelity, context: &Context) -> Result<Figure, ReportErr
 const LOOKS: [(Marker, RGBColor, &str); 4] = [
     (Marker::Square, PURPLE, "Car"),
     (Marker::Circle, INK, "own second drive"),
-    (Marker::TriangleDown, GREY, "mean of all drivers"),
+    (Marker::TriangleDown, GREY, "training mean"),
     (Marker::Diamond, OCHRE, "paper"),
 ];
 
@@ -136,6 +140,32 @@ impl FidelityRow {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_range_is_named_only_where_there_are_several_models() {
+        let caption = |seeds| {
+            let share = |mean| Accuracy {
+                mean,
+                low: mean,
+                high: mean,
+            };
+            let row = FidelityRow {
+                measure: "Mean velocity".into(),
+                car: share(0.9),
+                test_retest: None,
+                population: None,
+                paper: None,
+            };
+            let input = Fidelity {
+                measures: vec![row],
+                drivers: 24,
+                seeds,
+            };
+            fidelity(&input, &Context::real()).unwrap().caption
+        };
+        assert!(caption(5).contains("mean over 5 training seeds; line: their range"));
+        assert!(caption(1).contains("one trained model") && !caption(1).contains("range"));
+    }
 
     #[test]
     fn an_accuracy_that_is_not_finite_is_refused() {

@@ -74,7 +74,7 @@ fn plan(input: &FollowingErrors, crowd: bool) -> Plan {
         title: "Error of the gap in closed loop, by driver".to_owned(),
         caption: format!(
             "{}: root-mean-square error of the gap over the unseen last third of each drive, in \
-             closed loop. {shown}; the floor was fitted to that third itself. *n* = {} drivers, each with \
+             closed loop. {shown}; the floor was fitted to that third itself. *n* = {} drives, each with \
              the same weight in the mean; no test.",
             markup::literal(&input.data_set),
             input.drivers.len()

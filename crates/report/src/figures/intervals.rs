@@ -79,6 +79,21 @@ impl Intervals {
     pub fn has_values(&self) -> bool {
         self.rows.iter().any(|r| r.estimate.is_some())
     }
+
+    /// What the rows and marks are. With marks.
+    pub fn key(&self) -> String {
+        let mut key = format!("{}.", self.what);
+        if self.rows.iter().any(|r| r.floor.is_some()) {
+            key += " Grey bar: the floor.";
+        }
+        if self.rows.iter().any(|r| r.ceiling.is_some()) {
+            key += " Ring: the ceiling.";
+        }
+        if self.bounds.is_some() {
+            key += " Shaded: what the rule asks for.";
+        }
+        key
+    }
 }
 
 const MOST: usize = 30;
@@ -102,22 +117,12 @@ pub fn intervals(
     let estimates = input.rows.iter().filter(|r| r.estimate.is_some());
     check.at_least(1, "estimates", estimates.count())?;
     check.finite("an estimate", values().chain(input.nothing))?;
-    let mut caption = format!("{}.", input.what);
-    if input.rows.iter().any(|r| r.floor.is_some()) {
-        caption += " Grey bar: the floor.";
-    }
-    if input.rows.iter().any(|r| r.ceiling.is_some()) {
-        caption += " Ring: the ceiling.";
-    }
-    if input.bounds.is_some() {
-        caption += " Shaded: what the rule asks for.";
-    }
     let estimates = input.rows.iter().filter_map(IntervalRow::words);
     let plan = Plan {
         name: name.to_owned(),
         size_mm: (ONE_COLUMN_MM, ROW_MM * input.rows.len() as f64 + 12.0),
         title: title.to_owned(),
-        caption,
+        caption: input.key(),
         alt: estimates.collect::<Vec<_>>().join("; "),
         shows: Shows::Participants,
     };

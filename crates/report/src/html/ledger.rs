@@ -1,7 +1,9 @@
 //! The claims ledger on the page: grouped by part of the paper, ready to be filtered.
 
 use super::template::safe;
-use crate::claims::{LedgerRow, Verdict, ours, own_figures, rule, theirs, verdict_counts};
+use crate::claims::{
+    LedgerRow, LeftOpen, Verdict, ours, own_figures, rule, theirs, verdict_counts,
+};
 use crate::markup;
 use minijinja::{Value, context};
 use std::collections::BTreeSet;
@@ -58,7 +60,7 @@ fn row_value(row: &LedgerRow, anchors: &BTreeSet<String>) -> Value {
         verdict => row.verdict.text(),
         kind => kind(row.verdict),
         rule => rule(row.claim.rule),
-        clear => row.clear(),
+        clear => row.clear().or_else(|| row.left_open().map(LeftOpen::text)),
         stage => origin.map(|m| &m.stage),
         anchor => shown_in,
         shown_as => shown_in.map(|anchor| if anchor.starts_with("figure-") { "figure" } else { "table" }),

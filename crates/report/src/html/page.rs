@@ -175,7 +175,7 @@ fn card_value(card: &Card, plot: Option<&Figure>, anchors: &BTreeSet<String>) ->
         rule => safe(markup::html(&card.rule)),
         number,
         svg => plot.map(|p| safe(p.svg.clone())),
-        key => plot.map(|p| safe(markup::html(&p.caption))),
+        key => card.plot.as_ref().map(|p| safe(markup::html(&p.key()))),
         doubt => safe(markup::html(&card.doubt)),
         see => card.see.as_ref().filter(on_page),
         tests => marked(&card.tests),

@@ -15,7 +15,7 @@ use crate::{
 pub struct EffectTest {
     /// Which test.
     pub method: EffectMethod,
-    /// F; W+ of signed ranks; U of two groups' ranks, of more groups χ².
+    /// F; W+ of signed ranks; U of two groups' ranks, of more groups χ²; Friedman's χ² where all people agree and F has no bound.
     pub statistic: Option<f64>,
     /// Degrees of freedom, corrected; none of W+ and U.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -33,6 +33,15 @@ pub struct EffectTest {
 }
 
 impl EffectTest {
+    /// Whether all people order the levels alike, so that Friedman's χ² decides where F would.
+    pub fn is_unanimous(&self) -> bool {
+        let friedman = matches!(
+            self.method,
+            EffectMethod::Friedman | EffectMethod::FriedmanOfDifferences
+        );
+        friedman && self.statistic.is_some() && self.df2.is_none()
+    }
+
     fn untested(method: EffectMethod) -> Self {
         Self {
             method,
@@ -178,10 +187,14 @@ impl Effects<'_> {
                     _ => sums,
                 };
                 let friedman = within_without_exact(&table(self.design, &rows)?).friedman;
-                test.statistic = friedman.f;
-                (test.df1, test.df2) = (friedman.f_df1, friedman.f_df2);
-                // Where all people agree F is infinite.
-                test.p = friedman.f_p.or(friedman.p);
+                if friedman.f.is_some() {
+                    (test.statistic, test.p) = (friedman.f, friedman.f_p);
+                    (test.df1, test.df2) = (friedman.f_df1, friedman.f_df2);
+                } else {
+                    // Where all people agree F has no bound.
+                    (test.statistic, test.p) = (friedman.chi2, friedman.p);
+                    test.df1 = friedman.df.map(|df| df as f64);
+                }
             }
             _ => {
                 let values: Vec<Option<f64>> = sums.iter().map(|s| Some(s.iter().sum())).collect();

@@ -39,6 +39,12 @@ pub(super) fn several(
     }
     reasons.extend(methods_in_words(data, &plan, normal));
     let (anova, tests) = tested(&design, &shape, &covariates, &plan, normal)?;
+    for (effect, _) in tests.iter().filter(|(_, test)| test.is_unanimous()) {
+        let effect = data.called(effect);
+        reasons.push(format!(
+            "{effect}: all subjects order the levels alike, so F has no bound; Friedman's chi-squared decides in its place"
+        ));
+    }
     let ranked = tests.values().any(|test| test.method.is_of_ranks());
     Ok(ByDesign::Factorial(Box::new(Chosen {
         chosen: if ranked {

@@ -26,9 +26,9 @@ use std::{
 #[derive(Debug, Clone, clap::Args)]
 #[command(after_help = "Example: maveric codebook --scales study_data/scales --out codebook")]
 pub struct Describe {
-    /// Folder of questionnaire definitions
-    #[arg(long, default_value = "study_data/scales")]
-    pub scales: PathBuf,
+    /// Folder of questionnaire definitions; the design's when not given
+    #[arg(long)]
+    pub scales: Option<PathBuf>,
     /// Design of the study (TOML), for its own measures; study.toml of the current directory when not given
     #[arg(long, value_name = "FILE")]
     pub design: Option<PathBuf>,
@@ -79,9 +79,10 @@ impl Stage for Describe {
     const FAILURE: &'static str = "could not write the codebook";
     type Result = Codebook;
 
-    fn files(&self, _root: &Path) -> Result<Files, StudyError> {
+    fn files(&self, root: &Path) -> Result<Files, StudyError> {
+        let study = DesignFile::below_or_paper(root, self.design.as_deref())?;
         Ok(Files::default()
-            .reads([&self.scales])
+            .reads([study.scales_folder(self.scales.as_deref())])
             .reads_design(self.design.as_deref())
             .writes_into(&self.out, &PATHS))
     }
@@ -90,7 +91,7 @@ impl Stage for Describe {
     fn work(&self, watch: Watch<'_>) -> Result<Outcome<Codebook>, StudyError> {
         let paths = PATHS.map(|name| self.out.join(name));
         let study = DesignFile::here(self.design.as_deref())?;
-        let scales = read_scales(&self.scales)?;
+        let scales = read_scales(&self.scales_folder()?)?;
         watch.check()?;
         let value = write_codebook(&scales, study.as_ref().map(|s| &s.design), &self.out)?;
         let [csv, markdown, _] = paths;
@@ -102,6 +103,17 @@ impl Stage for Describe {
             csv.to_slash_lossy()
         )];
         Ok(Outcome::new(value, summary, Vec::new()))
+    }
+}
+
+impl Describe {
+    /// The folder of questionnaires that it describes.
+    ///
+    /// # Errors
+    /// As [`DesignFile::find`].
+    pub fn scales_folder(&self) -> Result<PathBuf, StudyError> {
+        let study = DesignFile::find(self.design.as_deref())?;
+        Ok(study.scales_folder(self.scales.as_deref()))
     }
 }
 

@@ -35,7 +35,7 @@ pub struct Evaluate {
     /// Folder of the drives that are judged
     #[arg(long)]
     pub drives: PathBuf,
-    /// Folder of drives to learn from instead: their first two thirds; a drive in both is judged by the others
+    /// Folder of drives to learn from instead: their first two thirds; who is in both is judged by the others
     #[arg(long)]
     pub learn: Option<PathBuf>,
     /// Trained model, for F; left out without it
@@ -100,10 +100,10 @@ impl Stage for Evaluate {
         };
         write_json(&self.out, &with_findings)?;
         watch.step(2, 2, "comparing")?;
+        let counted = tables::texts(&evaluation, None)?.text("counted")?;
         let mut summary = vec![format!(
-            "{} drivers, last third of each drive, closed loop; learned from {} people: {}",
-            judged.len(),
-            learned.len(),
+            "{counted}, last third of each drive, closed loop; learned from {} people: {}",
+            evaluation.learned_from,
             self.out.to_slash_lossy()
         )];
         summary.extend(text::lines(&evaluation)?);

@@ -201,16 +201,6 @@ struct Place {
 impl Place {
     fn new(options: &Generate, study: &DesignFile, root: &Path) -> Result<Self, StudyError> {
         let files = study.design.files();
-        let chosen = |given: &Option<PathBuf>, path: Option<&PathBuf>, usual: &str| {
-            let of_design = || {
-                path.filter(|_| study.path.is_some())
-                    .map(|p| study.resolve(p))
-            };
-            given
-                .clone()
-                .or_else(of_design)
-                .unwrap_or_else(|| usual.into())
-        };
         let world = Some(&files.scenario).filter(|_| study.path.is_some());
         let world = world
             .map(|p| study.resolve(p))
@@ -237,12 +227,8 @@ impl Place {
             people,
             answers,
             scenario: options.scenario.clone().or(world),
-            scales: chosen(&options.scales, Some(&files.scales), "study_data/scales"),
-            effects: chosen(
-                &options.effects,
-                files.effects.as_ref(),
-                "study_data/effects.toml",
-            ),
+            scales: study.scales_folder(options.scales.as_deref()),
+            effects: study.effects_file(options.effects.as_deref()),
         })
     }
 

@@ -62,9 +62,9 @@ pub struct Import {
     /// Sheet of a workbook; that of the map of columns, else the only one with something in it, when not given
     #[arg(long, value_name = "NAME")]
     pub sheet: Option<String>,
-    /// Folder of questionnaire definitions
-    #[arg(long, default_value = "study_data/scales")]
-    pub scales: PathBuf,
+    /// Folder of questionnaire definitions; the design's when not given
+    #[arg(long)]
+    pub scales: Option<PathBuf>,
     /// Propose what its columns mean, with every doubt as a comment, instead of importing
     #[arg(long, conflicts_with = "columns")]
     pub suggest: bool,
@@ -107,8 +107,10 @@ impl Stage for Import {
     type Result = ImportResult;
 
     fn files(&self, root: &Path) -> Result<Files, StudyError> {
+        let study = DesignFile::below_or_paper(root, self.design.as_deref())?;
         let files = Files::default()
-            .reads([&self.file, &self.scales])
+            .reads([&self.file])
+            .reads([study.scales_folder(self.scales.as_deref())])
             .reads(&self.columns)
             .reads_people(root, self.design.as_deref(), None)
             .writes(&self.out);
@@ -123,8 +125,8 @@ impl Stage for Import {
     /// Imports answers and writes them as a long table: participant, moment, scale, item, answer, and seconds where the software measured
     /// them.
     fn work(&self, watch: Watch<'_>) -> Result<Outcome<ImportResult>, StudyError> {
-        let scales = read_scales(&self.scales)?;
         let study = DesignFile::find(self.design.as_deref())?;
+        let scales = read_scales(&study.scales_folder(self.scales.as_deref()))?;
         let columns = Columns::new(self.columns.as_deref(), &scales, &study.design)?;
         let how = columns.map.how(self.sheet.as_deref());
         let export = Export::read(&self.file, self.from, how)?;
@@ -159,6 +161,12 @@ impl Import {
             suggest::columns_of(&self.file, export, columns, design, self.sheet.as_deref())?;
         let mut summary: Vec<String> = proposed.lines().map(str::to_owned).collect();
         if let Some(out) = &self.out {
+            if map_file::is_filled_in(out)? {
+                let problem =
+                    "is filled in already, and a proposal is written over no map of columns";
+                let help = "name a new file with --out, or leave out --out to have the proposal printed; then take over what you need";
+                return Err(StudyError::file(out, problem).with_help(help));
+            }
             atomic_write_bytes(out, proposed.as_bytes())?;
             summary = vec![format!(
                 "what the columns may mean: {}",

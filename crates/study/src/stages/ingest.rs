@@ -22,13 +22,13 @@ use crate::{
         write_rows,
     },
 };
-use maveric_analysis::Why;
+use maveric_analysis::{Rule, Why};
 use maveric_domain::{Drive, DriveMeta, Sees, occasion::is_first};
 use maveric_ingest::{IngestError, Provenance, Warning, begins_ns, read_log};
 use path_slash::PathExt as _;
 use serde::Serialize;
 use std::{
-    collections::BTreeSet,
+    collections::{BTreeMap, BTreeSet},
     path::{Path, PathBuf},
 };
 use told::{none_ingested, sights, warnings};
@@ -102,6 +102,7 @@ pub struct LeftOutDrive {
 struct Written {
     /// The file in the folder aside.
     file: PathBuf,
+    log: PathBuf,
     meta: DriveMeta,
     rows: usize,
     duration_s: f64,
@@ -233,21 +234,50 @@ fn log_or_why(
     }
 }
 
+/// What to do where every drive is left out.
+fn let_one_in(left_out: &[LeftOutDrive]) -> String {
+    let rules: BTreeSet<&str> = left_out.iter().map(|out| out.why.rule.key()).collect();
+    let named_otherwise = |out: &LeftOutDrive| {
+        let unknown = [
+            Rule::UnknownParticipant,
+            Rule::UnknownCondition,
+            Rule::UnknownOccasion,
+        ];
+        unknown.contains(&out.why.rule)
+    };
+    if left_out.iter().any(named_otherwise) {
+        return "say whose drives these are under [names] of the mapping, or add people and conditions to the study".to_owned();
+    }
+    let rules: Vec<&str> = rules.into_iter().collect();
+    format!(
+        "all are left out by {}: change the rule in the study, or add drives that it lets in",
+        rules.join(", ")
+    )
+}
+
 fn some_let_in_and_none_twice(
     drives: &[Written],
     left_out: &[LeftOutDrive],
 ) -> Result<(), StudyError> {
     if let (true, Some(first)) = (drives.is_empty(), left_out.first()) {
         let problem = format!("no drive is let in; {}: {}", first.meta.drive, first.why);
-        let help = "say whose drives these are under [names] of the mapping, or add people and conditions to the study";
-        return Err(StudyError::not_possible(problem).with_help(help));
+        return Err(StudyError::not_possible(problem).with_help(let_one_in(left_out)));
     }
-    let mut ids = BTreeSet::new();
-    if let Some(twice) = drives.iter().find(|d| !ids.insert(&d.meta.drive)) {
-        let problem = format!(
-            "two logs, or two vehicles of one, make the drive `{}`",
-            twice.meta.drive
-        );
+    let mut made = BTreeMap::new();
+    let twice = drives.iter().find_map(|second| {
+        let first = made.insert(&second.meta.drive, second)?;
+        Some((first, second))
+    });
+    if let Some((first, second)) = twice {
+        let drive = &second.meta.drive;
+        let [one, other] = [first, second].map(|made| made.log.to_slash_lossy());
+        let problem = if one == other {
+            format!(
+                "{one} makes the drive `{drive}` twice: it is named twice, or two of its vehicles have one name"
+            )
+        } else {
+            format!("{one} and {other} both make the drive `{drive}`")
+        };
         let help = "leave one of them out, or ingest them into two folders";
         return Err(StudyError::not_possible(problem).with_help(help));
     }
@@ -300,6 +330,7 @@ fn write_log((number, log): (usize, &logs::Log), aside: &Path) -> Result<Vec<Wri
         let rows = drive.rows();
         written.push(Written {
             file: write_drive_of(&folder, &drive, &provenance)?,
+            log: log.path.clone(),
             meta: drive.meta().clone(),
             rows: drive.len(),
             duration_s: rows.time_s.last().copied().unwrap_or(0.0),

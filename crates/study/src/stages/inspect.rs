@@ -4,19 +4,21 @@ mod lines;
 
 use crate::{
     atomic_write::atomic_write_bytes,
+    design::DesignFile,
     error::StudyError,
     once::count,
     outcome::{Outcome, Watch},
     run_folder::read_model,
     stage::{Files, Stage},
+    stages::ingest::{Ingest, logs},
     tables::drives::write_samples,
     watching::{read_watched, write_watch_page},
 };
 use lines::{lines, one_line};
 use maveric_domain::{Drive, DriveMeta, Sees};
 use maveric_ingest::{
-    IngestError, IngestSettings, LogSummary, Mapping, Provenance, inspect_with, read_drive_from,
-    read_log, suggest_mapping,
+    IngestError, IngestSettings, LogSummary, Provenance, inspect_with, read_drive_from, read_log,
+    suggest_mapping,
 };
 use maveric_model::{HEADS, Heads, HeadsKind};
 use maveric_report::{
@@ -42,7 +44,8 @@ pub struct Inspect {
     /// Files to look into; a folder whose mapping says that every signal has its own file
     #[arg(required_unless_present = "suggest_mapping")]
     pub files: Vec<PathBuf>,
-    /// What the columns of a table mean (TOML)
+    /// What the columns of a table mean (TOML); of a log of the study whose study.toml is in the current directory, the design's when not
+    /// given
     #[arg(long)]
     pub mapping: Option<PathBuf>,
     /// Propose a mapping for this table, with its doubts as comments
@@ -195,8 +198,19 @@ impl Stage for Inspect {
     const FAILURE: &'static str = "could not inspect";
     type Result = Looked;
 
-    fn files(&self, _root: &Path) -> Result<Files, StudyError> {
-        Ok(Files::default()
+    fn files(&self, root: &Path) -> Result<Files, StudyError> {
+        let mut files = Files::default();
+        if self.mapping.is_none()
+            && !self.files.is_empty()
+            && let Some(study) = DesignFile::below(root, None)
+        {
+            let named = Ingest {
+                logs: self.files.clone(),
+                ..Ingest::default()
+            };
+            files = logs::declared_files(files.reads_design(None), &named, &study);
+        }
+        Ok(files
             .reads(&self.files)
             .reads(&self.mapping)
             .reads(&self.suggest_mapping)
@@ -211,14 +225,18 @@ impl Stage for Inspect {
         if let Some(path) = &self.suggest_mapping {
             return suggest(path, self.into.as_deref());
         }
-        let settings = IngestSettings {
-            mapping: self.mapping.as_deref().map(Mapping::read).transpose()?,
-            ..IngestSettings::default()
+        let study = match self.mapping {
+            Some(_) => None,
+            None => DesignFile::here(None)?,
         };
+        let settings_of =
+            |path: &PathBuf| logs::settings_of(path, self.mapping.as_deref(), study.as_ref());
+        let settings = self.files.iter().map(settings_of);
+        let settings: Vec<IngestSettings> = settings.collect::<Result<_, _>>()?;
         let mut files = Vec::new();
         let mut summary = Vec::new();
-        for (done, path) in self.files.iter().enumerate() {
-            let content = look_into(path, &settings)?;
+        for (done, (path, settings)) in self.files.iter().zip(&settings).enumerate() {
+            let content = look_into(path, settings)?;
             summary.push(format!("{}", path.to_slash_lossy()));
             summary.extend(
                 lines(&content)
@@ -231,17 +249,19 @@ impl Stage for Inspect {
             });
             watch.step(done + 1, self.files.len(), "files")?;
         }
-        if let (Some(out), Some(first)) = (&self.plot, self.files.first()) {
-            plot(first, &settings, out)?;
+        let first = self.files.first().zip(settings.first());
+        if let (Some(out), Some((first, settings))) = (&self.plot, first) {
+            plot(first, settings, out)?;
             summary.push(format!("picture: {}", out.to_slash_lossy()));
         }
-        if let (Some(out), Some(first)) = (&self.csv, self.files.first()) {
-            let drive = any_drive(first, &settings)?;
+        if let (Some(out), Some((first, settings))) = (&self.csv, first) {
+            let drive = any_drive(first, settings)?;
             write_samples(out, &drive)?;
             summary.push(format!("{} rows: {}", drive.len(), out.to_slash_lossy()));
         }
         if let Some(out) = &self.watch {
-            let drives = self.files.iter().map(|path| read_watched(path, &settings));
+            let drives = self.files.iter().zip(&settings);
+            let drives = drives.map(|(path, settings)| read_watched(path, settings));
             let drives: Vec<_> = drives.collect::<Result<Vec<_>, _>>()?.concat();
             let logs = self
                 .files
@@ -354,6 +374,7 @@ fn plot(path: &Path, settings: &IngestSettings, out: &Path) -> Result<(), StudyE
 #[cfg(test)]
 mod tests {
     use super::*;
+    use maveric_ingest::Mapping;
 
     #[test]
     fn a_proposal_is_written_as_a_file_of_its_own_and_never_over_one_that_is_there() {

@@ -48,14 +48,14 @@ pub fn versions() -> BTreeMap<String, String> {
         ("simulate", 11),
         ("measure", 7),
         ("rate", 5),
-        ("evaluate", 9),
-        ("stats", 17),
+        ("evaluate", 10),
+        ("stats", 18),
         ("ablate", 9),
-        ("validate", 13),
+        ("validate", 14),
         ("recommend", 5),
         ("rehearse", 10),
         ("rehearse-dial", 6),
-        ("report", 20),
+        ("report", 21),
     ]
     .map(|(command, version)| (command.to_owned(), version.to_string()))
     .into()

@@ -48,12 +48,12 @@ pub struct Rate {
     /// The synthetic participants
     #[arg(long)]
     pub participants: PathBuf,
-    /// Sizes of the effects (TOML)
-    #[arg(long, default_value = "study_data/effects.toml")]
-    pub effects: PathBuf,
-    /// Folder of questionnaire definitions
-    #[arg(long, default_value = "study_data/scales")]
-    pub scales: PathBuf,
+    /// Sizes of the effects (TOML); the design's when not given, else as shipped
+    #[arg(long)]
+    pub effects: Option<PathBuf>,
+    /// Folder of questionnaire definitions; the design's when not given
+    #[arg(long)]
+    pub scales: Option<PathBuf>,
     /// Drives of the car (folder with drives.parquet), on which people press where the effects say when
     #[arg(long, value_name = "DIR")]
     pub drives: Option<PathBuf>,
@@ -78,8 +78,8 @@ pub struct Ratings {
 
 impl Rate {
     /// The tables of what is pressed, for paths from `root`; none where the effects do not say when, or a seat wrote down what was.
-    fn pressed_tables(&self, root: &Path) -> Vec<PathBuf> {
-        let effects = read_effects(&root.join(&self.effects));
+    fn pressed_tables(&self, root: &Path, effects: &Path) -> Vec<PathBuf> {
+        let effects = read_effects(&root.join(effects));
         let says = effects.is_ok_and(|effects| effects.presses.is_some());
         let study = DesignFile::below(root, self.design.as_deref());
         let in_seat = study.is_some_and(|study| is_pressed_in_seat(root, &study));
@@ -123,17 +123,15 @@ impl Stage for Rate {
     type Result = Ratings;
 
     fn files(&self, root: &Path) -> Result<Files, StudyError> {
+        let study = DesignFile::below_or_paper(root, self.design.as_deref())?;
+        let effects = study.effects_file(self.effects.as_deref());
         Ok(Files::default()
-            .reads([
-                &self.measures,
-                &self.participants,
-                &self.effects,
-                &self.scales,
-            ])
+            .reads([&self.measures, &self.participants, &effects])
+            .reads([study.scales_folder(self.scales.as_deref())])
             .reads(&self.drives)
             .reads_design(self.design.as_deref())
             .writes([&self.out])
-            .writes(self.pressed_tables(root)))
+            .writes(self.pressed_tables(root, &effects)))
     }
 
     /// Lets each synthetic participant who is tested rate the conditions that they sat through and that the car drove; a condition
@@ -144,8 +142,9 @@ impl Stage for Rate {
         let study = DesignFile::find(self.design.as_deref())?;
         let tested = study.people(Some(&self.participants))?.tested();
         let people = read_participants(&self.participants, &study.design)?;
-        let scales = read_scales(&self.scales)?;
-        let asking = Asking::new(&study, &scales, &self.effects, &drives, self.seed)?;
+        let scales = read_scales(&study.scales_folder(self.scales.as_deref()))?;
+        let effects = study.effects_file(self.effects.as_deref());
+        let asking = Asking::new(&study, &scales, &effects, &drives, self.seed)?;
         let mut sheets = Sheets::default();
         for person in people.iter().filter(|p| tested.contains(&p.id)) {
             watch.check()?;

@@ -25,15 +25,15 @@ use std::path::{Path, PathBuf};
     after_help = "Example: maveric rehearse-dial --participants 24,48,96 --studies 20 --out reports/dial"
 )]
 pub struct RehearseDial {
-    /// What drives look like (TOML)
-    #[arg(long, default_value = "study_data/population.toml")]
-    pub population: PathBuf,
-    /// Sizes of the effects (TOML)
-    #[arg(long, default_value = "study_data/effects.toml")]
-    pub effects: PathBuf,
-    /// Folder of questionnaire definitions
-    #[arg(long, default_value = "study_data/scales")]
-    pub scales: PathBuf,
+    /// What drives look like (TOML); as shipped when not given
+    #[arg(long)]
+    pub population: Option<PathBuf>,
+    /// Sizes of the effects (TOML); as shipped when not given
+    #[arg(long)]
+    pub effects: Option<PathBuf>,
+    /// Folder of questionnaire definitions; that of study.toml of the current directory when not given
+    #[arg(long)]
+    pub scales: Option<PathBuf>,
     /// Participants of the studies to learn from; several sizes, ascending
     #[arg(long, value_delimiter = ',', default_value = "24,48,96")]
     pub participants: Vec<usize>,
@@ -77,10 +77,17 @@ impl Stage for RehearseDial {
     const FAILURE: &'static str = "could not rehearse the dial";
     type Result = DialRehearsal;
 
-    fn files(&self, _root: &Path) -> Result<Files, StudyError> {
-        Ok(Files::default()
-            .reads([&self.population, &self.effects, &self.scales])
-            .writes([&self.out]))
+    fn files(&self, root: &Path) -> Result<Files, StudyError> {
+        let study = DesignFile::below_or_paper(root, None)?;
+        let files = Files::default()
+            .reads(&self.population)
+            .reads(&self.effects)
+            .reads([study.scales_folder(self.scales.as_deref())])
+            .writes([&self.out]);
+        Ok(match &self.scales {
+            Some(_) => files,
+            None => files.reads_design(None),
+        })
     }
 
     fn repeated_by(&mut self, command: &str) {
@@ -96,11 +103,12 @@ impl Stage for RehearseDial {
             let help = "such as --participants 24,48,96 --studies 20";
             return Err(StudyError::not_possible(problem).with_help(help));
         }
-        let given = [&self.population, &self.effects, &self.scales];
-        let world = read_world(
-            &DesignFile::paper()?,
-            given.map(|path| Some(path.as_path())),
-        )?;
+        let scales = match &self.scales {
+            Some(given) => given.clone(),
+            None => DesignFile::find(None)?.scales_folder(None),
+        };
+        let (population, effects) = (self.population.as_deref(), self.effects.as_deref());
+        let world = read_world(&DesignFile::paper()?, [population, effects, Some(&scales)])?;
         let trials = DialTrials::new(&world, self.seed)?;
         let mut items = Vec::new();
         for &n in &self.participants {

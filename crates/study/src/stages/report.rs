@@ -80,7 +80,7 @@ impl Stage for DrawReport {
 
     /// Draws every figure and table that the results have numbers for, and the page that holds them.
     ///
-    /// A folder with `analysis.json` is a study; one with `following.json` is an evaluation on recorded driving.
+    /// A folder with `analysis.json` is a study; one with `following.json` and `model_training.json` is an evaluation on recorded driving.
     fn work(&self, watch: Watch<'_>) -> Result<Outcome<Reported>, StudyError> {
         let folder = &self.results;
         spare_inputs([&**folder], [&*self.out])?;
@@ -89,8 +89,7 @@ impl Stage for DrawReport {
         } else if folder.join("following.json").exists() {
             evaluation::page(self)?
         } else {
-            let problem =
-                "holds neither analysis.json nor following.json, so there is nothing to report";
+            let problem = "holds neither analysis.json (a study) nor following.json with model_training.json (an evaluation), so there is nothing to report";
             let help = "run a pipeline first, or `maveric stats study` over a study's results";
             return Err(StudyError::file(folder, problem).with_help(help));
         };
@@ -130,4 +129,33 @@ fn write_all(out: &Path, files: &[RenderedFile]) -> Result<(), StudyError> {
         atomic_write_bytes(&out.join(&file.path), &file.bytes)?;
     }
     Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_folder_that_makes_no_page_says_what_one_is_made_of() {
+        let folder = tempfile::tempdir().unwrap();
+        let report = DrawReport {
+            design: None,
+            results: folder.path().join("results"),
+            out: folder.path().join("report"),
+            claims: None,
+            parameters: Vec::new(),
+            participants: None,
+            command: None,
+        };
+        std::fs::create_dir(&report.results).unwrap();
+        let refused = || report.work(Watch::unwatched()).unwrap_err().to_string();
+        assert!(refused().contains("following.json with model_training.json"));
+        std::fs::write(report.results.join("following.json"), "{}").unwrap();
+        let error = refused();
+        let lacks = error.contains("without model_training.json");
+        assert!(lacks && error.contains("results"), "{error}");
+        std::fs::write(report.results.join("model_training.json"), "{}").unwrap();
+        let error = refused();
+        assert!(error.contains("following.json: not the JSON"), "{error}");
+    }
 }

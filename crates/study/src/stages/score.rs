@@ -49,9 +49,9 @@ pub struct ScoreAnswers {
     /// Table of who should have answered: whoever of them did not is listed
     #[arg(long)]
     pub participants: Option<PathBuf>,
-    /// Folder of questionnaire definitions
-    #[arg(long, default_value = "study_data/scales")]
-    pub scales: PathBuf,
+    /// Folder of questionnaire definitions; the design's when not given
+    #[arg(long)]
+    pub scales: Option<PathBuf>,
     /// Folder of drives: what was said of those left out there as too short is left out too; may be given more than once
     #[arg(long)]
     pub drives: Vec<PathBuf>,
@@ -225,9 +225,10 @@ impl Stage for ScoreAnswers {
     type Result = ScoredSurveys;
 
     fn files(&self, root: &Path) -> Result<Files, StudyError> {
+        let study = DesignFile::below_or_paper(root, self.design.as_deref())?;
         Ok(Files::default()
             .reads(&self.surveys)
-            .reads([&self.scales])
+            .reads([study.scales_folder(self.scales.as_deref())])
             .reads(&self.drives)
             .reads_people(root, self.design.as_deref(), self.participants.as_deref())
             .writes([&self.out])
@@ -244,9 +245,11 @@ impl Stage for ScoreAnswers {
 
     /// Scores answers by the scales of a folder and writes scores and reliabilities.
     fn work(&self, watch: Watch<'_>) -> Result<Outcome<ScoredSurveys>, StudyError> {
-        let scales = read_scales(&self.scales)?;
+        let design = self.design.as_deref();
+        let asked = DesignFile::find(design)?.scales_folder(self.scales.as_deref());
+        let scales = read_scales(&asked)?;
         let (mut answers, mut probes, mut times) = (Vec::new(), Vec::new(), Vec::new());
-        let study = DesignFile::here(self.design.as_deref())?;
+        let study = DesignFile::here(design)?;
         for path in &self.surveys {
             let answered = read_answered(path).map_err(|error| told_as_export(path, error))?;
             if let Some(study) = &study {
@@ -400,7 +403,7 @@ mod tests {
             design: None,
             surveys: vec![surveys],
             participants: None,
-            scales: folder.path().join("scales"),
+            scales: Some(folder.path().join("scales")),
             drives: Vec::new(),
             moments,
             out: folder.path().join("scores.csv"),

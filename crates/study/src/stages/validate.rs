@@ -26,7 +26,7 @@ use crate::{
 };
 use maveric_analysis::Finding;
 use maveric_domain::{Drive, DrivenBy, ScoreRange};
-use maveric_model::{HeadsKind, TrainSettings};
+use maveric_model::{HeadsKind, Model, TrainSettings};
 use maveric_pages::PageTexts;
 use maveric_rehearsal::validation::{MEASURES, Values, mean, retest, title, values};
 use maveric_report::tables::Table;
@@ -45,7 +45,7 @@ pub struct Validate {
     /// A run's results with second drives: see `generate --repeat-drives` and pipelines/validate.toml. With --leave-out a folder with
     /// `drives` of people in the roles of a design and, where they answered, `scores.csv`
     pub run: PathBuf,
-    /// Trained model; several of them, of the same training with other seeds, give ranges
+    /// Trained model; several that differ, such as networks of the same training with other seeds, give ranges
     #[arg(long = "model", required_unless_present = "leave_out")]
     pub models: Vec<PathBuf>,
     /// Who is left out in turn, the rest being learned from: one person after the other of a study's own recordings
@@ -126,7 +126,7 @@ pub struct Validated {
     pub training_drivers: usize,
     /// How much of what differs between the drives of those who are tested is theirs.
     pub retest: Vec<Retest>,
-    /// Model by model.
+    /// Model by model; files that hold the same one are examined together.
     pub models: Vec<Examined>,
     /// What became of each question, over all models.
     pub findings: Vec<Finding>,
@@ -199,10 +199,11 @@ impl Validate {
             jobs: self.jobs,
         };
         let mut models = Vec::new();
-        for path in &self.models {
-            let name = path.to_slash_lossy().into_owned();
-            let model = read_model(path)?.on_range(ScoreRange::ADB);
-            models.push(examination.examine(&name, &model, watch)?);
+        for of in differing(&self.models)? {
+            models.push(Examined {
+                same: of.same,
+                ..examination.examine(&of.file, &of.model, watch)?
+            });
         }
         let measured = |drive: fn(&people::Person) -> &Drive| -> Vec<Values> {
             people.test.iter().map(|p| values(drive(p))).collect()
@@ -212,7 +213,6 @@ impl Validate {
         let synthetic = first().any(|by| by == DrivenBy::Synthetic);
         let texts = tables::texts(&models, self, (people.test.len(), synthetic))?;
         let tables = tables::tables(&models, &retest, &texts)?;
-        let collisions: u32 = models.iter().map(|m| m.collisions).sum();
         let value = Validated {
             synthetic,
             drivers: people.test.len(),
@@ -222,13 +222,38 @@ impl Validate {
             models,
         };
         let mut summary = write(&self.out, &tables, &value)?;
-        let warnings = warnings(&people, collisions, &texts)?;
+        let warnings = warnings(&people, &value.models, &texts)?;
         let page = page::page(&value, self, (&texts, tables), &warnings)?;
         let page = write_page(&self.out, &page)?;
         let page = BTreeMap::from([("page", page.to_slash_lossy())]);
         summary.push(texts.with(&page).text("line")?);
         Ok(Outcome::new(value, summary, warnings))
     }
+}
+
+/// A model, and the files that hold it.
+struct Differing {
+    model: Model,
+    file: String,
+    same: Vec<String>,
+}
+
+/// The models of these files that drive differently: one that drives as an earlier one would be the same evidence a second time.
+fn differing(files: &[PathBuf]) -> Result<Vec<Differing>, StudyError> {
+    let mut all: Vec<Differing> = Vec::new();
+    for path in files {
+        let file = path.to_slash_lossy().into_owned();
+        let model = read_model(path)?.on_range(ScoreRange::ADB);
+        match all.iter_mut().find(|known| known.model.drives_as(&model)) {
+            Some(known) => known.same.push(file),
+            None => all.push(Differing {
+                model,
+                file,
+                same: Vec::new(),
+            }),
+        }
+    }
+    Ok(all)
 }
 
 /// Writes what was found as tables and as data, before a page of it could fail; gives the lines of the tables.
@@ -244,12 +269,18 @@ fn write<'a>(
     Ok(text.lines().map(str::to_owned).collect())
 }
 
-/// What could not be compared, and what should not have happened.
+/// What was counted once, what could not be compared, and what should not have happened.
 fn warnings(
     people: &people::People,
-    collisions: u32,
+    models: &[Examined],
     texts: &PageTexts,
 ) -> Result<Vec<String>, StudyError> {
+    #[derive(Serialize)]
+    struct Same<'a> {
+        model: &'a str,
+        same: &'a [String],
+        linear: bool,
+    }
     #[derive(Serialize)]
     struct Gap {
         missing: usize,
@@ -257,6 +288,14 @@ fn warnings(
         title: &'static str,
     }
     let mut warnings = Vec::new();
+    for of in models.iter().filter(|m| !m.same.is_empty()) {
+        let same = Same {
+            model: &of.model,
+            same: &of.same,
+            linear: of.heads == HeadsKind::Linear,
+        };
+        warnings.push(texts.with(&same).text("same")?);
+    }
     for k in 0..MEASURES.len() {
         let drives = people.test.iter().flat_map(|p| [&p.first, &p.again]);
         let missing = Gap {
@@ -268,6 +307,7 @@ fn warnings(
             warnings.push(texts.with(&missing).text("missing")?);
         }
     }
+    let collisions: u32 = models.iter().map(|m| m.collisions).sum();
     if collisions > 0 {
         let texts = texts.with(&BTreeMap::from([("collisions", collisions)]));
         warnings.push(texts.text("collisions")?);

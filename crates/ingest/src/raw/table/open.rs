@@ -4,7 +4,7 @@ use super::{
     cells::{NUMBER, number, trimmed, word},
     ids::numbered,
     parse::{BYTE_ORDER_MARK, parse, without_mark},
-    text::{Header, MOST_COLUMNS, Style, blanks_to_tabs, flaw, header, same_name},
+    text::{Header, MOST_COLUMNS, SEPARATORS, Style, blanks_to_tabs, flaw, header, same_name},
 };
 use crate::{error::IngestError, foreign::foreign_text, parquet};
 use maveric_domain::nearest;
@@ -14,6 +14,14 @@ use std::{
     ops::Range,
     path::{Path, PathBuf},
 };
+
+/// Whether the name of a column is one of several that other characters separate in that of another.
+fn stands_in(other: &str, name: &str) -> bool {
+    let separates = |c: char| u8::try_from(c).is_ok_and(|c| SEPARATORS.contains(&c));
+    let name = name.trim_end_matches('?');
+    let mut parts = other.split(separates);
+    other.contains(separates) && parts.any(|part| same_name(part, name))
+}
 
 /// What a column is read as.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -293,6 +301,7 @@ impl Table {
             column: name.to_owned(),
             nearest: nearest(name, self.names.iter().map(String::as_str)).map(str::to_owned),
             found: shown.join(", ") + &more,
+            unseparated: self.names.iter().any(|other| stands_in(other, name)),
         }
     }
 

@@ -205,6 +205,39 @@ pub(crate) fn flaw(text: &[u8], header: &Header) -> Option<Flaw> {
     (row > 0 && last).then_some(Flaw::TooWide { row, found })
 }
 
+/// The rows that end before the header does, each with its number of cells; rows are counted from 0 below the header, and a line without
+/// anything is none that ends.
+pub(crate) fn short_rows(text: &[u8], header: &Header) -> Vec<(usize, usize)> {
+    let mut lines = text.split_inclusive(|&b| b == b'\n');
+    let above: usize = lines.by_ref().take(header.preamble).map(<[u8]>::len).sum();
+    let text = &text[above..];
+    let width = header.names.len();
+    let is_short = |found: usize, line: &[u8]| found < width && !line.trim_ascii().is_empty();
+    let mut short = Vec::new();
+    let (mut line, mut cell, mut quoted, mut inside) = (0, 0, false, false);
+    // The header is row 0.
+    let (mut row, mut found) = (0_usize, 1);
+    for at in memchr::memchr3_iter(header.separator, b'\n', b'"', text) {
+        match text[at] {
+            b'"' if at == cell => (quoted, inside) = (true, true),
+            b'"' => inside ^= quoted,
+            _ if inside => {}
+            b'\n' => {
+                if row > 0 && is_short(found, &text[line..at]) {
+                    short.push((row - 1, found));
+                }
+                (row, found, quoted) = (row + 1, 1, false);
+                (line, cell) = (at + 1, at + 1);
+            }
+            _ => (found, cell, quoted) = (found + 1, at + 1, false),
+        }
+    }
+    if row > 0 && is_short(found, &text[line..]) {
+        short.push((row - 1, found));
+    }
+    short
+}
+
 /// Bytes of text that a thread looks through at a time.
 const PIECE: usize = 1 << 20;
 

@@ -12,7 +12,7 @@ use maveric_domain::{
     design::{Condition, Sign},
 };
 use maveric_report::{Card, ReportError, figures::intervals::IntervalRow};
-use maveric_stats::proportion;
+use maveric_stats::{Adjustment, proportion};
 use minijinja::context;
 use std::collections::BTreeSet;
 
@@ -30,7 +30,7 @@ fn widest<'a>(study: &Study<'_>, contrasts: &[&'a Contrast]) -> Option<&'a Contr
     contrasts.max_by(|a, b| apart(a).total_cmp(&apart(b)))
 }
 
-/// People for whom a contrast lies the expected way, in %.
+/// People for whom a contrast lies the expected way, in %; those of whom it lies neither way count as the others.
 fn expected_share(title: &str, c: &Contrast) -> IntervalRow {
     let [above, tied, below] = c.people;
     let hits = match c.expected {
@@ -112,12 +112,13 @@ pub(super) fn expected(
     let Some(first) = panels.first().and_then(|(_, all)| widest(study, all)) else {
         return Ok(None);
     };
-    let rows = panels.iter().filter_map(|(panel, contrasts)| {
-        Some(expected_share(&panel.title, widest(study, contrasts)?))
+    let drawn = panels.iter().filter_map(|(panel, contrasts)| {
+        let pair = widest(study, contrasts)?;
+        Some((expected_share(&panel.title, pair), pair.people[1]))
     });
-    let rows: Vec<IntervalRow> = rows.collect();
-    let lowest = rows.iter().filter(|row| row.estimate.is_some());
-    let lowest = lowest.min_by(|a, b| {
+    let drawn: Vec<(IntervalRow, usize)> = drawn.collect();
+    let lowest = drawn.iter().filter(|(row, _)| row.estimate.is_some());
+    let lowest = lowest.min_by(|(a, _), (b, _)| {
         a.estimate
             .unwrap_or(0.0)
             .total_cmp(&b.estimate.unwrap_or(0.0))
@@ -138,7 +139,7 @@ pub(super) fn expected(
         all => finding.parts.len(),
         shown => finding.count(Verdict::Shown),
         fails => finding.count(Verdict::Fails),
-        lowest => lowest.map(value),
+        lowest => lowest.map(|(row, tied)| context! { tied, ..value(row) }),
         pair => format!("{} against {}", study.label(first.first), study.label(first.second)),
         steered => study.design.style().is_some(),
         steps => study.steps,
@@ -150,7 +151,7 @@ pub(super) fn expected(
         tests.push(over(study, texts, &name, panel)?);
     }
     for (panel, pair) in pairs() {
-        if let Some(paired) = paired(panel, pair) {
+        if let Some(paired) = paired(panel, pair, Adjustment::Holm) {
             let values = context! {
                 title => panel.title.as_str(),
                 first => study.label(pair.first),
@@ -160,7 +161,7 @@ pub(super) fn expected(
             tests.push(texts.say(&name, "test", &values)?);
         }
     }
-    let drawn = Drawn::beside(50.0, rows);
+    let drawn = Drawn::beside(50.0, drawn.into_iter().map(|(row, _)| row));
     tested_card(texts, finding, &values, Some(drawn), tests).map(Some)
 }
 
@@ -177,4 +178,23 @@ pub(super) fn differ(
     let tests = whole(study).map(|panel| over(study, texts, "differ", panel));
     let tests = tests.collect::<Result<_, _>>()?;
     tested_card(texts, finding, &values, None, tests)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::results::texts;
+    use minijinja::context;
+
+    #[test]
+    fn who_is_tied_is_told_beside_the_share_and_nothing_is_where_nobody_is() {
+        let texts = texts().unwrap();
+        let said = |tied: usize| {
+            let lowest = context! { label => "Lane changes", estimate => 52.2, tied };
+            let values = context! { pair => "A against B", lowest };
+            texts.say("dial", "value", &values).unwrap()
+        };
+        let share = "A against B: lane changes as expected for 52% of people";
+        assert_eq!(said(6), format!("{share}; 6 tied, counted as not so"));
+        assert_eq!(said(0), share);
+    }
 }

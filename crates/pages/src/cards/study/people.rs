@@ -6,7 +6,9 @@ use crate::{
     texts::{Texts, value},
     words,
 };
-use maveric_analysis::{Above, CongruenceRow, Finding, HomophilyRow, Part, Preference, Verdict};
+use maveric_analysis::{
+    Above, CongruenceRow, Finding, HomophilyRow, Part, Preference, Verdict, least_that_holds,
+};
 use maveric_report::{Card, ReportError, figures::intervals::IntervalRow};
 use maveric_stats::Proportion;
 use minijinja::{Value, context};
@@ -194,17 +196,14 @@ pub(super) fn personality(
     let alone = tested
         .iter()
         .filter(|r| r.correlation.p.is_some_and(|p| p < 0.05));
-    let half = tested
-        .iter()
-        .filter_map(|r| r.simultaneous.map(|(low, high)| 0.5 * (high - low)));
+    let could = least_that_holds(&study.analysis.homophily);
     let values = context! {
         all => tested.len(),
         kept => finding.count(Verdict::Shown),
         low => alone.count(),
         chance => 0.05 * tested.len() as f64,
         strongest => values_of(strongest),
-        people => study.analysis.participants,
-        least => half.reduce(f64::max),
+        could => could.map(|(people, least)| context! { people, least }),
     };
     let (mut drawn, mut tests) = (Vec::new(), Vec::new());
     for row in tested.iter().take(STRONGEST) {

@@ -4,6 +4,7 @@ use super::data::Study;
 use crate::{
     card::{Drawn, card},
     texts::Texts,
+    words::small,
 };
 use maveric_analysis::{FEWEST_FOR_ICC, Finding, Part, Verdict};
 use maveric_report::{Card, ReportError, figures::intervals::IntervalRow};
@@ -23,11 +24,18 @@ pub(super) fn retest(
         let row = rows.find(|row| row.outcome == part.of);
         row.map_or_else(|| part.of.clone(), |row| row.title.clone())
     };
+    let titles: Vec<String> = finding.parts.iter().map(|p| small(&title(p))).collect();
+    let by_hand = repeats
+        .retest
+        .iter()
+        .filter(|row| Some(row.condition) == study.design.baseline_id());
+    let fewer = by_hand.filter(|row| row.n < FEWEST_FOR_ICC);
     let rows = finding.parts.iter();
     let rows = rows.map(|part| IntervalRow::new(title(part), part.estimate, part.interval));
     let drawn = Drawn::beside(None, rows);
     let values = context! {
-        parts => finding.parts.len(),
+        titles,
+        fewer => fewer.map(|row| small(&row.title)).collect::<Vec<_>>(),
         alike => finding.count(Verdict::Shown),
         n => finding.parts.iter().map(|part| part.n).max(),
         fewest => FEWEST_FOR_ICC,

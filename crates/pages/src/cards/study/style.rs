@@ -9,6 +9,7 @@ use crate::{
 use maveric_analysis::{AggressionLine, Correlation, Finding, Kept, Verdict};
 use maveric_report::{Card, ReportError, figures::intervals::IntervalRow};
 use minijinja::context;
+use std::f64::consts::FRAC_PI_4;
 
 /// Does the learned style hold what the driver's score says?
 pub(super) fn line(
@@ -57,9 +58,11 @@ pub(super) fn line(
     tested_card(texts, finding, &values, Some(drawn), tests).map(Some)
 }
 
-/// Multiple R of two predictors that tell nothing, on average: √(2 / (n − 1)).
+/// Mean of the multiple R of two predictors that tell nothing: √π / 2 · Γ((n − 1) / 2) / Γ(n / 2), since R² is then Beta(1, (n − 3) / 2).
 fn chance(n: usize) -> Option<f64> {
-    (n > 3).then(|| (2.0 / (n as f64 - 1.0)).sqrt())
+    let (first, mean) = if n % 2 == 1 { (3, 1.0) } else { (4, FRAC_PI_4) };
+    let two_more = |mean: f64, n: usize| mean * (n as f64 - 1.0) / n as f64;
+    (n > 3).then(|| (first..n).step_by(2).fold(mean, two_more))
 }
 
 /// Does moving across the dial change a habit that the dial leaves alone?
@@ -95,4 +98,19 @@ pub(super) fn across(
     let drawn = Drawn::beside(0.0, rows);
     let tests = tests.collect::<Result<_, _>>()?;
     tested_card(texts, finding, &values, Some(drawn), tests).map(Some)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn chance_gives_the_mean_of_r_over_people_whom_the_angle_tells_nothing_of() {
+        assert_eq!(chance(3), None);
+        // Of four people R² is Beta(1, 1/2), of five it is uniform.
+        for (n, mean) in [(4, FRAC_PI_4), (5, 2.0 / 3.0), (24, 0.264_189)] {
+            let found = chance(n).unwrap();
+            assert!((found - mean).abs() < 1e-6, "{n}: {found}");
+        }
+    }
 }

@@ -27,6 +27,6 @@ pub(crate) fn input() -> Family {
         series: vec![conditions()[1], conditions()[2]],
         panels: panels.into_iter().enumerate().map(panel).collect(),
         what: "Made up: intervals that would hold for all 48 at once (95%).".into(),
-        participants: PARTICIPANTS,
+        n: vec![PARTICIPANTS],
     }
 }

@@ -1,6 +1,7 @@
 //! Which test a design gets.
 
 use super::*;
+use crate::apa::Statements;
 
 #[test]
 fn one_factor_within_is_the_comparison() {
@@ -209,32 +210,73 @@ fn an_item_with_two_factors_within_takes_the_rank_tests() {
     assert_eq!(of(OutcomeScale::Measure), ChosenTest::Factorial);
 }
 
-#[test]
-fn larger_interactions_without_a_rank_test_say_so() {
+/// Twelve people in three modes on three roads, far from normal; every mode lies this far above the one before.
+fn three_by_three(step: f64) -> Made {
     let rows = 0..12 * 9;
-    let people: Vec<String> = rows.clone().map(|i| format!("p{}", i / 9)).collect();
     let three = |of: fn(usize) -> usize| -> Vec<String> {
         (0..12 * 9).map(|i| format!("l{}", of(i) % 3)).collect()
     };
-    let (a, t) = (three(|i| i), three(|i| i / 3));
-    let values: Vec<_> = rows.map(|i| Some((2.5 * noise(i)).exp())).collect();
-    let data = DesignColumns {
-        subjects: &people,
-        within: vec![("a", &a), ("t", &t)],
-        values: &values,
-        ..DesignColumns::default()
-    };
-    let found = factorial_of(run(&data));
+    Made {
+        people: rows.clone().map(|i| format!("p{}", i / 9)).collect(),
+        mode: three(|i| i),
+        road: three(|i| i / 3),
+        vehicle: Vec::new(),
+        age: Vec::new(),
+        value: rows
+            .map(|i| Some((2.5 * noise(i)).exp() + step * (i % 3) as f64))
+            .collect(),
+    }
+}
+
+#[test]
+fn larger_interactions_without_a_rank_test_say_so() {
+    let found = factorial_of(run(&three_by_three(0.0).within()));
     let test = |name: &str| found.found.tests.get(name).unwrap();
-    assert_eq!(test("a").method, EffectMethod::Friedman);
-    assert_eq!(test("a:t").method, EffectMethod::StrataGreenhouseGeisser);
-    let gg = found.found.anova.sphericity.get("a:t").unwrap();
-    assert_eq!((test("a:t").epsilon, test("a:t").p), (gg.gg, gg.p_gg));
+    assert_eq!(test("mode").method, EffectMethod::Friedman);
+    assert_eq!(
+        test("mode:road").method,
+        EffectMethod::StrataGreenhouseGeisser
+    );
+    let gg = found.found.anova.sphericity.get("mode:road").unwrap();
+    assert_eq!(
+        (test("mode:road").epsilon, test("mode:road").p),
+        (gg.gg, gg.p_gg)
+    );
     assert!(
         found
             .reasons
             .iter()
-            .any(|r| r.starts_with("a:t: ") && r.contains("no rank test"))
+            .any(|r| r.starts_with("mode:road: ") && r.contains("no rank test"))
+    );
+}
+
+#[test]
+fn levels_that_everybody_orders_alike_are_tested_by_chi_squared_as_f_has_no_bound() {
+    let said = |step: f64| {
+        let made = three_by_three(step);
+        let found = factorial_of(run(&made.within()));
+        let unbounded = found.reasons.iter().any(|r| r.contains("F has no bound"));
+        let sentences = found.found.statements();
+        let of_mode = sentences.into_iter().find(|(name, _)| name == "mode");
+        let simple = simple_effects(&made.within(), &found).unwrap();
+        let at_a_road = simple.into_iter().find(|s| s.factor == "mode").unwrap();
+        let at_a_road = at_a_road.statement(at_a_road.p_holm.unwrap()).unwrap();
+        let test = found.found.tests.get("mode").unwrap().clone();
+        (test, unbounded, of_mode.unwrap().1, at_a_road)
+    };
+    // The values beside the steps are below 400.
+    let (alike, unbounded, sentence, at_a_road) = said(1000.0);
+    assert!(alike.is_unanimous() && unbounded);
+    assert_eq!((alike.df1, alike.df2), (Some(2.0), None));
+    let sentence = sentence.to_string();
+    assert_eq!(sentence, "χ²(2, N = 12) = 24.00, p < .001");
+    assert_eq!(at_a_road.to_string(), "χ²(2) = 24.00, p < .001");
+    let (apart, unbounded, sentence, _) = said(0.0);
+    assert!(!apart.is_unanimous() && !unbounded);
+    assert_eq!((apart.df1, apart.df2), (Some(2.0), Some(22.0)));
+    assert!(
+        sentence.to_string().starts_with("F(2, 22) = "),
+        "{sentence}"
     );
 }
 

@@ -1,9 +1,9 @@
-//! Two methods driver by driver.
+//! Two methods person by person.
 
 use crate::{error::StudyError, mean::mean_interval};
 use maveric_following::{Compared, FollowingEvaluation, FollowingMethod, median};
 
-/// Every pair of methods of which both were tried, with intervals from drivers drawn with replacement.
+/// Every pair of methods of which both were tried, with intervals from people drawn with replacement.
 pub(super) fn pairs(
     evaluation: &FollowingEvaluation,
     seed: u64,

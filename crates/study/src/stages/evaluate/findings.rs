@@ -36,7 +36,7 @@ pub(crate) fn beside_everybody(evaluation: &FollowingEvaluation) -> Vec<&Compare
 
 /// The findings of an evaluation; errors have to be below those that they are held beside, and no drive may reach its leader.
 pub(crate) fn findings(evaluation: &FollowingEvaluation) -> Vec<Finding> {
-    let n = evaluation.drivers.len();
+    let n = evaluation.people();
     let part = |pair: &&Compared| {
         let label = format!("{} - {}", pair.method.label(), pair.beside.label());
         let estimate = (Some(pair.mean_m), pair.low_m.zip(pair.high_m));
@@ -103,6 +103,17 @@ mod tests {
         assert_eq!(judged(8, 0.2, 1.8), [Fails, Fails]);
         assert_eq!(judged(8, -1.0, 1.0), [NotShown, NotShown]);
         assert_eq!(judged(4, -1.8, -0.2), [TooFew, TooFew]);
+    }
+
+    #[test]
+    fn further_drives_of_the_same_people_are_no_further_people() {
+        let mut evaluation = found(8, -1.8, -0.2);
+        assert_eq!(findings(&evaluation)[0].verdict, Shown);
+        for (i, drive) in evaluation.drivers.iter_mut().enumerate() {
+            drive.person = Some(format!("P{}", i / 2));
+        }
+        let all = findings(&evaluation);
+        assert_eq!((all[0].parts[0].n, all[0].verdict), (4, TooFew));
     }
 
     #[test]

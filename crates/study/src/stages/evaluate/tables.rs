@@ -13,7 +13,10 @@ struct Words<'a> {
     /// Title of the study, where there is one.
     titled: Option<&'a str>,
     data_set: &'a str,
-    drivers: usize,
+    /// Drives, and of how many drivers where these are fewer.
+    counted: &'a str,
+    drives: usize,
+    people: usize,
     names: Vec<&'a str>,
     driven: &'static str,
 }
@@ -26,7 +29,9 @@ pub(crate) fn texts(
     let mut words = Words {
         titled,
         data_set: "",
-        drivers: evaluation.drivers.len(),
+        counted: "",
+        drives: evaluation.drivers.len(),
+        people: evaluation.people(),
         names: evaluation
             .drivers
             .iter()
@@ -34,6 +39,8 @@ pub(crate) fn texts(
             .collect(),
         driven: evaluation.driven.label(),
     };
+    let counted = PageTexts::new(FOLLOWING, &words)?.text("counted")?;
+    words.counted = &counted;
     let recorded = PageTexts::new(FOLLOWING, &words)?.text("recorded")?;
     words.data_set = titled.unwrap_or(&recorded);
     Ok(PageTexts::new(FOLLOWING, &words)?)
@@ -43,7 +50,6 @@ pub(crate) fn texts(
 struct MeanRow<'a> {
     label: &'static str,
     best: bool,
-    people: usize,
     of_drivers: Vec<Option<f64>>,
     #[serde(flatten)]
     mean: &'a MethodMean,
@@ -60,7 +66,6 @@ pub(crate) fn errors(
         .map(|mean| MeanRow {
             label: mean.method.label(),
             best: evaluation.is_best(mean.method),
-            people: evaluation.drivers.len(),
             of_drivers: evaluation
                 .drivers
                 .iter()

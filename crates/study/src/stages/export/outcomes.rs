@@ -70,7 +70,7 @@ pub(super) fn write(
     let wide = rows.iter().map(|(name, index)| {
         let cells = observed.iter().flat_map(|seen| {
             let one = |(c, values): &(ConditionId, Vec<Option<f64>>)| {
-                (format!("{}.{c}", seen.outcome), values[*index])
+                (wide_column(seen, *c), values[*index])
             };
             seen.conditions.iter().map(one)
         });
@@ -88,6 +88,22 @@ pub(super) fn write(
     Ok(observed)
 }
 
+fn wide_column(seen: &Observed, condition: ConditionId) -> String {
+    format!("{}.{condition}", seen.outcome)
+}
+
+/// The columns of the wide table that hold the first outcome with values in several conditions: a drive by hand is none of them.
+pub(super) fn compared(design: &Design, observed: &[Observed]) -> Option<Vec<String>> {
+    let columns = |seen: &Observed| -> Vec<String> {
+        let compared = seen.conditions.iter().filter(|(condition, values)| {
+            design.condition(*condition).is_some() && values.iter().any(Option::is_some)
+        });
+        compared.map(|(c, _)| wide_column(seen, *c)).collect()
+    };
+    let several = |columns: &Vec<String>| columns.len() > 1;
+    observed.iter().map(columns).find(several)
+}
+
 /// The level of a condition in each factor that the conditions cross; none of the baseline.
 fn levels(design: &Design, condition: ConditionId) -> Vec<Cell<String>> {
     let known = design.condition(condition).map(|c| &c.levels);
@@ -95,4 +111,48 @@ fn levels(design: &Design, condition: ConditionId) -> Vec<Cell<String>> {
     let factors = factors.flat_map(|first| first.levels.keys());
     let level = |factor: &String| known.and_then(|levels| levels.get(factor)).cloned();
     factors.map(|f| (f.clone(), level(f))).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn seen(outcome: &str, conditions: &[(&str, Option<f64>)]) -> Observed {
+        let values = conditions.iter().map(|(condition, value)| {
+            (
+                condition.parse::<ConditionId>().unwrap(),
+                vec![None, *value],
+            )
+        });
+        Observed {
+            outcome: outcome.to_owned(),
+            title: String::new(),
+            unit: String::new(),
+            factor: 1.0,
+            conditions: values.collect(),
+        }
+    }
+
+    #[test]
+    fn what_can_be_compared_has_values_in_conditions_that_are_not_the_drive_by_hand() {
+        let design = Design::from_toml(
+            "[study]\ntitle = \"A study\"\n[[condition]]\nid = \"calm\"\n[[condition]]\nid = \"sporty\"",
+        );
+        let design = design.unwrap();
+        let alone = seen(
+            "alone",
+            &[("own", Some(1.0)), ("calm", Some(2.0)), ("sporty", None)],
+        );
+        assert_eq!(compared(&design, std::slice::from_ref(&alone)), None);
+        let both = seen(
+            "both",
+            &[
+                ("own", Some(1.0)),
+                ("calm", Some(2.0)),
+                ("sporty", Some(3.0)),
+            ],
+        );
+        let columns = ["both.calm", "both.sporty"].map(str::to_owned);
+        assert_eq!(compared(&design, &[alone, both]), Some(columns.to_vec()));
+    }
 }

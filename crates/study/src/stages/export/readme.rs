@@ -1,11 +1,13 @@
 //! `README.md`: what a stranger reads first.
 
-use super::{left_out::LeftOut, options::Exported, place::files, ro_crate::About};
+use super::{
+    left_out::LeftOut, options::Exported, outcomes::compared, place::files, ro_crate::About,
+};
 use crate::{
     atomic_write::atomic_write_bytes, error::StudyError, once::count, tables::dictionary::entry_at,
     texts,
 };
-use maveric_analysis::Flow;
+use maveric_analysis::{Flow, Observed};
 use maveric_domain::Design;
 use minijinja::context;
 use std::path::Path;
@@ -56,6 +58,7 @@ pub(super) fn write(
     design: &Design,
     about: &About,
     (counts, flow): (&Exported, Option<&Flow>),
+    observed: &[Observed],
     left_out: &LeftOut,
 ) -> Result<(), StudyError> {
     let files = files(out)?;
@@ -80,7 +83,7 @@ pub(super) fn write(
         conditions => conditions.collect::<Vec<_>>(),
         made_up => design.synthetic(),
         table => table.into_iter().find(|name| files.iter().any(|f| f == name)),
-        outcomes => files.iter().any(|f| f == "outcomes_long.csv"),
+        compared => compared(design, observed).map(|columns| columns.join(",")),
         parquet => ending(".parquet"),
         log => ending(".mcap"),
         files => rows(&files),

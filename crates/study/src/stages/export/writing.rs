@@ -109,7 +109,7 @@ pub fn export(
         answers,
     };
     let flow = material.outcomes.as_ref().map(|data| &data.flow);
-    readme::write(out, design, &about, (&value, flow), &left_out)?;
+    readme::write(out, design, &about, (&value, flow), &observed, &left_out)?;
     let metadata = ro_crate::metadata(design, &about, &place.given()?);
     write_json(&out.join(METADATA), &metadata)?;
     place.take()?;

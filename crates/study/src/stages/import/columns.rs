@@ -112,11 +112,7 @@ impl<'a> Columns<'a> {
     pub(super) fn slot_of<'n>(&self, name: &'n str) -> Option<Result<Slot, &'n str>> {
         let mut stranger = None;
         for (scale, pattern) in self.patterns.iter().enumerate() {
-            let items = self
-                .mapped(scale)
-                .map(|c| c.items.as_slice())
-                .unwrap_or_default();
-            let Some(parts) = pattern.read(name, items) else {
+            let Some(parts) = pattern.read(name, self.words_of_items(scale)) else {
                 continue;
             };
             let when = match (parts.moment, parts.trial) {
@@ -137,6 +133,22 @@ impl<'a> Columns<'a> {
             return Some(Ok(Slot { scale, item, when }));
         }
         stranger
+    }
+
+    /// Whether a field is called as the items of a scale are, whatever the word for the moment in it means.
+    pub(super) fn is_of(&self, scale: usize, name: &str) -> bool {
+        let words = self.words_of_items(scale);
+        self.patterns[scale].read(name, words).is_some()
+    }
+
+    fn words_of_items(&self, scale: usize) -> &[String] {
+        let mapped = self.mapped(scale).map(|c| c.items.as_slice());
+        mapped.unwrap_or_default()
+    }
+
+    /// Whether the map says how the columns of a scale are called.
+    pub(super) fn is_named_by_map(&self, scale: usize) -> bool {
+        self.mapped(scale).is_some_and(|c| c.column.is_some())
     }
 
     fn mapped(&self, scale: usize) -> Option<&ScaleColumns> {

@@ -87,6 +87,15 @@ impl Export {
         }
     }
 
+    /// Whether any of its columns is called as the items of a scale are; jsPsych's sessions have none, and are not asked.
+    pub(super) fn has_columns_of(&self, columns: &Columns<'_>, scale: usize) -> bool {
+        let Self::Table(grid, format) = self else {
+            return true;
+        };
+        let mut names = grid.columns.iter();
+        names.any(|name| columns.is_of(scale, format.field_of(name).1))
+    }
+
     /// What is wrong with one in which nothing belongs to a scale, and what to do.
     pub(super) fn no_answers(&self, columns: &Columns<'_>) -> (String, String) {
         let scales = columns.scales.iter();

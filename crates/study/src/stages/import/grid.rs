@@ -1,7 +1,7 @@
 //! An export as rows and columns of words, whatever file it comes in.
 
 use super::{encoding::text_of, workbook};
-use crate::{error::StudyError, tables::Table};
+use crate::{error::StudyError, once::names, tables::Table};
 use std::path::{Path, PathBuf};
 
 /// A table of words.
@@ -13,6 +13,8 @@ pub(super) struct Grid {
     /// The cells of each column; an empty one is the empty text.
     cells: Vec<Vec<String>>,
     rows: usize,
+    /// Rows, from 0, that end before the last column does, each with its number of cells.
+    short: Vec<(usize, usize)>,
     /// What a reader of the export has to know of how it was read.
     pub(super) warnings: Vec<String>,
 }
@@ -58,9 +60,9 @@ impl Grid {
             problem,
         };
         let separator = tabs.then_some(b'\t');
-        let frame = maveric_ingest::read_csv(&text, separator)
-            .map_err(bad)?
-            .frame;
+        let maveric_ingest::Csv {
+            frame, mut short, ..
+        } = maveric_ingest::read_csv(&text, separator).map_err(bad)?;
         let mut cells: Vec<Vec<String>> = Vec::new();
         for column in frame.columns() {
             let column = column.str().map_err(|e| bad(e.to_string()))?;
@@ -76,6 +78,7 @@ impl Grid {
         for column in &mut cells {
             column.truncate(rows);
         }
+        short.retain(|(row, _)| *row < rows);
         Ok(Self {
             path: path.to_owned(),
             columns: frame
@@ -85,6 +88,7 @@ impl Grid {
                 .collect(),
             cells,
             rows,
+            short,
             warnings: warning.into_iter().collect(),
         })
     }
@@ -100,6 +104,7 @@ impl Grid {
             columns: table.columns(),
             cells,
             rows: table.rows(),
+            short: Vec::new(),
             warnings: Vec::new(),
         })
     }
@@ -133,6 +138,7 @@ impl Grid {
             columns,
             cells,
             rows: height,
+            short: Vec::new(),
             warnings: Vec::new(),
         })
     }
@@ -151,7 +157,25 @@ impl Grid {
             column.drain(..rows);
         }
         self.rows -= rows;
+        let below = |(row, cells): (usize, usize)| Some((row.checked_sub(rows)?, cells));
+        self.short = self.short.into_iter().filter_map(below).collect();
         self
+    }
+
+    /// What a reader has to know of rows that end early; none where every row is whole.
+    pub(super) fn ending_early(&self) -> Option<String> {
+        let rows = self.short.iter();
+        let rows = rows.map(|(row, cells)| format!("row {} after {cells}", row + 1));
+        let rows: Vec<String> = rows.collect();
+        let (n, they) = match rows.len() {
+            0 => return None,
+            1 => ("1 row ends".to_owned(), "it lacks"),
+            n => (format!("{n} rows end"), "they lack"),
+        };
+        let (listed, width) = (names(&rows), self.columns.len());
+        Some(format!(
+            "{n} early ({listed} of {width} cells): what {they} counts as not answered"
+        ))
     }
 
     /// Where a column of this name stands.

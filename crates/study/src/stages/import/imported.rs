@@ -9,6 +9,7 @@ use super::{
 use crate::{
     error::StudyError,
     gate::{Gate, counted},
+    once::count,
     outcome::Outcome,
     run_folder::exclusions_path,
     tables::{TableName, write_rows},
@@ -86,13 +87,9 @@ impl Imports<'_> {
         write(out, &rows, scales)?;
         write_kept_out(out, &kept_out)?;
         let value = self.counts(&rows, unused.len());
-        for scale in scales.iter().filter(|s| !value.sheets.contains_key(&s.id)) {
-            let named = self.columns.pattern_of(scale);
-            warnings.push(format!(
-                "scale `{}`: nobody answered it ({named})",
-                scale.id
-            ));
-        }
+        let unanswered = scales.iter().enumerate();
+        let unanswered = unanswered.filter(|(_, s)| !value.sheets.contains_key(&s.id));
+        warnings.extend(unanswered.map(|(at, _)| self.unanswered(at, value.unused)));
         let mut summary = vec![
             format!(
                 "{} answers of {} participants, as {} writes them: {}",
@@ -113,6 +110,23 @@ impl Imports<'_> {
         }
         summary.extend(why);
         Ok(Outcome::new(value, summary, warnings))
+    }
+
+    /// Why nobody answered a scale: its columns are there, or none is called as it should be.
+    fn unanswered(&self, scale: usize, unused: usize) -> String {
+        let columns = self.columns;
+        let id = &columns.scales[scale].id;
+        let named = columns.pattern_of(&columns.scales[scale]);
+        if self.export.has_columns_of(columns, scale) {
+            format!("scale `{id}`: nobody answered it ({named})")
+        } else if columns.is_named_by_map(scale) {
+            let unread = count(unused, "column belongs", "columns belong");
+            format!(
+                "scale `{id}`: the map of columns calls its columns `{named}`, and none is called so; {unread} to no scale"
+            )
+        } else {
+            format!("scale `{id}`: no column is called `{named}`")
+        }
     }
 
     /// Why there is not one answer: `nobody` gave one, or nobody is let in.

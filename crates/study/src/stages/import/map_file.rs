@@ -41,6 +41,16 @@ pub(super) struct ScaleColumns {
     pub(super) labels: Vec<String>,
 }
 
+/// Whether a file is a map in which somebody wrote: comments and empty lines are not what one is kept for.
+pub(super) fn is_filled_in(path: &Path) -> Result<bool, StudyError> {
+    if !path.is_file() {
+        return Ok(false);
+    }
+    let text = std::fs::read(path).map_err(StudyError::read(path))?;
+    let mut lines = text.split(|&b| b == b'\n').map(<[u8]>::trim_ascii);
+    Ok(lines.any(|line| !line.is_empty() && !line.starts_with(b"#")))
+}
+
 impl MapFile {
     pub(super) fn read(path: &Path) -> Result<Self, StudyError> {
         let text = read_text(path)?;

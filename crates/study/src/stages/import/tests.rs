@@ -64,7 +64,7 @@ fn in_folder(
         design: (design != "paper.toml").then(|| write("study.toml", design.as_bytes())),
         columns: map.map(|map| write("map.toml", map.as_bytes())),
         sheet: None,
-        scales,
+        scales: Some(scales),
         suggest: false,
         out: Some(folder.join("surveys.csv")),
     }

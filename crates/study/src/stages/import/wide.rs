@@ -23,6 +23,7 @@ pub(super) fn read(
 ) -> Result<Contents, StudyError> {
     let mut contents = Contents::default();
     contents.warnings.clone_from(&grid.warnings);
+    contents.warnings.extend(grid.ending_early());
     let pages = pages(grid, format, columns, &mut contents)?;
     let people = people_column(grid, format, &columns.map)?;
     let trials = format
@@ -59,6 +60,10 @@ pub(super) fn read(
                 from_zero: false,
                 seconds: None,
             };
+            let mut words = page.fields.iter().map(|(_, _, text)| text);
+            if participant.is_empty() && words.any(|text| !text.is_empty()) {
+                return Err(of_nobody(grid, format, people, &place));
+            }
             contents.rows.extend(reading.rows_of(&page)?);
         }
         if contents.rows.len() == before && !pages.is_empty() {
@@ -74,6 +79,22 @@ pub(super) fn read(
             .push(format!("{rows} of {what}: left out"));
     }
     Ok(contents)
+}
+
+/// Answers in a row that nothing says whose it is.
+fn of_nobody(grid: &Grid, format: &Format, people: Option<usize>, place: &str) -> StudyError {
+    let problem = match people {
+        Some(column) => format!(
+            "{place}: column `{}`, which says whose row it is, is empty",
+            grid.columns[column]
+        ),
+        None => format!(
+            "{place}: no column that says whose row it is has anything in it: {}",
+            format.participant.join(", ")
+        ),
+    };
+    let help = "write the person's id there, or take the row out; `participant` in the map of columns names another column";
+    StudyError::file(grid.path(), problem).with_help(help)
 }
 
 /// The column that says whose each row is: the map's, else the first of the software's that anybody filled in.

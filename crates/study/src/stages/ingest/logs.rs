@@ -51,8 +51,28 @@ pub(crate) fn logs_of(
     Ok((theirs, shared))
 }
 
+/// How a file is read by itself: by `mapping`; else, where it is one of a study's logs, as the study reads it. What lies elsewhere, such as
+/// a drive that was made here, has no mapping.
+///
+/// # Errors
+/// [`StudyError::Ingest`] for a mapping that is none.
+pub(crate) fn settings_of(
+    path: &Path,
+    mapping: Option<&Path>,
+    study: Option<&DesignFile>,
+) -> Result<IngestSettings, StudyError> {
+    let among = |study: &&DesignFile| {
+        let files = study.design.files();
+        let below = || absolute(path).starts_with(absolute(&study.resolve(&files.logs)));
+        matches!(files.mapping, Mappings::Rigs(_)) || below()
+    };
+    let of_study = || study.filter(among).and_then(|study| declared(study, path));
+    let mapping = mapping.map(Path::to_owned).or_else(of_study);
+    Ok(settings(&Ingest::default(), mapping)?.1)
+}
+
 /// The files with the mappings that a design has for these logs, and with the logs that it names where none are named.
-pub(super) fn declared_files(files: Files, options: &Ingest, study: &DesignFile) -> Files {
+pub(crate) fn declared_files(files: Files, options: &Ingest, study: &DesignFile) -> Files {
     let declared = study.design.files();
     let named = !options.logs.is_empty();
     let (folders, mappings) = match &declared.mapping {
@@ -210,4 +230,30 @@ fn below(
             .any(|other| log.starts_with(other))
     });
     Ok(logs)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_log_of_the_study_has_its_mapping_and_a_file_from_elsewhere_the_one_that_is_named() {
+        let folder = tempfile::tempdir().unwrap();
+        let at = |name: &str| folder.path().join(name);
+        let design = "[study]\ntitle = \"t\"\n[[condition]]\nid = \"calm\"\n[[condition]]\nid = \"sporty\"\n";
+        std::fs::write(at("study.toml"), design).unwrap();
+        std::fs::write(at("mapping.toml"), "rate_hz = 10\n").unwrap();
+        std::fs::write(at("other.toml"), "rate_hz = 5\n").unwrap();
+        let study = DesignFile::read(&at("study.toml")).unwrap();
+        let rate = |log: &str, mapping: Option<&str>, study: Option<&DesignFile>| {
+            let mapping = mapping.map(at);
+            let settings = settings_of(&at(log), mapping.as_deref(), study).unwrap();
+            settings.rate_hz().unwrap()
+        };
+        let is = |found: f64, expected: f64| assert!((found - expected).abs() < 1e-12, "{found}");
+        is(rate("logs/day1/a.csv", None, Some(&study)), 10.0);
+        is(rate("av/logs/a.mcap", None, Some(&study)), 20.0);
+        is(rate("logs/a.csv", None, None), 20.0);
+        is(rate("logs/a.csv", Some("other.toml"), Some(&study)), 5.0);
+    }
 }

@@ -94,9 +94,61 @@ fn drives_appear_together_and_a_log_that_cannot_be_read_is_listed_beside_them() 
     // The same log twice is one drive twice; what stood there before stays.
     let before = std::fs::read(out.join("a.parquet")).unwrap();
     let error = run(vec![logs.clone(), logs.join("a.csv")], &out).unwrap_err();
-    assert!(error.to_string().contains("make the drive"), "{error}");
+    assert!(
+        error
+            .to_string()
+            .contains("a.csv makes the drive `a` twice"),
+        "{error}"
+    );
+    std::fs::create_dir(logs.join("again")).unwrap();
+    std::fs::copy(logs.join("a.csv"), logs.join("again/a.csv")).unwrap();
+    let error = run(vec![logs.clone()], &out).unwrap_err().to_string();
+    for said in ["logs/a.csv", "logs/again/a.csv", " both make the drive `a`"] {
+        assert!(error.contains(said), "{error}");
+    }
     assert_eq!(names(&out).len(), 5);
     assert_eq!(std::fs::read(out.join("a.parquet")).unwrap(), before);
+}
+
+#[test]
+fn where_no_drive_is_let_in_the_rule_is_to_be_changed_or_the_names() {
+    let folder = tempfile::tempdir().unwrap();
+    let (log, design) = (
+        folder.path().join("P01-calm.csv"),
+        folder.path().join("study.toml"),
+    );
+    std::fs::write(&log, table(100)).unwrap();
+    let mappings = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../study_data/mappings");
+    let ours = std::fs::read_to_string(mappings.join("ours.toml")).unwrap();
+    let named = ours.replace("{drive}", "{participant}-{condition}");
+    let named = named.replace("condition = \"own\"", "condition = \"{condition}\"");
+    let mapping = folder.path().join("mapping.toml");
+    std::fs::write(&mapping, named).unwrap();
+    let help = |conditions: [&str; 2], rest: &str| {
+        let condition = |id: &str| format!("[[condition]]\nid = \"{id}\"\n");
+        let text = conditions.map(condition).concat();
+        std::fs::write(&design, format!("[study]\ntitle = \"t\"\n{text}{rest}")).unwrap();
+        let options = Ingest {
+            logs: vec![log.clone()],
+            design: Some(design.clone()),
+            out: folder.path().join("drives"),
+            mapping: Some(mapping.clone()),
+            jobs: 1,
+            ..Ingest::default()
+        };
+        let error = options.run(Watch::unwatched()).unwrap_err();
+        error.suggestion().unwrap()
+    };
+    let short = help(
+        ["calm", "sporty"],
+        "[exclude]\ndrive_shorter_than_s = 300\n",
+    );
+    assert!(
+        short.contains("by exclude.drive_shorter_than_s: change the rule"),
+        "{short}"
+    );
+    let unknown = help(["bold", "sporty"], "");
+    assert!(unknown.contains("[names] of the mapping"), "{unknown}");
 }
 
 #[test]

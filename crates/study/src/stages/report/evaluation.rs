@@ -59,8 +59,14 @@ const SHOWN: [(FollowingMethod, Follower); 4] = [
 
 pub(super) fn page(options: &DrawReport) -> Result<(Report, Vec<String>), StudyError> {
     let folder = options.results.as_path();
+    let training_file = training_path(&folder.join(MODEL_FILE));
+    if !training_file.is_file() {
+        let problem = "holds following.json without model_training.json, of which the page of an evaluation is made too";
+        let help = "`maveric train --out FOLDER/model.maveric` writes it, `maveric evaluate` prints its numbers without a page; pipelines/openacc.toml makes both files and the page";
+        return Err(StudyError::file(folder, problem).with_help(help));
+    }
     let evaluation: FollowingEvaluation = read_json(&folder.join("following.json"))?;
-    let training: TrainingSummary = read_json(&training_path(&folder.join(MODEL_FILE)))?;
+    let training: TrainingSummary = read_json(&training_file)?;
     let context = Context::real();
     let titled = options
         .design

@@ -12,7 +12,7 @@ use maveric_analysis::Finding;
 use maveric_domain::{Drive, Embedding, StyleScore};
 use maveric_measures::likeness::windows;
 use maveric_model::{
-    Heads, Model, Personalized, personalize,
+    Heads, HeadsKind, Model, Personalized, personalize,
     style_space::{LinearHead, share_outside_training},
 };
 use maveric_rehearsal::findings;
@@ -31,6 +31,10 @@ use serde::Serialize;
 pub struct Examined {
     /// File of the model.
     pub model: String,
+    /// Which heads it has.
+    pub heads: HeadsKind,
+    /// Further files that hold the same model, as trainings of linear heads with other seeds do: examined and counted once.
+    pub same: Vec<String>,
     /// Are drivers told apart?
     pub identity: Vec<Identification>,
     /// Do the standard errors of the styles hold?
@@ -237,6 +241,8 @@ impl Examination<'_> {
         let angles: Vec<f64> = moved.iter().map(|m| m.0).collect();
         Ok(Examined {
             model: name.to_owned(),
+            heads: model.kind(),
+            same: Vec::new(),
             identity,
             errors,
             days_of: model.days().map(|days| days.people),

@@ -12,7 +12,7 @@ use maveric_report::{
     html::Provenance,
     tables::Table,
 };
-use std::collections::BTreeMap;
+use std::{collections::BTreeMap, path::PathBuf};
 
 /// Tables of retest, identity, standard errors, fidelity and likeness come before those of the dial.
 const FIRST_TABLES: usize = 5;
@@ -43,6 +43,8 @@ pub(super) fn page(
     warnings: &[String],
 ) -> Result<Report, StudyError> {
     let context = Context::of(validated.synthetic, options.seed);
+    let files = validated.models.iter();
+    let files = files.flat_map(|m| std::iter::once(&m.model).chain(&m.same));
     let dial_tables = tables.split_off(FIRST_TABLES.min(tables.len()));
     let new = texts.page(&context, (options.seed, options.command.as_deref()))?;
     Ok(Report {
@@ -57,7 +59,7 @@ pub(super) fn page(
                 ("points".to_owned(), options.points.to_string()),
                 ("worlds".to_owned(), options.worlds.to_string()),
             ],
-            inputs: hashed(validated.models.iter().map(|m| m.model.clone().into()))?,
+            inputs: hashed(files.map(PathBuf::from))?,
             ..new.provenance
         },
         ..new

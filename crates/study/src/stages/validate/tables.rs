@@ -16,8 +16,12 @@ use std::collections::BTreeMap;
 struct Words<'a> {
     synthetic: bool,
     preface: &'a str,
+    /// In which unit figures show speeds.
+    speed: &'static str,
     drivers: usize,
     models: usize,
+    /// Files that hold them: more where some hold the same one.
+    files: usize,
     worlds: usize,
     points: f64,
     full: f64,
@@ -42,11 +46,14 @@ pub(super) fn texts(
     let one = models.first();
     let beyond: Vec<f64> = models.iter().filter_map(|m| m.beyond_training).collect();
     let moves = models.iter().map(|m| m.perpendicular_moves_s);
+    let context = Context::of(synthetic, options.seed);
     let words = Words {
         synthetic,
-        preface: Context::of(synthetic, options.seed).preface(),
+        preface: context.preface(),
+        speed: context.speed.name(),
         drivers,
         models: models.len(),
+        files: models.iter().map(|m| 1 + m.same.len()).sum(),
         worlds: options.worlds,
         points: options.points,
         full: FULL,

@@ -249,6 +249,81 @@ fn a_proposal_counts_from_zero_lists_words_and_abstains_where_several_columns_fi
 }
 
 #[test]
+fn a_proposal_is_written_over_a_map_that_is_not_filled_in_alone() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = folder.path().join("columns.toml");
+    let table = b"participant,condition,calm_1,calm_2,calm_3\nP01,sporty,1,2,3\n";
+    let propose = || {
+        let import = Import {
+            suggest: true,
+            out: Some(out.clone()),
+            ..in_folder(folder.path(), None, table, None, DESIGN)
+        };
+        import.run(Watch::unwatched())
+    };
+    std::fs::write(&out, "# what the columns mean\n\n# sheet = \"Data\"\n").unwrap();
+    propose().unwrap();
+    assert!(!std::fs::read_to_string(&out).unwrap().contains("Data"));
+    std::fs::write(&out, "# mine\nparticipant = \"VP\"\n").unwrap();
+    let error = propose().unwrap_err();
+    assert!(
+        error.to_string().contains("is filled in already"),
+        "{error}"
+    );
+    assert!(error.suggestion().unwrap().contains("--out"));
+    assert!(std::fs::read_to_string(&out).unwrap().contains("VP"));
+}
+
+#[test]
+fn a_pattern_that_no_column_has_is_told_from_a_scale_that_nobody_answered() {
+    let folder = tempfile::tempdir().unwrap();
+    let other = SCALE.replace("calm", "bold");
+    let table = b"participant,condition,calm_1,calm_2,calm_3,bold_1,bold_2,bold_3,age\nP01,sporty,1,2,3,,,,30\n";
+    let told = |map: &str| {
+        let import = in_folder(folder.path(), None, table, Some(map), DESIGN);
+        std::fs::write(folder.path().join("scales/bold.toml"), &other).unwrap();
+        import.run(Watch::unwatched()).unwrap().warnings.join("\n")
+    };
+    let bold = "[scales.bold]\ncolumn = \"bold_{item}\"\n";
+    let answered = told(bold);
+    assert!(
+        answered.contains("scale `bold`: nobody answered it (bold_{item})"),
+        "{answered}"
+    );
+    let misspelt = told(&bold.replace("bold_", "bald_"));
+    assert!(
+        misspelt.contains(
+            "calls its columns `bald_{item}`, and none is called so; 5 columns belong to no scale"
+        ),
+        "{misspelt}"
+    );
+}
+
+#[test]
+fn rows_that_end_early_are_counted_and_a_row_of_nobody_is_refused_with_its_column() {
+    let head = "participant,condition,calm_1,calm_2,calm_3\n";
+    let whole = format!("{head}P01,sporty,1,2,\n\nP02,sporty,1,\"2\n\",\n");
+    let (warnings, _) = mapped(whole.as_bytes(), None).unwrap();
+    assert!(
+        !warnings.iter().any(|w| w.contains("early")),
+        "{warnings:?}"
+    );
+    let cut = format!("{head}P01,sporty,1,2\n\nP02,sporty,1\nP03,calm,1,2,3\n");
+    let (warnings, table) = mapped(cut.as_bytes(), None).unwrap();
+    assert_eq!(
+        warnings[0],
+        "2 rows end early (row 1 after 4, row 3 after 3 of 5 cells): what they lack counts as not answered"
+    );
+    assert!(table.contains("P02,sporty,calm,3,\n"), "{table}");
+    let nobody = format!("{head}P01,sporty,1,2,3\n ,sporty,1,2,3\n");
+    let error = mapped(nobody.as_bytes(), None).unwrap_err();
+    assert!(
+        error.contains("row 2: column `participant`") && error.contains("take the row out"),
+        "{error}"
+    );
+}
+
+#[test]
 fn a_workbook_is_read_by_the_name_of_its_sheet() {
     let answers: &[&[&str]] = &[
         &["participant", "condition", "calm_1", "calm_2", "calm_3"],

@@ -7,7 +7,8 @@ use super::{
 };
 use maveric_report::tables::{Cell, Table};
 use maveric_stats::{
-    AlignedRanks, CellContrast, Factorial, FactorialFinding, MarginalMean, Named, Sphericity,
+    AlignedRanks, CellContrast, Factorial, FactorialFinding, MarginalMean, Named, SimpleEffect,
+    Sphericity,
 };
 
 pub(in crate::stages::stats) fn factorial(result: &Factorial) -> Printed {
@@ -35,18 +36,30 @@ pub(in crate::stages::stats) fn factorial(result: &Factorial) -> Printed {
             .map(move |(name, test)| (format!("{interaction}: {name}"), test))
     });
     let inner: Vec<_> = inner.collect();
-    let simple = table("Simple effects", &inner)
+    let mut simple = table("Simple effects", &inner)
         .text("Effect", |(whole, _)| whole)
-        .right("*F*", |(_, test)| optional(test.f))
+        .right("*F*", |(_, test)| optional(deciding_f(test).0))
         .right("*df*_{1}", |(_, test)| degrees(Some(test.df1 as f64)))
-        .right("*df*_{2}", |(_, test)| degrees(Some(test.df2 as f64)))
-        .right("*p*", |(_, test)| p(test.p))
+        .right("*df*_{2}", |(_, test)| {
+            degrees(Some(deciding_f(test).1 as f64))
+        })
+        .right("*p*", |(_, test)| p(deciding_f(test).2))
         .done();
+    if inner.iter().any(|(_, test)| test.exact.is_some()) {
+        let note = "Of a factor within subjects with more than two levels: Hotelling's exact *F*.";
+        simple.notes.push(note.to_owned());
+    }
     printed = printed.table(simple);
     for (whole, test) in inner.iter().filter(|(_, test)| test.pairs.len() > 1) {
         printed = printed.table(contrasts(whole, &test.pairs));
     }
     printed.undefined(&result.undefined)
+}
+
+/// F of a simple effect with the degrees of freedom of its error and p: the exact one, as T² over its degrees of freedom finds too much.
+fn deciding_f(test: &SimpleEffect) -> (Option<f64>, usize, Option<f64>) {
+    let exact = test.exact.as_ref();
+    exact.map_or((test.f, test.df2, test.p), |e| (e.f, e.df2, e.p))
 }
 
 fn effects(result: &Factorial) -> Table {
@@ -120,4 +133,33 @@ pub(in crate::stages::stats) fn aligned(result: &AlignedRanks) -> Printed {
     Printed::headed(who, result.n, &result.dropped)
         .table(table)
         .undefined(&result.undefined)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use maveric_stats::ExactTest;
+
+    #[test]
+    fn a_simple_effect_is_printed_by_the_exact_f_where_there_is_one() {
+        let wald = SimpleEffect {
+            f: Some(4.0),
+            df1: 2,
+            df2: 8,
+            p: Some(0.06),
+            exact: None,
+            pairs: Named::default(),
+        };
+        assert_eq!(deciding_f(&wald), (Some(4.0), 8, Some(0.06)));
+        let exact = ExactTest {
+            f: Some(3.5),
+            df2: 7,
+            p: Some(0.09),
+        };
+        let hotelling = SimpleEffect {
+            exact: Some(exact),
+            ..wald
+        };
+        assert_eq!(deciding_f(&hotelling), (Some(3.5), 7, Some(0.09)));
+    }
 }
