@@ -120,7 +120,8 @@ mod tests {
             let row =
                 context! { condition => "calm", meant => -points, n => 3, clamped => 0, shape };
             let table = texts(digits, points, 1.0).table("dial-steps", [row]);
-            let cells = &table.unwrap().rows[0];
+            let table = table.unwrap();
+            let cells = &table.rows[0];
             (cells[1].clone(), cells[4].clone())
         };
         let points = |points: f64, decimals: usize| Cell::number(Some(points), decimals);
