@@ -5,7 +5,10 @@ use crate::{
     congruence, crossed::crossed, describe, design_test::Purpose, findings, homophily, hypotheses,
     lent, line, mixed, presses, primary, reproduction, retest, sensitivity, which,
 };
-use maveric_domain::design::{Condition, DeclaredTest, Outcome, Quantity};
+use maveric_domain::{
+    ParticipantId,
+    design::{Condition, DeclaredTest, Outcome, Quantity},
+};
 use maveric_measures::objective;
 
 /// Every analysis that the design of a study asks for.
@@ -56,10 +59,16 @@ pub fn analyse(data: &StudyData, purpose: Purpose) -> Result<Analysis, AnalysisE
         beyond_training: beyond_training(data),
         notes: notes(data),
         exclusions,
+        without_baseline: names(data.without_baseline()),
+        without_answer: names(data.without_answer()),
         findings: Vec::new(),
     };
     analysis.findings = findings::of_study(&data.design, &analysis);
     Ok(analysis)
+}
+
+fn names<'a>(people: impl Iterator<Item = &'a ParticipantId>) -> Vec<String> {
+    people.map(ToString::to_string).collect()
 }
 
 /// Refuses a declared test that takes no period, where orders are known.

@@ -276,6 +276,7 @@ fn people_whose_order_is_not_known_are_left_out_and_named_and_uneven_orders_are_
     assert_eq!(speed_panel.n, 14);
     assert_eq!(speed_panel.without_order, ["P4", "P8"]);
     assert_eq!(speed_panel.dropped, speed_panel.without_order);
+    assert_eq!(speed_panel.lacking(), 0);
     let why = a.exclusions.iter().find(|e| e.who == "P4").unwrap();
     assert!(
         why.why.contains("order in which the conditions were met"),

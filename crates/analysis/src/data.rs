@@ -306,6 +306,27 @@ impl StudyData {
         self.participants.iter().any(|p| !self.order(p).is_empty())
     }
 
+    /// Those of whom no baseline drive is there; nobody where the design has none.
+    pub(crate) fn without_baseline(&self) -> impl Iterator<Item = &ParticipantId> {
+        let baseline = self.design.baseline_id();
+        let lacks = move |p: &&ParticipantId| baseline.is_some_and(|b| self.cell(p, b).is_none());
+        self.participants.iter().filter(lacks)
+    }
+
+    /// Those who answered no questionnaire about a condition.
+    pub(crate) fn without_answer(&self) -> impl Iterator<Item = &ParticipantId> {
+        let conditions = self.design.conditions();
+        let lacks = move |p: &&ParticipantId| {
+            let about = |id| {
+                self.after
+                    .iter()
+                    .any(|name| self.rated(p, id, name).is_some())
+            };
+            !conditions.iter().any(|c| about(c.id))
+        };
+        self.participants.iter().filter(lacks)
+    }
+
     /// How evenly the conditions stand in the orders of those who were tested; none where no order is known.
     pub(crate) fn order_balance(&self) -> Option<OrderBalance> {
         let orders = self.participants.iter().map(|id| self.order(id));

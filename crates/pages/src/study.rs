@@ -85,6 +85,7 @@ impl<'a> StudyPage<'a> {
             by_hand => baseline.is_some_and(|b| b.by == By::Hand),
             count => in_words(conditions.len()),
             labels,
+            digits => words::decimals(facts.score_range),
             preface => context.preface(),
             speed => context! { unit => context.speed.name(), per_mps => context.speed.per_mps() },
             ..value(facts),

@@ -35,6 +35,8 @@ struct ColumnText {
     #[serde(default)]
     show: Show,
     decimals: Option<Decimals>,
+    /// The unit of its numbers, an expression over a row; a share has one without.
+    unit: Option<String>,
     side: Option<Align>,
     /// An expression over the page's values and `rows`: without it the column is always there.
     when: Option<String>,
@@ -110,6 +112,7 @@ impl TableText {
             heads: Vec::new(),
             ids: Vec::new(),
             rows: vec![Vec::new(); rows.len()],
+            units: vec![Vec::new(); rows.len()],
         };
         if let Some(id) = &self.id {
             let id = environment.compile_expression(id).map_err(failure)?;
@@ -131,8 +134,9 @@ impl TableText {
                 for (at, row) in rows.iter().enumerate() {
                     let row = context! { ..row.clone(), ..values.clone() };
                     let value = expression.eval(row.clone());
-                    let cell = value
-                        .and_then(|value| column.cell(&value, column.decimals(&environment, row)?));
+                    let cell = value.and_then(|value| {
+                        column.cell(&value, column.decimals(&environment, row.clone())?)
+                    });
                     let named = head
                         .as_deref()
                         .or(column.key.as_deref())
@@ -140,6 +144,7 @@ impl TableText {
                     let cell = cell.map_err(|e| failed(format!("{place}, {named}: {e:#}")))?;
                     if column.key.is_some() {
                         data.rows[at].push(cell.clone());
+                        data.units[at].push(column.unit(&environment, row).map_err(failure)?);
                     }
                     if head.is_some() {
                         table.rows[at].push(cell);
@@ -169,7 +174,7 @@ impl TableText {
             environment.template_from_str(text)?;
         }
         for column in &self.columns {
-            for text in [&column.when, &column.each]
+            for text in [&column.when, &column.each, &column.unit]
                 .into_iter()
                 .flatten()
                 .chain([&column.value])
@@ -220,6 +225,22 @@ impl ColumnText {
             Some(Decimals::Fixed(decimals)) => Ok(*decimals),
             Some(Decimals::Of(text)) => environment.compile_expression(text)?.eval(row)?.try_into(),
         }
+    }
+
+    fn unit(&self, environment: &Environment<'_>, row: Value) -> Result<String, minijinja::Error> {
+        let Some(unit) = &self.unit else {
+            let is_share = matches!(self.show, Show::Percent | Show::PercentRange);
+            return Ok(if is_share { "%" } else { "" }.to_owned());
+        };
+        let found = environment.compile_expression(unit)?.eval(row)?;
+        if found.is_undefined() {
+            return Err(undefined(unit));
+        }
+        Ok(if found.is_none() {
+            String::new()
+        } else {
+            found.to_string()
+        })
     }
 
     fn cell(&self, found: &Value, decimals: usize) -> Result<Cell, minijinja::Error> {
@@ -316,9 +337,9 @@ mod tests {
     #[test]
     fn columns_with_a_key_stand_in_the_table_for_machines_by_the_id_of_their_row() {
         let text = "title = \"t\"\nid = \"name ~ '.x'\"\ncolumns = [{ head = \"Who\", key = \"who\", value = \"name\" }, \
-                    { head = \"Shown\", value = \"name\" }, { key = \"r\", value = \"r\", show = \"bounded\" }]";
+                    { head = \"Shown\", value = \"name\" }, { key = \"r\", value = \"r\", show = \"bounded\", unit = \"of\" }]";
         let text: TableText = toml::from_str(text).unwrap();
-        let rows = vec![context! { name => "a", r => 0.5 }];
+        let rows = vec![context! { name => "a", r => 0.5, of => "km/h" }];
         let made = text.table("t", "t", rows, &context! {}).unwrap();
         assert_eq!(made.columns.len(), 2);
         let data = made.data.unwrap();
@@ -330,6 +351,7 @@ mod tests {
             )
         );
         assert_eq!(data.rows, [[Cell::text("a"), Cell::bounded(Some(0.5), 2)]]);
+        assert_eq!(data.units, [["", "km/h"]]);
     }
 
     #[test]

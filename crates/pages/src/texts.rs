@@ -81,6 +81,7 @@ pub(crate) fn environment() -> Environment<'static> {
         value.map_or_else(|| "–".to_owned(), |value| apa::number(value, decimals))
     });
     environment.add_filter("shortest", |number: f64| number.to_string());
+    environment.add_filter("points", words::points);
     environment.add_filter("verdict", |verdict: Serde<Verdict>| verdict.words());
     environment.add_filter("cell", cell);
     environment.add_filter("ends", ends);

@@ -1,7 +1,7 @@
 //! Phrases that pages share: lists, shares, intervals, and tests as APA writes them.
 
 use maveric_analysis::{Contrast, ContrastTest, Correlation, OtherChoice, Panel, PrimaryOutcome};
-use maveric_domain::{ConditionId, Design, design::DeclaredTest};
+use maveric_domain::{ConditionId, Design, ScoreRange, design::DeclaredTest};
 pub use maveric_report::markup::capital;
 use maveric_report::{
     apa,
@@ -224,6 +224,18 @@ pub(crate) fn label_of_id(design: &Design, id: &str) -> String {
 /// What the dial turns.
 pub(crate) fn style(design: &Design) -> &str {
     design.style().map_or("the style", |style| &style.label)
+}
+
+/// Decimals of points of the style; none where nobody says its range.
+pub(crate) fn decimals(score_range: Option<(f64, f64)>) -> usize {
+    let range = score_range.and_then(|(low, high)| ScoreRange::new(low, high).ok());
+    range.map_or(0, ScoreRange::decimals)
+}
+
+/// A distance on the dial to one decimal more than its points have: 15, 1.7, 0.57.
+pub(crate) fn points(points: f64, digits: usize) -> f64 {
+    let finest = (0..=digits).fold(1.0, |finest, _| 10.0 * finest);
+    (points * finest).round() / finest
 }
 
 /// A small number as a word.

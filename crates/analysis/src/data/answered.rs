@@ -84,11 +84,16 @@ impl StudyData {
         declared.or_else(of_scale)
     }
 
-    /// Points of the design's style that one ADB point is, both scales end on end: 1 on the ADB, and where nobody says the range.
-    pub fn adb_point(&self) -> f64 {
+    /// The scale of the design's style; the ADB's where nobody says its range.
+    pub fn style_scale(&self) -> ScoreRange {
         let range = self.style_range();
         let range = range.and_then(|(low, high)| ScoreRange::new(low, high).ok());
-        range.unwrap_or(ScoreRange::ADB).width() / ScoreRange::ADB.width()
+        range.unwrap_or(ScoreRange::ADB)
+    }
+
+    /// Points of the design's style that one ADB point is, both scales end on end.
+    pub fn adb_point(&self) -> f64 {
+        self.style_scale().width() / ScoreRange::ADB.width()
     }
 
     /// What a page calls a score: the subscale's title, or the scale's where it has no other.

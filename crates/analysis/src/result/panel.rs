@@ -70,6 +70,14 @@ pub struct Panel {
     pub by_factor: Option<ByFactor>,
 }
 
+impl Panel {
+    /// How many are not in the test for a missing value alone.
+    pub fn lacking(&self) -> usize {
+        let lacks = |who: &&String| !self.without_order.contains(who);
+        self.dropped.iter().filter(lacks).count()
+    }
+}
+
 /// The test of a panel's contrasts.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]

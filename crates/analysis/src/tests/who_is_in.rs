@@ -12,6 +12,7 @@ fn whoever_lacks_a_value_is_left_out_and_named() {
     }
     let a = analysed(tables);
     assert_eq!(panel(&a, SPEED).dropped, ["P4"]);
+    assert_eq!(panel(&a, SPEED).lacking(), 1);
     assert_eq!((panel(&a, SPEED).n, a.reproduction[0].dropped), (5, 1));
     let said = |e: &crate::Exclusion| e.who == "P4" && e.what == "comparison of mean velocity";
     assert!(a.exclusions.iter().any(said));
@@ -60,6 +61,19 @@ fn whoever_is_excluded_is_out_of_everything_and_counted_with_the_reason() {
     // Neither the drive nor what was said of it is left.
     assert_eq!((trust.rows[0][1], trust.rows[3][2]), (None, None));
     assert_eq!((panel(&a, SPEED).n, trust.n), (2, 3));
+}
+
+#[test]
+fn whoever_has_no_baseline_drive_or_answered_nothing_is_named() {
+    let whole = analysed(tables());
+    assert!(whole.without_baseline.is_empty() && whole.without_answer.is_empty());
+    let mut some = tables();
+    some.measurements
+        .retain(|d| d.meta.drive.as_str() != "P4-own");
+    some.post.retain(|s| s.participant.as_str() != "P5");
+    let a = analysed(some);
+    assert_eq!(a.without_baseline, ["P4"]);
+    assert_eq!(a.without_answer, ["P5"]);
 }
 
 #[test]

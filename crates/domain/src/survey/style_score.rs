@@ -65,6 +65,12 @@ impl ScoreRange {
         (points * 1e6).round() / 1e6
     }
 
+    /// Decimals of its points: as many as make the last digit no coarser on this scale than a whole point is on the ADB's.
+    pub fn decimals(self) -> usize {
+        let narrower = Self::ADB.width() / self.width();
+        libm::log10(narrower).ceil().max(0.0) as usize
+    }
+
     /// So many points of this scale as points of another, end on end.
     pub fn onto(self, other: Self, points: f64) -> f64 {
         other.low + (points - self.low) * (other.width() / self.width())
@@ -139,6 +145,15 @@ mod tests {
         assert_eq!(step(0.0, 300.0, 3.0).to_bits(), 100.0_f64.to_bits());
         // 4 × 15 points are more than the 44 there are.
         assert_eq!(ScoreRange::ADB.step(4.0).to_bits(), 11.0_f64.to_bits());
+    }
+
+    #[test]
+    fn points_of_a_narrow_scale_have_decimals_and_those_of_the_adb_or_a_wider_one_have_none() {
+        let decimals = |low, high| ScoreRange::new(low, high).unwrap().decimals();
+        assert_eq!(ScoreRange::ADB.decimals(), 0);
+        assert_eq!(decimals(0.0, 300.0), 0);
+        assert_eq!(decimals(1.0, 6.0), 1);
+        assert_eq!(decimals(0.0, 1.0), 2);
     }
 
     #[test]

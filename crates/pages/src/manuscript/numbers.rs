@@ -17,6 +17,8 @@ pub(crate) struct Named {
     shown: String,
     /// Where it stands: table or card, row, column.
     place: [String; 3],
+    /// Empty where it has none.
+    unit: String,
 }
 
 /// Letters alone, each word with a large first letter; digits are spelled, and so are the signs between words if they are `told` apart.
@@ -59,17 +61,18 @@ fn macro_of(place: &[String; 3], told: bool) -> String {
 /// The answers of the cards, and every number of the tables for machines.
 pub(crate) fn numbers<'a>(cards: &[Card], tables: impl Iterator<Item = &'a Table>) -> Vec<Named> {
     let mut named = Vec::new();
-    let mut add = |place: [&str; 3], value: Option<f64>, shown: String| {
+    let mut add = |place: [&str; 3], value: Option<f64>, shown: String, unit: &str| {
         named.push(Named {
             name: String::new(),
             value,
             shown,
             place: place.map(str::to_owned),
+            unit: unit.to_owned(),
         });
     };
     for card in cards {
         let mut part = |part: &str, shown: &str| {
-            add(["card", &card.name, part], None, shown.to_owned());
+            add(["card", &card.name, part], None, shown.to_owned(), "");
         };
         part("answer", &card.answer);
         part("verdict", &card.verdict);
@@ -81,8 +84,8 @@ pub(crate) fn numbers<'a>(cards: &[Card], tables: impl Iterator<Item = &'a Table
     }
     for table in tables {
         let Some(data) = &table.data else { continue };
-        for (id, cells) in data.ids.iter().zip(&data.rows) {
-            for (head, cell) in data.heads.iter().zip(cells) {
+        for (at, (id, cells)) in data.ids.iter().zip(&data.rows).enumerate() {
+            for (column, (head, cell)) in data.heads.iter().zip(cells).enumerate() {
                 let (value, shown) = match cell {
                     // In a sentence a p has its sign before it.
                     Cell::P(p) => (*p, apa::p_cell(*p)),
@@ -91,7 +94,9 @@ pub(crate) fn numbers<'a>(cards: &[Card], tables: impl Iterator<Item = &'a Table
                     }
                     _ => continue,
                 };
-                add([&table.name, id, head], Some(value), shown);
+                let unit = data.units.get(at).and_then(|units| units.get(column));
+                let unit = unit.map_or("", String::as_str);
+                add([&table.name, id, head], Some(value), shown, unit);
             }
         }
     }
@@ -124,15 +129,20 @@ pub(crate) fn tex(named: &[Named]) -> String {
     out
 }
 
-/// A row a number: `name,value,shown,table,row,column`.
+/// A row a number: `name,value,shown,table,row,column,unit`.
 pub(crate) fn csv(named: &[Named]) -> String {
     let field = |text: &str| format!("\"{}\"", text.replace('"', "\"\""));
-    let mut out = String::from("name,value,shown,table,row,column\r\n");
+    let mut out = String::from("name,value,shown,table,row,column,unit\r\n");
     for n in named {
         let value = n.value.map(|v| v.to_string()).unwrap_or_default();
         let [table, row, column] = n.place.each_ref().map(|p| field(p));
         let shown = field(&markup::plain(&n.shown));
-        let _ = write!(out, "{},{value},{shown},{table},{row},{column}\r\n", n.name);
+        let unit = field(&n.unit);
+        let _ = write!(
+            out,
+            "{},{value},{shown},{table},{row},{column},{unit}\r\n",
+            n.name
+        );
     }
     out
 }
@@ -149,6 +159,7 @@ mod tests {
                 heads: ["outcome", "mean_2", "p"].map(str::to_owned).to_vec(),
                 ids: ids.map(str::to_owned).to_vec(),
                 rows: vec![row(0.0004), row(0.5)],
+                units: vec![["", "km/h", ""].map(str::to_owned).to_vec(); 2],
             }),
             ..Table::of::<()>("omnibus", "Whatever it is called", []).done()
         }
@@ -178,7 +189,10 @@ mod tests {
             "{tex}"
         );
         assert!(tex.contains("{\\textless{} .001}"), "{tex}");
-        assert!(csv(&found).contains("omnibusSpeedCalmMeanTwo,61.234,\"61.23\",\"omnibus\","));
+        let csv = csv(&found);
+        let row = "omnibusSpeedCalmMeanTwo,61.234,\"61.23\",\"omnibus\",\"speed.calm\",\"mean_2\",\"km/h\"";
+        assert!(csv.contains(row), "{csv}");
+        assert!(csv.contains("\"speed.calm\",\"p\",\"\"\r\n"), "{csv}");
     }
 
     #[test]

@@ -350,7 +350,7 @@ mod tests {
 
     #[test]
     fn a_region_is_shown_with_its_ends_or_says_that_it_has_none() {
-        let texts = PageTexts::new(STUDY, &context! { style => "ADB score" }).unwrap();
+        let texts = PageTexts::new(STUDY, &context! { style => "ADB score", digits => 0 }).unwrap();
         let unfitted = CongruenceRow {
             model: None,
             why_not: Some("too few".to_owned()),
@@ -372,7 +372,7 @@ mod tests {
 
     #[test]
     fn what_was_perceived_stands_below_with_its_own_bounds_and_how_it_was_asked() {
-        let texts = PageTexts::new(STUDY, &context! { style => "ADB score" }).unwrap();
+        let texts = PageTexts::new(STUDY, &context! { style => "ADB score", digits => 0 }).unwrap();
         let shown = |same| {
             let perceived = CongruenceRow {
                 perceived: Some(PerceivedStyle {

@@ -80,3 +80,52 @@ pub fn line_panels(line: &Line) -> AggressionLine {
         panels: drawn.map(panel).collect(),
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use crate::page_texts::{PageTexts, STUDY};
+    use maveric_report::tables::Cell;
+    use minijinja::{Value, context};
+
+    fn texts(digits: usize, points: f64, within: f64) -> PageTexts {
+        let label = Value::from_function(|id: &str| id.to_owned());
+        let step = context! { points, within, clamped => 1, settings => 9 };
+        let values =
+            context! { style => "score", digits, label, step, space => true, along => true };
+        PageTexts::new(STUDY, &values).unwrap()
+    }
+
+    #[test]
+    fn a_step_is_said_in_whole_points_of_the_adb_and_in_decimals_of_a_narrow_scale() {
+        let said = |texts: PageTexts| {
+            let section = texts.section("embedding", Vec::new(), Vec::new());
+            section.unwrap().intro.concat()
+        };
+        let adb = said(texts(0, 15.000_000_000_000_002, 6.1));
+        assert!(
+            adb.contains("A step of 15 points of the score is known to within 6 points"),
+            "{adb}"
+        );
+        let narrow = said(texts(1, 1.7, 1.46));
+        assert!(
+            narrow.contains("A step of 1.7 points of the score is known to within 1.5 points"),
+            "{narrow}"
+        );
+    }
+
+    #[test]
+    fn what_was_meant_is_written_as_finely_as_what_came_of_it_unless_it_is_whole() {
+        let cells = |digits: usize, points: f64| {
+            let shape = context! { mean => -points, sd => 0.5, min => -points, max => -points };
+            let row =
+                context! { condition => "calm", meant => -points, n => 3, clamped => 0, shape };
+            let table = texts(digits, points, 1.0).table("dial-steps", [row]);
+            let table = table.unwrap();
+            let cells = &table.rows[0];
+            (cells[1].clone(), cells[4].clone())
+        };
+        let points = |points: f64, decimals: usize| Cell::number(Some(points), decimals);
+        assert_eq!(cells(0, 15.0), (points(-15.0, 0), points(-15.0, 1)));
+        assert_eq!(cells(1, 1.7), (points(-1.7, 2), points(-1.7, 2)));
+    }
+}

@@ -93,7 +93,8 @@ impl StudyPage<'_> {
         }
         for panel in &self.analysis.panels {
             if !panel.dropped.is_empty() {
-                let values = context! { title => titled(panel), dropped => panel.dropped.len(), n => panel.n };
+                let unordered = panel.dropped.len() - panel.lacking();
+                let values = context! { title => titled(panel), lacking => panel.lacking(), unordered, n => panel.n };
                 paragraphs.push(self.methods.with(&values).text("incomplete")?);
             }
         }

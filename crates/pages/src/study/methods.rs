@@ -109,15 +109,28 @@ impl StudyPage<'_> {
         let texts = self
             .methods
             .with(&context! { by_car => by_car.clone(), recorded => recorded.clone() });
-        let mut did = Vec::new();
-        for (wanted, key) in [
-            (self.design.baseline().is_some(), "did_baseline"),
-            (!by_car.is_empty(), "did_ride"),
-            (!recorded.is_empty(), "did_recorded"),
-            (a.panels.iter().any(|p| !p.measured), "did_answer"),
+        let asked = a.panels.iter().any(|p| !p.measured);
+        let (mut did, mut of_some) = (Vec::new(), Vec::new());
+        for (wanted, key, without) in [
+            (
+                self.design.baseline().is_some(),
+                "did_baseline",
+                a.without_baseline.len(),
+            ),
+            (!by_car.is_empty(), "did_ride", 0),
+            (!recorded.is_empty(), "did_recorded", 0),
+            (asked, "did_answer", a.without_answer.len()),
         ] {
-            if wanted {
-                did.push(texts.text(key)?);
+            let n = a.participants.saturating_sub(without);
+            if !wanted || n == 0 {
+                continue;
+            }
+            let what = texts.text(key)?;
+            if without == 0 {
+                did.push(what);
+            } else {
+                let values = context! { n, what };
+                of_some.push(texts.with(&values).text("did_some")?);
             }
         }
         let mut sentences = Vec::new();
@@ -128,6 +141,7 @@ impl StudyPage<'_> {
         }
         sentences.push(texts.with(&context! { did }).text("did")?);
         let out: usize = a.flow.left_out.iter().map(|l| l.who.len()).sum();
+        sentences.extend(of_some);
         if out > 0 {
             let reasons = a.flow.left_out.iter().map(|l| texts.with(l).text("reason"));
             let reasons = reasons.collect::<Result<Vec<_>, _>>()?;
@@ -232,6 +246,36 @@ mod tests {
     }
 
     #[test]
+    fn what_some_did_alone_is_said_of_them_alone() {
+        let some = said("did_some", &context! { n => 10, what => "drove by hand" });
+        assert_eq!(
+            some,
+            "As far as there are data, 10 of these people drove by hand."
+        );
+    }
+
+    #[test]
+    fn who_lacks_a_value_and_whose_order_is_not_known_are_told_apart() {
+        let out = |lacking: usize, unordered: usize| {
+            said(
+                "incomplete",
+                &context! { title => "Speed", lacking, unordered, n => 7 },
+            )
+        };
+        assert_eq!(
+            out(1, 0),
+            "Speed: 1 person without a value in every condition is not in the tests; *n* = 7 in them."
+        );
+        assert_eq!(
+            out(0, 4),
+            "Speed: 4 people whose order of the conditions is not known are not in the tests; *n* = 7 in them."
+        );
+        assert!(out(1, 4).contains(
+            "1 person without a value in every condition and 4 people whose order of the conditions is not known are not"
+        ));
+    }
+
+    #[test]
     fn one_minute_is_no_plural_and_a_road_says_its_lanes() {
         let driven = |minutes: Option<f64>| {
             let road = context! { lanes => 2, lane_width_m => 3.66 };
@@ -244,10 +288,11 @@ mod tests {
             )
         };
         assert_eq!(
-            driven(Some(1.2)),
+            driven(Some(0.999)),
             "2 lanes of 3.66 m in one direction, posted 55 mph, 1 minute a drive by hand."
         );
-        assert!(driven(Some(6.0)).contains("6 minutes a drive by hand"));
+        assert!(driven(Some(5.999)).contains("6 minutes a drive by hand"));
+        assert!(driven(Some(89.9 / 60.0)).contains(" 1.5 minutes a drive by hand"));
         assert!(driven(None).ends_with("55 mph."));
     }
 }

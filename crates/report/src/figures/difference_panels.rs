@@ -291,7 +291,7 @@ fn caption(input: &DifferencePanels, context: &Context, (grid, width): (Grid, f6
         "{what}. {points} Half violins are \
          kernel densities (to two bandwidths beyond the data, never beyond the scale), boxes quartiles with whiskers to 1.5 times their distance, black dots \
          means with within-subject 95% intervals (Cousineau–Morey), cut where the panel ends: these compare conditions with one another{line}. *n* = {everybody} participants, of \
-         whom {complete} have a value in every condition and enter means, intervals and tests. \
+         whom {complete} enter means, intervals and tests: those with a value in every condition and, where the period is tested, a known order. \
          The omnibus test stands below each title. {brackets}{shortened}{}",
         nobody.concat()
     )

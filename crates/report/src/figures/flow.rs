@@ -18,7 +18,7 @@ pub struct Flow {
     pub analysed: usize,
     /// Single drives left out: reason and count. Plain text.
     pub drives_left_out: Vec<(String, usize)>,
-    /// People with a value in every condition, by outcome. Plain text.
+    /// People in the tests, by outcome. Plain text.
     pub outcomes: Vec<(String, usize)>,
 }
 
@@ -61,8 +61,8 @@ pub fn flow(input: &Flow, context: &Context) -> Result<Figure, ReportError> {
         size_mm: (width, (height + 12.0) * 25.4 / 72.0 + 4.0),
         title: "Flow of participants".to_owned(),
         caption: format!(
-            "Who was recruited, took part, was left out and is analysed, as CONSORT draws it. By outcome: participants with a value in every \
-             condition, who enter its tests. *n* = {}.",
+            "Who was recruited, took part, was left out and is analysed, as CONSORT draws it. By outcome: participants who enter its tests. \
+             *n* = {}.",
             input.analysed
         ),
         alt: format!(

@@ -31,6 +31,9 @@ pub struct Data {
     pub ids: Vec<String>,
     /// The rows, each with a cell a head.
     pub rows: Vec<Vec<Cell>>,
+    /// The unit of each cell, empty where it has none; no rows where none is known.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub units: Vec<Vec<String>>,
 }
 
 /// The head of a column.
@@ -88,6 +91,7 @@ impl Table {
             heads: heads.iter().map(|&head| head.to_owned()).collect(),
             ids: (1..=self.rows.len()).map(|row| row.to_string()).collect(),
             rows: self.rows.clone(),
+            units: Vec::new(),
         };
         Self {
             data: Some(data),

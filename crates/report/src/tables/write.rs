@@ -326,6 +326,7 @@ mod tests {
                 Cell::bounded(Some(0.5), 2),
                 Cell::P(0.0004),
             ]],
+            units: Vec::new(),
         });
         assert_eq!(table.to_csv(), "who,r,p\r\neve,0.5,0.0004\r\n");
         assert!(table.to_markdown().contains("| Who |"));

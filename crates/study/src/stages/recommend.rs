@@ -12,7 +12,7 @@ use crate::{
     tables::{collected::SEAT, dial::read_turns},
 };
 use maveric_analysis::{Learned, Preferred, Recommendation, StudyData};
-use maveric_domain::{ParticipantId, ScoreRange};
+use maveric_domain::ParticipantId;
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 
@@ -148,7 +148,7 @@ struct Points {
     unit: &'static str,
     /// What counts as near: 5 ADB points, or as large a share of another scale.
     near: f64,
-    /// Further decimals, on a narrow scale.
+    /// Decimals of a point.
     further: usize,
 }
 
@@ -156,17 +156,13 @@ impl Points {
     fn of(data: &StudyData) -> Self {
         let style = data.design.style();
         let is_adb = style.is_none_or(|style| style.score.to_string() == "adb.total");
-        let a_point = data.adb_point();
         Self {
             unit: if is_adb { "ADB points" } else { "points" },
-            near: (5.0 * a_point * 100.0).round() / 100.0,
-            further: usize::from(a_point * ScoreRange::ADB.width() < NARROW),
+            near: (5.0 * data.adb_point() * 100.0).round() / 100.0,
+            further: data.style_scale().decimals(),
         }
     }
 }
-
-/// A scale of fewer points than this needs a further decimal.
-const NARROW: f64 = 15.0;
 
 fn lines(r: &Recommendation, said: Points, at_length: bool) -> Vec<String> {
     let Points {

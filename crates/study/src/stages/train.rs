@@ -18,7 +18,7 @@ use crate::{
     },
 };
 use epochs::EpochProgress;
-use maveric_domain::{Drive, StyleScore};
+use maveric_domain::{Drive, ScoreRange, StyleScore};
 use maveric_model::{
     Days, EpochReport, HeadReport, Heads, Model, ModelError, NetworkReport, Selection, StyleHead,
     TrainSettings, TrainingDrive, learn_days, model_file, style_space::LinearHead, train as learn,
@@ -203,7 +203,7 @@ impl Stage for Train {
         write_embeddings(&embeddings_path(&self.out), &rows)?;
         let mut warnings = summary.warnings.clone();
         warnings.extend(off_the_scale::warnings(model.score_range(), &off));
-        let mut lines = self.lines(&summary);
+        let mut lines = self.lines(&summary, model.score_range());
         lines.extend(progress.rate_line());
         Ok(Outcome::new(summary, lines, warnings))
     }
@@ -254,7 +254,7 @@ impl Train {
     }
 
     /// What is said of a training, a line each.
-    fn lines(&self, summary: &TrainingSummary) -> Vec<String> {
+    fn lines(&self, summary: &TrainingSummary, scale: ScoreRange) -> Vec<String> {
         let mut lines = vec![format!(
             "{} heads, {} parameters trained on {} drives: {}",
             self.heads,
@@ -263,7 +263,8 @@ impl Train {
             self.out.to_slash_lossy()
         )];
         lines.extend(summary.heads.iter().map(head_line));
-        lines.extend(summary.style.as_ref().map(style_line));
+        let style = summary.style.as_ref();
+        lines.extend(style.map(|style| style_line(style, scale)));
         let selection = summary.networks.as_ref().and_then(|n| n.selection.as_ref());
         lines.extend(selection.map(validation_line));
         lines
@@ -339,10 +340,11 @@ fn no_better(error: f64, of_own_mean: f64) -> &'static str {
 }
 
 /// How well the style says the score, in a line.
-fn style_line(style: &StyleHead) -> String {
+fn style_line(style: &StyleHead, scale: ScoreRange) -> String {
+    let digits = 1 + scale.decimals();
     let left_out = match (style.cross_fitted_rmse, style.cross_fitted_r) {
         (Some(rmse), Some(r)) => {
-            format!("; for people left out off by {rmse:.1} points, r = {r:.2}")
+            format!("; for people left out off by {rmse:.digits$} points, r = {r:.2}")
         }
         _ => String::new(),
     };

@@ -152,6 +152,11 @@ pub(crate) struct ExclusionRow {
 }
 
 impl ExclusionRow {
+    /// Whether the drive is let in all the same: something in its log was repaired, or is doubtful.
+    pub(crate) fn is_kept(&self) -> bool {
+        !self.drive.is_empty() && self.rule.is_empty()
+    }
+
     /// Of which drive it is.
     ///
     /// # Errors
@@ -188,6 +193,7 @@ pub(crate) fn exclusions(folder: &Path) -> Result<Vec<ExclusionRow>, StudyError>
     let row = |EndedEarly { drive, what }| ExclusionRow {
         drive,
         what,
+        rule: "ended early".to_owned(),
         ..ExclusionRow::default()
     };
     Ok(ended.map(row).collect())
@@ -261,6 +267,21 @@ mod tests {
         let driven = rollout(&scenario, Driver::Human(&person), 1).unwrap();
         let meta = DriveMeta::named("P01-own", "P01", "own", DrivenBy::Synthetic).unwrap();
         Drive::from_recording(meta, &driven.recording).unwrap()
+    }
+
+    #[test]
+    fn a_drive_is_kept_that_no_rule_leaves_out_and_that_did_not_end_early() {
+        let row = |drive: &str, rule: &str| ExclusionRow {
+            drive: drive.to_owned(),
+            rule: rule.to_owned(),
+            ..ExclusionRow::default()
+        };
+        assert!(row("P01-own", "").is_kept());
+        assert!(!row("P01-own", "exclude.drives").is_kept() && !row("", "").is_kept());
+        let folder = tempfile::tempdir().unwrap();
+        let list = folder.path().join("exclusions.csv");
+        std::fs::write(list, "drive,what\nP01-calm,the speed is no number\n").unwrap();
+        assert!(!exclusions(folder.path()).unwrap()[0].is_kept());
     }
 
     #[test]

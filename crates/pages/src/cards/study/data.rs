@@ -13,6 +13,8 @@ pub struct Study<'a> {
     pub analysis: &'a Analysis,
     /// Where each condition lay for each participant.
     pub conditions: &'a [ConditionRow],
+    /// Lowest and highest score of the style.
+    pub score_range: Option<(f64, f64)>,
     /// Cronbach's alpha of the style's score, where it is known.
     pub alpha: Option<f64>,
     /// Whether the page has a table of the dial's steps.

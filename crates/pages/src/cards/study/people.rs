@@ -23,6 +23,7 @@ pub(super) fn congruence(
     finding: &Finding,
 ) -> Result<Card, ReportError> {
     let say = |key: &str, values: &Value| texts.say("congruence", key, values);
+    let digits = words::decimals(study.score_range);
     let rows = study.analysis.congruence.iter();
     let rows = rows.filter(|row| row.is_judged());
     let judged: Vec<(&CongruenceRow, &[Part])> = rows.zip(finding.parts.chunks(2)).collect();
@@ -37,7 +38,7 @@ pub(super) fn congruence(
         drawn.push(IntervalRow::new(&row.title, top.estimate, top.interval));
         tests.push(say(
             "test",
-            &context! { top => value(top), movement => value(movement), ..value(row) },
+            &context! { top => value(top), movement => value(movement), digits, ..value(row) },
         )?);
     }
     let tops = judged
@@ -53,7 +54,8 @@ pub(super) fn congruence(
         ratings => judged.len(),
         tops => shown(0),
         stay => shown(1),
-        near,
+        near => words::points(near, digits),
+        digits,
         places => first.map(|row| row.places),
         furthest => furthest.map(|(row, top)| context! { title => row.title.as_str(), top }),
     };

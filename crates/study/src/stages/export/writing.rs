@@ -81,7 +81,9 @@ pub fn export(
     }
     drives::write(out, &material.drives, &names, options, watch)?;
     let people = &material.people;
-    let answers = material.answers.len() + material.probes.len();
+    let answered = material.answers.iter().map(|a| a.answer);
+    let answered = answered.chain(material.probes.iter().map(|p| p.answer));
+    let answers = answered.flatten().count();
     warnings.extend(people::write(out, people, &names, design)?);
     let responses = (&mut material.answers[..], &mut material.probes[..]);
     surveys::write(out, responses, people, &names)?;

@@ -30,7 +30,7 @@ pub struct Imported {
     pub software: Software,
     /// People with an answer.
     pub participants: usize,
-    /// Answers, those left out among them.
+    /// Items that were answered.
     pub answers: usize,
     /// Sheets (one scale answered once) by scale.
     pub sheets: BTreeMap<String, usize>,
@@ -154,7 +154,7 @@ impl Imports<'_> {
         Imported {
             software: self.export.software(),
             participants: participants.len(),
-            answers: rows.len(),
+            answers: rows.iter().filter(|row| row.is_answered()).count(),
             sheets,
             moments,
             unused,

@@ -24,6 +24,13 @@ pub(super) struct Row {
     pub(super) place: String,
 }
 
+impl Row {
+    /// Whether the item was not left out.
+    pub(super) fn is_answered(&self) -> bool {
+        self.answer.is_some() || self.words.is_some()
+    }
+}
+
 /// What somebody filled in at one time: a page of oTree, a trial of jsPsych, a row of other tables.
 pub(super) struct Page<'e> {
     /// Where it is in the file.

@@ -306,7 +306,7 @@ fn left_out(run: &Run) -> impl Iterator<Item = Exclusion> {
     let rows = rows.chain(
         flow.drives
             .iter()
-            .map(|l| (l, "everything, with what was said of it")),
+            .map(|l| (l, nameless::WITH_WHAT_WAS_SAID)),
     );
     let named = rows.map(|(l, what)| Exclusion {
         who: l.who.join(", "),
@@ -357,6 +357,7 @@ fn cards(
         design: &run.design,
         analysis: &run.analysis,
         conditions: &run.conditions,
+        score_range: run.score_range(),
         alpha,
         steps: !steps(&run.design, &run.conditions).is_empty(),
     };

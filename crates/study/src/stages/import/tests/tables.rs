@@ -17,6 +17,16 @@ fn an_otree_table_becomes_a_long_one() {
 }
 
 #[test]
+fn an_item_that_was_left_out_is_no_answer() {
+    let folder = tempfile::tempdir().unwrap();
+    let from = Some(Software::Otree);
+    let options = in_folder(folder.path(), from, OTREE.as_bytes(), None, "paper.toml");
+    let done = options.run(Watch::unwatched()).unwrap();
+    assert_eq!(done.value.answers, 11);
+    assert!(done.summary[0].starts_with("11 answers of 2 participants"));
+}
+
+#[test]
 fn answers_about_a_condition_that_the_design_has_not_are_left_out_and_listed() {
     let text = OTREE.replace("cautious", "kautious");
     let (warnings, table) = run(Software::Otree, &text, None).unwrap();

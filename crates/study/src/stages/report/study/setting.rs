@@ -69,9 +69,13 @@ pub(super) fn listed_exclusions(folder: &Path) -> Result<Vec<Exclusion>, StudyEr
             "ingest"
         };
         left_out.extend(exclusions(drives)?.into_iter().map(|row| Exclusion {
+            what: if row.is_kept() {
+                Exclusion::NOTHING.to_owned()
+            } else {
+                stage.to_owned()
+            },
             // A log that could not be ingested is no drive, and has its own name alone.
             who: Some(row.drive).filter(|d| !d.is_empty()).unwrap_or(row.log),
-            what: stage.to_owned(),
             why: row.what,
         }));
     }
