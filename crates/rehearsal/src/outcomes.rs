@@ -138,23 +138,20 @@ fn alone(a: &Analysis) -> Vec<Found> {
     }
     for panel in &a.panels {
         let name = name_of(panel);
-        match &panel.comparison {
-            Some(comparison) => {
-                let effects = comparison.effects();
-                let alone = effects.len() == 1;
-                for (effect, p) in effects {
-                    let about = if alone {
-                        title_of(panel)
-                    } else {
-                        format!("{}, {}", title_of(panel), effect.replace(':', " × "))
-                    };
-                    add(Part::Omnibus, format!("{name}.{effect}"), about, None, p);
-                }
-            }
-            None => {
-                let key = format!("{name}.omnibus");
-                add(Part::Omnibus, key, title_of(panel), None, None);
-            }
+        let Some(comparison) = &panel.comparison else {
+            let key = format!("{name}.omnibus");
+            add(Part::Omnibus, key, title_of(panel), None, None);
+            continue;
+        };
+        let effects = comparison.effects();
+        let alone = effects.len() == 1;
+        for (effect, p) in effects {
+            let about = if alone {
+                title_of(panel)
+            } else {
+                format!("{}, {}", title_of(panel), effect.replace(':', " × "))
+            };
+            add(Part::Omnibus, format!("{name}.{effect}"), about, None, p);
         }
     }
     for row in &a.kept {
