@@ -11,7 +11,9 @@ use maveric_analysis::{
     Driven, Flow, LeftOut, Rule, Why,
     exclusions::{too_short, unknown_ride},
 };
-use maveric_domain::{Answer, Design, DriveId, DriveMeta, Moment, ParticipantId, Scale};
+use maveric_domain::{
+    Answer, ConditionId, Design, DriveId, DriveMeta, Moment, ParticipantId, Scale,
+};
 use std::{
     collections::{BTreeMap, BTreeSet},
     path::Path,
@@ -149,6 +151,18 @@ impl Gate {
         person
             .or_else(|| unknown_ride(&self.design, ride))
             .or_else(|| self.left_out.about(participant, ride).cloned())
+    }
+
+    /// Why what was measured of somebody in a condition is left out: the person is, or each of their rides in it.
+    pub(crate) fn condition(
+        &self,
+        participant: &ParticipantId,
+        condition: ConditionId,
+    ) -> Option<Why> {
+        let rides = self.design.rides(condition);
+        let about = |ride| self.answer(participant, Moment::After(ride));
+        let whys: Option<Vec<Why>> = rides.map(about).collect();
+        whys?.into_iter().next()
     }
 
     /// Why somebody is left out, or unknown.

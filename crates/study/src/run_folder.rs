@@ -18,7 +18,7 @@ use crate::{
 };
 use maveric_analysis::{Driven, Person, Stopped, StudyData, Tables};
 use maveric_domain::{
-    Answer, DriveId, ParticipantId, ProbeAnswer, Ride, Scale, Score, Seconds,
+    Answer, Design, DriveId, ParticipantId, ProbeAnswer, Ride, Scale, Score, Seconds,
     design::{ScoreName, Software},
 };
 use maveric_measures::survey::score_probes;
@@ -200,6 +200,7 @@ pub(crate) fn read_study(
     // Before there are drives nothing was learned of any.
     let driven = !measured.is_empty();
     let learned = driven && design.needs_a_model();
+    let own = own_means(&measurements, design);
     let of_design = measured.iter().filter(|d| design.knows(d.meta.condition));
     one_drive_a_condition(&measurements, of_design)?;
     let scales = read_scales(&study.resolve(&design.files().scales))?;
@@ -219,7 +220,10 @@ pub(crate) fn read_study(
             })
             .collect(),
         measurements: measured,
-        own: if_there(&own_path(&measurements), read_own_measurements)?,
+        own: own.map_or_else(
+            || Ok(Vec::new()),
+            |own| if_there(&own, read_own_measurements),
+        )?,
         embeddings: read_made(&folder.join("embeddings.csv"), learned, read_embeddings)?,
         conditions: read_made(&folder.join("conditions.csv"), learned, read_conditions)?,
         pre: if_there(&folder.join("scores.csv"), read_scores)?,
@@ -258,8 +262,12 @@ pub(crate) fn study_files(
     ];
     let mut files = files
         .reads([study.resolve(&design.files().scales)])
-        .reads_if_there([own_path(&measurements), presses_path(&measurements)])
-        .reads_if_there([press_moments_path(&measurements), measurements])
+        .reads_if_there(own_means(&measurements, design))
+        .reads_if_there([
+            presses_path(&measurements),
+            press_moments_path(&measurements),
+        ])
+        .reads_if_there([measurements])
         .reads_if_there(tables.map(|name| folder.join(name)));
     files = match participants {
         Some(given) => files.reads([given]),
@@ -279,6 +287,12 @@ pub(crate) fn study_files(
             .reads_if_there(ANSWERS.map(|name| folder.join(name)));
     }
     files
+}
+
+/// The means of the study's own measures among the results; none where the design declares no measure: what an earlier design made counts
+/// no more.
+fn own_means(measurements: &Path, design: &Design) -> Option<PathBuf> {
+    (!design.measures().is_empty()).then(|| own_path(measurements))
 }
 
 /// What a stage of the design makes has to be there; what none makes need not.
@@ -446,5 +460,23 @@ mod tests {
         let error = read_with("{ mean = true }").unwrap_err();
         assert!(matches!(error, StudyError::Io { .. }), "{error}");
         assert!(error.to_string().contains("embeddings.csv"), "{error}");
+    }
+
+    #[test]
+    fn means_of_own_measures_are_read_where_the_design_declares_measures() {
+        let reads_means = |measures: &str| {
+            let text = format!("[study]\ntitle = \"t\"\n[[condition]]\nid = \"calm\"\n{measures}");
+            let study = DesignFile {
+                path: Some(PathBuf::from("study.toml")),
+                design: Design::from_toml(&text).unwrap(),
+            };
+            let (root, results) = (Path::new(""), Path::new("results"));
+            let files = study_files(Files::default(), root, results, &study, None);
+            files
+                .if_there
+                .contains(&results.join("measurements_own.csv"))
+        };
+        assert!(reads_means("[[measure]]\nid = \"tor_s\"\nunit = \"s\"\n"));
+        assert!(!reads_means(""));
     }
 }
