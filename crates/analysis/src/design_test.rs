@@ -264,10 +264,22 @@ fn number(
     let Some(text) = data.column(person, &covariate.column) else {
         return Ok(None);
     };
-    let number = text.parse::<f64>().ok().filter(|v| v.is_finite());
-    number.map(Some).ok_or_else(|| AnalysisError::NoNumber {
+    covariate_number(person, covariate, text).map(Some)
+}
+
+/// The number that stands in somebody's cell of a covariate.
+///
+/// # Errors
+/// [`AnalysisError::NoNumber`] for what is none.
+pub fn covariate_number(
+    person: &ParticipantId,
+    covariate: &Covariate,
+    cell: &str,
+) -> Result<f64, AnalysisError> {
+    let number = cell.parse::<f64>().ok().filter(|v| v.is_finite());
+    number.ok_or_else(|| AnalysisError::NoNumber {
         column: covariate.column.clone(),
         participant: person.clone(),
-        found: text.to_owned(),
+        found: cell.to_owned(),
     })
 }

@@ -91,6 +91,11 @@ pub enum AnalysisError {
         /// Whose order is known.
         people: usize,
     },
+    /// A design without scores to learn from what people like.
+    #[error(
+        "the design does not say which scores tell how much people like a drive: it has no `[homophily] ratings`"
+    )]
+    NoRatings,
     /// Too little to learn a recommendation from.
     #[error("{problem}")]
     NothingToLearn {
@@ -135,6 +140,10 @@ impl AnalysisError {
             ),
             Self::NoPeriod { .. } => Some(
                 "declare `test = \"mixed\"`; `rm-anova` and `friedman` are for studies in which nobody's order is known",
+            ),
+            Self::NoRatings => Some(
+                "write them into the design: a table `[homophily]` with scales asked before the drives, such as `factors = [\"adb\"]`, and scores of \
+                 scales asked after each ride, such as `ratings = [\"jian_trust.overall\"]`",
             ),
             Self::NothingToLearn { .. } => Some(
                 "a recommendation needs a study with at least 6 people, own drives, all conditions and ratings",

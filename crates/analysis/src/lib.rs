@@ -50,7 +50,7 @@ pub use balance::{Balance, OrderBalance, PlacesOf};
 pub use consents::{ConsentRow, ConsentVersion, FEWEST_AGREED, NotAgreed};
 pub use data::{StudyData, Tables};
 pub use describe::{Observed, observed};
-pub use design_test::Purpose;
+pub use design_test::{Purpose, covariate_number};
 pub use error::AnalysisError;
 pub use exclusions::{Driven, LeftOut, Rule, Stopped, Why};
 pub use finding::{Finding, Needed, Part, Question};

@@ -13,7 +13,7 @@ pub use scale::OnTheScale;
 use crate::StudyData;
 use maveric_domain::{BeyondWhy, ParticipantId, design::BeyondRule};
 use maveric_stats::Belief;
-use scale::on_the_scale;
+use scale::{on_the_scale, settings_within};
 use serde::Serialize;
 
 /// Settings that a further trial may show, in ADB points from the own style; on another scale the same shares of it.
@@ -37,8 +37,8 @@ pub struct Recommendation {
     pub participant: ParticipantId,
     /// Why their own drive is beyond what the model has learned from; none where it is not, or where nobody can say.
     pub beyond: Option<BeyondWhy>,
-    /// By their own ratings of the conditions, where they left the dial and who they are; none if the ratings have no top, and where the
-    /// dial has no place to turn from because the drive is beyond.
+    /// By their own ratings of the conditions, where they left the dial and who they are, within the scale where it and the own style are
+    /// known; none if the ratings have no top, and where the dial has no place to turn from because the drive is beyond.
     pub preferred: Option<Preferred>,
     /// The same on the scale of the score, with what the drive leaves open of the own style.
     pub on_the_scale: Option<OnTheScale>,
@@ -74,7 +74,8 @@ impl Learned {
         for settled in data.settled(p) {
             self.observe_settled(&mut after, &traits, *settled);
         }
-        let preferred = self.preferred(&after, &traits);
+        let within = settings_within(data, embedding, self.furthest());
+        let preferred = self.preferred_within(&after, &traits, within);
         Recommendation {
             participant: p.clone(),
             beyond,
@@ -82,16 +83,24 @@ impl Learned {
                 .as_ref()
                 .and_then(|preferred| on_the_scale(data, p, preferred)),
             preferred,
-            before_riding: self.preferred(&before, &traits),
+            before_riding: self.preferred_within(&before, &traits, within),
             reasons: reasons(self, [&before, &rated, &after], &traits),
-            next: Some(self.next(&after, &traits)),
+            next: Some(self.next_within(&after, &traits, within)),
         }
     }
 
     /// The setting that is expected to tell most.
     pub fn next(&self, belief: &Belief, traits: &[f64]) -> (f64, f64) {
+        self.next_within(belief, traits, self.furthest())
+    }
+
+    /// As [`Learned::next`], between these settings.
+    fn next_within(&self, belief: &Belief, traits: &[f64], [low, high]: [f64; 2]) -> (f64, f64) {
         let mut best = (0.0, f64::NEG_INFINITY);
-        for points in SETTINGS.map(|points| points * self.adb_point) {
+        let settings = SETTINGS.map(|points| points * self.adb_point);
+        // What is a setting by its last decimal is one.
+        let is_there = |points: &f64| (low - 1e-9..=high + 1e-9).contains(points);
+        for points in settings.into_iter().filter(is_there) {
             let nats = self.information(belief, traits, points);
             if nats > best.1 + 1e-12 {
                 best = (points, nats);

@@ -14,6 +14,8 @@ const OWN_PIPELINE: &str = "pipelines/study.toml";
 /// Where the pipeline that follows from a study's design is written, and its ledger.
 pub(crate) const DESIGNED_FOLDER: &str = ".maveric";
 const DESIGNED_PIPELINE: &str = ".maveric/study.toml";
+/// Where it writes.
+const RESULTS: &str = "results";
 
 /// The pipeline of a folder, seen from there.
 fn folders_own(folder: &Path) -> &'static Path {
@@ -46,6 +48,7 @@ fn named(file: &Path) -> Result<PathBuf, Failure> {
     }
     let doing = "could not make the study's pipeline";
     let study = DesignFile::find(None).map_err(Failure::study(doing))?;
+    maveric_study::check_named_files(&study, Path::new(RESULTS)).map_err(Failure::study(doing))?;
     maveric_study::check_design(&study).map_err(Failure::study(doing))?;
     let text = maveric_study::design_pipeline(&study);
     if std::fs::read_to_string(&pipeline).is_ok_and(|there| there == text) {
@@ -120,7 +123,7 @@ pub(crate) fn study_here(
     if file != Path::new(DEFAULT_PIPELINE) || !Path::new(DESIGN_FILE).is_file() {
         return Ok(None);
     }
-    let results = Path::new("results");
+    let results = Path::new(RESULTS);
     let known = || -> Result<_, maveric_study::StudyError> {
         let study = DesignFile::find(None)?;
         let notes = maveric_study::study_notes(&study, results)?;

@@ -5,14 +5,14 @@ use crate::{
     beyond,
     design::{DesignFile, People},
     error::StudyError,
-    gate::analysed,
+    gate::{analysed, nobody_listed},
     run_folder::{read_scales, score_range},
     stages::{import::refuse_export, orders::balance_of},
     tables::{
         embeddings::read_embeddings, own_measures::read_own_measures, participants::Enrolled,
     },
 };
-use maveric_analysis::{LeftOut, Why};
+use maveric_analysis::{AnalysisError, LeftOut, Why, covariate_number};
 use maveric_domain::{
     Design, DriveId, Ride, Scale,
     design::{DesignError, Quantity, ScoreName, Style},
@@ -39,6 +39,7 @@ pub fn check_design(study: &DesignFile) -> Result<(), StudyError> {
         return Ok(());
     }
     let people = study.people(None)?;
+    covariates_are_numbers(&study.design, &people)?;
     let ids = || people.enrolled.iter().map(|p| p.id.as_str());
     let excluded = study.design.exclude().people.keys();
     let forgotten = study.forgotten()?;
@@ -66,6 +67,20 @@ pub fn check_design(study: &DesignFile) -> Result<(), StudyError> {
             &mut drives.iter().map(DriveId::as_str),
         );
         return Err(error);
+    }
+    Ok(())
+}
+
+/// Refuses a covariate of somebody tested that is a word, before anything is computed.
+fn covariates_are_numbers(design: &Design, people: &People) -> Result<(), AnalysisError> {
+    let enrolled = people.enrolled.iter();
+    for person in enrolled.filter(|p| p.tested && p.excluded.is_none()) {
+        for covariate in design.covariates() {
+            let cell = person.cells.get(&covariate.column);
+            if let Some(cell) = cell.filter(|cell| *cell != "NA") {
+                covariate_number(&person.id, covariate, cell)?;
+            }
+        }
     }
     Ok(())
 }
@@ -259,6 +274,13 @@ pub fn study_notes(study: &DesignFile, results: &Path) -> Result<Vec<String>, St
     let note = |(id, why): (&str, &Why)| format!("{id} is left out: {}", why.reason);
     let mut notes: Vec<String> = people.chain(drives).map(note).collect();
     let enrolled = study.people(None)?;
+    if enrolled.enrolled.is_empty() {
+        let error = nobody_listed(&study.people_file(None));
+        notes.push(format!(
+            "{error}; {}",
+            error.suggestion().unwrap_or_default()
+        ));
+    }
     let neither: Vec<&str> = nobodys(&enrolled).map(|p| p.id.as_str()).collect();
     if !neither.is_empty() {
         notes.push(format!(
@@ -298,6 +320,55 @@ mod tests {
     use super::*;
     use crate::tables::embeddings::{EmbeddingRow, write_embeddings};
     use maveric_domain::{BeyondWhy, DriveId, Embedding, ParticipantId};
+
+    /// What is said before a run of a study with a covariate and with this table of people: an error, else the notes.
+    fn said(people: &str, exclude: &str) -> String {
+        let folder = tempfile::tempdir().unwrap();
+        let file = |name: &str| folder.path().join(name);
+        std::fs::create_dir(file("scales")).unwrap();
+        std::fs::write(file("scales/adb.toml"), maveric_data::SCALES_ADB).unwrap();
+        std::fs::write(file("participants.csv"), people).unwrap();
+        let design = format!(
+            "[study]\ntitle = \"t\"\n[people]\nlearn = {{ part = \"learn\" }}\n[[condition]]\nid = \"calm\"\n\
+             [[covariate]]\ncolumn = \"years\"\n[exclude]\n{exclude}"
+        );
+        std::fs::write(file("study.toml"), design).unwrap();
+        let study = DesignFile::read(&file("study.toml")).unwrap();
+        let notes = study_notes(&study, &file("results"));
+        notes.map_or_else(|e| e.to_string(), |notes| notes.join("; "))
+    }
+
+    #[test]
+    fn a_covariate_of_words_is_refused_before_a_run_and_one_that_is_not_known_is_not() {
+        let table = |years: &str| {
+            format!(
+                "participant,part,years\nP01,test,41\nP02,test,{years}\nP04,learn,old\nP05,test,old\n"
+            )
+        };
+        let exclude = "people = { P05 = \"withdrew\" }";
+        for years in ["39.5", "NA", ""] {
+            let notes = said(&table(years), exclude);
+            assert_eq!(notes, "P05 is left out: withdrew", "{years}");
+        }
+        let refused = said(&table("young"), exclude);
+        assert!(
+            refused.starts_with("the covariate `years` of `P02` is `young`"),
+            "{refused}"
+        );
+    }
+
+    #[test]
+    fn a_table_of_people_without_a_row_is_told_and_what_to_write_into_it() {
+        let head = "participant,part,years\n";
+        let empty = said(head, "");
+        for part in [
+            "participants.csv: has no row: nobody takes part",
+            "write a row for each",
+        ] {
+            assert!(empty.contains(part), "{empty}");
+        }
+        assert_eq!(said(&format!("{head}P01,test,41\n"), ""), "");
+    }
 
     #[test]
     fn who_is_beyond_what_the_model_has_met_is_named_and_a_model_that_cannot_say_is_too() {

@@ -123,17 +123,21 @@ mod tests {
 
     #[test]
     fn a_study_of_recorded_cars_learns_and_simulates_nothing() {
-        assert_eq!(
-            names("[[condition]]\nid = \"calm\"\n[[condition]]\nid = \"sporty\""),
-            [
-                "ingest",
-                "score",
-                "measure",
-                "score-ratings",
-                "stats",
-                "report"
-            ]
-        );
+        let conditions = "[[condition]]\nid = \"calm\"\n[[condition]]\nid = \"sporty\"";
+        let styled = "[people]\nlearn = { part = \"learn\" }\n[style]\nscore = \"adb.total\"\n";
+        for style in ["", styled] {
+            assert_eq!(
+                names(&format!("{style}{conditions}")),
+                [
+                    "ingest",
+                    "score",
+                    "measure",
+                    "score-ratings",
+                    "stats",
+                    "report"
+                ]
+            );
+        }
     }
 
     #[test]

@@ -11,7 +11,9 @@ use maveric_analysis::{
     Driven, Flow, LeftOut, Rule, Why,
     exclusions::{too_short, unknown_ride},
 };
-use maveric_domain::{Answer, Design, DriveId, DriveMeta, Moment, ParticipantId, Scale};
+use maveric_domain::{
+    Answer, ConditionId, Design, DriveId, DriveMeta, Moment, ParticipantId, Scale,
+};
 use std::{
     collections::{BTreeMap, BTreeSet},
     path::Path,
@@ -57,6 +59,13 @@ pub(crate) fn analysed(mut left_out: LeftOut, results: &Path) -> Result<LeftOut,
     Ok(left_out)
 }
 
+/// What there is to say of a table of people without a row.
+pub(crate) fn nobody_listed(table: &Path) -> StudyError {
+    let problem = "has no row: nobody takes part";
+    let help = "write a row for each who takes part, with the id of their logs and answers; `maveric design orders --people 24` writes P01 to P24";
+    StudyError::file(table, problem).with_help(help)
+}
+
 impl Gate {
     /// The gate of a design; people are `given`, or the design's own table.
     ///
@@ -67,9 +76,7 @@ impl Gate {
     pub fn new(study: &DesignFile, given: Option<&Path>) -> Result<Self, StudyError> {
         let people = study.people(given)?;
         if people.enrolled.is_empty() {
-            let problem = "has no row: nobody takes part";
-            let help = "write a row for each who takes part, with the id of their logs and answers; `maveric design orders --people 24` writes P01 to P24";
-            return Err(StudyError::file(study.people_file(given), problem).with_help(help));
+            return Err(nobody_listed(&study.people_file(given)));
         }
         Ok(Self {
             listed: Some(people.enrolled.iter().map(|p| p.id.clone()).collect()),
@@ -149,6 +156,18 @@ impl Gate {
         person
             .or_else(|| unknown_ride(&self.design, ride))
             .or_else(|| self.left_out.about(participant, ride).cloned())
+    }
+
+    /// Why what was measured of somebody in a condition is left out: the person is, or each of their rides in it.
+    pub(crate) fn condition(
+        &self,
+        participant: &ParticipantId,
+        condition: ConditionId,
+    ) -> Option<Why> {
+        let rides = self.design.rides(condition);
+        let about = |ride| self.answer(participant, Moment::After(ride));
+        let whys: Option<Vec<Why>> = rides.map(about).collect();
+        whys?.into_iter().next()
     }
 
     /// Why somebody is left out, or unknown.

@@ -18,7 +18,7 @@ use crate::{
 };
 use maveric_analysis::{Driven, Person, Stopped, StudyData, Tables};
 use maveric_domain::{
-    Answer, DriveId, ParticipantId, ProbeAnswer, Ride, Scale, Score, Seconds,
+    Answer, Design, DriveId, ParticipantId, ProbeAnswer, Ride, Scale, Score, Seconds,
     design::{ScoreName, Software},
 };
 use maveric_measures::survey::score_probes;
@@ -195,13 +195,12 @@ pub(crate) fn read_study(
 ) -> Result<StudyData, StudyError> {
     let people = study.people_of(folder, participants)?.enrolled;
     let design = &study.design;
-    let steered = design.conditions().iter().any(|c| c.car.is_some());
-    let styled = design.style().is_some();
     let measurements = folder.join(MEASUREMENTS);
     let measured = if_there(&measurements, read_measurements)?;
     // Before there are drives nothing was learned of any.
     let driven = !measured.is_empty();
-    let embedded = driven && (styled || design.needs_a_model());
+    let learned = driven && design.needs_a_model();
+    let own = own_means(&measurements, design);
     let of_design = measured.iter().filter(|d| design.knows(d.meta.condition));
     one_drive_a_condition(&measurements, of_design)?;
     let scales = read_scales(&study.resolve(&design.files().scales))?;
@@ -221,13 +220,12 @@ pub(crate) fn read_study(
             })
             .collect(),
         measurements: measured,
-        own: if_there(&own_path(&measurements), read_own_measurements)?,
-        embeddings: read_made(&folder.join("embeddings.csv"), embedded, read_embeddings)?,
-        conditions: read_made(
-            &folder.join("conditions.csv"),
-            driven && steered,
-            read_conditions,
+        own: own.map_or_else(
+            || Ok(Vec::new()),
+            |own| if_there(&own, read_own_measurements),
         )?,
+        embeddings: read_made(&folder.join("embeddings.csv"), learned, read_embeddings)?,
+        conditions: read_made(&folder.join("conditions.csv"), learned, read_conditions)?,
         pre: if_there(&folder.join("scores.csv"), read_scores)?,
         post,
         scales,
@@ -264,8 +262,12 @@ pub(crate) fn study_files(
     ];
     let mut files = files
         .reads([study.resolve(&design.files().scales)])
-        .reads_if_there([own_path(&measurements), presses_path(&measurements)])
-        .reads_if_there([press_moments_path(&measurements), measurements])
+        .reads_if_there(own_means(&measurements, design))
+        .reads_if_there([
+            presses_path(&measurements),
+            press_moments_path(&measurements),
+        ])
+        .reads_if_there([measurements])
         .reads_if_there(tables.map(|name| folder.join(name)));
     files = match participants {
         Some(given) => files.reads([given]),
@@ -285,6 +287,12 @@ pub(crate) fn study_files(
             .reads_if_there(ANSWERS.map(|name| folder.join(name)));
     }
     files
+}
+
+/// The means of the study's own measures among the results; none where the design declares no measure: what an earlier design made counts
+/// no more.
+fn own_means(measurements: &Path, design: &Design) -> Option<PathBuf> {
+    (!design.measures().is_empty()).then(|| own_path(measurements))
 }
 
 /// What a stage of the design makes has to be there; what none makes need not.
@@ -398,4 +406,77 @@ pub(crate) fn lists(folder: &Path) -> Vec<PathBuf> {
     }
     lists.sort();
     lists
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::tables::measurements::write_measurements;
+    use maveric_domain::{DriveMeta, DrivenBy, MeasuredDrive};
+
+    /// What is read of a study with a `[style]` whose two conditions have this car, and of whose results there are the drives alone.
+    fn read_with(car: &str) -> Result<StudyData, StudyError> {
+        let folder = tempfile::tempdir().unwrap();
+        let write = |name: &str, text: &str| {
+            let path = folder.path().join(name);
+            std::fs::create_dir_all(path.parent().unwrap()).unwrap();
+            std::fs::write(path, text).unwrap();
+        };
+        write(
+            "study.toml",
+            &format!(
+                "[study]\ntitle = \"t\"\n[people]\nlearn = {{ part = \"learn\" }}\n[style]\nscore = \"adb.total\"\n\
+                 [[condition]]\nid = \"calm\"\ncar = {car}\n[[condition]]\nid = \"sporty\"\ncar = {car}\n"
+            ),
+        );
+        write("scales/adb.toml", maveric_data::SCALES_ADB);
+        write(
+            "participants.csv",
+            "participant,part\nP01,test\nP02,test\nP03,test\n",
+        );
+        let drive = |(who, condition): (&str, &str)| MeasuredDrive {
+            meta: DriveMeta::named(
+                format!("{who}-{condition}"),
+                who,
+                condition,
+                DrivenBy::Human,
+            )
+            .unwrap(),
+            values: BTreeMap::from([("mean_velocity_mps".to_owned(), Some(25.0))]),
+            counted_s: None,
+        };
+        let driven = ["P01", "P02", "P03"].map(|who| [(who, "calm"), (who, "sporty")]);
+        let drives: Vec<MeasuredDrive> = driven.into_iter().flatten().map(drive).collect();
+        let results = folder.path().join("results");
+        write_measurements(&results.join(MEASUREMENTS), &drives).unwrap();
+        let study = DesignFile::read(&folder.path().join("study.toml")).unwrap();
+        read_study(&results, &study, None)
+    }
+
+    #[test]
+    fn what_a_model_makes_has_to_be_there_where_a_car_that_was_learned_drives_and_nowhere_else() {
+        let recorded = read_with("{ recorded = true }").unwrap();
+        assert_eq!(recorded.participants.len(), 3);
+        let error = read_with("{ mean = true }").unwrap_err();
+        assert!(matches!(error, StudyError::Io { .. }), "{error}");
+        assert!(error.to_string().contains("embeddings.csv"), "{error}");
+    }
+
+    #[test]
+    fn means_of_own_measures_are_read_where_the_design_declares_measures() {
+        let reads_means = |measures: &str| {
+            let text = format!("[study]\ntitle = \"t\"\n[[condition]]\nid = \"calm\"\n{measures}");
+            let study = DesignFile {
+                path: Some(PathBuf::from("study.toml")),
+                design: Design::from_toml(&text).unwrap(),
+            };
+            let (root, results) = (Path::new(""), Path::new("results"));
+            let files = study_files(Files::default(), root, results, &study, None);
+            files
+                .if_there
+                .contains(&results.join("measurements_own.csv"))
+        };
+        assert!(reads_means("[[measure]]\nid = \"tor_s\"\nunit = \"s\"\n"));
+        assert!(!reads_means(""));
+    }
 }

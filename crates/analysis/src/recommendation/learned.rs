@@ -111,7 +111,8 @@ impl Learned {
     /// Learns from some of a study's people; how they perceive a drive is learned too, unless it is given.
     ///
     /// # Errors
-    /// [`AnalysisError::NothingToLearn`] for fewer than five people, or a dial that nobody perceives to turn.
+    /// [`AnalysisError::NoRatings`] where the design declares none; [`AnalysisError::NothingToLearn`] for fewer than five people, ratings
+    /// that nobody gave or all gave alike, or a dial that nobody perceives to turn.
     pub fn from(
         data: &StudyData,
         people: &[ParticipantId],
@@ -123,6 +124,10 @@ impl Learned {
                 "{} people to learn from, expected at least 5",
                 people.len()
             )));
+        }
+        let declared = ratings(data);
+        if declared.is_empty() {
+            return Err(AnalysisError::NoRatings);
         }
         let percept = match percept {
             Some(given) => given,
@@ -143,7 +148,7 @@ impl Learned {
             .collect();
         let conditions = data.design.conditions();
         let better = |name: &ScoreName| data.better(name).factor();
-        let ratings = ratings(data)
+        let ratings: Vec<(ScoreName, f64, Standard)> = declared
             .iter()
             .filter_map(|name| {
                 let answers = people
@@ -153,6 +158,13 @@ impl Learned {
                 Some((name.clone(), better(name), scaling))
             })
             .collect();
+        if ratings.is_empty() {
+            let names: Vec<String> = declared.iter().map(ToString::to_string).collect();
+            return Err(not_possible(format!(
+                "nobody answered {} after a condition, or all answered the same",
+                names.join(", ")
+            )));
+        }
         let mut learned = Self {
             people: people.len(),
             adb_point: data.adb_point(),
@@ -288,12 +300,27 @@ impl Learned {
 
     /// Where the person would like the dial; `None` if the ratings do not fall to both sides of anything.
     pub fn preferred(&self, belief: &Belief, traits: &[f64]) -> Option<Preferred> {
+        self.preferred_within(belief, traits, self.furthest())
+    }
+
+    /// Between which settings one may be recommended to anybody.
+    pub(super) fn furthest(&self) -> [f64; 2] {
+        let furthest = FURTHEST_POINTS * self.adb_point;
+        [-furthest, furthest]
+    }
+
+    /// As [`Learned::preferred`], between these settings.
+    pub(super) fn preferred_within(
+        &self,
+        belief: &Belief,
+        traits: &[f64],
+        [low, high]: [f64; 2],
+    ) -> Option<Preferred> {
         let (linear, square) = parabola(traits);
         let tops = belief.top_of_parabola(&linear, &square)?;
-        let furthest = FURTHEST_POINTS * self.adb_point;
         let points: Vec<f64> = tops
             .into_iter()
-            .map(|shift| self.dial.points_at(shift).clamp(-furthest, furthest))
+            .map(|shift| self.dial.points_at(shift).clamp(low, high))
             .collect();
         let quantile = |share: f64| points[((points.len() - 1) as f64 * share).round() as usize];
         let middle = quantile(0.5);

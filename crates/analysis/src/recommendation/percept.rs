@@ -40,7 +40,7 @@ impl Percept {
     /// aggressive is also what they notice: the distance weighs squares by the sizes of the same weights.
     ///
     /// # Errors
-    /// [`AnalysisError::Stats`] where nobody rated anything.
+    /// [`AnalysisError::NothingToLearn`] where nobody said how aggressive a drive was; [`AnalysisError::Stats`] where all said the same.
     pub fn learn(data: &StudyData, people: &[ParticipantId]) -> Result<Self, AnalysisError> {
         let own_drives: Vec<&MeasureValues> = people
             .iter()
@@ -71,6 +71,11 @@ impl Percept {
                 rows
             })
             .collect();
+        if rows.iter().all(|rows| rows.y.is_empty()) {
+            let problem =
+                format!("nobody answered {felt} about a drive that can be compared with their own");
+            return Err(AnalysisError::NothingToLearn { problem });
+        }
         let fit = hierarchical(&rows, &vec![Some(0); names.len()])?;
         let weights = fit.coefficients.mean();
         let size: f64 = weights.iter().map(|w| w.abs()).sum();

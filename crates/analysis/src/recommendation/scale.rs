@@ -50,6 +50,22 @@ pub(super) fn on_the_scale(
     })
 }
 
+/// Between which settings, in points from somebody's own style, the scale has a score: `furthest` where it is not known.
+pub(super) fn settings_within(
+    data: &StudyData,
+    own: Option<&EmbeddingRow>,
+    [from, to]: [f64; 2],
+) -> [f64; 2] {
+    let reading = own.and_then(|row| row.adb_hat);
+    match data.style_range().zip(reading) {
+        None => [from, to],
+        Some(((lowest, highest), own)) => [
+            (lowest - own).clamp(from, 0.0),
+            (highest - own).clamp(0.0, to),
+        ],
+    }
+}
+
 /// Points of the score for each step along the aggression line: S is linear, so any two embeddings tell.
 fn points_a_step(rows: &[EmbeddingRow]) -> Option<f64> {
     let mut known = rows

@@ -4,7 +4,7 @@ use super::{
     Dial, Learned, OnTheScale, Percept, Preferred, Reason, SETTINGS, Standard,
     learned::{parabola, setting_of},
     reasons,
-    scale::on_the_scale,
+    scale::{on_the_scale, settings_within},
 };
 use crate::{
     Settled, StudyData, Tables, Turns,
@@ -258,6 +258,32 @@ fn a_setting_tells_by_how_far_it_is_shifted() {
 }
 
 #[test]
+fn no_setting_is_recommended_or_shown_that_the_scale_does_not_have() {
+    let mut data = two_placed();
+    let within = |data: &StudyData, i: usize| {
+        settings_within(data, data.embedding(&person(i), true), [-30.0, 30.0])
+    };
+    assert_eq!(within(&data, 0), [-30.0, 30.0], "nobody knows the range");
+    let ranged = DESIGN.replace("points = 15", "points = 15\nrange = [20, 60]");
+    data.design = Design::from_toml(&ranged).unwrap();
+    // S reads 39 and 21, and nothing of the third.
+    assert_eq!(within(&data, 0), [-19.0, 21.0]);
+    assert_eq!(within(&data, 1), [-1.0, 30.0]);
+    assert_eq!(within(&data, 2), [-30.0, 30.0]);
+    let mut learned = learned();
+    learned.fit.coefficients = known(&[(1, 1.0)]);
+    let belief = believed(&learned);
+    let next = |range| learned.next_within(&belief, &[0.0, 0.0], range).0;
+    near(next([-30.0, 15.0]), 15.0, 1e-12);
+    near(next([-30.0, 14.0]), 10.0, 1e-12);
+    near(next([-1.0, 1.0]), 0.0, 1e-12);
+    let preferred = |range| learned.preferred_within(&belief, &[20.0, 0.0], range);
+    near(preferred([-30.0, 30.0]).unwrap().points, 30.0, 1e-9);
+    let cut = preferred([-30.0, 4.0]).unwrap();
+    assert_eq!((cut.points, cut.high), (4.0, 4.0));
+}
+
+#[test]
 fn on_a_scale_from_1_to_6_a_recommendation_is_as_large_a_share_as_on_the_adb() {
     let a_point = 5.0 / 44.0;
     let mut learned = learned();
@@ -441,6 +467,47 @@ fn what_eight_people_like_is_found_again_in_their_ratings_and_in_their_trait() {
     assert!(asked.beyond.is_some() && asked.preferred.is_some());
     let few = Learned::from(&data, &people[..4], None).unwrap_err();
     assert!(few.to_string().contains("4 people"), "{few}");
+}
+
+#[test]
+fn without_ratings_nothing_is_learned_and_what_to_write_is_said() {
+    let people: Vec<_> = (0..PEOPLE).map(person).collect();
+    let refused = |design: &str| {
+        let mut data = eight(below);
+        data.design = Design::from_toml(design).unwrap();
+        Learned::from(&data, &people, None).unwrap_err()
+    };
+    let undeclared = refused(DESIGN.split("[homophily]").next().unwrap());
+    assert!(
+        undeclared.to_string().contains("no `[homophily] ratings`"),
+        "{undeclared}"
+    );
+    let help = undeclared.suggestion().unwrap();
+    assert!(
+        help.contains("ratings = [\"jian_trust.overall\"]"),
+        "{help}"
+    );
+    let unanswered = refused(&DESIGN.replace("trust.total", "comfort.total"));
+    assert!(
+        unanswered
+            .to_string()
+            .contains("nobody answered comfort.total"),
+        "{unanswered}"
+    );
+    let mut tables = Tables::default();
+    for i in 0..PEOPLE {
+        for condition in ["own", "same", "up", "down"] {
+            tables.measurements.push(drive(i, condition, Some(25.0)));
+        }
+    }
+    let unfelt = StudyData::new(&Design::from_toml(DESIGN).unwrap(), tables).unwrap();
+    let unfelt = Learned::from(&unfelt, &people, None).unwrap_err();
+    assert!(
+        unfelt
+            .to_string()
+            .contains("nobody answered aggressiveness.aggressiveness"),
+        "{unfelt}"
+    );
 }
 
 /// The eight, of whom two have a style that reads as 9 points to either side of 30, to half a step of 9 points.

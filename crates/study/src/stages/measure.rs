@@ -94,7 +94,7 @@ impl Stage for Measure {
         let gate = study.as_ref();
         let gate = gate.map(|study| Gate::new(study, self.participants.as_deref()));
         let gate = gate.transpose()?;
-        let averaged = self.average_own(study.as_ref())?;
+        let averaged = self.average_own(study.as_ref(), gate.as_ref())?;
         let presses = study.as_ref().map(Presses::read).transpose()?.flatten();
         let (mut met, left_out) = self.drives(gate.as_ref(), &measures, presses.as_ref(), watch)?;
         let compared = |condition: ConditionId| {
@@ -224,8 +224,12 @@ impl Measure {
         Ok((met, left_out))
     }
 
-    /// Averages the study's own measures over sessions and trials and writes the means; how many these are.
-    fn average_own(&self, study: Option<&DesignFile>) -> Result<Outcome<usize>, StudyError> {
+    /// Averages the study's own measures over sessions and trials and writes the means of what is let in; how many these are.
+    fn average_own(
+        &self,
+        study: Option<&DesignFile>,
+        gate: Option<&Gate>,
+    ) -> Result<Outcome<usize>, StudyError> {
         let declared = study.filter(|s| !s.design.measures().is_empty());
         let Some(study) = declared else {
             if self.drives.is_empty() {
@@ -238,11 +242,19 @@ impl Measure {
         let table = study.resolve(&study.design.files().measures);
         let table = table.to_slash_lossy();
         let mut warnings = Vec::new();
-        let means = read_own_measures(study, self.participants.as_deref())?.unwrap_or_else(|| {
+        let means = read_own_measures(study, self.participants.as_deref())?;
+        let mut means = means.unwrap_or_else(|| {
             warnings.push(format!(
                 "{table} is not there: nobody has a value of the study's own measures"
             ));
             OwnMeasures::default()
+        });
+        let mut left_out = Vec::new();
+        means.measurements.retain(|m| {
+            let why = gate.and_then(|gate| gate.condition(&m.participant, m.condition));
+            let is_let_in = why.is_none();
+            left_out.extend(why);
+            is_let_in
         });
         if !means.undeclared.is_empty() {
             warnings.push(format!(
@@ -259,11 +271,12 @@ impl Measure {
         let out = own_path(&self.out);
         write_rows(TableName::OwnMeasurements, &out, &means.measurements)?;
         let averaged = means.measurements.iter().filter(|m| m.n > 1).count();
-        let summary = vec![format!(
+        let mut summary = vec![format!(
             "{} of the study's own measures ({averaged} of them means of several sessions or trials): {}",
             count(means.measurements.len(), "value", "values"),
             out.to_slash_lossy()
         )];
+        summary.extend(counted(["value", "values"], &left_out));
         Ok(Outcome::new(means.measurements.len(), summary, warnings))
     }
 }
@@ -375,7 +388,9 @@ fn count_in_parts(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::tables::{drives::write_drive, measurements::read_measurements};
+    use crate::tables::{
+        drives::write_drive, measurements::read_measurements, own_measures::read_own_measurements,
+    };
     use maveric_domain::{Drive, DriveMeta, DrivenBy, EgoTrack, Recording, Road};
 
     /// A drive that moves to the passing lane and back again at each of these times.
@@ -408,6 +423,39 @@ mod tests {
         )
         .unwrap();
         Drive::from_recording(meta, &recording).unwrap()
+    }
+
+    #[test]
+    fn own_measures_of_whoever_and_of_whatever_ride_is_left_out_are_in_no_table() {
+        let folder = tempfile::tempdir().unwrap();
+        let file = |name: &str| folder.path().join(name);
+        std::fs::write(file("participants.csv"), "participant\nP01\nP02\n").unwrap();
+        let table =
+            "participant,condition,tor_s\nP01,calm,1\nP01,sporty,2\nP02,calm,3\nP02,sporty,4\n";
+        std::fs::write(file("measures.csv"), table).unwrap();
+        let measured = |exclude: &str| {
+            let design = format!(
+                "[study]\ntitle = \"t\"\n[[condition]]\nid = \"calm\"\n[[condition]]\nid = \"sporty\"\n\
+                 [[measure]]\nid = \"tor_s\"\nunit = \"s\"\n[exclude]\n{exclude}"
+            );
+            std::fs::write(file("study.toml"), design).unwrap();
+            let options = Measure {
+                design: Some(file("study.toml")),
+                participants: None,
+                drives: Vec::new(),
+                out: file("measurements.parquet"),
+            };
+            let outcome = options.run(Watch::unwatched()).unwrap();
+            let means = read_own_measurements(&file("measurements_own.csv")).unwrap();
+            let values: Vec<f64> = means.iter().map(|m| m.value).collect();
+            (values, outcome.summary.last().cloned().unwrap())
+        };
+        assert_eq!(measured("").0, [1.0, 2.0, 3.0, 4.0]);
+        let (values, said) = measured("people = { P01 = \"withdrew\" }");
+        assert_eq!(values, [3.0, 4.0]);
+        assert_eq!(said, "2 values left out by exclude.people");
+        let (values, _) = measured("drives = { P02-calm = \"the rig failed\" }");
+        assert_eq!(values, [1.0, 2.0, 4.0]);
     }
 
     #[test]

@@ -2,12 +2,14 @@
 
 use super::{material::Material, sources::RESULTS};
 use crate::{
-    design::DesignFile,
+    deciding::hash_of_file,
+    design::{DESIGN_FILE, DesignFile},
     error::StudyError,
     gate::{Gate, counted},
 };
 use maveric_analysis::{Driven, Why};
 use maveric_domain::{DriveMeta, Moment, ParticipantId, Recording};
+use maveric_pipeline::{FactKind, Ledger};
 use path_slash::PathExt as _;
 use std::{
     collections::{BTreeMap, BTreeSet},
@@ -26,16 +28,43 @@ pub(super) struct LeftOut {
     pub(super) doubts: Vec<String>,
 }
 
+/// Where runs of a study's folder are recorded: of a pipeline of its own, else of the one that follows from its design.
+const RECORDS: [&str; 2] = ["pipelines/study.lock", ".maveric/study.lock"];
+/// What the rules made of the people and drives, among the results.
+const ANALYSIS: &str = "analysis.json";
+
+/// Whether the analysis among the results was made by the design as it stands; none where no run is recorded.
+fn is_of_this_design(study: &DesignFile) -> Option<bool> {
+    let now = hash_of_file(study.path.as_deref()?).ok()?;
+    let analysis = format!("{RESULTS}/{ANALYSIS}");
+    let hash_then = |file: &str| {
+        let record = Ledger::read_any(&study.resolve(Path::new(file))).ok()?;
+        let mut runs = record.run.values();
+        let run = runs.find(|run| run.outputs.contains_key(&analysis))?;
+        let mut inputs = run.made_from.facts(FactKind::Input);
+        let (_, hash) = inputs.find(|(input, _)| *input == DESIGN_FILE)?;
+        Some(hash.to_owned())
+    };
+    let then = RECORDS.into_iter().find_map(hash_then)?;
+    Some(now == then)
+}
+
 /// What to know of rules that look at all that somebody did: they hold as the last analysis applied them.
 fn doubts(study: &DesignFile) -> Option<String> {
     let rules = study.design.exclude();
     let needs_analysis = rules.judges_answers() || rules.fewer_conditions_than.is_some();
-    let analysis = study.resolve(&Path::new(RESULTS).join("analysis.json"));
+    let analysis = study.resolve(&Path::new(RESULTS).join(ANALYSIS));
     let changed = |path: &Path| path.metadata().and_then(|m| m.modified()).ok();
-    let problem = match (changed(&analysis), study.path.as_deref().and_then(changed)) {
-        (None, _) if needs_analysis => "is not there",
-        (Some(analysed), Some(declared)) if analysed < declared => "is older than the design",
-        _ => return None,
+    let by_time = || {
+        let declared = study.path.as_deref().and_then(changed);
+        changed(&analysis) >= declared
+    };
+    let problem = if !analysis.is_file() {
+        needs_analysis.then_some("is not there")?
+    } else if is_of_this_design(study).unwrap_or_else(by_time) {
+        return None;
+    } else {
+        "is older than the design"
     };
     let shown = analysis.to_slash_lossy();
     Some(format!(
@@ -45,6 +74,9 @@ fn doubts(study: &DesignFile) -> Option<String> {
 
 impl LeftOut {
     /// Takes out what the study does not let in.
+    ///
+    /// # Errors
+    /// [`StudyError`] for a drive that is let in and whose log cannot be read; for a table or an analysis that cannot be read.
     pub(super) fn take_from(
         study: &DesignFile,
         participants: Option<&Path>,
@@ -100,6 +132,13 @@ impl LeftOut {
                 }
             },
         );
+        for (meta, error) in material.unread.drain(..) {
+            let Some(why) = gate.drive(&meta, f64::INFINITY) else {
+                return Err(error);
+            };
+            left_out.names.insert(meta.drive.to_string());
+            left_out.drives.push(why);
+        }
         material.own.retain(|row| {
             let moment = Moment::after(row.condition);
             left_out.person(&gate, &row.participant)
@@ -138,6 +177,81 @@ impl LeftOut {
 mod tests {
     use super::*;
     use maveric_domain::{Answer, DriveId, DrivenBy, Road, recording::EgoTrack};
+    use maveric_pipeline::{Manifest, Record};
+
+    #[test]
+    fn a_drive_whose_log_cannot_be_read_is_counted_where_it_is_left_out_and_refused_where_it_is_not()
+     {
+        let folder = tempfile::tempdir().unwrap();
+        std::fs::write(folder.path().join("participants.csv"), "participant\nP-1\n").unwrap();
+        let file = folder.path().join("study.toml");
+        let taken = |exclude: &str| {
+            let design =
+                format!("[study]\ntitle = \"t\"\n[[condition]]\nid = \"15\"\n[exclude]\n{exclude}");
+            std::fs::write(&file, design).unwrap();
+            let meta = DriveMeta::named("run7", "P-1", "15", DrivenBy::Human).unwrap();
+            let mut material = Material {
+                unread: vec![(meta, StudyError::not_possible("damaged"))],
+                ..Material::default()
+            };
+            let study = DesignFile::read(&file).unwrap();
+            let left_out = LeftOut::take_from(&study, None, &mut material);
+            left_out.map_or_else(|e| e.to_string(), |left_out| left_out.lines().join("; "))
+        };
+        let by = |rule: &str| format!("1 drive left out by exclude.{rule}");
+        assert_eq!(
+            taken("drives = { P-1-15 = \"the rig failed\" }"),
+            by("drives")
+        );
+        assert_eq!(taken("people = { P-1 = \"withdrew\" }"), by("people"));
+        assert_eq!(taken(""), "damaged");
+    }
+
+    #[test]
+    fn an_analysis_is_older_than_a_design_that_says_something_else_and_not_than_one_that_was_only_saved_again()
+     {
+        let folder = tempfile::tempdir().unwrap();
+        let file = |name: &str| folder.path().join(name);
+        let save = |rules: &str| {
+            let text =
+                format!("[study]\ntitle = \"t\"\n[[condition]]\nid = \"calm\"\n[exclude]\n{rules}");
+            std::fs::write(file("study.toml"), text).unwrap();
+            DesignFile::read(&file("study.toml")).unwrap()
+        };
+        let rules = "straight_lined = true\n";
+        assert_eq!(doubts(&save("")), None, "no rule needs an analysis");
+        let doubt = doubts(&save(rules)).unwrap();
+        assert!(doubt.contains("analysis.json is not there"), "{doubt}");
+        std::fs::create_dir(file("results")).unwrap();
+        std::fs::write(file("results/analysis.json"), "{}").unwrap();
+        let hash = hash_of_file(&file("study.toml")).unwrap();
+        let made_from: Manifest =
+            toml::from_str(&format!("[input]\n\"study.toml\" = \"{hash}\"\n")).unwrap();
+        let analysis = "results/analysis.json".to_owned();
+        let mut ledger = Ledger::empty("study");
+        let run = Record {
+            stage: "stats".to_owned(),
+            variant: None,
+            digest: made_from.digest(),
+            seconds: 1.0,
+            peak_memory: None,
+            row: None,
+            set: BTreeMap::new(),
+            made_from,
+            outputs: BTreeMap::from([(analysis.clone(), String::new())]),
+            files: BTreeMap::new(),
+        };
+        ledger.run.insert(analysis, run);
+        std::fs::create_dir(file(".maveric")).unwrap();
+        let ledger = toml::to_string(&ledger).unwrap();
+        std::fs::write(file(".maveric/study.lock"), ledger).unwrap();
+        assert_eq!(doubts(&save(rules)), None);
+        let doubt = doubts(&save("straight_lined = true\ndrive_shorter_than_s = 300\n")).unwrap();
+        assert!(
+            doubt.contains("analysis.json is older than the design"),
+            "{doubt}"
+        );
+    }
 
     #[test]
     fn what_was_answered_after_a_drive_goes_with_it_by_the_name_of_its_log_and_by_person_and_condition()

@@ -11,15 +11,22 @@ use crate::{
     error::StudyError,
     outcome::{Watch, for_each_on},
     run_folder::read_study,
+    stages::ingest::FailedLog,
     tables::{
         participants::{Enrolled, read_enrolled},
         surveys::{read_answered, refuse_unclear},
     },
 };
 use maveric_analysis::StudyData;
-use maveric_domain::{Answer, DriveMeta, ParticipantId, ProbeAnswer, Recording};
-use maveric_ingest::read_log;
+use maveric_domain::{
+    Answer, Design, DriveId, DriveMeta, DrivenBy, ParticipantId, ProbeAnswer, Recording,
+};
+use maveric_ingest::{IngestError, IngestSettings, Ingested, named_after, read_log};
 use path_slash::PathExt as _;
+use std::path::Path;
+
+/// A drive whose log cannot be read, and what is to be said where it is let in.
+pub(super) type Unread = (DriveMeta, StudyError);
 
 /// People, answers, drives, what the seat collected, the study's own measures, and what was analysed.
 #[derive(Default)]
@@ -28,6 +35,8 @@ pub(super) struct Material {
     pub(super) answers: Vec<Answer>,
     pub(super) probes: Vec<ProbeAnswer>,
     pub(super) drives: Vec<(DriveMeta, Recording)>,
+    /// Drives whose logs cannot be read: they have to be left out.
+    pub(super) unread: Vec<Unread>,
     pub(super) collected: Collected,
     pub(super) own: Vec<OwnRow>,
     pub(super) outcomes: Option<StudyData>,
@@ -68,10 +77,13 @@ impl Material {
             return Err(StudyError::not_possible("there is nothing to export").with_help(help));
         }
         let read = for_each_on(options.jobs, &sources.logs, watch, "logs read", |log| {
-            Ok(read_log(&log.path, &log.settings)?)
+            read_or_named(&log.path, &log.settings, design)
         })?;
-        let drives = read.into_iter().flatten();
-        material.drives = drives.map(|d| (d.meta, d.recording)).collect();
+        for (drives, unread) in read {
+            let drives = drives.into_iter().map(|d| (d.meta, d.recording));
+            material.drives.extend(drives);
+            material.unread.extend(unread);
+        }
         if let Some(results) = &sources.results {
             match read_study(results, study, None) {
                 Ok(data) => material.outcomes = Some(data),
@@ -104,5 +116,95 @@ impl Material {
             .chain(drove)
             .chain(measured);
         tables.chain(analysed).chain(self.collected.people())
+    }
+}
+
+/// The drives of a log; of one that cannot be read and whose name says whose it is, that and the error.
+///
+/// # Errors
+/// Where nothing says whose it is.
+fn read_or_named(
+    log: &Path,
+    settings: &IngestSettings,
+    design: &Design,
+) -> Result<(Vec<Ingested>, Option<Unread>), StudyError> {
+    let error = match read_log(log, settings) {
+        Ok(drives) => return Ok((drives, None)),
+        Err(error) => error,
+    };
+    match named(log, settings, design) {
+        Some(meta) => {
+            let id = DriveId::in_condition(&meta.participant, meta.ride());
+            let id = id.unwrap_or_else(|_| meta.drive.clone());
+            let way_out = format!(
+                "leave its drive out in the design: `drives = {{ \"{id}\" = \"its log cannot be read\" }}` under `[exclude]`"
+            );
+            Ok((Vec::new(), Some((meta, unreadable(log, error, &way_out)))))
+        }
+        None => Err(unreadable(log, error, "take it out of the folder of logs")),
+    }
+}
+
+/// Whose drive a log is by its name; where no mapping says how to read that, a drive that the design leaves out under this name.
+fn named(log: &Path, settings: &IngestSettings, design: &Design) -> Option<DriveMeta> {
+    let mapping = settings.mapping.as_ref();
+    if let Some(names) = mapping.and_then(|m| m.names.as_ref()) {
+        return named_after(log, names);
+    }
+    let stem = log.file_stem()?.to_str()?;
+    let mut excluded = design.exclude().drives.keys();
+    let drive = excluded.find(|id| id.as_str() == stem)?;
+    let own = design.own_drive_label();
+    DriveMeta::named(drive.as_str(), stem, own, DrivenBy::Human).ok()
+}
+
+/// What there is to say of a log that cannot be read.
+fn unreadable(log: &Path, error: IngestError, way_out: &str) -> StudyError {
+    let mended = error.suggestion();
+    let mended = mended.map_or_else(String::new, |help| format!("{help}; or "));
+    let failed = FailedLog::from((log.to_owned(), error));
+    StudyError::not_possible(failed.why).with_help(format!("{mended}{way_out}"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use maveric_ingest::Mapping;
+
+    #[test]
+    fn a_log_that_cannot_be_read_is_whose_its_name_says_and_the_error_names_the_way_out() {
+        let folder = tempfile::tempdir().unwrap();
+        let file = |name: &str| folder.path().join(name);
+        std::fs::write(file("P03-calm.csv"), "no table\n").unwrap();
+        let mapping = "[names]\nfile = \"{participant}-{condition}\"\nparticipant = \"{participant}\"\n\
+                       condition = \"{condition}\"\ndrive = \"{participant}-{condition}\"\n";
+        std::fs::write(file("mapping.toml"), mapping).unwrap();
+        let design = |exclude: &str| {
+            let text = format!(
+                "[study]\ntitle = \"t\"\n[[condition]]\nid = \"calm\"\n[exclude]\n{exclude}"
+            );
+            Design::from_toml(&text).unwrap()
+        };
+        let read = |settings: &IngestSettings, exclude: &str| {
+            read_or_named(&file("P03-calm.csv"), settings, &design(exclude))
+        };
+        let named = IngestSettings {
+            mapping: Some(Mapping::read(&file("mapping.toml")).unwrap()),
+            ..IngestSettings::default()
+        };
+        let (drives, unread) = read(&named, "").unwrap();
+        let (meta, error) = unread.unwrap();
+        assert!(drives.is_empty());
+        assert_eq!(
+            (meta.participant.as_str(), meta.condition.as_str()),
+            ("P03", "calm")
+        );
+        let help = error.suggestion().unwrap();
+        assert!(help.contains("drives = { \"P03-calm\" = "), "{help}");
+        let bare = IngestSettings::default();
+        let refused = read(&bare, "").err().unwrap().suggestion().unwrap();
+        assert!(refused.contains("out of the folder of logs"), "{refused}");
+        let (_, unread) = read(&bare, "drives = { P03-calm = \"the rig failed\" }").unwrap();
+        assert_eq!(unread.unwrap().0.drive.as_str(), "P03-calm");
     }
 }

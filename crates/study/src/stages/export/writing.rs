@@ -63,7 +63,10 @@ pub fn export(
     let mut names = Pseudonyms::read(&options.key, &options.out)?;
     let left_out = match &local_study {
         Some(study) => LeftOut::take_from(study, sources.participants.as_deref(), &mut material)?,
-        None => LeftOut::default(),
+        None => match material.unread.pop() {
+            Some((_, error)) => return Err(error),
+            None => LeftOut::default(),
+        },
     };
     names.add_all(material.ids())?;
     if names.len() == 0 {

@@ -163,8 +163,11 @@ fn gathered(
 
 /// The mapping that a design has for a log or a folder of logs: that of the rig in whose folder it lies, where rigs have their own.
 fn declared(study: &DesignFile, path: &Path) -> Option<PathBuf> {
-    match &study.design.files().mapping {
-        Mappings::One(file) => Some(study.resolve(file)).filter(|file| file.is_file()),
+    let mappings = &study.design.files().mapping;
+    match mappings {
+        // The usual one may be yet to come: recordings need none.
+        Mappings::One(file) => Some(study.resolve(file))
+            .filter(|file| *mappings != Mappings::default() || file.is_file()),
         Mappings::Rigs(rigs) => rigs
             .iter()
             .map(|rig| (absolute(&study.resolve(&rig.logs)), &rig.file))
