@@ -150,7 +150,7 @@ impl Stage for Steer {
 }
 
 /// One row a participant, of the drive of their first session: the fit with the score where there is one.
-fn own_drives(rows: &[EmbeddingRow], baseline: ConditionId) -> Vec<&EmbeddingRow> {
+pub(crate) fn own_drives(rows: &[EmbeddingRow], baseline: ConditionId) -> Vec<&EmbeddingRow> {
     let is_own_drive = |r: &&EmbeddingRow| r.condition == baseline && is_first(&r.session);
     let has_adb_fit = |p: &ParticipantId| {
         let mut fits = rows.iter().filter(is_own_drive);

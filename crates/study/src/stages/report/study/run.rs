@@ -5,10 +5,10 @@ use crate::{
     design::DesignFile,
     error::StudyError,
     run_folder::{MEASUREMENTS, MODEL_FILE, read_model, read_scales, score_range, training_path},
-    stages::train::TrainingSummary,
+    stages::{steer::own_drives, train::TrainingSummary},
     tables::{
         conditions::{ConditionRow, read_conditions},
-        embeddings::read_embeddings,
+        embeddings::{EmbeddingRow, read_embeddings},
         measurements::{MeasuredDrive, read_measurements},
     },
 };
@@ -64,8 +64,9 @@ impl Run {
             },
         };
         let conditions = if_there(&conditions, read_conditions)?;
+        let embeddings = if_there(&folder.join("embeddings.csv"), read_embeddings)?;
         let context = Context {
-            beyond: beyond_but_driven(folder, &conditions, design)?,
+            beyond: beyond_but_driven(&embeddings, &conditions, design),
             ..context
         };
         Ok(Self {
@@ -100,20 +101,70 @@ impl Run {
     }
 }
 
-/// People beyond what the model has learned from who have a condition that turns the dial all the same.
+/// People whose drive that is steered from is beyond what the model has learned from, and who have a condition that turns the dial all the same.
 fn beyond_but_driven(
-    folder: &Path,
+    rows: &[EmbeddingRow],
     conditions: &[ConditionRow],
     design: &Design,
-) -> Result<usize, StudyError> {
-    let rows = if_there(&folder.join("embeddings.csv"), read_embeddings)?;
-    let beyond = rows.iter().filter(|row| row.beyond() == Some(true));
+) -> usize {
+    let Some(baseline) = design.baseline_id() else {
+        return 0;
+    };
     let turned = |who: &ParticipantId| {
         let theirs = conditions.iter().filter(|row| row.participant == *who);
         theirs
             .filter_map(|row| design.condition(row.condition))
             .any(|condition| condition.side().is_some())
     };
+    let steered_from = own_drives(rows, baseline).into_iter();
+    let beyond = steered_from.filter(|row| row.beyond() == Some(true));
     let people: BTreeSet<&ParticipantId> = beyond.map(|row| &row.participant).collect();
-    Ok(people.into_iter().filter(|who| turned(who)).count())
+    people.into_iter().filter(|who| turned(who)).count()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use maveric_domain::{BeyondWhy, DriveId, Embedding};
+    use std::num::NonZeroU32;
+
+    #[test]
+    fn who_was_driven_though_beyond_is_counted_by_the_drive_that_is_steered_from_alone() {
+        let design = Design::from_toml(
+            "[study]\ntitle = \"Two\"\n[people]\nlearn = { part = \"learn\" }\n[style]\nscore = \"adb.total\"\npoints = 15\n\
+             [baseline]\nid = \"own\"\n[[condition]]\nid = \"sporty\"\ncar = { dial = \"+1\" }\n",
+        )
+        .unwrap();
+        let who = ParticipantId::new("P1").unwrap();
+        let style = || Embedding::new(vec![0.5]).unwrap();
+        let drive = |session: u32, beyond: bool| {
+            let id = DriveId::new(format!("P1-own{session}")).unwrap();
+            EmbeddingRow {
+                session: NonZeroU32::new(session).unwrap(),
+                support_p: Some(0.5),
+                beyond_why: beyond.then_some(BeyondWhy::Scale),
+                ..EmbeddingRow::new(id, who.clone(), "own".parse().unwrap(), style())
+            }
+        };
+        let turned = ConditionRow {
+            participant: who.clone(),
+            condition: "sporty".parse().unwrap(),
+            adb_hat: None,
+            moved_points: None,
+            moved_points_sd: None,
+            clamped: false,
+            angle_rad: None,
+            lent: None,
+            beyond_training: false,
+            beyond_why: None,
+            sweep: None,
+            embedding: style(),
+        };
+        let of = |first: bool, second: bool| {
+            let rows = [drive(1, first), drive(2, second)];
+            beyond_but_driven(&rows, std::slice::from_ref(&turned), &design)
+        };
+        assert_eq!((of(true, false), of(false, true)), (1, 0));
+        assert_eq!(beyond_but_driven(&[drive(1, true)], &[], &design), 0);
+    }
 }
