@@ -1,13 +1,17 @@
 //! What there is of a study, by person and time, and what is awaited.
 
 use crate::{
+    atomic_write::if_there,
+    beyond::turned_for,
     design::{DesignFile, People},
     error::StudyError,
     run_folder::{answer_tables, lists},
     stages::ingest::{Ingest, logs_of_study},
     tables::{
         Table,
+        conditions::read_conditions,
         drives::ExclusionRow,
+        embeddings::read_embeddings,
         own_measures::{OwnMeasures, read_own_measures},
         participants::Enrolled,
         read_rows,
@@ -15,7 +19,7 @@ use crate::{
     },
 };
 use maveric_domain::{
-    DriveMeta, Moment, Occasion, ParticipantId, Ride,
+    Design, DriveMeta, Moment, Occasion, ParticipantId, Ride,
     design::{Condition, Quantity, Software},
 };
 use maveric_ingest::named_after;
@@ -24,6 +28,10 @@ use std::{
     collections::{BTreeMap, BTreeSet},
     path::Path,
 };
+
+/// Why there is no drive of somebody for whom the dial was not turned.
+const NOT_TURNED: &str =
+    "none: the person drives beyond what the model has learned from, so the dial was not turned";
 
 /// A person in a drive.
 type Cell = (ParticipantId, Ride);
@@ -92,7 +100,7 @@ impl<'a> Sources<'a> {
             study,
             people: Vec::new(),
             logs: Logs::read(study)?,
-            drives: Drives::read(results)?,
+            drives: Drives::read(results, &study.design)?,
             answers: Answers::read(study, results)?,
             asked_scales: BTreeMap::new(),
             own_measures: read_own_measures(study, participants)?,
@@ -225,9 +233,13 @@ impl<'a> Sources<'a> {
         }
         let kept_out = self.drives.kept_out.get(cell);
         if simulated {
-            let why = kept_out.cloned();
-            let why = why.unwrap_or_else(|| "not simulated yet".to_owned());
-            return [Awaited::No, Awaited::Missing(why)];
+            let turns = condition.is_some_and(|c| c.side().is_some());
+            let why = match kept_out {
+                Some(why) => why.as_str(),
+                None if turns && self.drives.not_turned.contains(&cell.0) => NOT_TURNED,
+                None => "not simulated yet",
+            };
+            return [Awaited::No, Awaited::Missing(why.to_owned())];
         }
         let file = self.logs.named.get(cell);
         let log = Awaited::there_if(file.is_some() || kept_out.is_some(), || {
@@ -340,11 +352,16 @@ struct Drives {
     kept_out: BTreeMap<Cell, String>,
     /// Logs that could not be ingested, by their names.
     failed: BTreeMap<String, String>,
+    /// For whom `steer` did not turn the dial.
+    not_turned: BTreeSet<ParticipantId>,
 }
 
 impl Drives {
-    fn read(results: &Path) -> Result<Self, StudyError> {
-        let mut drives = Self::default();
+    fn read(results: &Path, design: &Design) -> Result<Self, StudyError> {
+        let mut drives = Self {
+            not_turned: not_turned(results, design)?,
+            ..Self::default()
+        };
         for list in lists(results) {
             let listed: Vec<DriveMeta> = read_rows(&list)?;
             let cell = |m: &DriveMeta| (m.participant.clone(), m.ride());
@@ -370,6 +387,19 @@ impl Drives {
         }
         Ok(drives)
     }
+}
+
+/// For whom `steer` did not turn the dial, of those whom it has looked at.
+fn not_turned(results: &Path, design: &Design) -> Result<BTreeSet<ParticipantId>, StudyError> {
+    let conditions = results.join("conditions.csv");
+    if !conditions.is_file() {
+        return Ok(BTreeSet::new());
+    }
+    let conditions = read_conditions(&conditions)?;
+    let rows = if_there(&results.join("embeddings.csv"), read_embeddings)?;
+    let strangers = turned_for(&rows, &conditions, design).into_iter();
+    let not_turned = strangers.filter(|(_, turned)| !turned);
+    Ok(not_turned.map(|(who, _)| who).collect())
 }
 
 /// What the tables of answers hold.
