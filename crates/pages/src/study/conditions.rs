@@ -63,6 +63,20 @@ pub(super) fn ends(panel: &Panel) -> Option<(f64, f64)> {
     panel.range.or(is_amount.then_some((0.0, f64::INFINITY)))
 }
 
+/// A tested contrast as a figure of these conditions has it: the condition that stands further right less the other, whichever way round it
+/// was declared.
+fn bracket(conditions: &[ConditionId], contrast: &Contrast) -> Option<PairTest> {
+    let place = |id| conditions.iter().position(|c| *c == id);
+    let from_the_left = place(contrast.first) < place(contrast.second);
+    let effect = contrast.effect.as_ref().and_then(|e| e.value);
+    Some(PairTest {
+        first: contrast.first,
+        second: contrast.second,
+        p_holm: contrast.p_holm?,
+        effect: effect.map(|v| if from_the_left { -v } else { v }),
+    })
+}
+
 impl StudyPage<'_> {
     /// What the conditions did; `drive` is one of them from above, `items` those of scores that are tested without some.
     ///
@@ -191,14 +205,6 @@ impl StudyPage<'_> {
             (None, unit) => amount(panel, unit),
             (Some(from), unit) => with_unit(&self.axis("difference_axis", from)?, unit),
         };
-        let pair = |p: &Contrast| {
-            Some(PairTest {
-                first: p.first,
-                second: p.second,
-                p_holm: p.p_holm?,
-                effect: p.effect.as_ref().and_then(|e| e.value),
-            })
-        };
         // Of many conditions those pairs alone have brackets that somebody asked for.
         let many = panel.conditions.len() > MOST_WITH_ALL_PAIRS;
         let undeclared = many && *self.design.compare() == Compare::All;
@@ -209,9 +215,51 @@ impl StudyPage<'_> {
             conditions: panel.conditions.clone(),
             rows: panel.rows.clone(),
             omnibus: omnibus(self.design, panel, true),
-            pairs: brackets.filter_map(pair).collect(),
+            pairs: brackets
+                .filter_map(|c| bracket(&panel.conditions, c))
+                .collect(),
             reference: panel.same,
             range: ends(panel),
         })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use maveric_stats::{Effect, EffectName};
+
+    #[test]
+    fn a_bracket_has_one_sign_whichever_way_round_its_contrast_was_declared() {
+        let [calm, sporty]: [ConditionId; 2] = ["calm", "sporty"].map(|id| id.parse().unwrap());
+        let contrast = |[first, second]: [ConditionId; 2], size: f64| Contrast {
+            first,
+            second,
+            expected: None,
+            people: [0; 3],
+            mean_difference: None,
+            statistic: None,
+            df: None,
+            se: None,
+            interval: None,
+            effect: Some(Effect {
+                name: EffectName::Dz,
+                value: Some(size),
+                ci_low: None,
+                ci_high: None,
+                confidence: 0.95,
+            }),
+            p: Some(0.01),
+            p_holm: Some(0.02),
+        };
+        let drawn = |contrast: &Contrast| bracket(&[calm, sporty], contrast).unwrap().effect;
+        // Sporty lies higher.
+        assert_eq!(drawn(&contrast([calm, sporty], -0.69)), Some(0.69));
+        assert_eq!(drawn(&contrast([sporty, calm], 0.69)), Some(0.69));
+        let untested = Contrast {
+            p_holm: None,
+            ..contrast([calm, sporty], 1.0)
+        };
+        assert!(bracket(&[calm, sporty], &untested).is_none());
     }
 }

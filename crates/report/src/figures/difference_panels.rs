@@ -85,7 +85,7 @@ pub struct PairTest {
     pub second: ConditionId,
     /// Its p value, adjusted after Holm.
     pub p_holm: f64,
-    /// Its effect size, if there is one.
+    /// Its effect size, if there is one, of the condition that stands further right less the other.
     pub effect: Option<f64>,
 }
 
@@ -284,7 +284,7 @@ fn caption(input: &DifferencePanels, context: &Context, (grid, width): (Grid, f6
             )
         };
         format!(
-            "Brackets{which} carry effect sizes (*d*_{{z}}, or the rank-biserial *r* where ranks were compared) with the stars of *p* after Holm over the contrasts of that panel (\\* .05, \\*\\* .01, \\*\\*\\* .001)."
+            "Brackets{which} carry effect sizes, the condition on the right less that on the left (*d*_{{z}}, or the rank-biserial *r* where ranks were compared) with the stars of *p* after Holm over the contrasts of that panel (\\* .05, \\*\\* .01, \\*\\*\\* .001)."
         )
     };
     let nobody: Vec<String> = input
