@@ -161,6 +161,8 @@ fn reliability(matrix: &ItemMatrix, scales: &[Scale], scores: &[Score]) -> Relia
     let analysis = maveric_stats::alpha(&items, Some(&people)).ok();
     let analysis = analysis.filter(|_| matrix.items.iter().all(rates));
     let alpha = analysis.as_ref().map(|a| &a.alpha);
+    let is_complete = |row: &&&Vec<Option<f64>>| row.iter().all(Option::is_some);
+    let complete = sheets.iter().filter(is_complete).count();
     let values: Vec<f64> = scores
         .iter()
         .filter(|s| s.scale == matrix.scale && s.subscale == matrix.subscale && counts(s.moment))
@@ -175,8 +177,8 @@ fn reliability(matrix: &ItemMatrix, scales: &[Scale], scores: &[Score]) -> Relia
         scale: matrix.scale.clone(),
         subscale: matrix.subscale.clone(),
         items: matrix.items.len(),
-        n: analysis.as_ref().map_or(0, |a| a.n),
-        dropped: analysis.as_ref().map_or(sheets.len(), |a| a.missing),
+        n: complete,
+        dropped: sheets.len() - complete,
         people: analysis.as_ref().and_then(|a| a.people),
         alpha: alpha.and_then(|a| a.raw),
         ci_low: alpha.and_then(|a| a.ci_low),
@@ -509,6 +511,20 @@ mod tests {
         assert_eq!(listed.lines().count(), 3);
         let (after, listed) = run(&rows, Moments::After).unwrap();
         assert_eq!((after.value.scores, listed.lines().count()), (1, 1));
+    }
+
+    #[test]
+    fn sheets_are_counted_where_one_item_has_no_reliability() {
+        let who = |id: &str| (ParticipantId::new(id).unwrap(), Moment::Pre);
+        let matrix = ItemMatrix {
+            scale: "again".to_owned(),
+            subscale: "again".to_owned(),
+            items: vec![1],
+            respondents: ["A", "B", "C"].map(who).to_vec(),
+            answers: vec![vec![Some(3.0)], vec![Some(2.0)], vec![None]],
+        };
+        let found = reliability(&matrix, &[], &[]);
+        assert_eq!((found.n, found.dropped, found.alpha), (2, 1, None));
     }
 
     #[test]
