@@ -31,7 +31,7 @@ use std::{
 
 /// Why there is no drive of somebody for whom the dial was not turned.
 const NOT_TURNED: &str =
-    "none: the person drives beyond what the model has learned from, so the dial was not turned";
+    "the dial was not turned: the person drives beyond what the model has learned from";
 
 /// A person in a drive.
 type Cell = (ParticipantId, Ride);
@@ -216,7 +216,18 @@ impl<'a> Sources<'a> {
         }
         let cell = (person.id.clone(), ride);
         let [log, drive] = self.driven(&cell);
+        let answers = match answers {
+            Awaited::Missing(_) if self.not_turned(&cell) => Awaited::No,
+            answers => answers,
+        };
         [log, drive, answers, self.measured(person, &cell)]
+    }
+
+    /// Whether there was no ride to answer after, since the dial was not turned for the person.
+    fn not_turned(&self, (who, ride): &Cell) -> bool {
+        let condition = self.study.design.condition(ride.condition);
+        let turns = condition.is_some_and(|c| c.simulated() && c.side().is_some());
+        turns && self.drives.not_turned.contains(who)
     }
 
     fn driven(&self, cell: &Cell) -> [Awaited; 2] {
@@ -233,10 +244,9 @@ impl<'a> Sources<'a> {
         }
         let kept_out = self.drives.kept_out.get(cell);
         if simulated {
-            let turns = condition.is_some_and(|c| c.side().is_some());
             let why = match kept_out {
                 Some(why) => why.as_str(),
-                None if turns && self.drives.not_turned.contains(&cell.0) => NOT_TURNED,
+                None if self.not_turned(cell) => NOT_TURNED,
                 None => "not simulated yet",
             };
             return [Awaited::No, Awaited::Missing(why.to_owned())];
@@ -435,5 +445,40 @@ impl Answers {
             answers.none = Some(format!("{} is {why}", files.answers.to_slash_lossy()));
         }
         Ok(answers)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn for_whom_the_dial_was_not_turned_is_known_once_conditions_are_placed() {
+        let design = Design::from_toml(
+            "[study]\ntitle = \"t\"\n[people]\nlearn = { part = \"learn\" }\n[style]\nscore = \"adb.total\"\npoints = 15\n\
+             [baseline]\nid = \"own\"\n[[condition]]\nid = \"mine\"\ncar = { dial = 0 }\n[[condition]]\nid = \"sporty\"\ncar = { dial = \"+1\" }\n",
+        )
+        .unwrap();
+        let results = tempfile::tempdir().unwrap();
+        let write = |name: &str, text: &str| std::fs::write(results.path().join(name), text);
+        let of = || {
+            let people = not_turned(results.path(), &design).unwrap().into_iter();
+            people.map(|who| who.to_string()).collect::<Vec<_>>()
+        };
+        write(
+            "embeddings.csv",
+            "drive,participant,condition,adb_used,adb,adb_hat,line_position,readings,beyond_why,w1\n\
+             P1-own,P1,own,false,,30,0.1,9,scale,0.5\nP2-own,P2,own,false,,30,0.1,9,,0.5\n",
+        )
+        .unwrap();
+        assert!(of().is_empty());
+        let header = "participant,condition,adb_hat,moved_points,moved_points_sd,clamped,angle_rad,beyond_training,w1\n";
+        let placed =
+            |who: &str, condition: &str| format!("{who},{condition},30,0,,false,,false,0.5\n");
+        let mine = header.to_owned() + &placed("P1", "mine") + &placed("P2", "mine");
+        write("conditions.csv", &mine).unwrap();
+        assert_eq!(of(), ["P1"]);
+        write("conditions.csv", &(mine + &placed("P1", "sporty"))).unwrap();
+        assert!(of().is_empty());
     }
 }
