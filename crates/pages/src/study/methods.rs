@@ -170,7 +170,7 @@ mod tests {
     #[test]
     fn that_each_did_all_is_said_where_each_did() {
         let did = |partly: usize| {
-            let did = vec!["drove", "sat through A and B"];
+            let did: Vec<String> = ["drove", "sat through A and B"].map(str::to_owned).to_vec();
             said("did", &context! { participants => 24, did, partly })
         };
         let all = did(0);

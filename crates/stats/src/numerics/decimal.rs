@@ -310,7 +310,7 @@ mod tests {
 
     #[test]
     fn differences_that_tie_are_one_number_of_either_sign_and_others_stay_apart() {
-        let (low, high) = (49.0 / 12.0, 50.0 / 12.0);
+        let (low, high) = (49.0_f64 / 12.0, 50.0_f64 / 12.0);
         let pairs = [
             Some((low, high)),
             Some((3.25, 40.0 / 12.0)),
