@@ -35,6 +35,7 @@ pub fn analyse(data: &StudyData, purpose: Purpose) -> Result<Analysis, AnalysisE
         synthetic: data.is_synthetic(),
         scripted: data.is_scripted(),
         participants: data.participants.len(),
+        partly: data.partly().map(ToString::to_string).collect(),
         flow: data.flow.clone(),
         orders: data.order_balance(),
         hypotheses: hypotheses::verdicts(data, &panels, &primary)?,
@@ -174,17 +175,30 @@ fn exclusions(panels: &[Panel], reproduction: &[Reproduction]) -> Vec<Exclusion>
             });
         }
     }
-    for row in reproduction.iter().filter(|a| a.dropped > 0) {
-        exclusions.push(Exclusion {
-            who: format!("{} participants", row.dropped),
-            what: format!(
-                "accuracy of {} in {}",
-                row.title.to_lowercase(),
-                row.condition
+    for row in reproduction {
+        let title = row.title.to_lowercase();
+        let untested = reproduction::left_out(panels, &row.measure).len();
+        for (n, why) in [
+            (untested, format!("not in the comparison of {title}")),
+            (
+                row.dropped.saturating_sub(untested),
+                "no value in the baseline drive or in that condition, or a baseline of zero"
+                    .to_owned(),
             ),
-            why: "no value in the baseline drive or in that condition, or a baseline of zero"
-                .to_owned(),
-        });
+        ] {
+            if n > 0 {
+                let people = if n == 1 {
+                    "participant"
+                } else {
+                    "participants"
+                };
+                exclusions.push(Exclusion {
+                    who: format!("{n} {people}"),
+                    what: format!("accuracy of {title} in {}", row.condition),
+                    why,
+                });
+            }
+        }
     }
     exclusions
 }

@@ -142,19 +142,26 @@ impl StudyData {
     fn somebody_in_each(&self) -> Result<(), AnalysisError> {
         for condition in self.design.conditions() {
             let id = condition.id;
-            let cells = self.cells.get(&(id, FIRST));
-            let driven = cells.is_some_and(|people| !people.is_empty());
-            let measured = self.own.contains_key(&id);
-            let rated = |p| {
-                self.after
-                    .iter()
-                    .any(|name| self.rated(p, id, name).is_some())
-            };
-            if !driven && !measured && !self.participants.iter().any(rated) {
+            if !self.participants.iter().any(|p| self.sat_through(p, id)) {
                 return Err(AnalysisError::NobodyThere { condition: id });
             }
         }
         Ok(())
+    }
+
+    /// Whether somebody drove, rated or was measured in a condition of the first session.
+    fn sat_through(&self, participant: &ParticipantId, id: ConditionId) -> bool {
+        let own = self.own.get(&id);
+        let measured = own.is_some_and(|people| people.contains_key(participant));
+        let rated = |name| self.rated(participant, id, name).is_some();
+        self.cell(participant, id).is_some() || measured || self.after.iter().any(rated)
+    }
+
+    /// Those of whom nothing is there in some condition.
+    pub(crate) fn partly(&self) -> impl Iterator<Item = &ParticipantId> {
+        let conditions = self.design.conditions();
+        let lacks = move |p: &&ParticipantId| conditions.iter().any(|c| !self.sat_through(p, c.id));
+        self.participants.iter().filter(lacks)
     }
 
     /// The same, with what was said of rides that people stopped.

@@ -10,7 +10,9 @@ use maveric_domain::{
     ConditionId, ParticipantId,
     design::{Homophily, ScoreName, Sign},
 };
-use maveric_stats::{CorrelationMethod, adjust, proportion, simultaneous_interval};
+use maveric_stats::{
+    CorrelationMethod, adjust, proportion, simultaneous_interval, tied_differences,
+};
 
 /// The scale that a member of the family names, and the factor of it, if one alone is meant.
 pub(crate) fn scale_and_factor(word: &str) -> (&str, Option<&str>) {
@@ -68,9 +70,9 @@ pub(crate) fn homophily(data: &StudyData) -> Result<Vec<HomophilyRow>, AnalysisE
     let mut differences = Vec::new();
     for versus in data.shifted() {
         for name in ratings(data) {
-            let difference = |p| Some(data.rated(p, own, name)? - data.rated(p, versus, name)?);
-            let y: Vec<Option<f64>> = data.participants.iter().map(difference).collect();
-            differences.push((versus, name, y));
+            let pair = |p| Some((data.rated(p, own, name)?, data.rated(p, versus, name)?));
+            let pairs: Vec<Option<(f64, f64)>> = data.participants.iter().map(pair).collect();
+            differences.push((versus, name, tied_differences(&pairs)));
         }
     }
     let mut rows = Vec::new();

@@ -34,7 +34,7 @@ pub(crate) fn reproduction(
         return Ok(Vec::new());
     };
     let one = |asked: Asked| {
-        let left_out = left_out(panels, &asked);
+        let left_out = left_out(panels, &asked.id);
         let value = |p: &ParticipantId, c| {
             let tested = !left_out.contains(&p.to_string());
             asked.value(data, p, c).filter(|_| tested)
@@ -75,8 +75,8 @@ pub(crate) fn reproduction(
 }
 
 /// Whom the tests of a measure leave out.
-fn left_out<'a>(panels: &'a [Panel], asked: &Asked) -> &'a [String] {
-    panel_of_everybody(panels, &asked.id).map_or(&[], |panel| &panel.dropped)
+pub(crate) fn left_out<'a>(panels: &'a [Panel], measure: &str) -> &'a [String] {
+    panel_of_everybody(panels, measure).map_or(&[], |panel| &panel.dropped)
 }
 
 /// Mean of AV minus driver with its 90 % interval, against what counts as none; nothing for fewer than two people with both
@@ -128,7 +128,7 @@ pub(crate) fn nearer(data: &StudyData, panels: &[Panel]) -> Result<Vec<Nearer>, 
         for than in data.shifted() {
             let mut subjects = Vec::new();
             let mut distances: Vec<Vec<f64>> = Vec::new();
-            let left_out = left_out(panels, &asked);
+            let left_out = left_out(panels, &asked.id);
             let tested = |p: &&ParticipantId| !left_out.contains(&p.to_string());
             for p in data.participants.iter().filter(tested) {
                 let Some(own) = asked.value(data, p, baseline) else {

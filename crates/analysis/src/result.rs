@@ -34,6 +34,9 @@ pub struct Analysis {
     pub scripted: bool,
     /// People analysed.
     pub participants: usize,
+    /// Those of them of whom nothing is there in some condition.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub partly: Vec<String>,
     /// How many there were at each step, and who was left out.
     pub flow: Flow,
     /// How evenly the conditions stand in the orders in which people met them; none where no order is known.

@@ -5,7 +5,7 @@ use maveric_domain::{ConditionId, Design, ScoreRange, design::DeclaredTest};
 pub use maveric_report::markup::capital;
 use maveric_report::{
     apa,
-    claims::{Claim, Quantity},
+    claims::{Claim, DfSource, Quantity},
     markup,
 };
 use maveric_stats::{Adjustment, PERIOD, apa::Statements};
@@ -260,7 +260,7 @@ pub fn short(measure: &str) -> &str {
     }
 }
 
-/// The correlation that a claim printed, with marks.
+/// The correlation that a claim printed, with marks; degrees of freedom only where they were printed too.
 pub(crate) fn correlation_of_claim(claim: &Claim) -> Option<String> {
     let write = match claim.quantity {
         Quantity::Rho => apa::rho,
@@ -273,8 +273,13 @@ pub(crate) fn correlation_of_claim(claim: &Claim) -> Option<String> {
     } else {
         printed.value
     };
-    let statement = write(claim.printed.value, claim.df? as usize, p);
-    Some(statement.markup().to_owned())
+    let df = claim.df.unwrap_or_default();
+    let statement = write(claim.printed.value, df as usize, p);
+    let marked = statement.markup();
+    Some(match claim.df_from {
+        Some(DfSource::Printed) => marked.to_owned(),
+        _ => marked.replacen(&format!("({df})"), "", 1),
+    })
 }
 
 /// Whose panel it is, where people are divided.
@@ -287,12 +292,30 @@ pub fn of_group(panel: &Panel) -> String {
 
 #[cfg(test)]
 mod tests {
-    use super::counted;
+    use super::{correlation_of_claim, counted};
+    use maveric_report::claims::load;
 
     #[test]
     fn counts_that_differ_are_a_range_and_none_is_nothing() {
         assert_eq!(counted([23, 21, 22]).as_deref(), Some("21 to 23"));
         assert_eq!(counted([24, 24]).as_deref(), Some("24"));
         assert_eq!(counted([]), None);
+    }
+
+    #[test]
+    fn degrees_of_freedom_that_a_paper_does_not_print_are_not_printed_as_its() {
+        let said = |df: &str| {
+            let claims = load(&format!(
+                "[[claim]]\nid = \"a\"\ntext = \"t\"\nsection = \"s\"\nquantity = \"r\"\nprinted = \".49\"\n\
+                 printed_p = \".022\"\n{df}key = \"x.r\"\nrule = \"above\"\n"
+            ))
+            .unwrap();
+            correlation_of_claim(&claims[0]).unwrap()
+        };
+        let with_df = said("df = 22\ndf_from = \"printed\"\n");
+        assert_eq!(with_df, "*r*(22) = .49, *p* = .022");
+        for unsaid in ["df = 22\ndf_from = \"participants\"\n", ""] {
+            assert_eq!(said(unsaid), "*r* = .49, *p* = .022");
+        }
     }
 }

@@ -98,6 +98,7 @@ pub use mixed::{
 };
 pub use named::Named;
 pub use normality::{Normality, SampleShape, ShapiroWilk, normality};
+pub use numerics::decimal::tied_differences;
 pub use ordinal::{
     LikelihoodRatio, Ordinal, OrdinalFit, OrdinalParameter, OrdinalVariance, ordinal,
 };

@@ -239,6 +239,22 @@ mod tests {
     }
 
     #[test]
+    fn the_mid_p_is_named_and_of_few_who_differ_the_exact_one_stands_beside() {
+        let said = |counts: [usize; 4]| {
+            let statements = mcnemar(&table(counts)).unwrap().statements();
+            statements[0].1.to_string()
+        };
+        let few = said([4, 8, 1, 7]);
+        assert!(
+            few.starts_with("8 against 1, mid-p = .021, exact p = .039, difference"),
+            "{few}"
+        );
+        assert!(said([0, 20, 4, 0]).contains("exact"));
+        let many = said([0, 20, 5, 0]);
+        assert!(many.contains("mid-p") && !many.contains("exact"), "{many}");
+    }
+
+    #[test]
     fn as_many_either_way_is_no_difference_and_nobody_differing_no_test() {
         let even = mcnemar(&table([1, 3, 3, 1])).unwrap().mcnemar;
         near(even.p_exact, 1.0);

@@ -1,8 +1,11 @@
 //! Drives beyond what a model has learned from: named, and in words.
 
 use crate::once::told_once;
-use maveric_domain::{BeyondWhy, EmbeddingRow};
+use maveric_domain::{
+    BeyondWhy, ConditionId, ConditionRow, Design, EmbeddingRow, ParticipantId, occasion::is_first,
+};
 use maveric_model::{FreeSpeed, HEADS, Model};
+use std::collections::BTreeMap;
 
 /// Why a drive is beyond what the model has learned from, in words.
 pub fn beyond_in_words(why: &BeyondWhy) -> String {
@@ -39,6 +42,42 @@ pub(crate) fn named<'a>(
 pub(crate) fn of_rows(rows: &[EmbeddingRow]) -> impl Iterator<Item = (String, &BeyondWhy)> {
     rows.iter()
         .filter_map(|row| Some((row.drive.to_string(), row.beyond_why.as_ref()?)))
+}
+
+/// One row a participant, of the drive of their first session: the fit with the score where there is one.
+pub(crate) fn own_drives(rows: &[EmbeddingRow], baseline: ConditionId) -> Vec<&EmbeddingRow> {
+    let is_own_drive = |r: &&EmbeddingRow| r.condition == baseline && is_first(&r.session);
+    let has_adb_fit = |p: &ParticipantId| {
+        let mut fits = rows.iter().filter(is_own_drive);
+        fits.any(|r| r.participant == *p && r.adb_used)
+    };
+    rows.iter()
+        .filter(is_own_drive)
+        .filter(|r| r.adb_used == has_adb_fit(&r.participant))
+        .collect()
+}
+
+/// Of everybody whose drive that is steered from is beyond what the model has learned from: whether a condition that turns the dial was
+/// placed for them all the same.
+pub(crate) fn turned_for(
+    rows: &[EmbeddingRow],
+    conditions: &[ConditionRow],
+    design: &Design,
+) -> BTreeMap<ParticipantId, bool> {
+    let Some(baseline) = design.baseline_id() else {
+        return BTreeMap::new();
+    };
+    let turned = |who: &ParticipantId| {
+        let theirs = conditions.iter().filter(|row| row.participant == *who);
+        theirs
+            .filter_map(|row| design.condition(row.condition))
+            .any(|condition| condition.side().is_some())
+    };
+    let steered_from = own_drives(rows, baseline).into_iter();
+    let beyond = steered_from.filter(|row| row.beyond() == Some(true));
+    beyond
+        .map(|row| (row.participant.clone(), turned(&row.participant)))
+        .collect()
 }
 
 /// A sentence for the drives that are beyond what the model has learned from, and one where it cannot say of any.
@@ -94,6 +133,8 @@ fn unseen_limits(model: &Model, rows: &[EmbeddingRow]) -> Vec<String> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use maveric_domain::{DriveId, Embedding};
+    use std::num::NonZeroU32;
 
     #[test]
     fn all_who_are_beyond_by_one_reason_are_one_sentence_in_the_habits_own_words() {
@@ -117,5 +158,49 @@ mod tests {
     fn too_few_people_and_a_model_that_does_not_say_whom_it_learned_from_are_told_apart() {
         assert!(unknown(Some(5)).contains("5 people, too few to say"));
         assert!(unknown(None).contains("does not say whom it learned from"));
+    }
+
+    #[test]
+    fn whoever_is_beyond_in_the_drive_that_is_steered_from_was_turned_for_or_not_and_no_other_drive_counts()
+     {
+        let design = Design::from_toml(
+            "[study]\ntitle = \"Two\"\n[people]\nlearn = { part = \"learn\" }\n[style]\nscore = \"adb.total\"\npoints = 15\n\
+             [baseline]\nid = \"own\"\n[[condition]]\nid = \"sporty\"\ncar = { dial = \"+1\" }\n",
+        )
+        .unwrap();
+        let who = ParticipantId::new("P1").unwrap();
+        let style = || Embedding::new(vec![0.5]).unwrap();
+        let drive = |session: u32, beyond: bool| {
+            let id = DriveId::new(format!("P1-own{session}")).unwrap();
+            EmbeddingRow {
+                session: NonZeroU32::new(session).unwrap(),
+                support_p: Some(0.5),
+                beyond_why: beyond.then_some(BeyondWhy::Scale),
+                ..EmbeddingRow::new(id, who.clone(), "own".parse().unwrap(), style())
+            }
+        };
+        let turned = ConditionRow {
+            participant: who.clone(),
+            condition: "sporty".parse().unwrap(),
+            adb_hat: None,
+            moved_points: None,
+            moved_points_sd: None,
+            clamped: false,
+            angle_rad: None,
+            lent: None,
+            beyond_training: false,
+            beyond_why: None,
+            sweep: None,
+            embedding: style(),
+        };
+        let of = |first: bool, second: bool, placed: &[ConditionRow]| {
+            let rows = [drive(1, first), drive(2, second)];
+            let turned = turned_for(&rows, placed, &design).into_values();
+            turned.collect::<Vec<bool>>()
+        };
+        let placed = std::slice::from_ref(&turned);
+        assert_eq!(of(true, false, placed), [true]);
+        assert_eq!(of(true, false, &[]), [false]);
+        assert!(of(false, true, placed).is_empty());
     }
 }

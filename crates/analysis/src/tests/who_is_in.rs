@@ -16,6 +16,39 @@ fn whoever_lacks_a_value_is_left_out_and_named() {
     assert_eq!((panel(&a, SPEED).n, a.reproduction[0].dropped), (5, 1));
     let said = |e: &crate::Exclusion| e.who == "P4" && e.what == "comparison of mean velocity";
     assert!(a.exclusions.iter().any(said));
+    // They rated all conditions.
+    assert!(a.partly.is_empty());
+}
+
+#[test]
+fn whoever_has_nothing_in_a_condition_is_named_and_their_accuracy_is_not_said_to_lack_a_value() {
+    let mut tables = tables();
+    let fast = id("fast");
+    tables
+        .measurements
+        .retain(|d| d.meta.drive.as_str() != "P4-fast");
+    tables
+        .post
+        .retain(|s| s.participant != person(3) || s.moment != Moment::after(fast));
+    // A baseline of zero has no accuracy.
+    for drive in &mut tables.measurements {
+        if drive.meta.drive.as_str() == "P6-own" {
+            drive.values.insert(SPEED.to_owned(), Some(0.0));
+        }
+    }
+    let a = analysed(tables);
+    assert_eq!(a.partly, ["P4"]);
+    let accuracy = a.exclusions.iter();
+    let accuracy = accuracy.filter(|e| e.what == "accuracy of mean velocity in same");
+    let said: Vec<(&str, bool)> = accuracy
+        .map(|e| {
+            (
+                e.who.as_str(),
+                e.why == "not in the comparison of mean velocity",
+            )
+        })
+        .collect();
+    assert_eq!(said, [("1 participant", true), ("1 participant", false)]);
 }
 
 #[test]

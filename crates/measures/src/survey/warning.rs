@@ -121,6 +121,20 @@ pub enum ScoreWarning {
 }
 
 impl ScoreWarning {
+    /// Whether it doubts answers that are scored all the same.
+    pub fn is_kept(&self) -> bool {
+        match self {
+            Self::OneAnswer { .. }
+            | Self::LongString { .. }
+            | Self::TooFast { .. }
+            | Self::AttentionMissed { .. } => true,
+            Self::NoAnswers { .. }
+            | Self::Unanswered { .. }
+            | Self::TooFewAnswers { .. }
+            | Self::UnknownParticipant { .. } => false,
+        }
+    }
+
     /// Whom it is about.
     pub fn participant(&self) -> &ParticipantId {
         match self {

@@ -60,14 +60,28 @@ pub(super) fn amount(panel: &Panel, unit: &str) -> String {
 pub(super) fn ends(panel: &Panel) -> Option<(f64, f64)> {
     let values = panel.rows.iter().flatten().flatten().copied();
     let measured = panel.differences_from.is_none().then_some(values);
-    panel.range.or_else(|| measured.and_then(ends_of))
+    panel.range.or_else(|| ends_of(&measured?))
 }
 
 /// What is never below 0 has its lower end there; what is 0 or 1 alone ends at 1.
-fn ends_of(values: impl Iterator<Item = f64> + Clone) -> Option<(f64, f64)> {
+fn ends_of(values: &(impl Iterator<Item = f64> + Clone)) -> Option<(f64, f64)> {
     let is_yes_or_no = values.clone().all(|v| [0.0, 1.0].contains(&v));
     let most = if is_yes_or_no { 1.0 } else { f64::INFINITY };
     values.clone().all(|v| v >= 0.0).then_some((0.0, most))
+}
+
+/// A tested contrast as a figure of these conditions has it: the condition that stands further right less the other, whichever way round it
+/// was declared.
+fn bracket(conditions: &[ConditionId], contrast: &Contrast) -> Option<PairTest> {
+    let place = |id| conditions.iter().position(|c| *c == id);
+    let from_the_left = place(contrast.first) < place(contrast.second);
+    let effect = contrast.effect.as_ref().and_then(|e| e.value);
+    Some(PairTest {
+        first: contrast.first,
+        second: contrast.second,
+        p_holm: contrast.p_holm?,
+        effect: effect.map(|v| if from_the_left { -v } else { v }),
+    })
 }
 
 impl StudyPage<'_> {
@@ -198,14 +212,6 @@ impl StudyPage<'_> {
             (None, unit) => amount(panel, unit),
             (Some(from), unit) => with_unit(&self.axis("difference_axis", from)?, unit),
         };
-        let pair = |p: &Contrast| {
-            Some(PairTest {
-                first: p.first,
-                second: p.second,
-                p_holm: p.p_holm?,
-                effect: p.effect.as_ref().and_then(|e| e.value),
-            })
-        };
         // Of many conditions those pairs alone have brackets that somebody asked for.
         let many = panel.conditions.len() > MOST_WITH_ALL_PAIRS;
         let undeclared = many && *self.design.compare() == Compare::All;
@@ -216,7 +222,9 @@ impl StudyPage<'_> {
             conditions: panel.conditions.clone(),
             rows: panel.rows.clone(),
             omnibus: omnibus(self.design, panel, true),
-            pairs: brackets.filter_map(pair).collect(),
+            pairs: brackets
+                .filter_map(|c| bracket(&panel.conditions, c))
+                .collect(),
             reference: panel.same,
             range: ends(panel),
             of_group: panel.group.is_some(),
@@ -227,12 +235,47 @@ impl StudyPage<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use maveric_stats::{Effect, EffectName};
 
     #[test]
     fn what_is_0_or_1_alone_ends_there_and_an_amount_at_0_only() {
-        let ends = |values: &[f64]| ends_of(values.iter().copied());
+        let ends = |values: &[f64]| ends_of(&values.iter().copied());
         assert_eq!(ends(&[0.0, 1.0, 1.0]), Some((0.0, 1.0)));
         assert_eq!(ends(&[0.0, 1.0, 0.5]), Some((0.0, f64::INFINITY)));
         assert_eq!(ends(&[0.0, -1.0]), None);
+    }
+
+    #[test]
+    fn a_bracket_has_one_sign_whichever_way_round_its_contrast_was_declared() {
+        let [calm, sporty]: [ConditionId; 2] = ["calm", "sporty"].map(|id| id.parse().unwrap());
+        let contrast = |[first, second]: [ConditionId; 2], size: f64| Contrast {
+            first,
+            second,
+            expected: None,
+            people: [0; 3],
+            mean_difference: None,
+            statistic: None,
+            df: None,
+            se: None,
+            interval: None,
+            effect: Some(Effect {
+                name: EffectName::Dz,
+                value: Some(size),
+                ci_low: None,
+                ci_high: None,
+                confidence: 0.95,
+            }),
+            p: Some(0.01),
+            p_holm: Some(0.02),
+        };
+        let drawn = |contrast: &Contrast| bracket(&[calm, sporty], contrast).unwrap().effect;
+        // Sporty lies higher.
+        assert_eq!(drawn(&contrast([calm, sporty], -0.69)), Some(0.69));
+        assert_eq!(drawn(&contrast([sporty, calm], 0.69)), Some(0.69));
+        let untested = Contrast {
+            p_holm: None,
+            ..contrast([calm, sporty], 1.0)
+        };
+        assert!(bracket(&[calm, sporty], &untested).is_none());
     }
 }

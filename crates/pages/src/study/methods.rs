@@ -139,7 +139,8 @@ impl StudyPage<'_> {
         } else if self.methods.is_given("embedding_size") {
             sentences.push(texts.text("learned_elsewhere")?);
         }
-        sentences.push(texts.with(&context! { did }).text("did")?);
+        let partly = a.partly.len();
+        sentences.push(texts.with(&context! { did, partly }).text("did")?);
         let out: usize = a.flow.left_out.iter().map(|l| l.who.len()).sum();
         sentences.extend(of_some);
         if out > 0 {
@@ -178,6 +179,23 @@ mod tests {
 
     fn tests(t: bool, wilcoxon: bool) -> String {
         of_tests(&context! { t, wilcoxon }, &[])
+    }
+
+    #[test]
+    fn that_each_did_all_is_said_where_each_did() {
+        let did = |partly: usize| {
+            let did: Vec<String> = ["drove", "sat through A and B"].map(str::to_owned).to_vec();
+            said("did", &context! { participants => 24, did, partly })
+        };
+        let all = did(0);
+        assert!(all.starts_with("Each of the 24 participants"), "{all}");
+        assert!(!all.contains("not in every"), "{all}");
+        let some = did(1);
+        assert!(some.starts_with("The 24 participants"), "{some}");
+        assert!(
+            some.ends_with(", 1 of them not in every condition."),
+            "{some}"
+        );
     }
 
     #[test]

@@ -133,7 +133,7 @@ fn of_one(found: &maveric_stats::Comparison) -> Numbers {
     let (test, size) = match found.omnibus.test {
         OmnibusTest::Friedman => ("chi2", "kendall_w"),
         OmnibusTest::PairedT => ("t", "dz"),
-        OmnibusTest::Wilcoxon => ("W", "rank_biserial"),
+        OmnibusTest::Wilcoxon => ("V", "rank_biserial"),
         _ => ("F", "eta2_partial"),
     };
     let omnibus = &found.omnibus;
@@ -163,7 +163,7 @@ fn of_factors(found: &FactorialFinding) -> Vec<(String, Numbers)> {
             test: Some(match (test.df1, test.df2) {
                 (Some(_), Some(_)) => "F",
                 (Some(_), None) => "chi2",
-                _ if test.method == EffectMethod::SignedRanks => "W",
+                _ if test.method == EffectMethod::SignedRanks => "V",
                 _ => "U",
             }),
             statistic: test.statistic,

@@ -15,6 +15,8 @@ pub struct LedgerRow {
     pub ours: Option<f64>,
     /// The p that belongs to our coefficient.
     pub ours_p: Option<f64>,
+    /// Which coefficient ours is, whatever the paper's is; the claim's kind where that is not said.
+    pub ours_quantity: Quantity,
     /// What the rule says.
     pub verdict: Verdict,
     /// Whether the paper's number follows from its other numbers.
@@ -52,7 +54,7 @@ pub enum Verdict {
     Differs,
     /// Of fewer than six people: nothing goes with anything.
     TooFew,
-    /// We set it so.
+    /// Whoever runs the study set it so.
     ByDesign,
     /// Sizes were chosen so that ours comes near.
     Tuned,
@@ -138,7 +140,8 @@ impl Verdict {
 /// that is not there gives [`Verdict::NotComputed`]. The p of a coefficient under `….r`, or of a
 /// difference under `….difference`, is looked up under `….p`. A p that is to be below a bound needs its direction beside it: `….p` is read
 /// together with `….direction`, above 0 if the difference goes the way that the claim says. Where `….n` says from how many pairs a coefficient
-/// comes, the printed one agrees if the 95 % interval of ours holds it. `n` is the number of people: below six nothing agrees or differs.
+/// comes, the printed one agrees if the 95 % interval of ours holds it; `….ranks` above 0 says that ours is Spearman's, 0 that it is Pearson's. `n`
+/// is the number of people: below six nothing agrees or differs.
 ///
 /// # Errors
 /// [`ReportError::Claim`] if a result is not finite.
@@ -165,10 +168,16 @@ pub fn join(
             };
             let ours_p = beside(stem.or_else(|| claim.key.strip_suffix(".difference")), "p")?;
             let pairs = beside(stem, "n")?;
+            let ours_quantity = match beside(stem, "ranks")? {
+                Some(ranks) if ranks > 0.0 => Quantity::Rho,
+                Some(_) => Quantity::R,
+                None => claim.quantity,
+            };
+            let of_pairs = pairs.map(|n| (n, ours_quantity));
             let few = find("n")?.into_iter().chain(pairs).any(|n| n < FEWEST);
             let verdict = match (ours, claim.rule) {
                 (None, _) => Verdict::NotComputed,
-                (Some(ours), Rule::ByDesign { .. }) => judge(claim, ours, None),
+                (Some(_), Rule::ByDesign {}) => Verdict::ByDesign,
                 _ if claim.tuned => Verdict::Tuned,
                 _ if few => Verdict::TooFew,
                 // A small p says nothing of which way: without the direction there is no verdict.
@@ -177,12 +186,13 @@ pub fn join(
                     Some(direction) if direction > 0.0 => judge(claim, p, None),
                     Some(_) => Verdict::Differs,
                 },
-                (Some(ours), _) => judge(claim, ours, pairs),
+                (Some(ours), _) => judge(claim, ours, of_pairs),
             };
             Ok(LedgerRow {
                 claim: claim.clone(),
                 ours,
                 ours_p,
+                ours_quantity,
                 verdict,
                 own_figures: self_check(claim, claims),
                 made: None,
@@ -201,7 +211,7 @@ const SIGNIFICANT: f64 = 0.05;
 /// Fewest people of whom anything is said.
 const FEWEST: f64 = 6.0;
 
-fn judge(claim: &Claim, ours: f64, pairs: Option<f64>) -> Verdict {
+fn judge(claim: &Claim, ours: f64, pairs: Option<(f64, Quantity)>) -> Verdict {
     let theirs = claim.printed.value;
     let distance = (ours - theirs).abs();
     let choose = |holds: bool, yes: Verdict, no: Verdict| if holds { yes } else { no };
@@ -210,8 +220,9 @@ fn judge(claim: &Claim, ours: f64, pairs: Option<f64>) -> Verdict {
     match claim.rule {
         Rule::Direction { tolerance } => {
             let same = ours * theirs > 0.0;
-            let ranks = claim.quantity == Quantity::Rho;
-            let interval = pairs.and_then(|n| simultaneous_interval(ours, n as usize, 1, ranks));
+            let interval = pairs.and_then(|(n, quantity)| {
+                simultaneous_interval(ours, n as usize, 1, quantity == Quantity::Rho)
+            });
             let near = match interval {
                 Some((low, high)) => low <= theirs && theirs <= high,
                 None => within(tolerance),
@@ -230,9 +241,7 @@ fn judge(claim: &Claim, ours: f64, pairs: Option<f64>) -> Verdict {
         Rule::PAbove { bound } => choose(ours > bound, Verdict::Agrees, Verdict::Differs),
         Rule::Above => choose(ours > theirs, Verdict::Agrees, Verdict::Differs),
         Rule::Below => choose(ours < theirs, Verdict::Agrees, Verdict::Differs),
-        Rule::ByDesign { tolerance } => {
-            choose(within(tolerance), Verdict::ByDesign, Verdict::Differs)
-        }
+        Rule::ByDesign {} => Verdict::ByDesign,
     }
 }
 
@@ -291,6 +300,16 @@ mod tests {
             claims[0].quantity = quantity;
             assert_eq!(join(&claims, &results).unwrap()[0].verdict, verdict);
         }
+        // Which of them ours is decides, where it is said.
+        let mut results = results;
+        for (ranks, quantity, verdict) in [
+            (0.0, Quantity::R, Verdict::SameDirection),
+            (1.0, Quantity::Rho, Verdict::Agrees),
+        ] {
+            results.insert("x.ranks".to_owned(), ranks);
+            let row = &join(&claims, &results).unwrap()[0];
+            assert_eq!((row.ours_quantity, row.verdict), (quantity, verdict));
+        }
     }
 
     #[test]
@@ -299,6 +318,20 @@ mod tests {
         claims[0].tuned = true;
         let results = BTreeMap::from([("x.r".to_owned(), -0.46)]);
         assert_eq!(join(&claims, &results).unwrap()[0].verdict, Verdict::Tuned);
+    }
+
+    #[test]
+    fn what_whoever_runs_sets_is_no_finding_whether_or_not_it_is_the_papers_number() {
+        // A file of before says how near it was to be.
+        for rule in ["{ by-design = {} }", "{ by-design = { tolerance = 0 } }"] {
+            for ours in [0.3, 0.12] {
+                assert_eq!(verdict(".3", rule, ours), Verdict::ByDesign);
+            }
+        }
+        assert_eq!(
+            verdict(".3", "{ near = { tolerance = 0 } }", 0.12),
+            Verdict::Differs
+        );
     }
 
     #[test]

@@ -117,7 +117,7 @@ pub(crate) fn theirs(row: &LedgerRow) -> String {
 
 pub(crate) fn ours(row: &LedgerRow) -> Option<String> {
     let ours = row.ours?;
-    let quantity = row.claim.quantity;
+    let quantity = row.ours_quantity;
     Some(match quantity {
         Quantity::R | Quantity::Rho => {
             let p = row
@@ -158,7 +158,7 @@ pub(crate) fn rule(rule: Rule) -> String {
         Rule::PAbove { bound } => format!("p above {}", apa::bounded(bound, 2)),
         Rule::Above => "above the paper’s bound".to_owned(),
         Rule::Below => "below the paper’s bound".to_owned(),
-        Rule::ByDesign { tolerance } => format!("set by us; within {tolerance}"),
+        Rule::ByDesign {} => "set by whoever runs the study: no finding".to_owned(),
     }
 }
 
@@ -217,6 +217,10 @@ mod tests {
             ("line.mean_velocity.r".to_owned(), 0.52),
             ("line.mean_velocity.p".to_owned(), 0.0093),
         ]);
+        let by_ranks = [("line.mean_velocity.ranks".to_owned(), 1.0)];
+        let by_ranks: BTreeMap<_, _> = results.clone().into_iter().chain(by_ranks).collect();
+        let ours = ledger_table(&join(&claims, &by_ranks).unwrap()).to_markdown();
+        assert!(ours.contains("*ρ* = .52, *p* = .009"));
         let rows = join(&claims, &results).unwrap();
         let table = ledger_table(&rows);
         table.check().unwrap();

@@ -88,7 +88,7 @@ pub struct PairTest {
     pub second: ConditionId,
     /// Its p value, adjusted after Holm.
     pub p_holm: f64,
-    /// Its effect size, if there is one.
+    /// Its effect size, if there is one, of the condition that stands further right less the other.
     pub effect: Option<f64>,
 }
 
@@ -333,8 +333,8 @@ fn brackets(input: &DifferencePanels) -> String {
         "; *p* itself where there is no effect size"
     };
     format!(
-        "Brackets{which} carry effect sizes (*d*_{{z}}, or the rank-biserial *r* where ranks were compared) with the stars of *p* after Holm \
-         {family} (\\* .05, \\*\\* .01, \\*\\*\\* .001){bare}."
+        "Brackets{which} carry effect sizes, the condition on the right less that on the left (*d*_{{z}}, or the rank-biserial *r* where ranks were \
+         compared) with the stars of *p* after Holm {family} (\\* .05, \\*\\* .01, \\*\\*\\* .001){bare}."
     )
 }
 

@@ -1,8 +1,9 @@
 //! The sentences of factors, groups, bounds and models.
 
 use super::{
-    F, Interval, Statement, Statements, bounded, chi2, degrees, f, number, of_n,
+    F, Interval, Statement, Statements, bounded, chi2, degrees, f, number, of_n, p_symbol,
     parts::ranks,
+    probability,
     results::{of_each, says_itself, those},
     t,
 };
@@ -169,13 +170,27 @@ impl Statements for BayesCorrelationAnalysis {
 }
 
 impl McNemarTest {
-    /// `8 against 1, p_Holm = .021, difference = .35, 95% CI [.05, .58]`.
-    fn statement(&self, p: f64, adjusted: Adjustment) -> Statement {
+    /// So many who differ are enough for the mid-p alone.
+    const MANY: usize = 25;
+
+    /// `8 against 1, mid-p = .021, exact p = .039, difference = .35, 95% CI [.05, .58]`.
+    fn statement(&self, p_mid: f64, adjusted: Adjustment) -> Statement {
         let (low, high) = (self.difference_ci_low, self.difference_ci_high);
-        Statement(format!("{} against {}", self.only_a, self.only_b))
-            .p(p, adjusted)
-            .and("difference", &bounded(self.difference, 2))
-            .ci(Interval::from_ends(0.95, Some(low), Some(high)), bounded)
+        let mid = probability(p_symbol(adjusted), p_mid);
+        let exact_symbol = match adjusted {
+            Adjustment::None => "exact *p*",
+            _ => "exact *p* unadjusted",
+        };
+        let few = self.only_a + self.only_b < Self::MANY;
+        let exact = self.p_exact.filter(|_| few).map_or_else(String::new, |p| {
+            format!(", {}", probability(exact_symbol, p))
+        });
+        Statement(format!(
+            "{} against {}, mid-{mid}{exact}",
+            self.only_a, self.only_b
+        ))
+        .and("difference", &bounded(self.difference, 2))
+        .ci(Interval::from_ends(0.95, Some(low), Some(high)), bounded)
     }
 }
 

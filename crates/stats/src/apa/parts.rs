@@ -32,7 +32,7 @@ impl LevelContrast {
 pub(super) fn ranks(method: EffectMethod, value: f64) -> Statement {
     let symbol = match method {
         EffectMethod::GroupRanks => "*U*",
-        _ => "*W*",
+        _ => "*V*",
     };
     Statement(format!("{symbol} = {}", degrees(value)))
 }
@@ -59,7 +59,7 @@ mod tests {
             "*t*(11) = 2.00, *p* = .140"
         );
         for (method, said) in [
-            (EffectMethod::SignedRanks, "*W* = 31, *p* = .140"),
+            (EffectMethod::SignedRanks, "*V* = 31, *p* = .140"),
             (EffectMethod::GroupRanks, "*U* = 31, *p* = .140"),
         ] {
             let ranks = LevelContrast {

@@ -7,7 +7,7 @@
 //! own 15th digit, and differences within four units of the 15th digit of what was subtracted: another
 //! number of the column, however large, makes no tie.
 
-use std::borrow::Cow;
+use std::{borrow::Cow, collections::BTreeMap};
 
 /// Decimal places tried before the digits are read from the printed form.
 const FAST_PLACES: i32 = 9;
@@ -93,6 +93,32 @@ pub(crate) fn tied(values: &[f64]) -> Cow<'_, [f64]> {
             groups.iter().map(|&group| first[group as usize]).collect()
         }
     }
+}
+
+/// What is left of each first number without its second: differences that tie as the numbers were written are the same number, so that their
+/// ranks tie too.
+///
+/// # Example
+/// ```
+/// // Thirds, which 17 digits do not hold.
+/// let pairs = [(49.0 / 12.0, 50.0 / 12.0), (39.0 / 12.0, 40.0 / 12.0)].map(Some);
+/// let differences = maveric_stats::tied_differences(&pairs);
+/// assert_eq!(differences[0], differences[1]);
+/// ```
+pub fn tied_differences(pairs: &[Option<(f64, f64)>]) -> Vec<Option<f64>> {
+    let known = pairs.iter().flatten();
+    let values: Vec<f64> = known.flat_map(|&(a, b)| [a, b]).collect();
+    let places = (0..values.len() / 2).map(|i| (2 * i, 2 * i + 1));
+    let mut groups = Written::from_values(&values)
+        .differences(places)
+        .into_iter();
+    let mut sizes: BTreeMap<i64, f64> = BTreeMap::new();
+    let mut one = |(a, b): (f64, f64)| {
+        let group = groups.next()?;
+        let size = *sizes.entry(group.abs()).or_insert((a - b).abs());
+        Some(group.signum() as f64 * size)
+    };
+    pairs.iter().map(|pair| pair.and_then(&mut one)).collect()
 }
 
 /// The number of each value's group, from 0 upwards by size, of values each with a tolerance: a group reaches as far beyond its smallest
@@ -280,6 +306,30 @@ mod tests {
         assert_eq!(tied(&thirds)[0].to_bits(), tied(&thirds)[2].to_bits());
         assert!(matches!(tied(&[0.1, 0.2]), Cow::Borrowed(_)));
         assert!(tied(&[]).is_empty());
+    }
+
+    #[test]
+    fn differences_that_tie_are_one_number_of_either_sign_and_others_stay_apart() {
+        let (low, high) = (49.0_f64 / 12.0, 50.0_f64 / 12.0);
+        let pairs = [
+            Some((low, high)),
+            Some((3.25, 40.0 / 12.0)),
+            None,
+            Some((40.0 / 12.0, 3.25)),
+            Some((3.0, 3.0)),
+            Some((4.0, 3.75)),
+        ];
+        assert!((low - high).to_bits() != (3.25_f64 - 40.0 / 12.0).to_bits());
+        let found = tied_differences(&pairs);
+        let of = |i: usize| found[i].unwrap();
+        assert_eq!(of(0).to_bits(), of(1).to_bits());
+        assert_eq!(of(0).to_bits(), (-of(3)).to_bits());
+        assert!(found[2].is_none() && of(4).abs() < f64::MIN_POSITIVE);
+        assert!(of(5) > 0.2 && (of(0) + 1.0 / 12.0).abs() < 1e-12);
+        // As short decimals too.
+        let short = tied_differences(&[Some((0.3, 0.1)), Some((0.4, 0.2))]);
+        assert_eq!(short[0], short[1]);
+        assert!(tied_differences(&[]).is_empty());
     }
 
     #[test]

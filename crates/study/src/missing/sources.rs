@@ -1,13 +1,17 @@
 //! What there is of a study, by person and time, and what is awaited.
 
 use crate::{
+    atomic_write::if_there,
+    beyond::turned_for,
     design::{DesignFile, People},
     error::StudyError,
     run_folder::{answer_tables, lists},
     stages::ingest::{Ingest, logs_of_study},
     tables::{
         Table,
+        conditions::read_conditions,
         drives::ExclusionRow,
+        embeddings::read_embeddings,
         own_measures::{OwnMeasures, read_own_measures},
         participants::Enrolled,
         read_rows,
@@ -15,7 +19,7 @@ use crate::{
     },
 };
 use maveric_domain::{
-    DriveMeta, Moment, Occasion, ParticipantId, Ride,
+    Design, DriveMeta, Moment, Occasion, ParticipantId, Ride,
     design::{Condition, Quantity, Software},
 };
 use maveric_ingest::named_after;
@@ -24,6 +28,10 @@ use std::{
     collections::{BTreeMap, BTreeSet},
     path::Path,
 };
+
+/// Why there is no drive of somebody for whom the dial was not turned.
+const NOT_TURNED: &str =
+    "the dial was not turned: the person drives beyond what the model has learned from";
 
 /// A person in a drive.
 type Cell = (ParticipantId, Ride);
@@ -92,7 +100,7 @@ impl<'a> Sources<'a> {
             study,
             people: Vec::new(),
             logs: Logs::read(study)?,
-            drives: Drives::read(results)?,
+            drives: Drives::read(results, &study.design)?,
             answers: Answers::read(study, results)?,
             asked_scales: BTreeMap::new(),
             own_measures: read_own_measures(study, participants)?,
@@ -208,7 +216,18 @@ impl<'a> Sources<'a> {
         }
         let cell = (person.id.clone(), ride);
         let [log, drive] = self.driven(&cell);
+        let answers = match answers {
+            Awaited::Missing(_) if self.not_turned(&cell) => Awaited::No,
+            answers => answers,
+        };
         [log, drive, answers, self.measured(person, &cell)]
+    }
+
+    /// Whether there was no ride to answer after, since the dial was not turned for the person.
+    fn not_turned(&self, (who, ride): &Cell) -> bool {
+        let condition = self.study.design.condition(ride.condition);
+        let turns = condition.is_some_and(|c| c.simulated() && c.side().is_some());
+        turns && self.drives.not_turned.contains(who)
     }
 
     fn driven(&self, cell: &Cell) -> [Awaited; 2] {
@@ -225,9 +244,12 @@ impl<'a> Sources<'a> {
         }
         let kept_out = self.drives.kept_out.get(cell);
         if simulated {
-            let why = kept_out.cloned();
-            let why = why.unwrap_or_else(|| "not simulated yet".to_owned());
-            return [Awaited::No, Awaited::Missing(why)];
+            let why = match kept_out {
+                Some(why) => why.as_str(),
+                None if self.not_turned(cell) => NOT_TURNED,
+                None => "not simulated yet",
+            };
+            return [Awaited::No, Awaited::Missing(why.to_owned())];
         }
         let file = self.logs.named.get(cell);
         let log = Awaited::there_if(file.is_some() || kept_out.is_some(), || {
@@ -340,11 +362,16 @@ struct Drives {
     kept_out: BTreeMap<Cell, String>,
     /// Logs that could not be ingested, by their names.
     failed: BTreeMap<String, String>,
+    /// For whom `steer` did not turn the dial.
+    not_turned: BTreeSet<ParticipantId>,
 }
 
 impl Drives {
-    fn read(results: &Path) -> Result<Self, StudyError> {
-        let mut drives = Self::default();
+    fn read(results: &Path, design: &Design) -> Result<Self, StudyError> {
+        let mut drives = Self {
+            not_turned: not_turned(results, design)?,
+            ..Self::default()
+        };
         for list in lists(results) {
             let listed: Vec<DriveMeta> = read_rows(&list)?;
             let cell = |m: &DriveMeta| (m.participant.clone(), m.ride());
@@ -370,6 +397,19 @@ impl Drives {
         }
         Ok(drives)
     }
+}
+
+/// For whom `steer` did not turn the dial, of those whom it has looked at.
+fn not_turned(results: &Path, design: &Design) -> Result<BTreeSet<ParticipantId>, StudyError> {
+    let conditions = results.join("conditions.csv");
+    if !conditions.is_file() {
+        return Ok(BTreeSet::new());
+    }
+    let conditions = read_conditions(&conditions)?;
+    let rows = if_there(&results.join("embeddings.csv"), read_embeddings)?;
+    let strangers = turned_for(&rows, &conditions, design).into_iter();
+    let not_turned = strangers.filter(|(_, turned)| !turned);
+    Ok(not_turned.map(|(who, _)| who).collect())
 }
 
 /// What the tables of answers hold.
@@ -405,5 +445,40 @@ impl Answers {
             answers.none = Some(format!("{} is {why}", files.answers.to_slash_lossy()));
         }
         Ok(answers)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn for_whom_the_dial_was_not_turned_is_known_once_conditions_are_placed() {
+        let design = Design::from_toml(
+            "[study]\ntitle = \"t\"\n[people]\nlearn = { part = \"learn\" }\n[style]\nscore = \"adb.total\"\npoints = 15\n\
+             [baseline]\nid = \"own\"\n[[condition]]\nid = \"mine\"\ncar = { dial = 0 }\n[[condition]]\nid = \"sporty\"\ncar = { dial = \"+1\" }\n",
+        )
+        .unwrap();
+        let results = tempfile::tempdir().unwrap();
+        let write = |name: &str, text: &str| std::fs::write(results.path().join(name), text);
+        let of = || {
+            let people = not_turned(results.path(), &design).unwrap().into_iter();
+            people.map(|who| who.to_string()).collect::<Vec<_>>()
+        };
+        write(
+            "embeddings.csv",
+            "drive,participant,condition,adb_used,adb,adb_hat,line_position,readings,beyond_why,w1\n\
+             P1-own,P1,own,false,,30,0.1,9,scale,0.5\nP2-own,P2,own,false,,30,0.1,9,,0.5\n",
+        )
+        .unwrap();
+        assert!(of().is_empty());
+        let header = "participant,condition,adb_hat,moved_points,moved_points_sd,clamped,angle_rad,beyond_training,w1\n";
+        let placed =
+            |who: &str, condition: &str| format!("{who},{condition},30,0,,false,,false,0.5\n");
+        let mine = header.to_owned() + &placed("P1", "mine") + &placed("P2", "mine");
+        write("conditions.csv", &mine).unwrap();
+        assert_eq!(of(), ["P1"]);
+        write("conditions.csv", &(mine + &placed("P1", "sporty"))).unwrap();
+        assert!(of().is_empty());
     }
 }

@@ -14,7 +14,7 @@ use crate::{
     stages::import::told_as_export,
     tables::{
         Table, TableName,
-        drives::kept_out,
+        drives::{kept_out, listed_rides},
         surveys::{read_answered, refuse_unclear, write_scores},
         write_rows,
     },
@@ -22,9 +22,9 @@ use crate::{
 pub use item_means::ItemMean;
 use item_means::item_means;
 use maveric_analysis::Why;
-use maveric_domain::{Answer, Moment, ParticipantId, ProbeAnswer, Scale, Score, Subscale};
+use maveric_domain::{Answer, Moment, ParticipantId, ProbeAnswer, Ride, Scale, Score, Subscale};
 use maveric_measures::{
-    ItemMatrix,
+    ItemMatrix, ScoreWarning,
     survey::{SheetTime, attention_missed, response_styles, score_probes, too_fast},
 };
 use maveric_report::tables::Exclusion;
@@ -52,7 +52,8 @@ pub struct ScoreAnswers {
     /// Folder of questionnaire definitions; the design's when not given
     #[arg(long)]
     pub scales: Option<PathBuf>,
-    /// Folder of drives: what was said of those left out there as too short is left out too; may be given more than once
+    /// Folder of drives: what was said of those left out there as too short is left out too, and nobody is expected to answer after a ride
+    /// that others have there and they have not; may be given more than once
     #[arg(long)]
     pub drives: Vec<PathBuf>,
     /// Score all answers, or only those given after a drive
@@ -160,6 +161,8 @@ fn reliability(matrix: &ItemMatrix, scales: &[Scale], scores: &[Score]) -> Relia
     let analysis = maveric_stats::alpha(&items, Some(&people)).ok();
     let analysis = analysis.filter(|_| matrix.items.iter().all(rates));
     let alpha = analysis.as_ref().map(|a| &a.alpha);
+    let is_complete = |row: &&&Vec<Option<f64>>| row.iter().all(Option::is_some);
+    let complete = sheets.iter().filter(is_complete).count();
     let values: Vec<f64> = scores
         .iter()
         .filter(|s| s.scale == matrix.scale && s.subscale == matrix.subscale && counts(s.moment))
@@ -174,8 +177,8 @@ fn reliability(matrix: &ItemMatrix, scales: &[Scale], scores: &[Score]) -> Relia
         scale: matrix.scale.clone(),
         subscale: matrix.subscale.clone(),
         items: matrix.items.len(),
-        n: analysis.as_ref().map_or(0, |a| a.n),
-        dropped: analysis.as_ref().map_or(sheets.len(), |a| a.missing),
+        n: complete,
+        dropped: sheets.len() - complete,
         people: analysis.as_ref().and_then(|a| a.people),
         alpha: alpha.and_then(|a| a.raw),
         ci_low: alpha.and_then(|a| a.ci_low),
@@ -285,6 +288,8 @@ impl Stage for ScoreAnswers {
         probes.retain(|p| takes_part(&p.participant));
         scored.scores.extend(score_probes(&scales, &probes)?);
         let mut warnings = scored.warnings;
+        let expected = Expected::new(study.as_ref(), self, &left_out)?;
+        warnings.retain(|warning| expected.misses(warning));
         let doubtful = response_styles(&scales, &answers)
             .into_iter()
             .chain(attention_missed(&scales, &answers))
@@ -305,10 +310,20 @@ impl Stage for ScoreAnswers {
                 answers.iter().filter(|a| takes_part(&a.participant)),
             ),
         )?;
+        let said = |warning: &ScoreWarning| match warning {
+            ScoreWarning::NoAnswers { .. } if self.moments == Moments::After => {
+                format!("{warning} after a drive")
+            }
+            _ => warning.to_string(),
+        };
         let doubted = warnings.iter().map(|warning| Exclusion {
             who: warning.participant().to_string(),
-            what: "questionnaires".to_owned(),
-            why: warning.to_string(),
+            what: if warning.is_kept() {
+                Exclusion::NOTHING.to_owned()
+            } else {
+                "questionnaires".to_owned()
+            },
+            why: said(warning),
         });
         let kept_out = left_out.keys().map(|(who, moment, why)| Exclusion {
             who: who.to_string(),
@@ -327,7 +342,7 @@ impl Stage for ScoreAnswers {
             ["sheet of answers", "sheets of answers"],
             left_out.keys().map(|(.., why)| why),
         ));
-        let mut warnings: Vec<String> = warnings.iter().map(ToString::to_string).collect();
+        let mut warnings: Vec<String> = warnings.iter().map(said).collect();
         warnings.extend(left_out.iter().map(|((who, moment, why), n)| {
             let n = count(*n, "answer", "answers");
             format!("participant {who} ({moment}): {n} {why}")
@@ -343,6 +358,60 @@ impl Stage for ScoreAnswers {
 
 /// Whose answers, when, and why they are left out → how many.
 type LeftOutAnswers = BTreeMap<(ParticipantId, Moment, Why), usize>;
+
+/// Whose answers are missed where they are not there.
+#[derive(Default)]
+struct Expected {
+    /// Those who should have answered something; whoever is listed, where no design says.
+    people: Option<BTreeSet<ParticipantId>>,
+    /// Who has which ride, of the rides in conditions that are known.
+    rides: BTreeMap<Ride, BTreeSet<ParticipantId>>,
+}
+
+impl Expected {
+    fn new(
+        study: Option<&DesignFile>,
+        options: &ScoreAnswers,
+        left_out: &LeftOutAnswers,
+    ) -> Result<Self, StudyError> {
+        let Some(study) = study else {
+            return Ok(Self::default());
+        };
+        let mut rides: BTreeMap<Ride, BTreeSet<ParticipantId>> = BTreeMap::new();
+        for folder in &options.drives {
+            for (who, ride) in listed_rides(folder)? {
+                if study.design.condition(ride.condition).is_some() {
+                    rides.entry(ride).or_default().insert(who);
+                }
+            }
+        }
+        let listed = study.people(options.participants.as_deref())?;
+        let mut people: BTreeSet<ParticipantId> = match options.moments {
+            Moments::All => listed.enrolled.into_iter().map(|p| p.id).collect(),
+            Moments::After => listed.tested(),
+        };
+        people.retain(|who| {
+            let rode = rides.is_empty() || rides.values().any(|people| people.contains(who));
+            let answered = left_out.keys().any(|(other, ..)| other == who);
+            (rode || options.moments == Moments::All) && !answered
+        });
+        let people = Some(people);
+        Ok(Self { people, rides })
+    }
+
+    /// Whether what a warning says is lacking, if it says so, was to be there.
+    fn misses(&self, warning: &ScoreWarning) -> bool {
+        let people = match warning {
+            ScoreWarning::NoAnswers { .. } => self.people.as_ref(),
+            ScoreWarning::Unanswered {
+                moment: Moment::After(ride),
+                ..
+            } => self.rides.get(ride),
+            _ => None,
+        };
+        people.is_none_or(|people| people.contains(warning.participant()))
+    }
+}
 
 /// Takes out the answers that the design does not let in.
 fn let_in(
@@ -438,15 +507,27 @@ mod tests {
         assert!(second.reversed && second.r_rest.unwrap() > 0.5 && second.floor == 1);
         assert!(second.alpha_dropped.unwrap() > 0.8);
         assert!(
-            listed.contains("C,questionnaires,") && listed.contains("0.5 s an item"),
+            listed.contains("C,nothing,") && listed.contains("0.5 s an item"),
             "{listed}"
         );
-        assert!(
-            listed.contains("D,questionnaires,") && listed.contains("all 6 items of `calm` with 4")
-        );
+        assert!(listed.contains("D,nothing,") && listed.contains("all 6 items of `calm` with 4"));
         assert_eq!(listed.lines().count(), 3);
         let (after, listed) = run(&rows, Moments::After).unwrap();
         assert_eq!((after.value.scores, listed.lines().count()), (1, 1));
+    }
+
+    #[test]
+    fn sheets_are_counted_where_one_item_has_no_reliability() {
+        let who = |id: &str| (ParticipantId::new(id).unwrap(), Moment::Pre);
+        let matrix = ItemMatrix {
+            scale: "again".to_owned(),
+            subscale: "again".to_owned(),
+            items: vec![1],
+            respondents: ["A", "B", "C"].map(who).to_vec(),
+            answers: vec![vec![Some(3.0)], vec![Some(2.0)], vec![None]],
+        };
+        let found = reliability(&matrix, &[], &[]);
+        assert_eq!((found.n, found.dropped, found.alpha), (2, 1, None));
     }
 
     #[test]
@@ -465,5 +546,58 @@ mod tests {
         )
         .unwrap_err();
         assert!(error.contains("found `three`"), "{error}");
+    }
+
+    #[test]
+    fn nobody_is_missed_after_a_ride_that_others_have_and_they_have_not() {
+        let folder = tempfile::tempdir().unwrap();
+        let at = |name: &str| folder.path().join(name);
+        let write = |name: &str, text: &str| {
+            std::fs::create_dir_all(at(name).parent().unwrap()).unwrap();
+            std::fs::write(at(name), text).unwrap();
+        };
+        write("scales/calm.toml", SCALE);
+        write(
+            "study.toml",
+            "[study]\ntitle = \"t\"\n[people]\nlearn = { part = \"learn\" }\ntest = { part = \"test\" }\n\
+             [style]\nscore = \"adb.total\"\npoints = 15\n[baseline]\nid = \"own\"\n\
+             [[condition]]\nid = \"same\"\ncar = { dial = \"0\" }\n[[condition]]\nid = \"fast\"\ncar = { dial = \"+1\" }\n",
+        );
+        write(
+            "people.csv",
+            "participant,part\nL,learn\nA,test\nB,test\nC,test\n",
+        );
+        let row =
+            |who: &str, ride: &str| format!("{who}-{ride},{who},{ride},automated,1,1,9,0.4\n");
+        let rides = [row("A", "same"), row("A", "fast"), row("B", "same")].concat();
+        let header = "drive,participant,condition,driven_by,session,trial,rows,duration_s\n";
+        write("drives/drives.csv", &format!("{header}{rides}"));
+        let answers = [("A", "same"), ("A", "fast"), ("B", "same")]
+            .map(|(who, ride)| sheet(who, ride, [1, 5, 2, 4, 3, 2], "5"));
+        let header = "participant,moment,scale,item,answer,seconds\n";
+        write("surveys.csv", &format!("{header}{}", answers.concat()));
+        let listed = |drives: Vec<PathBuf>| {
+            let options = ScoreAnswers {
+                design: Some(at("study.toml")),
+                surveys: vec![at("surveys.csv")],
+                participants: Some(at("people.csv")),
+                scales: at("scales"),
+                drives,
+                moments: Moments::After,
+                out: at("scores.csv"),
+            };
+            options.run(Watch::unwatched()).unwrap();
+            std::fs::read_to_string(exclusions_path(&options.out)).unwrap()
+        };
+        let known = listed(vec![at("drives")]);
+        assert_eq!(known.lines().count(), 1, "{known}");
+        let unknown = listed(Vec::new());
+        for said in [
+            "participant B (fast) did not answer scale `calm`",
+            "participant C answered no questionnaire after a drive",
+        ] {
+            assert!(unknown.contains(said), "{unknown}");
+        }
+        assert_eq!(unknown.lines().count(), 3, "{unknown}");
     }
 }

@@ -10,6 +10,7 @@ pub use attribute_scores::AttributeSummary;
 pub use withheld::drives as withheld_drives;
 
 use crate::{
+    beyond::own_drives,
     design::DesignFile,
     error::StudyError,
     forget::refuse_learned_from_gone,
@@ -20,10 +21,10 @@ use crate::{
     tables::{
         collected::{LENT, consents_of_study},
         conditions::{ConditionRow, write_conditions},
-        embeddings::{EmbeddingRow, read_embeddings},
+        embeddings::read_embeddings,
     },
 };
-use maveric_domain::{ConditionId, Embedding, ParticipantId, occasion::is_first};
+use maveric_domain::{Embedding, ParticipantId};
 use maveric_model::{
     Model, ModelError,
     style_space::{LinearHead, share_outside_training},
@@ -147,19 +148,6 @@ impl Stage for Steer {
         write_conditions(&self.out, &outcome.value.conditions)?;
         Ok(outcome)
     }
-}
-
-/// One row a participant, of the drive of their first session: the fit with the score where there is one.
-fn own_drives(rows: &[EmbeddingRow], baseline: ConditionId) -> Vec<&EmbeddingRow> {
-    let is_own_drive = |r: &&EmbeddingRow| r.condition == baseline && is_first(&r.session);
-    let has_adb_fit = |p: &ParticipantId| {
-        let mut fits = rows.iter().filter(is_own_drive);
-        fits.any(|r| r.participant == *p && r.adb_used)
-    };
-    rows.iter()
-        .filter(is_own_drive)
-        .filter(|r| r.adb_used == has_adb_fit(&r.participant))
-        .collect()
 }
 
 fn is_beyond(model: &Model, embedding: &Embedding) -> Result<bool, StudyError> {

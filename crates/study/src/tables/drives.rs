@@ -1,8 +1,8 @@
 //! Drives as files: one Parquet file a drive, and `drives.csv` beside them.
 
-use super::{Table, TableBuilder, TableName, write_rows};
+use super::{Table, TableBuilder, TableName, read_rows, write_rows};
 use crate::{
-    atomic_write::{atomic_write, files_ending},
+    atomic_write::{atomic_write, files_ending, if_there},
     error::StudyError,
 };
 use maveric_analysis::Driven;
@@ -215,6 +215,16 @@ pub(crate) fn kept_out(folder: &Path) -> Result<Vec<Driven>, StudyError> {
             })
         })
         .collect()
+}
+
+/// Whose the drives are that `<folder>/drives.csv` lists, and in which ride; none where there is no such list.
+pub(crate) fn listed_rides(folder: &Path) -> Result<Vec<(ParticipantId, Ride)>, StudyError> {
+    let listed: Vec<DriveMeta> = if_there(&folder.join(LIST), read_rows)?;
+    let whose = |meta: DriveMeta| {
+        let ride = meta.ride();
+        (meta.participant, ride)
+    };
+    Ok(listed.into_iter().map(whose).collect())
 }
 
 /// The drives that `<folder>/drives.csv` lists and that are not among `now`: made here by an earlier call, and no

@@ -46,6 +46,8 @@ impl Results {
         self.set(format!("{key}.r"), c.r);
         self.set(format!("{key}.p"), c.p);
         self.set(format!("{key}.n"), Some(c.n as f64));
+        let ranks = if c.method == "spearman" { 1.0 } else { 0.0 };
+        self.set(format!("{key}.ranks"), c.r.map(|_| ranks));
     }
 }
 

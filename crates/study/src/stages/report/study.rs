@@ -94,7 +94,8 @@ pub(super) fn page(
     let of_study = (&run.design, &run.analysis);
     let page = StudyPage::new(of_study, &run.context, claimed, &facts)?;
     watch.check()?;
-    let reliabilities = reliabilities(folder, &run.scales)?;
+    let scales = study.design.with_dropped_items(run.scales.clone());
+    let reliabilities = reliabilities(folder, &scales)?;
     let logs = watch::logs(folder, &study, &run);
     let watched = watch::drives(&logs)?;
     let supplement = supplement(options, &run, scenario.as_ref(), &page)?;

@@ -202,16 +202,10 @@ fn along_the_dial(run: &Run) -> Vec<ConditionId> {
     dials.into_iter().map(|(_, id)| id).collect()
 }
 
-/// The row at 0 on the dial of the participant whose conditions are shown: the one nearest to the middle of the line shows both directions
-/// best; without such a condition the first row there is. Of those with a log of it, where anybody has one: drives of others cannot be
-/// played.
+/// The row at 0 on the dial of the participant whose conditions are shown, as [`most_placed`] finds it; without such a condition the first
+/// row there is. Of those with a log of it, where anybody has one: drives of others cannot be played.
 pub(super) fn shown_participant<'a>(folder: &Path, run: &'a Run) -> Option<&'a ConditionRow> {
     let (low, high) = run.score_range().unwrap_or_default();
-    let middle = f64::midpoint(low, high);
-    let from_middle = |row: &ConditionRow| {
-        row.adb_hat
-            .map_or(f64::INFINITY, |hat| (hat - middle).abs())
-    };
     let own_style = run.design.own_style();
     let rows = run.conditions.iter();
     let rows: Vec<&ConditionRow> = rows
@@ -219,8 +213,29 @@ pub(super) fn shown_participant<'a>(folder: &Path, run: &'a Run) -> Option<&'a C
         .collect();
     let logged = |c: &&&ConditionRow| av_log(folder, &c.participant, c.condition).is_file();
     let any = rows.iter().any(|c| logged(&c));
-    let rows = rows.iter().filter(|c| !any || logged(c)).copied();
-    rows.min_by(|a, b| from_middle(a).total_cmp(&from_middle(b)))
+    let rows = rows.into_iter().filter(|c| !any || logged(&c));
+    most_placed(rows, &run.conditions, f64::midpoint(low, high))
+}
+
+/// Of these rows that of a person for whom most conditions were placed: of several the one nearest to the middle of the line, who shows both
+/// directions best.
+fn most_placed<'a>(
+    rows: impl Iterator<Item = &'a ConditionRow>,
+    all: &[ConditionRow],
+    middle: f64,
+) -> Option<&'a ConditionRow> {
+    let placed = |row: &ConditionRow| {
+        let theirs = all.iter().filter(|r| r.participant == row.participant);
+        theirs.count()
+    };
+    let from_middle = |row: &ConditionRow| {
+        row.adb_hat
+            .map_or(f64::INFINITY, |hat| (hat - middle).abs())
+    };
+    rows.min_by(|a, b| {
+        let most = placed(b).cmp(&placed(a));
+        most.then(from_middle(a).total_cmp(&from_middle(b)))
+    })
 }
 
 /// Where `simulate` writes the log of a participant's drive.
@@ -287,5 +302,37 @@ mod tests {
         assert_eq!(drives("own".parse().ok()), ["P01-own", "P02-own"]);
         assert!(drives("calm".parse().ok()).is_empty());
         assert!(drives(None).is_empty());
+    }
+
+    fn row(who: &str, condition: &str, hat: f64) -> ConditionRow {
+        ConditionRow {
+            participant: ParticipantId::new(who).unwrap(),
+            condition: condition.parse().unwrap(),
+            adb_hat: Some(hat),
+            moved_points: None,
+            moved_points_sd: None,
+            clamped: false,
+            angle_rad: None,
+            lent: None,
+            beyond_training: false,
+            beyond_why: None,
+            sweep: None,
+            embedding: Embedding::new(vec![0.5]).unwrap(),
+        }
+    }
+
+    #[test]
+    fn whoever_has_every_condition_is_shown_before_whoever_is_nearest_to_the_middle() {
+        let both = |who: &str, hat: f64| [row(who, "mine", hat), row(who, "sporty", hat + 5.0)];
+        let shown = |rows: &[ConditionRow]| {
+            let mine = rows.iter().filter(|r| r.condition.as_str() == "mine");
+            let found = most_placed(mine, rows, 30.0).unwrap();
+            found.participant.to_string()
+        };
+        let near = row("P1", "mine", 30.0);
+        let [far, farther] = [both("P2", 25.0), both("P3", 40.0)];
+        let all = [&[near][..], &farther, &far].concat();
+        assert_eq!(shown(&all), "P2");
+        assert_eq!(shown(&all[..1]), "P1");
     }
 }

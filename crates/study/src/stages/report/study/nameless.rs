@@ -109,7 +109,8 @@ impl Nameless {
     fn hides(&self, who: &str, what: &str) -> bool {
         let is_stranger = || {
             // Of the lists those of answers name people, all others drives.
-            let of_people = what.starts_with("answers") || what == "questionnaires";
+            let of_people = what.starts_with("answers")
+                || ["questionnaires", Exclusion::NOTHING].contains(&what);
             let id = ParticipantId::new(who.trim());
             of_people && id.is_ok_and(|id| !self.known.contains(&id))
         };

@@ -2,6 +2,7 @@
 
 use crate::{
     atomic_write::{if_there, read_json},
+    beyond::turned_for,
     design::DesignFile,
     error::StudyError,
     run_folder::{MEASUREMENTS, MODEL_FILE, read_model, read_scales, score_range, training_path},
@@ -13,13 +14,10 @@ use crate::{
     },
 };
 use maveric_analysis::Analysis;
-use maveric_domain::{Design, ParticipantId, Scale};
+use maveric_domain::{Design, Scale};
 use maveric_model::Model;
 use maveric_report::{Context, figures::ConditionLook};
-use std::{
-    collections::BTreeSet,
-    path::{Path, PathBuf},
-};
+use std::path::{Path, PathBuf};
 
 /// What the page of a study is made from.
 pub(in crate::stages::report) struct Run {
@@ -64,8 +62,10 @@ impl Run {
             },
         };
         let conditions = if_there(&conditions, read_conditions)?;
+        let embeddings = if_there(&folder.join("embeddings.csv"), read_embeddings)?;
+        let turned = turned_for(&embeddings, &conditions, design);
         let context = Context {
-            beyond: beyond_but_driven(folder, &conditions, design)?,
+            beyond: turned.values().filter(|turned| **turned).count(),
             ..context
         };
         Ok(Self {
@@ -98,22 +98,4 @@ impl Run {
     pub(in crate::stages::report) fn seed(&self) -> Option<u64> {
         self.training.as_ref().map(|t| t.seed)
     }
-}
-
-/// People beyond what the model has learned from who have a condition that turns the dial all the same.
-fn beyond_but_driven(
-    folder: &Path,
-    conditions: &[ConditionRow],
-    design: &Design,
-) -> Result<usize, StudyError> {
-    let rows = if_there(&folder.join("embeddings.csv"), read_embeddings)?;
-    let beyond = rows.iter().filter(|row| row.beyond() == Some(true));
-    let turned = |who: &ParticipantId| {
-        let theirs = conditions.iter().filter(|row| row.participant == *who);
-        theirs
-            .filter_map(|row| design.condition(row.condition))
-            .any(|condition| condition.side().is_some())
-    };
-    let people: BTreeSet<&ParticipantId> = beyond.map(|row| &row.participant).collect();
-    Ok(people.into_iter().filter(|who| turned(who)).count())
 }

@@ -17,34 +17,43 @@ use maveric_pages::study::Reliability;
 use maveric_report::tables::Exclusion;
 use std::{collections::BTreeSet, path::Path};
 
-/// How well the items of every score agree.
+/// How well the items of every score agree; those of sheets that stand in both tables of a run once, as given after a condition.
 pub(super) fn reliabilities(
     folder: &Path,
     scales: &[Scale],
 ) -> Result<Vec<Reliability>, StudyError> {
-    let mut rows = Vec::new();
-    for file in [
-        "scores_reliabilities.csv",
-        "rating_scores_reliabilities.csv",
-    ] {
-        let when = if file.starts_with("rating") {
-            " (after a condition)"
-        } else {
-            ""
-        };
-        let per_score: Vec<score::Reliability> = if_there(&folder.join(file), read_rows)?;
-        rows.extend(per_score.into_iter().map(|row| Reliability {
-            id: format!("{}.{}{when}", row.scale, row.subscale),
-            title: format!("{}{when}", titled(scales, &row.scale, &row.subscale)),
-            items: row.items,
-            n: row.n,
-            alpha: row.alpha,
-            ci_low: row.ci_low,
-            ci_high: row.ci_high,
-            omega: row.omega,
-        }));
-    }
+    let read = |file: &str| -> Result<Vec<score::Reliability>, StudyError> {
+        if_there(&folder.join(file), read_rows)
+    };
+    let all = read("scores_reliabilities.csv")?;
+    let after = read("rating_scores_reliabilities.csv")?;
+    let row = |row: score::Reliability, when: &str| Reliability {
+        id: format!("{}.{}{when}", row.scale, row.subscale),
+        title: format!("{}{when}", titled(scales, &row.scale, &row.subscale)),
+        items: row.items,
+        n: row.n,
+        alpha: row.alpha,
+        ci_low: row.ci_low,
+        ci_high: row.ci_high,
+        omega: row.omega,
+    };
+    let mut rows: Vec<Reliability> = not_among(all, &after).map(|r| row(r, "")).collect();
+    rows.extend(after.into_iter().map(|r| row(r, " (after a condition)")));
     Ok(rows)
+}
+
+/// Those scores that are not the same sheets' as one of the others.
+fn not_among(
+    rows: Vec<score::Reliability>,
+    others: &[score::Reliability],
+) -> impl Iterator<Item = score::Reliability> {
+    let name = |row: &score::Reliability| (row.scale.clone(), row.subscale.clone());
+    let sheets = |row: &score::Reliability| (row.n, row.dropped, row.mean.map(f64::to_bits));
+    rows.into_iter().filter(move |row| {
+        let same =
+            |other: &score::Reliability| name(row) == name(other) && sheets(row) == sheets(other);
+        !others.iter().any(same)
+    })
 }
 
 /// What its file calls a subscale: `Mini-IPIP: Openness`; the ids where there is no file.
@@ -103,4 +112,34 @@ pub(super) fn listed_exclusions(folder: &Path) -> Result<Vec<Exclusion>, StudyEr
         left_out.extend(listed);
     }
     Ok(left_out)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn sheets_that_both_tables_have_are_told_once_and_others_of_the_same_score_twice() {
+        let row = |scale: &str, n: usize, mean: f64| score::Reliability {
+            scale: scale.to_owned(),
+            subscale: "total".to_owned(),
+            items: 3,
+            n,
+            dropped: 1,
+            people: None,
+            alpha: None,
+            ci_low: None,
+            ci_high: None,
+            omega: None,
+            mean: Some(mean),
+            sd: None,
+            floor: 0,
+            ceiling: 0,
+            item: Vec::new(),
+        };
+        let after = [row("comfort", 103, 4.5), row("trust", 103, 4.0)];
+        let all = vec![row("comfort", 103, 4.5), row("trust", 26, 4.2)];
+        let told: Vec<String> = not_among(all, &after).map(|row| row.scale).collect();
+        assert_eq!(told, ["trust"]);
+    }
 }
