@@ -258,6 +258,7 @@ mod tests {
             df: None,
             se: None,
             interval: None,
+            odds: None,
             effect: Some(Effect {
                 name: EffectName::Dz,
                 value: Some(size),

@@ -581,7 +581,7 @@ mod tests {
                 design: Some(at("study.toml")),
                 surveys: vec![at("surveys.csv")],
                 participants: Some(at("people.csv")),
-                scales: at("scales"),
+                scales: Some(at("scales")),
                 drives,
                 moments: Moments::After,
                 out: at("scores.csv"),

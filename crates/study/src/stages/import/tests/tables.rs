@@ -22,7 +22,6 @@ fn an_item_that_was_left_out_is_no_answer() {
     let from = Some(Software::Otree);
     let options = in_folder(folder.path(), from, OTREE.as_bytes(), None, "paper.toml");
     let done = options.run(Watch::unwatched()).unwrap();
-    assert_eq!(done.value.answers, 11);
     assert!(done.summary[0].starts_with("11 answers of 2 participants"));
 }
 
