@@ -411,8 +411,6 @@ pub(crate) fn lists(folder: &Path) -> Vec<PathBuf> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::tables::measurements::write_measurements;
-    use maveric_domain::{DriveMeta, DrivenBy, MeasuredDrive};
 
     /// What is read of a study with a `[style]` whose two conditions have this car, and of whose results there are the drives alone.
     fn read_with(car: &str) -> Result<StudyData, StudyError> {
@@ -434,21 +432,14 @@ mod tests {
             "participants.csv",
             "participant,part\nP01,test\nP02,test\nP03,test\n",
         );
-        let drive = |(who, condition): (&str, &str)| MeasuredDrive {
-            meta: DriveMeta::named(
-                format!("{who}-{condition}"),
-                who,
-                condition,
-                DrivenBy::Human,
-            )
-            .unwrap(),
-            values: BTreeMap::from([("mean_velocity_mps".to_owned(), Some(25.0))]),
-            counted_s: None,
+        let drive = |(who, condition): (&str, &str)| {
+            format!("{who}-{condition},{who},{condition},human,25\n")
         };
         let driven = ["P01", "P02", "P03"].map(|who| [(who, "calm"), (who, "sporty")]);
-        let drives: Vec<MeasuredDrive> = driven.into_iter().flatten().map(drive).collect();
+        let drives: String = driven.into_iter().flatten().map(drive).collect();
+        let head = "drive,participant,condition,driven_by,mean_velocity_mps\n";
+        write(&format!("results/{MEASUREMENTS}"), &format!("{head}{drives}"));
         let results = folder.path().join("results");
-        write_measurements(&results.join(MEASUREMENTS), &drives).unwrap();
         let study = DesignFile::read(&folder.path().join("study.toml")).unwrap();
         read_study(&results, &study, None)
     }
