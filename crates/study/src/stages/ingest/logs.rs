@@ -30,7 +30,8 @@ pub(crate) fn of_study(options: &Ingest, study: &DesignFile) -> Result<Vec<Log>,
     gathered(options, Some(study), false)
 }
 
-/// The logs of somebody, and those that hold drives of others beside theirs. A log that cannot be read is nobody's.
+/// The logs of somebody, and those that hold drives of others beside theirs or wait for their mapping. Another log that cannot be read is
+/// nobody's.
 pub(crate) fn logs_of(
     study: &DesignFile,
     id: &ParticipantId,
@@ -38,6 +39,10 @@ pub(crate) fn logs_of(
     let (mut theirs, mut shared) = (Vec::new(), Vec::new());
     for log in of_study(&Ingest::default(), study)? {
         let Ok(drives) = read_log(&log.path, &log.settings) else {
+            // Whose it is, a mapping that is not there would say.
+            if declared(study, &log.path).is_some_and(|file| !file.is_file()) {
+                shared.push(log.path);
+            }
             continue;
         };
         let files = log_parts(&log.path, log.settings.mapping.as_ref())?;
@@ -273,17 +278,26 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let at = |name: &str| folder.path().join(name);
         let rigs = "[{ logs = \"rig\", file = \"rig.toml\" }]";
-        for mapping in ["\"rig.toml\"", rigs] {
+        let study = |mapping: &str| {
             let design = format!(
                 "[study]\ntitle = \"t\"\n[[condition]]\nid = \"calm\"\n[files]\nmapping = {mapping}\n"
             );
             std::fs::write(at("study.toml"), design).unwrap();
-            let study = DesignFile::read(&at("study.toml")).unwrap();
+            DesignFile::read(&at("study.toml")).unwrap()
+        };
+        for mapping in ["\"rig.toml\"", rigs] {
+            let study = study(mapping);
             let options = Ingest::default();
             assert!(of_study(&options, &study).unwrap().is_empty());
             let error = named_or_declared(&options, Some(&study)).unwrap_err();
             assert!(error.to_string().contains("rig.toml"), "{error}");
             assert!(settings_of(&at("rig/a.csv"), None, Some(&study)).is_ok());
         }
+        std::fs::create_dir(at("logs")).unwrap();
+        std::fs::write(at("logs/a.csv"), "no table\n").unwrap();
+        let who = ParticipantId::new("P02").unwrap();
+        let (theirs, shared) = logs_of(&study("\"rig.toml\""), &who).unwrap();
+        assert!(theirs.is_empty());
+        assert_eq!(shared, [at("logs/a.csv")]);
     }
 }
