@@ -48,7 +48,6 @@ fn named(file: &Path) -> Result<PathBuf, Failure> {
     }
     let doing = "could not make the study's pipeline";
     let study = DesignFile::find(None).map_err(Failure::study(doing))?;
-    maveric_study::check_named_files(&study, Path::new(RESULTS)).map_err(Failure::study(doing))?;
     maveric_study::check_design(&study).map_err(Failure::study(doing))?;
     let text = maveric_study::design_pipeline(&study);
     if std::fs::read_to_string(&pipeline).is_ok_and(|there| there == text) {
@@ -57,6 +56,19 @@ fn named(file: &Path) -> Result<PathBuf, Failure> {
     maveric_study::atomic_write::atomic_write_bytes(&pipeline, text.as_bytes())
         .map_err(Failure::study(doing))?;
     Ok(pipeline)
+}
+
+/// Refuses files that the design in the current directory names and that are not there, where the pipeline follows from it: a run would not
+/// read what is meant. What asks for no logs goes on without them.
+pub(crate) fn check_named_files(file: &Path) -> Result<(), Failure> {
+    let own = Path::new(DESIGNED_PIPELINE);
+    if file != Path::new(DEFAULT_PIPELINE) || folders_own(Path::new("")) != own {
+        return Ok(());
+    }
+    let study = DesignFile::find(None);
+    study
+        .and_then(|study| maveric_study::check_named_files(&study, Path::new(RESULTS)))
+        .map_err(Failure::study("could not make the study's pipeline"))
 }
 
 /// What every command about a pipeline takes.

@@ -12,7 +12,7 @@ use crate::{
         embeddings::read_embeddings, own_measures::read_own_measures, participants::Enrolled,
     },
 };
-use maveric_analysis::{AnalysisError, LeftOut, Why, covariate_number};
+use maveric_analysis::{LeftOut, Why, covariate_number};
 use maveric_domain::{
     Design, DriveId, Ride, Scale,
     design::{DesignError, Quantity, ScoreName, Style},
@@ -39,7 +39,6 @@ pub fn check_design(study: &DesignFile) -> Result<(), StudyError> {
         return Ok(());
     }
     let people = study.people(None)?;
-    covariates_are_numbers(&study.design, &people)?;
     let ids = || people.enrolled.iter().map(|p| p.id.as_str());
     let excluded = study.design.exclude().people.keys();
     let forgotten = study.forgotten()?;
@@ -71,18 +70,24 @@ pub fn check_design(study: &DesignFile) -> Result<(), StudyError> {
     Ok(())
 }
 
-/// Refuses a covariate of somebody tested that is a word, before anything is computed.
-fn covariates_are_numbers(design: &Design, people: &People) -> Result<(), AnalysisError> {
+/// Covariates of those tested that are words: whoever has not come yet is in no test.
+fn covariates_of_words(design: &Design, people: &People) -> Vec<String> {
+    let mut notes = Vec::new();
     let enrolled = people.enrolled.iter();
     for person in enrolled.filter(|p| p.tested && p.excluded.is_none()) {
         for covariate in design.covariates() {
             let cell = person.cells.get(&covariate.column);
-            if let Some(cell) = cell.filter(|cell| *cell != "NA") {
-                covariate_number(&person.id, covariate, cell)?;
+            let cell = cell.filter(|cell| *cell != "NA");
+            let read = cell.map(|cell| covariate_number(&person.id, covariate, cell));
+            if let Some(Err(error)) = read {
+                notes.push(format!(
+                    "{error}: the analysis stops there once {} has a value",
+                    person.id
+                ));
             }
         }
     }
-    Ok(())
+    notes
 }
 
 /// The drives that the study can have: of each person in each condition, the baseline and each role.
@@ -288,6 +293,7 @@ pub fn study_notes(study: &DesignFile, results: &Path) -> Result<Vec<String>, St
             neither.join(", ")
         ));
     }
+    notes.extend(covariates_of_words(design, &enrolled));
     if let Some(balance) = balance_of(study, &enrolled.enrolled) {
         notes.extend(maveric_pages::orders(design, &balance)?);
     }
@@ -339,7 +345,7 @@ mod tests {
     }
 
     #[test]
-    fn a_covariate_of_words_is_refused_before_a_run_and_one_that_is_not_known_is_not() {
+    fn a_covariate_of_words_is_told_and_one_that_is_not_known_is_not() {
         let table = |years: &str| {
             format!(
                 "participant,part,years\nP01,test,41\nP02,test,{years}\nP04,learn,old\nP05,test,old\n"
@@ -350,10 +356,12 @@ mod tests {
             let notes = said(&table(years), exclude);
             assert_eq!(notes, "P05 is left out: withdrew", "{years}");
         }
-        let refused = said(&table("young"), exclude);
+        let told = said(&table("tbd"), exclude);
         assert!(
-            refused.starts_with("the covariate `years` of `P02` is `young`"),
-            "{refused}"
+            told.starts_with(
+                "P05 is left out: withdrew; the covariate `years` of `P02` is `tbd`, expected a number"
+            ),
+            "{told}"
         );
     }
 

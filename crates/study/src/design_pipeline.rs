@@ -109,13 +109,17 @@ mod tests {
     use super::*;
     use maveric_domain::Design;
 
-    fn names(more: &str) -> Vec<String> {
+    fn written(more: &str) -> toml::Table {
         let text = format!("[study]\ntitle = \"x\"\n{more}");
         let study = DesignFile {
             path: None,
             design: Design::from_toml(&text).unwrap(),
         };
-        let written: toml::Table = toml::from_str(&design_pipeline(&study)).unwrap();
+        toml::from_str(&design_pipeline(&study)).unwrap()
+    }
+
+    fn names(more: &str) -> Vec<String> {
+        let written = written(more);
         let stages = written["stage"].as_array().unwrap().iter();
         let name = |stage: &toml::Value| stage["name"].as_str().unwrap().to_owned();
         stages.map(name).collect()
@@ -138,6 +142,18 @@ mod tests {
                 ]
             );
         }
+    }
+
+    #[test]
+    fn both_tables_of_scores_know_who_has_which_drive() {
+        let written = written("[[condition]]\nid = \"calm\"\n[[condition]]\nid = \"sporty\"");
+        let scores = |stage: &&toml::Value| stage["cmd"][1].as_str() == Some("score");
+        let stages = written["stage"].as_array().unwrap().iter().filter(scores);
+        let knows = |stage: &toml::Value| {
+            let mut words = stage["cmd"].as_array().unwrap().iter();
+            words.any(|word| word.as_str() == Some("{out}/drives"))
+        };
+        assert_eq!(stages.map(knows).collect::<Vec<_>>(), [true, true]);
     }
 
     #[test]

@@ -13,6 +13,7 @@ use maveric_analysis::{
 };
 use maveric_domain::{
     Answer, ConditionId, Design, DriveId, DriveMeta, Moment, ParticipantId, Scale,
+    occasion::is_first,
 };
 use std::{
     collections::{BTreeMap, BTreeSet},
@@ -158,13 +159,15 @@ impl Gate {
             .or_else(|| self.left_out.about(participant, ride).cloned())
     }
 
-    /// Why what was measured of somebody in a condition is left out: the person is, or each of their rides in it.
+    /// Why what was measured of somebody in a condition is left out: the person is, or each of their rides in it in the first session, which
+    /// alone is compared.
     pub(crate) fn condition(
         &self,
         participant: &ParticipantId,
         condition: ConditionId,
     ) -> Option<Why> {
         let rides = self.design.rides(condition);
+        let rides = rides.filter(|ride| is_first(&ride.occasion.session));
         let about = |ride| self.answer(participant, Moment::After(ride));
         let whys: Option<Vec<Why>> = rides.map(about).collect();
         whys?.into_iter().next()

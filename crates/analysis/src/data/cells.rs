@@ -130,7 +130,8 @@ pub(super) fn cells(
 /// Values of the study's own measures, by name.
 pub(super) type OwnValues = BTreeMap<String, f64>;
 
-/// What the study's own measures say of those who are there: a mean over rides stays as long as one of them does.
+/// What the study's own measures say of those who are there: a mean over the rides of the first session stays as long as one of
+/// them does.
 pub(super) fn own_measures(
     design: &Design,
     rows: Vec<OwnMeasurement>,
@@ -138,7 +139,8 @@ pub(super) fn own_measures(
 ) -> BTreeMap<ConditionId, BTreeMap<ParticipantId, OwnValues>> {
     let mut measured: BTreeMap<ConditionId, BTreeMap<ParticipantId, OwnValues>> = BTreeMap::new();
     for row in rows {
-        let keeps = |ride| left_out.keeps(&row.participant, ride);
+        let keeps =
+            |ride: Ride| ride.occasion.session == FIRST && left_out.keeps(&row.participant, ride);
         if there.contains(&row.participant) && design.rides(row.condition).any(keeps) {
             let people = measured.entry(row.condition).or_default();
             let values = people.entry(row.participant).or_default();

@@ -71,6 +71,16 @@ fn whoever_was_only_measured_came_and_whom_the_design_leaves_out_has_no_value() 
 }
 
 #[test]
+fn a_value_of_the_first_session_goes_with_its_excluded_drive_whatever_came_in_a_later_one() {
+    let sessions = "[protocol]\nsessions = { count = 2, days_between = [2, 14] }\n";
+    let rules = "[exclude]\ndrives = { P1-calm = \"the rig failed\" }\n";
+    let text = plain(&["calm", "sporty"], &format!("{TOR}{sessions}{rules}"));
+    let a = analysed_by(&text, taken_over(&[("calm", 2.0), ("sporty", 3.0)]));
+    let rows = &panel(&a, "tor_s").participants;
+    assert_eq!(rows.join(" "), "P2 P3 P4 P5 P6");
+}
+
+#[test]
 fn a_measure_that_is_declared_and_that_nobody_has_is_told_and_not_tested() {
     let text = plain(
         &["calm", "sporty"],

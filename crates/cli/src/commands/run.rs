@@ -4,7 +4,7 @@ use super::{print_json, print_lines};
 use crate::{
     diagnostics::{Failure, tell},
     interrupt,
-    place::{PipelineArgs, place},
+    place::{PipelineArgs, check_named_files, place},
 };
 use maveric_pipeline::{
     Event, Outcome, Pipeline, RunOptions, RunReport, StageStatus, State, plan, run, why,
@@ -92,6 +92,7 @@ impl From<Executor> for maveric_pipeline::Executor {
 impl Run {
     pub(crate) fn run(self) -> Result<(), Failure> {
         let (file, targets) = PipelineArgs::split(self.words);
+        check_named_files(&file)?;
         let pipeline = self.pipeline.read(&file)?;
         if self.show {
             return print_lines(&shown(&pipeline));

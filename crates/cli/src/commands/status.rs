@@ -3,7 +3,7 @@
 use super::{print_json, run::print_statuses, seat::hindrances};
 use crate::{
     diagnostics::{Failure, tell},
-    place::{DEFAULT_PIPELINE, PipelineArgs, place, study_here},
+    place::{DEFAULT_PIPELINE, PipelineArgs, check_named_files, place, study_here},
 };
 use maveric_study::outcome::Format;
 use serde_json::json;
@@ -28,6 +28,7 @@ pub(crate) struct Status {
 
 impl Status {
     pub(crate) fn run(self) -> Result<(), Failure> {
+        check_named_files(&self.file)?;
         let pipeline = self.pipeline.read(&self.file)?;
         let statuses = maveric_pipeline::status(&pipeline, &place(&self.file)?)
             .map_err(Failure::pipeline("could not tell the pipeline's status"))?;

@@ -15,10 +15,10 @@ pub struct Exclusion {
 }
 
 impl Exclusion {
-    /// What something doubtful that is kept is left out of.
+    /// What something repaired or doubtful that is kept is left out of.
     pub const NOTHING: &str = "nothing";
 
-    /// Whether it is doubtful and kept.
+    /// Whether it is repaired or doubtful, and kept.
     pub fn is_kept(&self) -> bool {
         self.what == Self::NOTHING
     }
@@ -29,8 +29,8 @@ pub fn exclusions(rows: &[Exclusion]) -> Table {
     let kept = rows.iter().filter(|row| row.is_kept()).count();
     let doubted = match kept {
         0 => String::new(),
-        1 => " One row more is doubtful and kept.".to_owned(),
-        n => format!(" {n} rows more are doubtful and kept."),
+        1 => " One row more is repaired or doubtful, and kept.".to_owned(),
+        n => format!(" {n} rows more are repaired or doubtful, and kept."),
     };
     let left_out = match rows.len() - kept {
         0 => "Nothing was left out.".to_owned(),
@@ -60,7 +60,7 @@ mod tests {
         let (out, kept) = (row("questionnaires"), row(Exclusion::NOTHING));
         let both = noted(&[out.clone(), out, kept.clone()]);
         assert!(
-            both.contains("2 exclusions. One row more is doubtful and kept."),
+            both.contains("2 exclusions. One row more is repaired or doubtful, and kept."),
             "{both}"
         );
         let kept = noted(&[kept]);

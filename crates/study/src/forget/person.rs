@@ -101,7 +101,10 @@ pub fn forget_person(study: &DesignFile, id: &ParticipantId) -> Result<Forgotten
     }
     forgotten.removed.sort();
     forgotten.models = learned;
-    forgotten.left.extend(shared);
+    // Some were removed by their names.
+    forgotten
+        .left
+        .extend(shared.into_iter().filter(|log| log.exists()));
     forgotten.left.sort();
     forgotten.left.dedup();
     Ok(forgotten)

@@ -227,7 +227,7 @@ impl Stage for Inspect {
         }
         let study = match self.mapping {
             Some(_) => None,
-            None => DesignFile::here(None)?,
+            None => DesignFile::below(Path::new(""), None),
         };
         let settings_of =
             |path: &PathBuf| logs::settings_of(path, self.mapping.as_deref(), study.as_ref());

@@ -13,12 +13,12 @@ use crate::{
         TableName,
         drives::{drive_paths, read_drive},
         measurements::{MeasuredDrive, write_measurements},
-        own_measures::{OwnMeasures, read_own_measures},
+        own_measures::{OwnMeasures, read_of_rides},
         write_rows,
     },
 };
-use maveric_analysis::Why;
-use maveric_domain::{ConditionId, DriveId, ParticipantId};
+use maveric_analysis::{Rule, Why};
+use maveric_domain::{ConditionId, DriveId, Moment, ParticipantId, Ride};
 use maveric_measures::objective::{self, Comparable, Exposure, comparable};
 use path_slash::PathExt as _;
 use serde::Serialize;
@@ -242,7 +242,13 @@ impl Measure {
         let table = study.resolve(&study.design.files().measures);
         let table = table.to_slash_lossy();
         let mut warnings = Vec::new();
-        let means = read_own_measures(study, self.participants.as_deref())?;
+        // Where each ride is left out, the mean is, and is counted as left out.
+        let keeps = |who: &ParticipantId, ride: Ride| {
+            let why = gate.and_then(|gate| gate.answer(who, Moment::After(ride)));
+            why.is_none_or(|why| why.rule == Rule::UnknownOccasion)
+                || gate.is_some_and(|gate| gate.condition(who, ride.condition).is_some())
+        };
+        let means = read_of_rides(study, self.participants.as_deref(), &keeps)?;
         let mut means = means.unwrap_or_else(|| {
             warnings.push(format!(
                 "{table} is not there: nobody has a value of the study's own measures"

@@ -31,7 +31,7 @@ pub struct RehearseDial {
     /// Sizes of the effects (TOML); as shipped when not given
     #[arg(long)]
     pub effects: Option<PathBuf>,
-    /// Folder of questionnaire definitions; that of study.toml of the current directory when not given
+    /// Folder of questionnaire definitions; the paper's, study_data/scales, when not given
     #[arg(long)]
     pub scales: Option<PathBuf>,
     /// Participants of the studies to learn from; several sizes, ascending
@@ -77,16 +77,15 @@ impl Stage for RehearseDial {
     const FAILURE: &'static str = "could not rehearse the dial";
     type Result = DialRehearsal;
 
-    fn files(&self, root: &Path) -> Result<Files, StudyError> {
-        let study = DesignFile::below_or_paper(root, None)?;
+    fn files(&self, _root: &Path) -> Result<Files, StudyError> {
+        let paper = DesignFile::paper()?;
         let files = Files::default()
             .reads(&self.population)
-            .reads(&self.effects)
-            .reads([study.scales_folder(self.scales.as_deref())])
+            .reads([paper.scales_folder(self.scales.as_deref())])
             .writes([&self.out]);
-        Ok(match &self.scales {
-            Some(_) => files,
-            None => files.reads_design(None),
+        Ok(match &self.effects {
+            Some(given) => files.reads([given]),
+            None => files.reads_if_there([paper.effects_file(None)]),
         })
     }
 
@@ -103,12 +102,10 @@ impl Stage for RehearseDial {
             let help = "such as --participants 24,48,96 --studies 20";
             return Err(StudyError::not_possible(problem).with_help(help));
         }
-        let scales = match &self.scales {
-            Some(given) => given.clone(),
-            None => DesignFile::find(None)?.scales_folder(None),
-        };
+        let paper = DesignFile::paper()?;
+        let scales = paper.scales_folder(self.scales.as_deref());
         let (population, effects) = (self.population.as_deref(), self.effects.as_deref());
-        let world = read_world(&DesignFile::paper()?, [population, effects, Some(&scales)])?;
+        let world = read_world(&paper, [population, effects, Some(&scales)])?;
         let trials = DialTrials::new(&world, self.seed)?;
         let mut items = Vec::new();
         for &n in &self.participants {

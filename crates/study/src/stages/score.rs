@@ -268,7 +268,7 @@ impl Stage for ScoreAnswers {
         }
         watch.check()?;
         let collected = (&mut answers, &mut probes, &mut times);
-        let left_out = let_in(study.as_ref(), self, &scales, collected)?;
+        let (left_out, gate) = let_in(study.as_ref(), self, &scales, collected)?;
         if answers.is_empty() && probes.is_empty() {
             return Err(StudyError::not_possible("the surveys hold no answers"));
         }
@@ -288,7 +288,7 @@ impl Stage for ScoreAnswers {
         probes.retain(|p| takes_part(&p.participant));
         scored.scores.extend(score_probes(&scales, &probes)?);
         let mut warnings = scored.warnings;
-        let expected = Expected::new(study.as_ref(), self, &left_out)?;
+        let expected = Expected::new(study.as_ref().zip(gate), self, &left_out)?;
         warnings.retain(|warning| expected.misses(warning));
         let doubtful = response_styles(&scales, &answers)
             .into_iter()
@@ -366,15 +366,17 @@ struct Expected {
     people: Option<BTreeSet<ParticipantId>>,
     /// Who has which ride, of the rides in conditions that are known.
     rides: BTreeMap<Ride, BTreeSet<ParticipantId>>,
+    /// Whom and what the design leaves out; none where no design says.
+    gate: Option<Gate>,
 }
 
 impl Expected {
     fn new(
-        study: Option<&DesignFile>,
+        study: Option<(&DesignFile, Gate)>,
         options: &ScoreAnswers,
         left_out: &LeftOutAnswers,
     ) -> Result<Self, StudyError> {
-        let Some(study) = study else {
+        let Some((study, gate)) = study else {
             return Ok(Self::default());
         };
         let mut rides: BTreeMap<Ride, BTreeSet<ParticipantId>> = BTreeMap::new();
@@ -393,10 +395,15 @@ impl Expected {
         people.retain(|who| {
             let rode = rides.is_empty() || rides.values().any(|people| people.contains(who));
             let answered = left_out.keys().any(|(other, ..)| other == who);
-            (rode || options.moments == Moments::All) && !answered
+            let counts = rode || options.moments == Moments::All;
+            counts && !answered && gate.person(who).is_none()
         });
         let people = Some(people);
-        Ok(Self { people, rides })
+        Ok(Self {
+            people,
+            rides,
+            gate: Some(gate),
+        })
     }
 
     /// Whether what a warning says is lacking, if it says so, was to be there.
@@ -404,25 +411,35 @@ impl Expected {
         let people = match warning {
             ScoreWarning::NoAnswers { .. } => self.people.as_ref(),
             ScoreWarning::Unanswered {
-                moment: Moment::After(ride),
+                participant,
+                moment,
                 ..
-            } => self.rides.get(ride),
+            } => {
+                let left_out = |gate: &Gate| gate.answer(participant, *moment).is_some();
+                if self.gate.as_ref().is_some_and(left_out) {
+                    return false;
+                }
+                match moment {
+                    Moment::After(ride) => self.rides.get(ride),
+                    _ => None,
+                }
+            }
             _ => None,
         };
         people.is_none_or(|people| people.contains(warning.participant()))
     }
 }
 
-/// Takes out the answers that the design does not let in.
+/// Takes out the answers that the design does not let in; with what lets them in.
 fn let_in(
     study: Option<&DesignFile>,
     options: &ScoreAnswers,
     scales: &[Scale],
     (answers, probes, times): (&mut Vec<Answer>, &mut Vec<ProbeAnswer>, &mut Vec<SheetTime>),
-) -> Result<LeftOutAnswers, StudyError> {
+) -> Result<(LeftOutAnswers, Option<Gate>), StudyError> {
     let mut left_out = LeftOutAnswers::new();
     let Some(study) = study else {
-        return Ok(left_out);
+        return Ok((left_out, None));
     };
     let mut drives = Vec::new();
     for folder in &options.drives {
@@ -440,7 +457,7 @@ fn let_in(
     answers.retain(|a| keeps(&a.participant, a.moment));
     probes.retain(|p| keeps(&p.participant, Moment::Probe(p.ride)));
     times.retain(|t| gate.answer(&t.participant, t.moment).is_none());
-    Ok(left_out)
+    Ok((left_out, Some(gate)))
 }
 
 fn write_reliabilities(out: &Path, rows: &[Reliability]) -> Result<(), StudyError> {
@@ -557,12 +574,10 @@ mod tests {
             std::fs::write(at(name), text).unwrap();
         };
         write("scales/calm.toml", SCALE);
-        write(
-            "study.toml",
-            "[study]\ntitle = \"t\"\n[people]\nlearn = { part = \"learn\" }\ntest = { part = \"test\" }\n\
+        let design = "[study]\ntitle = \"t\"\n[people]\nlearn = { part = \"learn\" }\ntest = { part = \"test\" }\n\
              [style]\nscore = \"adb.total\"\npoints = 15\n[baseline]\nid = \"own\"\n\
-             [[condition]]\nid = \"same\"\ncar = { dial = \"0\" }\n[[condition]]\nid = \"fast\"\ncar = { dial = \"+1\" }\n",
-        );
+             [[condition]]\nid = \"same\"\ncar = { dial = \"0\" }\n[[condition]]\nid = \"fast\"\ncar = { dial = \"+1\" }\n";
+        write("study.toml", design);
         write(
             "people.csv",
             "participant,part\nL,learn\nA,test\nB,test\nC,test\n",
@@ -576,22 +591,22 @@ mod tests {
             .map(|(who, ride)| sheet(who, ride, [1, 5, 2, 4, 3, 2], "5"));
         let header = "participant,moment,scale,item,answer,seconds\n";
         write("surveys.csv", &format!("{header}{}", answers.concat()));
-        let listed = |drives: Vec<PathBuf>| {
+        let listed = |drives: Vec<PathBuf>, moments| {
             let options = ScoreAnswers {
                 design: Some(at("study.toml")),
                 surveys: vec![at("surveys.csv")],
                 participants: Some(at("people.csv")),
                 scales: Some(at("scales")),
                 drives,
-                moments: Moments::After,
+                moments,
                 out: at("scores.csv"),
             };
             options.run(Watch::unwatched()).unwrap();
             std::fs::read_to_string(exclusions_path(&options.out)).unwrap()
         };
-        let known = listed(vec![at("drives")]);
+        let known = listed(vec![at("drives")], Moments::After);
         assert_eq!(known.lines().count(), 1, "{known}");
-        let unknown = listed(Vec::new());
+        let unknown = listed(Vec::new(), Moments::After);
         for said in [
             "participant B (fast) did not answer scale `calm`",
             "participant C answered no questionnaire after a drive",
@@ -599,5 +614,14 @@ mod tests {
             assert!(unknown.contains(said), "{unknown}");
         }
         assert_eq!(unknown.lines().count(), 3, "{unknown}");
+        let exclude =
+            "[exclude]\npeople = { C = \"withdrew\" }\ndrives = { B-fast = \"the rig failed\" }\n";
+        write("study.toml", &format!("{design}{exclude}"));
+        let all = listed(Vec::new(), Moments::All);
+        assert!(
+            all.contains("participant L answered no questionnaire"),
+            "{all}"
+        );
+        assert_eq!(all.lines().count(), 2, "{all}");
     }
 }

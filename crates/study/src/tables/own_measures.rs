@@ -3,7 +3,7 @@
 use super::{Table, surveys::occasions};
 use crate::{design::DesignFile, error::StudyError, once::names};
 use maveric_domain::{
-    ConditionId, OwnMeasurement, ParticipantId,
+    ConditionId, Occasion, OwnMeasurement, ParticipantId, Ride,
     design::{ABOUT_A_ROW, DesignError},
     nearest,
     occasion::{OCCASION, is_first},
@@ -39,6 +39,16 @@ pub fn read_own_measures(
     study: &DesignFile,
     participants: Option<&Path>,
 ) -> Result<Option<OwnMeasures>, StudyError> {
+    read_of_rides(study, participants, &|_, _| true)
+}
+
+/// As [`read_own_measures`]; of a design with several sessions or rides in a condition, the means are over those rides of somebody that it
+/// `keeps`.
+pub(crate) fn read_of_rides(
+    study: &DesignFile,
+    participants: Option<&Path>,
+    keeps: &dyn Fn(&ParticipantId, Ride) -> bool,
+) -> Result<Option<OwnMeasures>, StudyError> {
     refuse_ours(study)?;
     let path = study.resolve(&study.design.files().measures);
     if study.design.measures().is_empty() || !path.exists() {
@@ -49,13 +59,22 @@ pub fn read_own_measures(
     let conditions = known_conditions(study, &table)?;
     one_row_each(&table)?;
     let cells: Vec<(ParticipantId, ConditionId)> = people.into_iter().zip(conditions).collect();
-    // Of a study that declares its sessions, the first is compared.
-    let counts: Vec<bool> = if study.design.protocol().session_count() == 1 {
-        vec![true; cells.len()]
+    let on = if study.design.repeats() {
+        occasions(&table)?
     } else {
-        let on = occasions(&table)?.into_iter();
-        on.map(|on| is_first(&on.session)).collect()
+        vec![Occasion::default(); cells.len()]
     };
+    // Of a study that declares its sessions, the first is compared.
+    let sessions = study.design.protocol().session_count();
+    let is_later = |on: &Occasion| sessions > 1 && !is_first(&on.session);
+    let counts = cells.iter().zip(&on).map(|((who, condition), on)| {
+        let ride = Ride {
+            condition: *condition,
+            occasion: *on,
+        };
+        !is_later(on) && (!study.design.repeats() || keeps(who, ride))
+    });
+    let counts: Vec<bool> = counts.collect();
     let mut means: BTreeMap<(ParticipantId, ConditionId), Vec<OwnMeasurement>> = BTreeMap::new();
     for measure in study.design.measures() {
         let mut sums: BTreeMap<&(ParticipantId, ConditionId), (f64, usize)> = BTreeMap::new();
@@ -84,7 +103,7 @@ pub fn read_own_measures(
         measurements: means.into_values().flatten().collect(),
         rows: cells.into_iter().collect(),
         undeclared,
-        later: counts.iter().filter(|counts| !**counts).count(),
+        later: on.iter().filter(|on| is_later(on)).count(),
     }))
 }
 
@@ -241,6 +260,21 @@ mod tests {
             (own.rows.len(), own.undeclared),
             (2, vec!["rater".to_owned()])
         );
+    }
+
+    #[test]
+    fn a_ride_that_is_not_kept_is_in_no_mean_of_several() {
+        let design = format!("{STUDY}[protocol]\nrides_per_condition = 2\n");
+        let table = "participant,condition,trial,tor_s,glances\nP01,calm,1,2.0,\nP01,calm,2,3.0,\n";
+        let (_folder, study) = study(&design, table);
+        let mean_without = |left_out: u32| {
+            let keeps = |_: &ParticipantId, ride: Ride| ride.occasion.trial.get() != left_out;
+            let own = read_of_rides(&study, None, &keeps).unwrap().unwrap();
+            let means = own.measurements.iter().map(|m| (m.value, m.n));
+            means.collect::<Vec<_>>()
+        };
+        assert_eq!(mean_without(1), [(3.0, 1)]);
+        assert_eq!(mean_without(3), [(2.5, 2)]);
     }
 
     #[test]

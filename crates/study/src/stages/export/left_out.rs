@@ -33,14 +33,15 @@ const RECORDS: [&str; 2] = ["pipelines/study.lock", ".maveric/study.lock"];
 /// What the rules made of the people and drives, among the results.
 const ANALYSIS: &str = "analysis.json";
 
-/// Whether the analysis among the results was made by the design as it stands; none where no run is recorded.
+/// Whether the analysis among the results was made by the design as it stands; none where no run is recorded that made it.
 fn is_of_this_design(study: &DesignFile) -> Option<bool> {
     let now = hash_of_file(study.path.as_deref()?).ok()?;
     let analysis = format!("{RESULTS}/{ANALYSIS}");
+    let made = hash_of_file(&study.resolve(Path::new(&analysis))).ok()?;
     let hash_then = |file: &str| {
         let record = Ledger::read_any(&study.resolve(Path::new(file))).ok()?;
         let mut runs = record.run.values();
-        let run = runs.find(|run| run.outputs.contains_key(&analysis))?;
+        let run = runs.find(|run| run.outputs.get(&analysis) == Some(&made))?;
         let mut inputs = run.made_from.facts(FactKind::Input);
         let (_, hash) = inputs.find(|(input, _)| *input == DESIGN_FILE)?;
         Some(hash.to_owned())
@@ -136,6 +137,10 @@ impl LeftOut {
             let Some(why) = gate.drive(&meta, f64::INFINITY) else {
                 return Err(error);
             };
+            // Where the log's name is that of the drive and no more, nobody is known.
+            if meta.participant.as_str() != meta.drive.as_str() {
+                left_out.person(&gate, &meta.participant);
+            }
             left_out.names.insert(meta.drive.to_string());
             left_out.drives.push(why);
         }
@@ -185,26 +190,33 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         std::fs::write(folder.path().join("participants.csv"), "participant\nP-1\n").unwrap();
         let file = folder.path().join("study.toml");
-        let taken = |exclude: &str| {
+        let taken = |who: &str, exclude: &str| {
             let design =
                 format!("[study]\ntitle = \"t\"\n[[condition]]\nid = \"15\"\n[exclude]\n{exclude}");
             std::fs::write(&file, design).unwrap();
-            let meta = DriveMeta::named("run7", "P-1", "15", DrivenBy::Human).unwrap();
+            let meta = DriveMeta::named("run7", who, "15", DrivenBy::Human).unwrap();
             let mut material = Material {
                 unread: vec![(meta, StudyError::not_possible("damaged"))],
                 ..Material::default()
             };
             let study = DesignFile::read(&file).unwrap();
             let left_out = LeftOut::take_from(&study, None, &mut material);
-            left_out.map_or_else(|e| e.to_string(), |left_out| left_out.lines().join("; "))
+            left_out.map_or_else(
+                |e| e.to_string(),
+                |left_out| format!("{}; {:?}", left_out.lines().join("; "), left_out.names),
+            )
         };
-        let by = |rule: &str| format!("1 drive left out by exclude.{rule}");
         assert_eq!(
-            taken("drives = { P-1-15 = \"the rig failed\" }"),
-            by("drives")
+            taken("P-1", "drives = { P-1-15 = \"the rig failed\" }"),
+            "1 drive left out by exclude.drives; {\"P-1-15\", \"run7\"}"
         );
-        assert_eq!(taken("people = { P-1 = \"withdrew\" }"), by("people"));
-        assert_eq!(taken(""), "damaged");
+        assert_eq!(
+            taken("P-1", "people = { P-1 = \"withdrew\" }"),
+            "1 person left out by exclude.people; 1 drive left out by exclude.people; {\"P-1\", \"run7\"}"
+        );
+        let stranger = taken("P-9", "");
+        assert!(stranger.ends_with("{\"P-9\", \"run7\"}"), "{stranger}");
+        assert_eq!(taken("P-1", ""), "damaged");
     }
 
     #[test]
@@ -228,6 +240,7 @@ mod tests {
         let made_from: Manifest =
             toml::from_str(&format!("[input]\n\"study.toml\" = \"{hash}\"\n")).unwrap();
         let analysis = "results/analysis.json".to_owned();
+        let made = hash_of_file(&file("results/analysis.json")).unwrap();
         let mut ledger = Ledger::empty("study");
         let run = Record {
             stage: "stats".to_owned(),
@@ -238,7 +251,7 @@ mod tests {
             row: None,
             set: BTreeMap::new(),
             made_from,
-            outputs: BTreeMap::from([(analysis.clone(), String::new())]),
+            outputs: BTreeMap::from([(analysis.clone(), made)]),
             files: BTreeMap::new(),
         };
         ledger.run.insert(analysis, run);
@@ -250,6 +263,12 @@ mod tests {
         assert!(
             doubt.contains("analysis.json is older than the design"),
             "{doubt}"
+        );
+        // What came later in its place, the ledger knows nothing of.
+        std::fs::write(file("results/analysis.json"), "{ }").unwrap();
+        assert_eq!(
+            doubts(&DesignFile::read(&file("study.toml")).unwrap()),
+            None
         );
     }
 

@@ -30,7 +30,8 @@ pub(crate) fn of_study(options: &Ingest, study: &DesignFile) -> Result<Vec<Log>,
     gathered(options, Some(study), false)
 }
 
-/// The logs of somebody, and those that hold drives of others beside theirs. A log that cannot be read is nobody's.
+/// The logs of somebody, and those that hold drives of others beside theirs or wait for their mapping. Another log that cannot be read is
+/// nobody's.
 pub(crate) fn logs_of(
     study: &DesignFile,
     id: &ParticipantId,
@@ -38,6 +39,10 @@ pub(crate) fn logs_of(
     let (mut theirs, mut shared) = (Vec::new(), Vec::new());
     for log in of_study(&Ingest::default(), study)? {
         let Ok(drives) = read_log(&log.path, &log.settings) else {
+            // Whose it is, a mapping that is not there would say.
+            if declared(study, &log.path).is_some_and(|file| !file.is_file()) {
+                shared.push(log.path);
+            }
             continue;
         };
         let files = log_parts(&log.path, log.settings.mapping.as_ref())?;
@@ -66,7 +71,10 @@ pub(crate) fn settings_of(
         let below = || absolute(path).starts_with(absolute(&study.resolve(&files.logs)));
         matches!(files.mapping, Mappings::Rigs(_)) || below()
     };
-    let of_study = || study.filter(among).and_then(|study| declared(study, path));
+    let of_study = || {
+        let file = study.filter(among).and_then(|study| declared(study, path));
+        file.filter(|file| file.is_file())
+    };
     let mapping = mapping.map(Path::to_owned).or_else(of_study);
     Ok(settings(&Ingest::default(), mapping)?.1)
 }
@@ -111,9 +119,11 @@ fn gathered(
         }
     };
     let mut gathered: Vec<Log> = Vec::new();
+    // What needs no logs does without a mapping that is not there.
+    let there = |file: &PathBuf| needed || file.is_file();
     let mapping_of = |path: &Path| match (&options.mapping, study) {
         (Some(given), _) => Some(given.clone()),
-        (None, Some(study)) => declared(study, path),
+        (None, Some(study)) => declared(study, path).filter(there),
         (None, None) => None,
     };
     if !options.logs.is_empty() {
@@ -144,7 +154,10 @@ fn gathered(
         rigs.extend(mappings.iter().map(|rig| study.resolve(&rig.logs)));
         for (rig, folder) in mappings.iter().zip(&rigs) {
             let file = options.mapping.clone();
-            let file = file.or_else(|| rig.file.as_ref().map(|f| study.resolve(f)));
+            let file = file.or_else(|| {
+                let own = rig.file.as_ref().map(|f| study.resolve(f));
+                own.filter(there)
+            });
             let (mapping, settings) = settings(options, file)?;
             let logs = standing(folder, settings.mapping.as_ref(), &rigs)?;
             gathered.extend(read_by(some(folder, logs)?, mapping.as_ref(), &settings));
@@ -258,5 +271,33 @@ mod tests {
         is(rate("av/logs/a.mcap", None, Some(&study)), 20.0);
         is(rate("logs/a.csv", None, None), 20.0);
         is(rate("logs/a.csv", Some("other.toml"), Some(&study)), 5.0);
+    }
+
+    #[test]
+    fn a_mapping_that_is_not_there_hinders_only_what_needs_logs() {
+        let folder = tempfile::tempdir().unwrap();
+        let at = |name: &str| folder.path().join(name);
+        let rigs = "[{ logs = \"rig\", file = \"rig.toml\" }]";
+        let study = |mapping: &str| {
+            let design = format!(
+                "[study]\ntitle = \"t\"\n[[condition]]\nid = \"calm\"\n[files]\nmapping = {mapping}\n"
+            );
+            std::fs::write(at("study.toml"), design).unwrap();
+            DesignFile::read(&at("study.toml")).unwrap()
+        };
+        for mapping in ["\"rig.toml\"", rigs] {
+            let study = study(mapping);
+            let options = Ingest::default();
+            assert!(of_study(&options, &study).unwrap().is_empty());
+            let error = named_or_declared(&options, Some(&study)).unwrap_err();
+            assert!(error.to_string().contains("rig.toml"), "{error}");
+            assert!(settings_of(&at("rig/a.csv"), None, Some(&study)).is_ok());
+        }
+        std::fs::create_dir(at("logs")).unwrap();
+        std::fs::write(at("logs/a.csv"), "no table\n").unwrap();
+        let who = ParticipantId::new("P02").unwrap();
+        let (theirs, shared) = logs_of(&study("\"rig.toml\""), &who).unwrap();
+        assert!(theirs.is_empty());
+        assert_eq!(shared, [at("logs/a.csv")]);
     }
 }

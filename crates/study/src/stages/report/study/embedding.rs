@@ -10,7 +10,7 @@ use crate::{
         embeddings::{EmbeddingRow, read_embeddings},
     },
 };
-use maveric_domain::{ConditionId, DriveId, ParticipantId};
+use maveric_domain::{ConditionId, DriveId, ParticipantId, occasion::is_first};
 use maveric_model::Model;
 use maveric_model::style_space::{LinearHead, PerpendicularEllipse};
 use maveric_pages::study::{StudyPage, line_panels};
@@ -179,13 +179,15 @@ pub(super) fn live(folder: &Path, run: &Run) -> Result<Option<Live>, StudyError>
     }))
 }
 
-/// Each person’s first drive of the baseline: that of a later session sets no condition.
+/// Each person’s first drive of the baseline in the first session: that of a later one sets no condition.
 fn first_by_hand(
     tested: &[EmbeddingRow],
     baseline: Option<ConditionId>,
 ) -> impl Iterator<Item = &EmbeddingRow> {
     let mut met = BTreeSet::new();
-    let is_own = move |row: &&EmbeddingRow| row.adb_used && Some(row.condition) == baseline;
+    let is_own = move |row: &&EmbeddingRow| {
+        row.adb_used && Some(row.condition) == baseline && is_first(&row.session)
+    };
     let own = tested.iter().filter(is_own);
     own.filter(move |row| met.insert(&row.participant))
 }
@@ -289,10 +291,15 @@ mod tests {
                 Embedding::new(vec![at]).unwrap(),
             )
         };
+        let later = |who: &str, drive: &str, at: f64| EmbeddingRow {
+            session: std::num::NonZeroU32::new(2).unwrap(),
+            ..row(who, drive, at, true)
+        };
         let rows = [
+            later("P00", "P00-own_s2_t1", 0.5),
             row("P01", "P01-own", 1.0, true),
             row("P01", "P01-own", 1.5, false),
-            row("P01", "P01-own_s2_t1", 2.0, true),
+            later("P01", "P01-own_s2_t1", 2.0),
             row("P02", "P02-own", 3.0, true),
         ];
         let drives = |baseline| {

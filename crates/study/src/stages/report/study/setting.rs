@@ -111,12 +111,35 @@ pub(super) fn listed_exclusions(folder: &Path) -> Result<Vec<Exclusion>, StudyEr
         let listed: Vec<Exclusion> = if_there(&folder.join(file), read_rows)?;
         left_out.extend(listed);
     }
-    Ok(left_out)
+    Ok(without_narrower(left_out))
+}
+
+/// Without what is said of answers after a drive where it is said of all answers of the same person.
+fn without_narrower(mut rows: Vec<Exclusion>) -> Vec<Exclusion> {
+    let said = |row: &Exclusion| (row.who.clone(), row.why.clone());
+    let known: BTreeSet<(String, String)> = rows.iter().map(said).collect();
+    rows.retain(|row| {
+        let wider = row.why.strip_suffix(" after a drive");
+        wider.is_none_or(|wider| !known.contains(&(row.who.clone(), wider.to_owned())))
+    });
+    rows
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn who_answered_nothing_is_not_told_again_of_what_comes_after_a_drive() {
+        let row = |who: &str, when: &str| Exclusion {
+            who: who.to_owned(),
+            what: "questionnaires".to_owned(),
+            why: format!("participant {who} answered no questionnaire{when}"),
+        };
+        let after = " after a drive";
+        let rows = vec![row("P1", ""), row("P1", after), row("P2", after)];
+        assert_eq!(without_narrower(rows), [row("P1", ""), row("P2", after)]);
+    }
 
     #[test]
     fn sheets_that_both_tables_have_are_told_once_and_others_of_the_same_score_twice() {
