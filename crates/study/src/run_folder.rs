@@ -438,7 +438,10 @@ mod tests {
         let driven = ["P01", "P02", "P03"].map(|who| [(who, "calm"), (who, "sporty")]);
         let drives: String = driven.into_iter().flatten().map(drive).collect();
         let head = "drive,participant,condition,driven_by,mean_velocity_mps\n";
-        write(&format!("results/{MEASUREMENTS}"), &format!("{head}{drives}"));
+        write(
+            &format!("results/{MEASUREMENTS}"),
+            &format!("{head}{drives}"),
+        );
         let results = folder.path().join("results");
         let study = DesignFile::read(&folder.path().join("study.toml")).unwrap();
         read_study(&results, &study, None)
