@@ -89,7 +89,7 @@ pub(crate) fn each<T: Send>(
     results.into_iter().collect()
 }
 
-/// A law of all who were learned from, every drive the same weight, and from there on that of all but one.
+/// A law of all who were learned from, and from there on that of all but one.
 struct Population<'a> {
     learned: &'a [FollowingRun],
     settings: &'a FollowingSettings,
