@@ -39,9 +39,9 @@ pub(super) fn on_the_scale(
     let reach = |end: f64| libm::hypot(end - preferred.points, HALF_95 * own_sd);
     // A setting that ends where the scale does may be rounded past it.
     let rounding = 1e-9 * score.abs().max(1.0);
-    let has_it = score >= lowest - rounding && score <= highest + rounding;
+    let scores = lowest - rounding..=highest + rounding;
     // No score lies outside the scale, so no interval need hold one.
-    has_it.then(|| OnTheScale {
+    scores.contains(&score).then(|| OnTheScale {
         own: own_score,
         own_sd,
         at: score.clamp(lowest, highest),
