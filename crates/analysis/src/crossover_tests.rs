@@ -333,7 +333,8 @@ fn an_item_is_tested_by_its_order_with_the_period_and_has_no_carry_over() {
                 .push(score(i, after, "comfort", "total", answer));
         }
     }
-    let a = analysed_by(&text(rated), tables);
+    let says = "[[hypothesis]]\nsays = \"h\"\noutcome = \"comfort.total\"\ncontrast = [\"calm\", \"sporty\"]\ndirection = \"-\"\n";
+    let a = analysed_by(&(text(rated) + says), tables);
     let comfort_panel = panel(&a, "comfort.total");
     assert!(matches!(
         comfort_panel.comparison,
@@ -358,6 +359,9 @@ fn an_item_is_tested_by_its_order_with_the_period_and_has_no_carry_over() {
     let turned = turned.unwrap();
     assert!((turned.ratio * odds.ratio - 1.0).abs() < 1e-9);
     assert!((turned.interval.unwrap().0 * high - 1.0).abs() < 1e-9);
+    let judged = &a.hypotheses[0];
+    assert_eq!((judged.odds, judged.interval), (Some(turned), None));
+    assert_eq!((judged.verdict, judged.p), (Shown, a.primary[0].p));
     assert!(a.primary[0].p.unwrap() < 0.05);
     assert_eq!(
         comfort_panel.carry_over,

@@ -149,7 +149,7 @@ impl StudyData {
         Ok(())
     }
 
-    /// Whether somebody drove, rated or was measured in a condition of the first session.
+    /// Whether this person drove, rated or was measured in a condition of the first session.
     fn sat_through(&self, participant: &ParticipantId, id: ConditionId) -> bool {
         let own = self.own.get(&id);
         let measured = own.is_some_and(|people| people.contains_key(participant));
@@ -313,23 +313,24 @@ impl StudyData {
         self.participants.iter().any(|p| !self.order(p).is_empty())
     }
 
-    /// Those of whom no baseline drive is there; nobody where the design has none.
+    /// Those of whom nothing of the baseline is there; nobody where the design has none.
     pub(crate) fn without_baseline(&self) -> impl Iterator<Item = &ParticipantId> {
         let baseline = self.design.baseline_id();
-        let lacks = move |p: &&ParticipantId| baseline.is_some_and(|b| self.cell(p, b).is_none());
+        let lacks = move |p: &&ParticipantId| baseline.is_some_and(|b| !self.sat_through(p, b));
         self.participants.iter().filter(lacks)
     }
 
-    /// Those who answered no questionnaire about a condition.
+    /// Those who answered no questionnaire about a condition; nobody where none was asked.
     pub(crate) fn without_answer(&self) -> impl Iterator<Item = &ParticipantId> {
         let conditions = self.design.conditions();
+        let asks = !self.after.is_empty();
         let lacks = move |p: &&ParticipantId| {
             let about = |id| {
                 self.after
                     .iter()
                     .any(|name| self.rated(p, id, name).is_some())
             };
-            !conditions.iter().any(|c| about(c.id))
+            asks && !conditions.iter().any(|c| about(c.id))
         };
         self.participants.iter().filter(lacks)
     }

@@ -11,7 +11,8 @@ use maveric_domain::{
     design::{Homophily, ScoreName, Sign},
 };
 use maveric_stats::{
-    CorrelationMethod, adjust, proportion, simultaneous_interval, tied_differences,
+    CorrelationMethod, adjust, least_correlation, proportion, simultaneous_interval,
+    tied_differences,
 };
 
 /// The scale that a member of the family names, and the factor of it, if one alone is meant.
@@ -112,13 +113,12 @@ pub(crate) fn homophily(data: &StudyData) -> Result<Vec<HomophilyRow>, AnalysisE
     Ok(rows)
 }
 
-/// People of the pair that most have both values of, and the smallest coefficient of so many that would leave zero out, whatever its sign, in
-/// a family of the size of all that were tested; none where nothing was.
+/// People of the pair that most have both values of, and the smallest coefficient of so many, whatever its sign, that could be below .05
+/// after Holm in a family of the size of all that were tested; none where nothing was.
 pub fn least_that_holds(rows: &[HomophilyRow]) -> Option<(usize, f64)> {
     let tested = rows.iter().filter(|row| row.p_holm.is_some());
     let most = tested.clone().map(|row| row.correlation.n).max()?;
-    let (_, least) = simultaneous_interval(0.0, most, tested.count(), false)?;
-    Some((most, least))
+    Some((most, least_correlation(most, tested.count())?))
 }
 
 /// Everybody in every condition.

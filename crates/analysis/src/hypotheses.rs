@@ -4,7 +4,7 @@ use crate::{
     AnalysisError,
     data::StudyData,
     pairs::{contrast, values},
-    result::{Judged, Panel, PrimaryOutcome},
+    result::{ContrastTest, Judged, Panel, PrimaryOutcome},
     verdict::{FEWEST, Verdict, directed, equivalent, one_sided, outside},
 };
 use maveric_domain::design::{Claim, Hypothesis, Sign};
@@ -46,6 +46,7 @@ fn judge(
         n: pairs.len(),
         mean_difference: None,
         interval: None,
+        odds: None,
         bounds: match hypothesis.claim {
             Claim::Equivalent([low, high]) => Some((low, high)),
             Claim::Direction(_) => None,
@@ -80,11 +81,12 @@ fn judge(
                 judged.mean_difference = tested.mean_difference;
                 judged.p = tested.p_holm;
                 judged.interval = tested.interval;
+                judged.odds = tested.odds;
                 if primary.is_some() {
                     judged.p = tested.p;
                 }
             }
-            if model.is_none() {
+            if model.is_none() && panel.test != Some(ContrastTest::Ordinal) {
                 // The interval is the same whatever the bounds.
                 let ordinary = equivalent((-1.0, 1.0), &differences)?.1;
                 judged.interval = ordinary.and_then(|t| t.ci_low.zip(t.ci_high));

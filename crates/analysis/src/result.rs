@@ -95,7 +95,7 @@ pub struct Analysis {
     pub notes: Vec<String>,
     /// Who or what was left out of an analysis, and why.
     pub exclusions: Vec<Exclusion>,
-    /// Those analysed of whom no baseline drive is there.
+    /// Those analysed of whom nothing of the baseline is there.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub without_baseline: Vec<String>,
     /// Those analysed who answered no questionnaire about a condition.

@@ -15,7 +15,7 @@ use serde::{Deserialize, Serialize};
 pub struct Calibrated {
     /// The law with its fitted numbers.
     pub law: Law,
-    /// Its closed-loop RMSE of the gap there, mean over the stretches, in m.
+    /// Its closed-loop RMSE of the gap there, the mean over people of that over the stretches of each, in m.
     pub fit_gap_rmse_m: f64,
 }
 
@@ -110,7 +110,7 @@ impl Family {
         free.iter().enumerate().map(number).collect()
     }
 
-    /// Fits the free numbers to one or more stretches, every stretch the same weight. Same seed, same result.
+    /// Fits the free numbers to one or more stretches, every person the same weight. Same seed, same result.
     ///
     /// # Errors
     /// [`FollowingError::TooFewDrivers`] without stretches.
@@ -163,16 +163,31 @@ impl Family {
 /// Least RMSE by which a stretch is weighed, in m: one that is fitted exactly would outweigh all others.
 const LEAST_RMSE_M: f64 = 1e-6;
 
-/// The mean over stretches of the RMSE of the gap, of the laws of a family.
+/// The mean over people of the mean over their stretches of the RMSE of the gap, of the laws of a family.
 struct GapError<'a> {
     family: Family,
     stretches: &'a [Stretch<'a>],
+    /// How much each stretch counts: 1 where everybody has as many.
+    shares: Vec<f64>,
 }
 
 impl<'a> GapError<'a> {
     fn new(family: Family, stretches: &'a [Stretch<'a>]) -> Result<Self, FollowingError> {
         enough_drivers(stretches.len(), 1)?;
-        Ok(Self { family, stretches })
+        let of_person = |stretch: &Stretch<'_>| {
+            let person = stretch.run.person();
+            let theirs = stretches.iter().filter(|s| s.run.person() == person);
+            theirs.count() as f64
+        };
+        let counts: Vec<f64> = stretches.iter().map(of_person).collect();
+        let people = counts.iter().map(|count| 1.0 / count).sum::<f64>();
+        let all = stretches.len() as f64;
+        let shares = counts.iter().map(|count| all / (people * count)).collect();
+        Ok(Self {
+            family,
+            stretches,
+            shares,
+        })
     }
 }
 
@@ -181,27 +196,28 @@ impl Cost for GapError<'_> {
         let count = self.stretches.len() as f64;
         let mut left: Vec<usize> = (0..points.len()).collect();
         let mut sums = vec![0.0; points.len()];
-        for stretch in self.stretches {
+        for (stretch, share) in self.stretches.iter().zip(&self.shares) {
             let laws: Vec<Law> = left.iter().map(|&i| self.family.law(&points[i])).collect();
-            let most: Vec<f64> = left.iter().map(|&i| limits[i] * count - sums[i]).collect();
+            let most = left.iter().map(|&i| (limits[i] * count - sums[i]) / share);
+            let most: Vec<f64> = most.collect();
             for (&i, rmse_m) in left.iter().zip(gap_rmse_each(stretch, &laws, &most)) {
-                sums[i] += rmse_m;
+                sums[i] += share * rmse_m;
             }
             left.retain(|&i| sums[i].is_finite());
         }
         sums.iter().map(|sum| sum / count).collect()
     }
 
-    /// An error of a stretch weighs by one over its RMSE: so the squares add up to the mean of the RMSEs.
+    /// An error of a stretch weighs by its share over its RMSE: so the squares add up to the mean of the RMSEs.
     fn products(&self, points: &[Vec<f64>]) -> DMatrix<f64> {
         let n = points.len();
         let laws: Vec<Law> = points.iter().map(|p| self.family.law(p)).collect();
         let mut sum = DMatrix::zeros(n, n);
-        for stretch in self.stretches {
+        for (stretch, share) in self.stretches.iter().zip(&self.shares) {
             let sums = products(stretch, &laws);
             let rows = (stretch.rows.len() - 1) as f64;
             let rmse = (sums[0][0] / rows).sqrt().max(LEAST_RMSE_M);
-            let weight = 1.0 / (rows * rmse * self.stretches.len() as f64);
+            let weight = share / (rows * rmse * self.stretches.len() as f64);
             sum += DMatrix::from_fn(n, n, |k, l| weight * sums[k][l]);
         }
         sum
@@ -231,7 +247,7 @@ pub(crate) fn own_time_gap_s(
 mod tests {
     use super::*;
     use crate::{
-        simulate,
+        FollowingRun, simulate,
         testing::{self, DRIVER, driven_by_idm},
     };
 
@@ -288,6 +304,23 @@ mod tests {
             .calibrate(&[run.fit()], &SearchSettings::default(), 1)
             .unwrap();
         assert!(found.fit_gap_rmse_m < 0.2, "{found:?}");
+    }
+
+    #[test]
+    fn a_person_weighs_as_much_as_another_however_many_drives_they_have() {
+        let [a, b] = [("A", 1.0), ("B", 2.4)]
+            .map(|(name, seconds)| driven_by_idm(name, DRIVER.with_time_gap_s(seconds)));
+        let point = Family::Idm.numbers(Law::Idm(DRIVER));
+        let error = |runs: &[&FollowingRun]| {
+            let fits: Vec<Stretch<'_>> = runs.iter().map(|run| run.fit()).collect();
+            let error = GapError::new(Family::Idm, &fits).unwrap();
+            let cost = error.costs(std::slice::from_ref(&point), &[f64::INFINITY])[0];
+            (cost, error.products(std::slice::from_ref(&point))[(0, 0)])
+        };
+        let (of_a, of_b, of_both) = (error(&[&a]), error(&[&b]), error(&[&a, &a, &a, &b]));
+        assert!((of_a.0 - of_b.0).abs() > 0.1, "{of_a:?} {of_b:?}");
+        assert!((of_both.0 - 0.5 * (of_a.0 + of_b.0)).abs() < 1e-9);
+        assert!((of_both.1 - 0.5 * (of_a.1 + of_b.1)).abs() < 1e-9);
     }
 
     #[test]

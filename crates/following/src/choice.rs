@@ -9,6 +9,7 @@ use crate::{
     results::DriverEvaluation,
     run::FollowingRun,
     settings::FollowingSettings,
+    simulation_errors::SimulationErrors,
 };
 use serde::Serialize;
 
@@ -63,7 +64,7 @@ pub struct Candidate {
     /// Mean over sets of the mean over people of the logarithm of its error of the gap over that of IDM of the others with the own
     /// time gap; below 0 where it is nearer.
     pub score: f64,
-    /// Drives in which it reached the leader.
+    /// People in whose place it reached the leader.
     pub reached_zero: usize,
 }
 
@@ -74,28 +75,39 @@ pub struct Trial {
     pub person: String,
     /// Which candidate.
     pub method: M,
-    /// RMSE of the simulated gap over the person's test rows, in m.
+    /// RMSE of the simulated gap over the person's test rows, in m: the mean over the drives of one who has several.
     pub gap_rmse_m: f64,
-    /// Whether the simulated gap reached 0.
+    /// Whether the simulated gap reached 0, in any of them.
     pub reached_zero: bool,
 }
 
 /// The candidates of some people who were tried.
 pub fn trials(drivers: &[DriverEvaluation]) -> Vec<Trial> {
-    let trials_of = |driver: &DriverEvaluation| {
-        let candidates = driver
-            .methods
-            .iter()
-            .filter(|m| M::CANDIDATES.contains(&m.method));
-        let trial = |m: &crate::MethodErrors| Trial {
-            person: driver.driver.clone(),
-            method: m.method,
-            gap_rmse_m: m.errors.gap_rmse_m,
-            reached_zero: m.errors.reached_zero,
-        };
-        candidates.map(trial).collect::<Vec<_>>()
+    let mut people: Vec<&str> = Vec::new();
+    for driver in drivers {
+        if !people.contains(&driver.person()) {
+            people.push(driver.person());
+        }
+    }
+    let trial = |person: &str, method: M| {
+        let drives = drivers.iter().filter(|d| d.person() == person);
+        let errors: Vec<SimulationErrors> = drives
+            .flat_map(|d| &d.methods)
+            .filter(|m| m.method == method)
+            .map(|m| m.errors)
+            .collect();
+        (!errors.is_empty()).then(|| Trial {
+            person: person.to_owned(),
+            method,
+            gap_rmse_m: errors.iter().map(|e| e.gap_rmse_m).sum::<f64>() / errors.len() as f64,
+            reached_zero: errors.iter().any(|e| e.reached_zero),
+        })
     };
-    drivers.iter().flat_map(trials_of).collect()
+    let of_person = |person: &str| -> Vec<Trial> {
+        let candidates = M::CANDIDATES.into_iter();
+        candidates.filter_map(|m| trial(person, m)).collect()
+    };
+    people.into_iter().flat_map(of_person).collect()
 }
 
 /// The candidates of several sets of people, the best first: the rule.
@@ -186,9 +198,8 @@ mod tests {
         assert!(found.iter().all(|c| c.method != M::IdmOwn));
     }
 
-    #[test]
-    fn people_are_judged_by_others_and_their_test_rows_move_nothing() {
-        let settings = FollowingSettings {
+    fn settings() -> FollowingSettings {
+        FollowingSettings {
             search: SearchSettings {
                 members_per_parameter: 4,
                 generations: 10,
@@ -200,10 +211,33 @@ mod tests {
                 ..ClosedLoopSettings::default()
             },
             ..FollowingSettings::default()
-        };
+        }
+    }
+
+    fn runs() -> Vec<FollowingRun> {
         let run =
             |t: f64| testing::driven_by_idm(&format!("T{t}"), testing::DRIVER.with_time_gap_s(t));
-        let mut runs = [1.0, 1.4, 1.8, 2.2].map(run).to_vec();
+        [1.0, 1.4, 1.8, 2.2].map(run).to_vec()
+    }
+
+    #[test]
+    fn drives_of_one_person_are_in_one_fold_and_make_one_trial_a_candidate() {
+        let mut runs = runs();
+        runs[1] = runs[1].clone().of_person("T1");
+        let found = try_over_people(&runs, 3, &settings()).unwrap();
+        let names: Vec<&str> = found.iter().map(|d| d.driver.as_str()).collect();
+        assert_eq!(names, ["T1", "T1.4", "T1.8", "T2.2"]);
+        let tried = trials(&found);
+        assert_eq!(tried.len(), 3 * M::CANDIDATES.len());
+        let of_both = tried.iter().find(|t| t.method == BESIDE).unwrap();
+        let [first, second] = [0, 1].map(|at| found[at].gap_rmse_m(BESIDE).unwrap());
+        assert_eq!(of_both.person, "T1");
+        assert!((of_both.gap_rmse_m - 0.5 * (first + second)).abs() < 1e-12);
+    }
+
+    #[test]
+    fn people_are_judged_by_others_and_their_test_rows_move_nothing() {
+        let (mut runs, settings) = (runs(), settings());
         let before = try_over_people(&runs, 2, &settings).unwrap();
         let names: Vec<&str> = before.iter().map(|d| d.driver.as_str()).collect();
         assert_eq!(names, ["T1", "T1.8", "T1.4", "T2.2"]);

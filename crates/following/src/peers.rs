@@ -40,6 +40,46 @@ pub(crate) fn people(runs: &[FollowingRun]) -> Vec<&str> {
     people
 }
 
+/// How much to believe of what was fitted to both halves of the fit rows of each of `runs`: who has several drives is one person, by the
+/// mean of their halves.
+pub(crate) fn shrinkage_of(
+    runs: &[FollowingRun],
+    halves: &[[Vec<f64>; 2]],
+) -> Result<Shrinkage, FollowingError> {
+    let of_person = |person: &str| {
+        let drives = runs.iter().zip(halves);
+        let drives: Vec<(&FollowingRun, &[Vec<f64>; 2])> =
+            drives.filter(|(run, _)| run.person() == person).collect();
+        let mean = |half: usize| -> Vec<f64> {
+            let numbers = 0..drives[0].1[half].len();
+            let sum = |k: usize| drives.iter().map(|(_, h)| h[half][k]).sum::<f64>();
+            numbers.map(|k| sum(k) / drives.len() as f64).collect()
+        };
+        let seconds = drives.iter().map(|(run, _)| 0.5 * run.fit().seconds());
+        ([mean(0), mean(1)], seconds.sum::<f64>())
+    };
+    let (halves, seconds): (Vec<[Vec<f64>; 2]>, Vec<f64>) =
+        people(runs).into_iter().map(of_person).unzip();
+    Shrinkage::estimate(&halves, &seconds)
+}
+
+/// The mean over people but this one of the mean of a value over the drives of each.
+fn mean_over_others(
+    learned: &[FollowingRun],
+    person: &str,
+    value: impl Fn(&FollowingRun) -> Result<f64, FollowingError>,
+) -> Result<f64, FollowingError> {
+    let mean = |values: &[f64]| values.iter().sum::<f64>() / values.len() as f64;
+    let of_person = |other: &str| -> Result<f64, FollowingError> {
+        let drives = learned.iter().filter(|r| r.person() == other);
+        let values: Vec<f64> = drives.map(&value).collect::<Result<_, _>>()?;
+        Ok(mean(&values))
+    };
+    let others = people(learned).into_iter().filter(|p| *p != person);
+    let means: Vec<f64> = others.map(of_person).collect::<Result<_, _>>()?;
+    Ok(mean(&means))
+}
+
 /// `fit` of each, in parallel; the first error in their order, whichever was found first.
 pub(crate) fn each<T: Send>(
     runs: &[FollowingRun],
@@ -122,8 +162,7 @@ pub(crate) fn idm(
         Ok((others, halves))
     })?;
     let halves: Vec<_> = of_learned.iter().map(|(_, h)| h.clone()).collect();
-    let seconds: Vec<f64> = learned.iter().map(|r| 0.5 * r.fit().seconds()).collect();
-    let shrinkage = Shrinkage::estimate(&halves, &seconds)?;
+    let shrinkage = shrinkage_of(learned, &halves)?;
     let place = |run: &FollowingRun| learned.iter().position(|r| r.person() == run.person());
     let peers = each(judged, |run| {
         // Strangers have the same others, all who were learned from.
@@ -190,12 +229,7 @@ pub(crate) fn add_the_rest(
             let calibrated = family.calibrate(stretches, &settings.search, seed(method))?;
             Ok((method, calibrated))
         };
-        let from = others(learned, run.person());
-        let gaps = from
-            .iter()
-            .map(|r| time_gap_s(r))
-            .collect::<Result<Vec<_>, _>>()?;
-        let of_others_s = gaps.iter().sum::<f64>() / gaps.len() as f64;
+        let of_others_s = mean_over_others(learned, run.person(), time_gap_s)?;
         let (own, test) = ([run.fit()], [run.test()]);
         let constant = |method: M, time_gap_s: f64| {
             (
@@ -217,4 +251,45 @@ pub(crate) fn add_the_rest(
         peers.laws.extend(laws);
     }
     Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::testing;
+
+    /// Drives of 60 s to fit; those of a name that begins with A are one person's.
+    fn drives(names: &[&str]) -> Vec<FollowingRun> {
+        let run = |name: &&str| {
+            let run = testing::behind(name, 900, 20.0, 15.0, |_| 15.0);
+            if name.starts_with('A') {
+                run.of_person("A")
+            } else {
+                run
+            }
+        };
+        names.iter().map(run).collect()
+    }
+
+    #[test]
+    fn drives_of_one_person_are_believed_as_one_persons() {
+        let halves = [(0.0, 2.0), (2.0, 0.0), (4.0, 2.0), (7.0, 9.0)];
+        let halves = halves.map(|(a, b)| [vec![a], vec![b]]);
+        let found = shrinkage_of(&drives(&["A1", "A2", "B", "C"]), &halves).unwrap();
+        // A has 1 in both halves: middles 1, 3, 8 and within (0 + 2 + 2) / 3; two degrees of freedom say nothing yet.
+        assert_eq!(found.people, 3);
+        assert!((found.half_s - 40.0).abs() < 1e-12);
+        assert!((found.within - 4.0 / 3.0).abs() < 1e-12);
+        assert!((found.between - (13.0 - 2.0 / 3.0)).abs() < 1e-12);
+        assert!(found.most.abs() < 1e-12);
+    }
+
+    #[test]
+    fn a_mean_over_others_has_each_person_once_however_many_drives_they_have() {
+        let runs = drives(&["A1", "A2", "A3", "B", "C"]);
+        let value = |run: &FollowingRun| Ok(if run.person() == "A" { 1.0 } else { 2.0 });
+        let of_others = |person| mean_over_others(&runs, person, value).unwrap();
+        assert!((of_others("C") - 1.5).abs() < 1e-12);
+        assert!((of_others("A") - 2.0).abs() < 1e-12);
+    }
 }

@@ -17,7 +17,7 @@ pub struct MethodErrors {
     pub errors: SimulationErrors,
 }
 
-/// One method over all drivers, every driver the same weight.
+/// One method over all drives, every drive the same weight.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct MethodMean {
     /// The method that drove in place of every driver.

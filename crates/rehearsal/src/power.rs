@@ -53,6 +53,7 @@ mod tests {
             n: 24,
             mean_difference: Some(1.0),
             interval: None,
+            odds: None,
             expected: None,
             bounds: None,
             p: Some(0.01),

@@ -18,7 +18,9 @@ pub(crate) use pearson::coefficient;
 use crate::{
     Reasons, StatsError, apa, complete,
     normality::shapiro_wilk,
-    numerics::distributions::{fisher_ends, fisher_interval, normal_quantile, t_two_sided},
+    numerics::distributions::{
+        fisher_ends, fisher_interval, normal_quantile, t_quantile_two_sided, t_two_sided,
+    },
 };
 
 /// Which coefficient is wanted.
@@ -204,6 +206,23 @@ pub fn simultaneous_interval(r: f64, n: usize, tests: usize, ranks: bool) -> Opt
     let tail = -libm::expm1(-outside) / 2.0;
     let half = -normal_quantile(tail) * (variance / (n as f64 - 3.0)).sqrt();
     Some(fisher_ends(r, half))
+}
+
+/// The smallest correlation of `n` pairs whose two-sided p by t is below .05 / `tests`, which the least of a family has to be by Holm;
+/// `None` below four pairs or without tests.
+///
+/// # Example
+/// ```
+/// let least = maveric_stats::least_correlation(24, 104).unwrap();
+/// assert!((least - 0.657).abs() < 1e-3);
+/// ```
+pub fn least_correlation(n: usize, tests: usize) -> Option<f64> {
+    if n < 4 || tests == 0 {
+        return None;
+    }
+    let df = n as f64 - 2.0;
+    let t = t_quantile_two_sided(0.05 / tests as f64, df)?;
+    Some(t / libm::hypot(t, df.sqrt()))
 }
 
 /// Two-sided p of a correlation with `df` degrees of freedom: t = r √(df / (1 - r²)); the

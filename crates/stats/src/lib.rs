@@ -70,7 +70,7 @@ pub use compare::{
 };
 pub use correlation::{
     Correlation, CorrelationMethod, Kendall, Pearson, RmCorrelation, RmCorrelationAnalysis,
-    Spearman, SpearmanCompat, correlate, rm_correlation, simultaneous_interval,
+    Spearman, SpearmanCompat, correlate, least_correlation, rm_correlation, simultaneous_interval,
 };
 pub use describe::{mean, mean_interval, quantile, standard_deviation, within_subject_intervals};
 pub use equivalence::{

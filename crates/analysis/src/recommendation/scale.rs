@@ -36,17 +36,17 @@ pub(super) fn on_the_scale(
         .style_range()
         .unwrap_or((f64::NEG_INFINITY, f64::INFINITY));
     let score = own_score + preferred.points;
-    let end = |end: f64| {
-        let reach = libm::hypot(end - preferred.points, HALF_95 * own_sd);
-        // No score lies outside the scale, so no interval need hold one.
-        (score + reach.copysign(end - preferred.points)).clamp(lowest, highest)
-    };
-    (lowest..=highest).contains(&score).then(|| OnTheScale {
+    let reach = |end: f64| libm::hypot(end - preferred.points, HALF_95 * own_sd);
+    // A setting that ends where the scale does may be rounded past it.
+    let rounding = 1e-9 * score.abs().max(1.0);
+    let scores = lowest - rounding..=highest + rounding;
+    // No score lies outside the scale, so no interval need hold one.
+    scores.contains(&score).then(|| OnTheScale {
         own: own_score,
         own_sd,
-        at: score,
-        low: end(preferred.low),
-        high: end(preferred.high),
+        at: score.clamp(lowest, highest),
+        low: (score - reach(preferred.low)).clamp(lowest, highest),
+        high: (score + reach(preferred.high)).clamp(lowest, highest),
     })
 }
 

@@ -272,6 +272,12 @@ fn no_setting_is_recommended_or_shown_that_the_scale_does_not_have() {
     within(&data, 0, [-19.0, 21.0]);
     within(&data, 1, [-1.0, 30.0]);
     within(&data, 2, [-30.0, 30.0]);
+    let people: Vec<_> = (0..PEOPLE).map(person).collect();
+    let learned = Learned::from(&eight(below), &people, None).unwrap();
+    let found = learned.recommendation(&data, &person(1));
+    assert!(found.preferred.unwrap().low >= -1.0 && found.next.unwrap().0 >= -1.0);
+    let there = found.on_the_scale.unwrap();
+    assert!(there.low <= there.at && there.at <= there.high, "{there:?}");
 }
 
 #[test]
@@ -531,6 +537,13 @@ fn on_the_scale_both_uncertainties_add_up_as_squares() {
     assert_eq!((own, own_sd, at), (39.0, 4.5, 45.0));
     near(low, 45.0 - (36.0 + (1.96 * 4.5_f64).powi(2)).sqrt(), 1e-9);
     near(high, 45.0 + (64.0 + (1.96 * 4.5_f64).powi(2)).sqrt(), 1e-9);
+    // Of a setting at its own low end the own style alone is open below.
+    let at_the_end = Preferred {
+        low: 6.0,
+        ..preferred
+    };
+    let found = on_the_scale(&data, &person(0), &at_the_end).unwrap();
+    near(found.low, 45.0 - 1.96 * 4.5, 1e-9);
 }
 
 #[test]
@@ -551,6 +564,8 @@ fn a_recommendation_that_the_scale_has_no_score_for_has_none_and_no_interval_lea
     assert_eq!((inside.at, inside.high), (54.0, 55.0));
     assert!(inside.low < 54.0 - 8.0);
     assert_eq!(on_the_scale(&data, &person(0), &preferred(17.0)), None);
+    let rounded = on_the_scale(&data, &person(0), &preferred(16.0 + 1e-12));
+    assert_eq!(rounded.map(|found| found.at), Some(55.0));
     // Whoever reads as no score of the scale has no place on it.
     data.embeddings[0].adb_hat = None;
     assert_eq!(on_the_scale(&data, &person(0), &preferred(0.0)), None);

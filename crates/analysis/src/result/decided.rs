@@ -61,8 +61,11 @@ pub struct Judged {
     /// Mean of first minus second, in the unit of the panel.
     pub mean_difference: Option<f64>,
     /// Ends of the interval of that mean: 95 %; of a claim that the two are the same 90 %, which lies within the bounds where both one-sided
-    /// tests are below .05.
+    /// tests are below .05. None where `p` is of odds.
     pub interval: Option<(f64, f64)>,
+    /// What `p` is of, where the order of answers alone counts.
+    #[serde(default)]
+    pub odds: Option<Odds>,
     /// Which way the difference is claimed to lie; none of a claim that the two are the same.
     pub expected: Option<Sign>,
     /// Bounds within which the two count as the same, of a claim that they are.

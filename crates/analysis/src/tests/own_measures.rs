@@ -47,11 +47,14 @@ fn where_somebody_has_a_value_in_the_baseline_differences_from_it_are_compared()
     let time = panel(&a, "tor_s");
     assert_eq!((time.n, time.differences_from), (6, Some(id("own"))));
     near(time.rows[5][1], 2.0 * 1.5);
+    // A measured baseline is one, and nobody was asked anything.
+    assert!(a.without_baseline.is_empty() && a.without_answer.is_empty());
     // Somebody without a value is left out, and named.
     let mut less = taken_over(&three);
     less.own
         .retain(|row| row.participant != person(2) || row.condition != id("own"));
     let less = analysed_by(&text, less);
+    assert_eq!(less.without_baseline, ["P3"]);
     let time = panel(&less, "tor_s");
     assert_eq!((time.n, &time.dropped[..]), (5, &["P3".to_owned()][..]));
 }

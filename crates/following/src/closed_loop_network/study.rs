@@ -3,7 +3,7 @@
 use super::{ClosedLoopNetwork, ClosedLoopSettings};
 use crate::{
     FollowingError, FollowingRun, FollowingSettings, SimulationErrors, Stretch,
-    peers::{each, others},
+    peers::{each, others, people, shrinkage_of},
     shrinkage::Shrinkage,
     simulate,
 };
@@ -47,7 +47,7 @@ pub struct ClosedLoopStudy {
     /// Each alone; never one chosen by these errors.
     pub seeds: Vec<ClosedLoopSeed>,
     /// The first seed again, each driver by a network that was trained on the drives of other people alone; `None` where somebody who
-    /// is judged was not learned from, as every seed is that for them, or where fewer than two such drives are left.
+    /// is judged was not learned from, as every seed is that for them, or where fewer than two other people are left.
     pub strangers: Option<ClosedLoopSeed>,
 }
 
@@ -77,8 +77,7 @@ fn train_for(
         .map(|f| f.halves().map(|h| fit(&h)))
         .collect();
     let embeddings: Vec<Vec<f64>> = judged.par_iter().map(|run| fit(&run.fit())).collect();
-    let seconds: Vec<f64> = fits.iter().map(|f| 0.5 * f.seconds()).collect();
-    let shrinkage = Shrinkage::estimate(&halves, &seconds)?;
+    let shrinkage = shrinkage_of(learned, &halves)?;
     let mean = network.mean_embedding();
     let shrunken = judged
         .iter()
@@ -129,10 +128,8 @@ pub(crate) fn study(
         .map(|(seed, trained)| errors_of(judged, seed, |index| (trained, index)))
         .collect::<Result<_, _>>()?;
     let first = settings.seed;
-    let can_be_left_out = |run: &FollowingRun| {
-        let others = others(learned, run.person()).len();
-        others < learned.len() && others > 1
-    };
+    let all = people(learned);
+    let can_be_left_out = |run: &FollowingRun| all.contains(&run.person()) && all.len() > 2;
     let strangers = if judged.iter().all(can_be_left_out) {
         let left_out = each(judged, |run| {
             let from: Vec<FollowingRun> =
@@ -231,6 +228,9 @@ mod tests {
         assert_eq!(strangers.mean[0], alone.seeds[0].mean[0]);
         let few = study(&runs[..3], &runs[..3], &settings(1)).unwrap();
         assert_eq!(few.strangers, None, "one drive is left without the two");
+        runs[3] = runs[3].clone().of_person("T1.8");
+        let two = study(&runs, &runs, &settings(1)).unwrap();
+        assert_eq!(two.strangers, None, "one person is left without the other");
     }
 
     #[test]

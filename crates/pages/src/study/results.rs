@@ -177,13 +177,14 @@ mod tests {
     fn a_hypothesis_stands_with_the_p_that_made_it_so() {
         let label = Value::from_function(|id: &str| id.to_owned());
         let texts = PageTexts::new(RESULTS, &context! { label }).unwrap();
-        let said = |verdict: &str, bounds: Option<Vec<f64>>, holm: bool| {
+        let said_of = |odds: Option<Value>, verdict: &str, bounds: Option<Vec<f64>>, holm: bool| {
             let values = context! {
                 says => "So", verdict, bounds, holm, rule => "shown if it is", n => 24, first => "calm", second => "sporty",
-                mean_difference => 2.0, interval => vec![1.5, 2.5], p => 0.999, p_outside => 0.001,
+                mean_difference => 2.0, interval => vec![1.5, 2.5], odds, p => 0.999, p_outside => 0.001,
             };
             texts.with(&values).text("hypothesis").unwrap()
         };
+        let said = |verdict: &str, bounds, holm| said_of(None, verdict, bounds, holm);
         let bounds = || Some(vec![-1.0, 1.0]);
         let fails = said("fails", bounds(), false);
         assert!(
@@ -195,6 +196,14 @@ mod tests {
         assert!(open.ends_with("the larger *p* = .999."), "{open}");
         assert!(said("fails", None, true).ends_with(", *p*_{Holm} = .999."));
         assert!(said("shown", None, false).ends_with(", *p* = .999."));
+        // Of ordered answers p is of the odds, which stand in the place of an interval of the difference.
+        let odds = context! { ratio => 3.0, interval => vec![2.0, 4.5] };
+        let ordered = said_of(Some(odds), "shown", None, false);
+        assert!(
+            ordered.contains("*M* = 2.00, odds ratio 3.00, 95% CI"),
+            "{ordered}"
+        );
+        assert!(!ordered.contains("2.50"), "{ordered}");
     }
 
     #[test]

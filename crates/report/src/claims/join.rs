@@ -177,7 +177,7 @@ pub fn join(
             let few = find("n")?.into_iter().chain(pairs).any(|n| n < FEWEST);
             let verdict = match (ours, claim.rule) {
                 (None, _) => Verdict::NotComputed,
-                (Some(_), Rule::ByDesign {}) => Verdict::ByDesign,
+                (Some(_), Rule::ByDesign { .. }) => Verdict::ByDesign,
                 _ if claim.tuned => Verdict::Tuned,
                 _ if few => Verdict::TooFew,
                 // A small p says nothing of which way: without the direction there is no verdict.
@@ -241,7 +241,7 @@ fn judge(claim: &Claim, ours: f64, pairs: Option<(f64, Quantity)>) -> Verdict {
         Rule::PAbove { bound } => choose(ours > bound, Verdict::Agrees, Verdict::Differs),
         Rule::Above => choose(ours > theirs, Verdict::Agrees, Verdict::Differs),
         Rule::Below => choose(ours < theirs, Verdict::Agrees, Verdict::Differs),
-        Rule::ByDesign {} => Verdict::ByDesign,
+        Rule::ByDesign { .. } => Verdict::ByDesign,
     }
 }
 

@@ -131,7 +131,11 @@ pub enum Rule {
     /// Our value is below the printed one.
     Below,
     /// Whoever runs the study sets it: no finding, whatever ours is.
-    ByDesign {},
+    ByDesign {
+        /// Of a file of before: it decides nothing.
+        #[serde(default, skip_serializing)]
+        tolerance: Option<f64>,
+    },
 }
 
 /// A number as printed: `-.5`, `<.001`, `93.6`.

@@ -39,10 +39,14 @@ pub(super) fn several(
     }
     reasons.extend(methods_in_words(data, &plan, normal));
     let (anova, tests) = tested(&design, &shape, &covariates, &plan, normal)?;
-    for (effect, _) in tests.iter().filter(|(_, test)| test.is_unanimous()) {
+    for (effect, test) in tests.iter().filter(|(_, test)| test.is_unanimous()) {
         let effect = data.called(effect);
+        let ordered = match test.method {
+            EffectMethod::FriedmanOfDifferences => "the differences between the levels",
+            _ => "the levels",
+        };
         reasons.push(format!(
-            "{effect}: all subjects order the levels alike, so F has no bound; Friedman's chi-squared decides in its place"
+            "{effect}: all subjects order {ordered} alike, so F has no bound; Friedman's chi-squared decides in its place"
         ));
     }
     let ranked = tests.values().any(|test| test.method.is_of_ranks());

@@ -84,7 +84,7 @@ fn heading_of(result: &Posthoc) -> String {
 
 fn pairs(result: &Posthoc) -> Table {
     let statistic = match result.test {
-        PosthocTest::Wilcoxon => "*W*_{+}",
+        PosthocTest::Wilcoxon => "*V*",
         PosthocTest::Nemenyi => "*q*",
         _ => "*t*",
     };

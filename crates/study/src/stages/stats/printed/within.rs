@@ -217,7 +217,7 @@ fn rank_pairs(result: &WithinAnalysis) -> Table {
     )
     .text("", |((name, _), _)| *name)
     .right("*n*", |((_, w), _)| Cell::count(w.n_used))
-    .right("*W*_{+}", |((_, w), _)| sum(w.w_plus))
+    .right("*V*", |((_, w), _)| sum(w.w_plus))
     .right("*W*_{−}", |((_, w), _)| sum(w.w_minus))
     .right("Wilcoxon *p*_{Holm}", |((_, w), _)| p(w.p_holm))
     .right("*r*_{rb}", |((_, w), _)| share(w.rank_biserial))
