@@ -102,7 +102,7 @@ fn caption(input: &Interaction) -> String {
     let n = counted(input.panels.iter().map(|panel| panel.n), " (by panel)");
     let are_cut = input.panels.iter().any(|panel| {
         let means = panel.lines.iter().flat_map(|line| &line.means).flatten();
-        let is_beyond = |end| {
+        let is_beyond = |end: &f64| {
             panel
                 .range
                 .is_some_and(|(low, high)| !(low..=high).contains(end))
