@@ -31,3 +31,22 @@ pub fn parts(finding: &Finding, whole: &str) -> Result<Card, ReportError> {
     let drawn = Drawn::beside(50.0, rows.map(|part| share_row(&part.of, part)));
     card(&texts, finding, &values, Some(drawn))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use maveric_analysis::Question;
+    use maveric_stats::proportion;
+
+    #[test]
+    fn that_rows_are_the_least_is_said_where_some_are_left_out() {
+        let what = |all: usize| {
+            let share = proportion(7, 10, 0.95).ok();
+            let part = Part::share("wide", 10, share.as_ref(), (0.5, f64::INFINITY));
+            let finding = Finding::every(Question::Parts, vec![part; all]);
+            parts(&finding, "whole").unwrap().plot.unwrap().what
+        };
+        assert_eq!(what(12), "Wilson’s 95% CI");
+        assert_eq!(what(13), "The twelve least; Wilson’s 95% CI");
+    }
+}

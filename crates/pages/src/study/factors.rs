@@ -199,6 +199,7 @@ impl StudyPage<'_> {
         context! {
             outcome => panel.outcome.as_str(),
             title => titled(panel),
+            unit => panel.unit.as_str(),
             contrast_id => ids.join("."),
             contrast => words.join(" × ").replace(" × at ", ", at "),
             sentence => sentence.map(|s| s.markup().to_owned()),

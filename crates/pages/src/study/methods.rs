@@ -5,7 +5,7 @@ use crate::{orders::orders, preregistration::condition, texts::value};
 use maveric_analysis::ContrastTest;
 use maveric_domain::design::Compare;
 use maveric_report::ReportError;
-use maveric_stats::{ByDesign, PERIOD};
+use maveric_stats::{ByDesign, CarryOver, PERIOD};
 use minijinja::{Value, context};
 
 /// A paragraph with what it is about; of a note that is nothing.
@@ -88,7 +88,7 @@ impl StudyPage<'_> {
                 t => tested(ContrastTest::T),
                 wilcoxon => tested(ContrastTest::Wilcoxon),
                 period => compared().any(with_period),
-                carry_over => !self.carry_over_rows().is_empty(),
+                carry_over => a.panels.iter().any(|p| matches!(p.carry_over, Some(CarryOver::Fitted(_)))),
                 worlds_by_ride => self.worlds_by_ride(),
             },
             compare,

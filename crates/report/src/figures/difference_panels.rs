@@ -141,6 +141,9 @@ pub fn difference_panels(
         2 => TWO_COLUMNS_MM / 2.0 * grid.columns as f64,
         _ => TWO_COLUMNS_MM,
     };
+    let heads = input.panels.iter();
+    let heads = heads.map(|panel| [panel.title.as_str(), panel.omnibus.as_str()]);
+    let height = height + rainclouds::further_mm(heads, grid, width);
     let what = match input.from {
         Some(from) => format!(
             "Difference between each condition and {}",
@@ -475,6 +478,19 @@ mod tests {
         assert!(figure.svg.contains(">no values</text>"));
         let said = "Nobody has a value of Mean velocity in Slower.";
         assert!(figure.caption.contains(said), "{}", figure.caption);
+    }
+
+    #[test]
+    fn a_figure_grows_with_the_lines_of_its_titles() {
+        let height = |title: &str| {
+            let mut input = panel(rows(6));
+            input.panels[0].title = title.to_owned();
+            let svg = difference_panels(&input, &Context::real()).unwrap().svg;
+            let (_, after) = svg.split_once(" height=\"").unwrap();
+            after.split_once("mm").unwrap().0.parse::<f64>().unwrap()
+        };
+        assert!((height("Mean velocity") - 67.0).abs() < 0.01);
+        assert!(height(&["Mean velocity"; 8].join(" ")) > 70.0);
     }
 
     #[test]

@@ -124,10 +124,11 @@ impl FidelityRow {
     }
 
     fn words(&self) -> String {
-        let [car, own, _, paper] = self.intervals();
+        let [car, own, all, paper] = self.intervals();
         let series = [
             ("the car", car),
             ("the driver’s second drive", own),
+            ("the training mean", all),
             ("the paper", paper),
         ];
         let words =

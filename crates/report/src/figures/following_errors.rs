@@ -1,4 +1,4 @@
-//! How far from the recorded gap each model drove, driver by driver.
+//! How far from the recorded gap each model drove, drive by drive.
 
 use super::following_spread as spread;
 use super::prelude::*;
@@ -56,7 +56,7 @@ fn plan(input: &FollowingErrors, crowd: bool) -> Plan {
     let (height_points, shown) = if crowd {
         (
             58.0 + spread::ROW * models,
-            "Thin lines hold nine in ten drivers, thick lines the middle half, points are means over drivers",
+            "Thin lines hold nine in ten drives, thick lines the middle half, points are means over drives",
         )
     } else {
         (
@@ -71,7 +71,7 @@ fn plan(input: &FollowingErrors, crowd: bool) -> Plan {
     Plan {
         name: NAME.to_owned(),
         size_mm: (120.0, height_points / 72.0 * 25.4),
-        title: "Error of the gap in closed loop, by driver".to_owned(),
+        title: "Error of the gap in closed loop, by drive".to_owned(),
         caption: format!(
             "{}: root-mean-square error of the gap over the unseen last third of each drive, in \
              closed loop. {shown}; the floor was fitted to that third itself. *n* = {} drives, each with \
@@ -79,7 +79,7 @@ fn plan(input: &FollowingErrors, crowd: bool) -> Plan {
             markup::literal(&input.data_set),
             input.drivers.len()
         ),
-        alt: format!("Mean over drivers. {}", sentences(means)),
+        alt: format!("Mean over drives. {}", sentences(means)),
         shows: Shows::Participants,
     }
 }

@@ -16,7 +16,7 @@ pub struct ModelErrors {
 /// Height of a model's row, in points.
 pub(crate) const ROW: f64 = 14.0;
 
-/// Draws, a model a row, the range of nine in ten drivers, the quartiles and the mean.
+/// Draws, a model a row, the range of nine in ten drives, the quartiles and the mean.
 pub(crate) fn paint(
     canvas: &mut Canvas<'_>,
     place: Place,

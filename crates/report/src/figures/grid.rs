@@ -2,7 +2,9 @@
 
 use super::axes::Place;
 use super::canvas::Canvas;
+use super::figure::MARGIN;
 use super::legend::Key;
+use super::page::points_from_mm;
 use super::theme::{ONE_COLUMN_MM, TWO_COLUMNS_MM};
 use super::{Context, Figure, Plan, draw};
 use crate::error::ReportError;
@@ -37,6 +39,17 @@ impl Grid {
     /// Rows of panels, to multiply a height with.
     pub(crate) fn rows(self) -> f64 {
         self.lines() as f64
+    }
+
+    /// Whether its panels have letters.
+    pub(crate) fn has_letters(self) -> bool {
+        self.count > 1
+    }
+
+    /// Points' width of a panel in a drawing so many millimetres wide.
+    pub(crate) fn panel_width(self, drawn_mm: f64) -> f64 {
+        let gaps = self.gap.0 * (self.columns - 1) as f64;
+        (points_from_mm(drawn_mm) - 2.0 * MARGIN - gaps) / self.columns as f64
     }
 
     /// Width in millimetres where three columns fill the page; never below one column of print.
@@ -96,7 +109,7 @@ pub(crate) fn draw_panels(
         }
         for index in 0..grid.count {
             let index_of_cell = (index % grid.columns, index / grid.columns);
-            canvas.letter = letter(index).filter(|_| grid.count > 1);
+            canvas.letter = letter(index).filter(|_| grid.has_letters());
             let cell = place.cell(index_of_cell, (grid.columns, rows), grid.gap);
             cells.push(cell.boxed(grid.gap, whole.bottom));
             paint(canvas, index, cell);

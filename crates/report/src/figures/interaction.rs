@@ -100,8 +100,22 @@ pub fn interaction(input: &Interaction, context: &Context) -> Result<Figure, Rep
 
 fn caption(input: &Interaction) -> String {
     let n = counted(input.panels.iter().map(|panel| panel.n), " (by panel)");
+    let are_cut = input.panels.iter().any(|panel| {
+        let means = panel.lines.iter().flat_map(|line| &line.means).flatten();
+        let is_beyond = |end: &f64| {
+            panel
+                .range
+                .is_some_and(|(low, high)| !(low..=high).contains(end))
+        };
+        means.flatten().any(is_beyond)
+    });
+    let cut = if are_cut {
+        ", cut at the ends of the scale"
+    } else {
+        ""
+    };
     format!(
-        "Markers are means with 95% intervals, a line a level of one factor. {} *n* = {n}.",
+        "Markers are means with 95% intervals{cut}, a line a level of one factor. {} *n* = {n}.",
         input.intervals
     )
 }
@@ -271,11 +285,14 @@ mod tests {
                 mean[2] = mean[2].min(7.0);
             }
         }
-        let [whole, cut] = [input(), cut].map(|i| interaction(&i, &Context::real()).unwrap().svg);
-        assert_eq!(whole, cut);
+        let [whole, cut] = [input(), cut].map(|i| interaction(&i, &Context::real()).unwrap());
+        assert_eq!(whole.svg, cut.svg);
+        let says = |figure: &Figure| figure.caption.contains("intervals, cut at the ends");
+        assert!(says(&whole) && !says(&cut));
         let mut free = input();
         free.panels[0].range = None;
-        assert_ne!(interaction(&free, &Context::real()).unwrap().svg, whole);
+        let free = interaction(&free, &Context::real()).unwrap();
+        assert!(free.svg != whole.svg && !says(&free));
     }
 
     #[test]

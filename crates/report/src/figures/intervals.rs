@@ -4,6 +4,7 @@ use super::figure::MARGIN;
 use super::names::{on_two_lines, shortened};
 use super::page::points_from_mm;
 use super::prelude::*;
+use super::style;
 use maveric_stats::Proportion;
 
 /// Estimates under each other on one axis.
@@ -101,7 +102,7 @@ impl Intervals {
 const MOST: usize = 30;
 const ROW_MM: f64 = 3.9;
 /// Of a row whose name takes two lines.
-const TALL_ROW_MM: f64 = 5.8;
+const TALL_ROW_MM: f64 = 7.4;
 /// Names get at most this share of the width.
 const NAMES: f64 = 0.42;
 
@@ -122,10 +123,15 @@ pub fn intervals(
     check.at_least(1, "estimates", estimates.count())?;
     check.finite("an estimate", values().chain(input.nothing))?;
     let estimates = input.rows.iter().filter_map(IntervalRow::words);
-    let room = NAMES * (points_from_mm(ONE_COLUMN_MM) - 2.0 * MARGIN);
-    let is_long = |row: &IntervalRow| on_two_lines(&row.label, room).len() > 1;
+    let drawn_mm = style::drawn_width(ONE_COLUMN_MM);
+    let room = NAMES * (points_from_mm(drawn_mm) - 2.0 * MARGIN);
+    let is_long = |row: &IntervalRow| on_two_lines(called(&row.label), room).len() > 1;
     let are_tall = input.rows.iter().any(is_long);
-    let row_mm = if are_tall { TALL_ROW_MM } else { ROW_MM };
+    let row_mm = if are_tall {
+        TALL_ROW_MM * ONE_COLUMN_MM / drawn_mm
+    } else {
+        ROW_MM
+    };
     let plan = Plan {
         name: name.to_owned(),
         size_mm: (ONE_COLUMN_MM, row_mm * input.rows.len() as f64 + 12.0),
@@ -137,10 +143,17 @@ pub fn intervals(
     draw(plan, context, |canvas, place| {
         let room = NAMES * (place.right - place.left);
         let names = input.rows.iter().map(|row| {
-            if are_tall {
-                on_two_lines(&row.label, room).join("\n")
+            let whole = called(&row.label);
+            let name = if are_tall {
+                on_two_lines(whole, room).join("\n")
             } else {
-                shortened(&row.label, room)
+                shortened(whole, room)
+            };
+            // Whoever draws it looks up what it is to be called.
+            if name == whole {
+                row.label.clone()
+            } else {
+                name
             }
         });
         let rows = Rows::new(names, 0.6);
@@ -164,6 +177,12 @@ pub fn intervals(
             paint(&mut panel, row, rows.y(i));
         }
     })
+}
+
+/// What a row is called where another label was asked for.
+fn called(label: &str) -> &str {
+    let other = style::current().and_then(|style| style.label(label));
+    other.unwrap_or(label)
 }
 
 fn paint(panel: &mut Panel<'_, '_>, row: &IntervalRow, y: f64) {
@@ -229,6 +248,18 @@ mod tests {
         for end in ["calm)</text>", "sporty)</text>"] {
             assert!(figure.svg.contains(end), "{end}: {}", figure.svg);
         }
+        // The second line of a name stands nearer to its first than to the next name.
+        let height = |line: &str| {
+            let (_, y) = line.split_once(" y=\"")?;
+            y.split('"').next()?.parse::<f64>().ok()
+        };
+        let names = figure.svg.lines().filter(|line| line.contains(">Consc"));
+        let ends = figure.svg.lines().filter(|line| line.contains(")</text>"));
+        let [first, next] = names.filter_map(height).collect::<Vec<_>>()[..] else {
+            panic!("{}", figure.svg);
+        };
+        let second = ends.filter_map(height).fold(f64::INFINITY, f64::min);
+        assert!(next - second > 1.4 * (second - first), "{}", figure.svg);
         let short = intervals("card-x", "Does it?", &input(), &Context::real()).unwrap();
         assert!(short.svg.contains("Mean velocity</text>"));
     }

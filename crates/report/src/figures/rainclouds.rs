@@ -4,6 +4,7 @@ use super::crowd::MOST_POINTS;
 use super::names::Names;
 use super::prelude::*;
 use super::raincloud::{self, BOX, Cloud};
+use super::style;
 
 /// One cloud's name, look and mean.
 #[derive(Debug)]
@@ -37,6 +38,25 @@ const AXIS: f64 = 28.0;
 /// How the names of slots are set in a panel of about so many points' width.
 pub(crate) fn names(names: &[String], width: f64) -> Names {
     Names::set(names, (width - AXIS) / (names.len() as f64 + 0.15))
+}
+
+/// Millimetres that titles and subtitles take, after the first line of each, of the panel where they take most; of a figure so wide.
+pub(crate) fn further_mm<'a>(
+    heads: impl Iterator<Item = [&'a str; 2]>,
+    grid: Grid,
+    width_mm: f64,
+) -> f64 {
+    let drawn_mm = style::drawn_width(width_mm);
+    let width = grid.panel_width(drawn_mm);
+    let further = heads.map(|[title, subtitle]| {
+        let labels = Labels {
+            title,
+            subtitle,
+            ..Labels::default()
+        };
+        labels.further_lines(width, grid.has_letters())
+    });
+    further.fold(0.0, f64::max) / 72.0 * 25.4 * width_mm / drawn_mm
 }
 
 /// Draws the panel into its place.

@@ -123,6 +123,11 @@ pub(crate) fn current() -> Option<&'static Style> {
     STYLE.get()
 }
 
+/// Width of the drawing of a figure so wide, in millimetres: of larger text a smaller one, which is then enlarged.
+pub(super) fn drawn_width(mm: f64) -> f64 {
+    current().map_or(mm, |style| style.sizes((mm, mm)).1.0)
+}
+
 /// `#rrggbb` as channels.
 pub(super) fn colour(text: &str) -> Option<[u8; 3]> {
     let digits = text

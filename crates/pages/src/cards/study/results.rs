@@ -117,3 +117,37 @@ pub fn against_the_paper(ledger: &[LedgerRow]) -> Result<Card, ReportError> {
     let drawn = Drawn::beside(50.0, rows);
     card(&texts, &finding, &values, Some(drawn))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_picture_is_called_what_it_shows() {
+        let texts = texts().unwrap();
+        let primary = |odds: Option<f64>, interval: Option<[f64; 2]>| {
+            let values = context! { odds, interval };
+            texts.say("primary", "what", &values).unwrap()
+        };
+        assert_eq!(primary(None, Some([0.1, 0.4])), "95% CI");
+        assert!(primary(None, None).starts_with("The mean alone"));
+        assert!(primary(Some(2.0), None).contains("the test is of the odds"));
+        let strongest = |all: usize| {
+            let values = context! { all };
+            let said = texts.say("personality", "what", &values).unwrap();
+            said.starts_with("The five strongest, with intervals")
+        };
+        assert!(strongest(6) && !strongest(5));
+    }
+
+    #[test]
+    fn what_chance_gives_is_no_zero_where_few_pairs_were_tested() {
+        let texts = texts().unwrap();
+        let said = |chance: f64| {
+            let values = context! { all => 2, kept => 0, low => 0, chance };
+            texts.say("personality", "answer", &values).unwrap()
+        };
+        assert!(said(0.1).contains("where 0.1 would by chance"));
+        assert!(said(1.2).contains("where 1 would by chance"));
+    }
+}
