@@ -137,21 +137,8 @@ fn alone(a: &Analysis) -> Vec<Found> {
         }
     }
     for panel in &a.panels {
-        let name = name_of(panel);
-        let Some(comparison) = &panel.comparison else {
-            let key = format!("{name}.omnibus");
-            add(Part::Omnibus, key, title_of(panel), None, None);
-            continue;
-        };
-        let effects = comparison.effects();
-        let alone = effects.len() == 1;
-        for (effect, p) in effects {
-            let about = if alone {
-                title_of(panel)
-            } else {
-                format!("{}, {}", title_of(panel), effect.replace(':', " × "))
-            };
-            add(Part::Omnibus, format!("{name}.{effect}"), about, None, p);
+        for (key, about, p) in omnibus(panel) {
+            add(Part::Omnibus, key, about, None, p);
         }
     }
     for row in &a.kept {
@@ -210,6 +197,25 @@ fn alone(a: &Analysis) -> Vec<Found> {
         add(Part::Congruence, key, row.title.clone(), estimate, p);
     }
     tests
+}
+
+/// The effects of an outcome over the conditions: key, what it is about and p.
+fn omnibus(panel: &Panel) -> Vec<(String, String, Option<f64>)> {
+    let (name, title) = (name_of(panel), title_of(panel));
+    let Some(comparison) = &panel.comparison else {
+        return vec![(format!("{name}.omnibus"), title, None)];
+    };
+    let effects = comparison.effects();
+    let is_one = effects.len() == 1;
+    let effect = |(effect, p): (&str, Option<f64>)| {
+        let about = if is_one {
+            title.clone()
+        } else {
+            format!("{title}, {}", effect.replace(':', " × "))
+        };
+        (format!("{name}.{effect}"), about, p)
+    };
+    effects.into_iter().map(effect).collect()
 }
 
 /// Tests that are corrected together with others.

@@ -1,11 +1,12 @@
 //! `score`: questionnaire answers to scores and reliabilities.
 
 mod item_means;
+mod left_out;
 
 use crate::{
     design::DesignFile,
     error::StudyError,
-    gate::{Gate, counted},
+    gate::counted,
     mean::{mean, sd},
     once::count,
     outcome::{Outcome, Watch},
@@ -14,25 +15,23 @@ use crate::{
     stages::import::told_as_export,
     tables::{
         Table, TableName,
-        drives::{kept_out, listed_rides},
         surveys::{read_answered, refuse_unclear, write_scores},
         write_rows,
     },
 };
 pub use item_means::ItemMean;
 use item_means::item_means;
-use maveric_analysis::Why;
-use maveric_domain::{Answer, Moment, ParticipantId, ProbeAnswer, Ride, Scale, Score, Subscale};
+use left_out::{Expected, exclusions, let_in, line};
+use maveric_domain::{Moment, ParticipantId, Scale, Score, Subscale};
 use maveric_measures::{
-    ItemMatrix, ScoreWarning,
-    survey::{SheetTime, attention_missed, response_styles, score_probes, too_fast},
+    ItemMatrix,
+    survey::{attention_missed, response_styles, score_probes, too_fast},
 };
-use maveric_report::tables::Exclusion;
 use maveric_stats::AlphaAnalysis;
 use path_slash::PathExt as _;
 use serde::{Deserialize, Serialize};
 use std::{
-    collections::{BTreeMap, BTreeSet},
+    collections::BTreeSet,
     path::{Path, PathBuf},
 };
 
@@ -310,28 +309,8 @@ impl Stage for ScoreAnswers {
                 answers.iter().filter(|a| takes_part(&a.participant)),
             ),
         )?;
-        let said = |warning: &ScoreWarning| match warning {
-            ScoreWarning::NoAnswers { .. } if self.moments == Moments::After => {
-                format!("{warning} after a drive")
-            }
-            _ => warning.to_string(),
-        };
-        let doubted = warnings.iter().map(|warning| Exclusion {
-            who: warning.participant().to_string(),
-            what: if warning.is_kept() {
-                Exclusion::NOTHING.to_owned()
-            } else {
-                "questionnaires".to_owned()
-            },
-            why: said(warning),
-        });
-        let kept_out = left_out.keys().map(|(who, moment, why)| Exclusion {
-            who: who.to_string(),
-            what: format!("answers ({moment})"),
-            why: why.to_string(),
-        });
-        let exclusions = exclusions_path(&self.out);
-        write_rows(TableName::LeftOut, &exclusions, doubted.chain(kept_out))?;
+        let rows = exclusions(&warnings, &left_out, self.moments);
+        write_rows(TableName::LeftOut, &exclusions_path(&self.out), rows)?;
         let missing = scored.scores.iter().filter(|s| s.value.is_none()).count();
         let mut summary = vec![format!(
             "{} scores ({missing} missing): {}",
@@ -342,7 +321,8 @@ impl Stage for ScoreAnswers {
             ["sheet of answers", "sheets of answers"],
             left_out.keys().map(|(.., why)| why),
         ));
-        let mut warnings: Vec<String> = warnings.iter().map(said).collect();
+        let lines = warnings.iter().map(|w| line(w, self.moments));
+        let mut warnings: Vec<String> = lines.collect();
         warnings.extend(left_out.iter().map(|((who, moment, why), n)| {
             let n = count(*n, "answer", "answers");
             format!("participant {who} ({moment}): {n} {why}")
@@ -354,110 +334,6 @@ impl Stage for ScoreAnswers {
         };
         Ok(Outcome::new(value, summary, warnings))
     }
-}
-
-/// Whose answers, when, and why they are left out → how many.
-type LeftOutAnswers = BTreeMap<(ParticipantId, Moment, Why), usize>;
-
-/// Whose answers are missed where they are not there.
-#[derive(Default)]
-struct Expected {
-    /// Those who should have answered something; whoever is listed, where no design says.
-    people: Option<BTreeSet<ParticipantId>>,
-    /// Who has which ride, of the rides in conditions that are known.
-    rides: BTreeMap<Ride, BTreeSet<ParticipantId>>,
-    /// Whom and what the design leaves out; none where no design says.
-    gate: Option<Gate>,
-}
-
-impl Expected {
-    fn new(
-        study: Option<(&DesignFile, Gate)>,
-        options: &ScoreAnswers,
-        left_out: &LeftOutAnswers,
-    ) -> Result<Self, StudyError> {
-        let Some((study, gate)) = study else {
-            return Ok(Self::default());
-        };
-        let mut rides: BTreeMap<Ride, BTreeSet<ParticipantId>> = BTreeMap::new();
-        for folder in &options.drives {
-            for (who, ride) in listed_rides(folder)? {
-                if study.design.condition(ride.condition).is_some() {
-                    rides.entry(ride).or_default().insert(who);
-                }
-            }
-        }
-        let listed = study.people(options.participants.as_deref())?;
-        let mut people: BTreeSet<ParticipantId> = match options.moments {
-            Moments::All => listed.enrolled.into_iter().map(|p| p.id).collect(),
-            Moments::After => listed.tested(),
-        };
-        people.retain(|who| {
-            let rode = rides.is_empty() || rides.values().any(|people| people.contains(who));
-            let answered = left_out.keys().any(|(other, ..)| other == who);
-            let counts = rode || options.moments == Moments::All;
-            counts && !answered && gate.person(who).is_none()
-        });
-        let people = Some(people);
-        Ok(Self {
-            people,
-            rides,
-            gate: Some(gate),
-        })
-    }
-
-    /// Whether what a warning says is lacking, if it says so, was to be there.
-    fn misses(&self, warning: &ScoreWarning) -> bool {
-        let people = match warning {
-            ScoreWarning::NoAnswers { .. } => self.people.as_ref(),
-            ScoreWarning::Unanswered {
-                participant,
-                moment,
-                ..
-            } => {
-                let left_out = |gate: &Gate| gate.answer(participant, *moment).is_some();
-                if self.gate.as_ref().is_some_and(left_out) {
-                    return false;
-                }
-                match moment {
-                    Moment::After(ride) => self.rides.get(ride),
-                    _ => None,
-                }
-            }
-            _ => None,
-        };
-        people.is_none_or(|people| people.contains(warning.participant()))
-    }
-}
-
-/// Takes out the answers that the design does not let in; with what lets them in.
-fn let_in(
-    study: Option<&DesignFile>,
-    options: &ScoreAnswers,
-    scales: &[Scale],
-    (answers, probes, times): (&mut Vec<Answer>, &mut Vec<ProbeAnswer>, &mut Vec<SheetTime>),
-) -> Result<(LeftOutAnswers, Option<Gate>), StudyError> {
-    let mut left_out = LeftOutAnswers::new();
-    let Some(study) = study else {
-        return Ok((left_out, None));
-    };
-    let mut drives = Vec::new();
-    for folder in &options.drives {
-        drives.extend(kept_out(folder)?);
-    }
-    let gate = Gate::new(study, options.participants.as_deref())?;
-    let gate = gate.with_sheets(scales, answers, &drives);
-    let mut keeps = |who: &ParticipantId, moment: Moment| match gate.answer(who, moment) {
-        None => true,
-        Some(why) => {
-            *left_out.entry((who.clone(), moment, why)).or_default() += 1;
-            false
-        }
-    };
-    answers.retain(|a| keeps(&a.participant, a.moment));
-    probes.retain(|p| keeps(&p.participant, Moment::Probe(p.ride)));
-    times.retain(|t| gate.answer(&t.participant, t.moment).is_none());
-    Ok((left_out, Some(gate)))
 }
 
 fn write_reliabilities(out: &Path, rows: &[Reliability]) -> Result<(), StudyError> {
