@@ -411,6 +411,8 @@ pub(crate) fn lists(folder: &Path) -> Vec<PathBuf> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::tables::{TableName, measurements::write_measurements};
+    use maveric_domain::{DriveMeta, DrivenBy, MeasuredDrive};
 
     /// What is read of a study with a `[style]` whose two conditions have this car, and of whose results there are the drives alone.
     fn read_with(car: &str) -> Result<StudyData, StudyError> {
@@ -432,17 +434,29 @@ mod tests {
             "participants.csv",
             "participant,part\nP01,test\nP02,test\nP03,test\n",
         );
+        let about = [
+            "drive",
+            "participant",
+            "condition",
+            "driven_by",
+            "counted_s",
+        ];
+        let entry = TableName::Measurements.entry();
+        let measures = entry.always().filter(|name| !about.contains(name));
+        let values: BTreeMap<String, Option<f64>> =
+            measures.map(|name| (name.to_owned(), Some(25.0))).collect();
         let drive = |(who, condition): (&str, &str)| {
-            format!("{who}-{condition},{who},{condition},human,25\n")
+            let id = format!("{who}-{condition}");
+            MeasuredDrive {
+                meta: DriveMeta::named(id, who, condition, DrivenBy::Human).unwrap(),
+                values: values.clone(),
+                counted_s: None,
+            }
         };
         let driven = ["P01", "P02", "P03"].map(|who| [(who, "calm"), (who, "sporty")]);
-        let drives: String = driven.into_iter().flatten().map(drive).collect();
-        let head = "drive,participant,condition,driven_by,mean_velocity_mps\n";
-        write(
-            &format!("results/{MEASUREMENTS}"),
-            &format!("{head}{drives}"),
-        );
+        let drives: Vec<MeasuredDrive> = driven.into_iter().flatten().map(drive).collect();
         let results = folder.path().join("results");
+        write_measurements(&results.join(MEASUREMENTS), &drives).unwrap();
         let study = DesignFile::read(&folder.path().join("study.toml")).unwrap();
         read_study(&results, &study, None)
     }
