@@ -167,7 +167,7 @@ pub(super) fn preferred(
 }
 
 /// Strongest correlations that are shown.
-const STRONGEST: usize = 5;
+const STRONGEST: usize = 3;
 
 /// Does what people are like tell whose style they want?
 pub(super) fn personality(

@@ -135,9 +135,9 @@ mod tests {
         let strongest = |all: usize| {
             let values = context! { all };
             let said = texts.say("personality", "what", &values).unwrap();
-            said.starts_with("The five strongest, with intervals")
+            said.starts_with("The three strongest, with intervals")
         };
-        assert!(strongest(6) && !strongest(5));
+        assert!(strongest(4) && !strongest(3));
     }
 
     #[test]
