@@ -35,7 +35,7 @@ pub fn analyse(data: &StudyData, purpose: Purpose) -> Result<Analysis, AnalysisE
         synthetic: data.is_synthetic(),
         scripted: data.is_scripted(),
         participants: data.participants.len(),
-        partly: data.partly().map(ToString::to_string).collect(),
+        partly: names(data.partly()),
         flow: data.flow.clone(),
         orders: data.order_balance(),
         hypotheses: hypotheses::verdicts(data, &panels, &primary)?,

@@ -153,8 +153,13 @@ impl StudyData {
     fn sat_through(&self, participant: &ParticipantId, id: ConditionId) -> bool {
         let own = self.own.get(&id);
         let measured = own.is_some_and(|people| people.contains_key(participant));
+        self.cell(participant, id).is_some() || measured || self.answered_after(participant, id)
+    }
+
+    /// Whether this person answered anything after a ride in a condition.
+    fn answered_after(&self, participant: &ParticipantId, id: ConditionId) -> bool {
         let rated = |name| self.rated(participant, id, name).is_some();
-        self.cell(participant, id).is_some() || measured || self.after.iter().any(rated)
+        self.after.iter().any(rated)
     }
 
     /// Those of whom nothing is there in some condition.
@@ -325,12 +330,7 @@ impl StudyData {
         let conditions = self.design.conditions();
         let asks = !self.after.is_empty();
         let lacks = move |p: &&ParticipantId| {
-            let about = |id| {
-                self.after
-                    .iter()
-                    .any(|name| self.rated(p, id, name).is_some())
-            };
-            asks && !conditions.iter().any(|c| about(c.id))
+            asks && !conditions.iter().any(|c| self.answered_after(p, c.id))
         };
         self.participants.iter().filter(lacks)
     }

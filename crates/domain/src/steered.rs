@@ -69,6 +69,24 @@ pub struct Lent {
 }
 
 impl ConditionRow {
+    /// A style in a condition, of which nothing else is known.
+    pub fn new(participant: ParticipantId, condition: ConditionId, embedding: Embedding) -> Self {
+        Self {
+            participant,
+            condition,
+            adb_hat: None,
+            moved_points: None,
+            moved_points_sd: None,
+            clamped: false,
+            angle_rad: None,
+            lent: None,
+            beyond_training: false,
+            beyond_why: None,
+            sweep: None,
+            embedding,
+        }
+    }
+
     /// Name of the first drive simulated in this condition.
     ///
     /// # Errors

@@ -60,20 +60,11 @@ fn an_embedding_has_coordinates_and_all_are_finite() {
 
 #[test]
 fn a_conditions_drive_is_called_after_person_and_condition_and_a_sweeps_by_itself() {
-    let mut row = ConditionRow {
-        participant: ParticipantId::new("P1").unwrap(),
-        condition: "calm".parse().unwrap(),
-        adb_hat: Some(30.0),
-        moved_points: Some(0.0),
-        moved_points_sd: None,
-        clamped: false,
-        angle_rad: None,
-        lent: None,
-        beyond_training: false,
-        beyond_why: None,
-        sweep: None,
-        embedding: Embedding::new(vec![0.0]).unwrap(),
-    };
+    let mut row = ConditionRow::new(
+        ParticipantId::new("P1").unwrap(),
+        "calm".parse().unwrap(),
+        Embedding::new(vec![0.0]).unwrap(),
+    );
     assert_eq!(row.drive().unwrap().as_str(), "P1-calm");
     row.sweep = Some(SweepPoint {
         drive: DriveId::new("P1-plus-5").unwrap(),

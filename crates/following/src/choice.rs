@@ -83,12 +83,7 @@ pub struct Trial {
 
 /// The candidates of some people who were tried.
 pub fn trials(drivers: &[DriverEvaluation]) -> Vec<Trial> {
-    let mut people: Vec<&str> = Vec::new();
-    for driver in drivers {
-        if !people.contains(&driver.person()) {
-            people.push(driver.person());
-        }
-    }
+    let people = peers::each_once(drivers.iter().map(DriverEvaluation::person));
     let trial = |person: &str, method: M| {
         let drives = drivers.iter().filter(|d| d.person() == person);
         let errors: Vec<SimulationErrors> = drives

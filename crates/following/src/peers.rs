@@ -31,13 +31,18 @@ pub(crate) fn others<'a>(learned: &'a [FollowingRun], person: &str) -> Vec<&'a F
 
 /// Who drove, each once, in the order of their first drives.
 pub(crate) fn people(runs: &[FollowingRun]) -> Vec<&str> {
-    let mut people: Vec<&str> = Vec::new();
-    for run in runs {
-        if !people.contains(&run.person()) {
-            people.push(run.person());
+    each_once(runs.iter().map(FollowingRun::person))
+}
+
+/// Names, each once, in the order in which they come first.
+pub(crate) fn each_once<'a>(names: impl Iterator<Item = &'a str>) -> Vec<&'a str> {
+    let mut met: Vec<&str> = Vec::new();
+    for name in names {
+        if !met.contains(&name) {
+            met.push(name);
         }
     }
-    people
+    met
 }
 
 /// How much to believe of what was fitted to both halves of the fit rows of each of `runs`: who has several drives is one person, by the

@@ -1,11 +1,14 @@
 //! What an evaluation gives: tables and series, ready for a file.
 
 use crate::{
-    closed_loop_network::ClosedLoopStudy, method::FollowingMethod, method::Knows, peers::Peers,
-    shrinkage::Shrinkage, simulation_errors::SimulationErrors,
+    closed_loop_network::ClosedLoopStudy,
+    method::FollowingMethod,
+    method::Knows,
+    peers::{Peers, each_once},
+    shrinkage::Shrinkage,
+    simulation_errors::SimulationErrors,
 };
 use serde::{Deserialize, Serialize};
-use std::collections::BTreeSet;
 
 /// One method on one driver's test rows.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -138,8 +141,7 @@ impl FollowingEvaluation {
 
     /// How many people drove.
     pub fn people(&self) -> usize {
-        let people: BTreeSet<&str> = self.drivers.iter().map(DriverEvaluation::person).collect();
-        people.len()
+        each_once(self.drivers.iter().map(DriverEvaluation::person)).len()
     }
 
     /// The RMSE of the gap under `method` less that under `beside`, in m, a person: the mean over the drives of one who has several;

@@ -5,7 +5,7 @@ use crate::{
     parquet::first_line,
     raw::table::{
         parse::{BYTE_ORDER_MARK, parse},
-        text::{Header, cells, flaw, separator_of, short_rows},
+        text::{self, Header, cells, flaw, separator_of},
     },
 };
 use polars::prelude::{DataFrame, DataType};
@@ -20,8 +20,6 @@ pub struct Csv {
     pub frame: DataFrame,
     /// Whether numbers may have a comma before their decimals: cells are separated by semicolons.
     pub decimal_comma: bool,
-    /// Rows of the frame, from 0, that end before the header does, each with its number of cells; the others of such a row are empty.
-    pub short: Vec<(usize, usize)>,
 }
 
 /// Reads a table of words, separated by `separator`; without it by commas, semicolons or tabs, whichever its header has most of.
@@ -29,6 +27,29 @@ pub struct Csv {
 /// # Errors
 /// A sentence that names the row of a quote that is never closed or of too many cells, or says what the bytes are instead of a table.
 pub fn read_csv(bytes: &[u8], separator: Option<u8>) -> Result<Csv, String> {
+    let (text, header) = headed(bytes, separator)?;
+    if let Some(flaw) = flaw(text, &header) {
+        return Err(flaw.sentence(header.names.len()));
+    }
+    let frame = parse(text, &header, |_| DataType::String, None, false);
+    Ok(Csv {
+        frame: frame.map_err(|e| first_line(&e))?,
+        decimal_comma: header.separator == b';',
+    })
+}
+
+/// Rows of such a table, from 0, that end before its header does, each with its number of cells: the others of such a row are empty in
+/// [`Csv::frame`].
+///
+/// # Errors
+/// A sentence that says what the bytes are instead of a table.
+pub fn short_rows(bytes: &[u8], separator: Option<u8>) -> Result<Vec<(usize, usize)>, String> {
+    let (text, header) = headed(bytes, separator)?;
+    Ok(text::short_rows(text, &header))
+}
+
+/// A text without its mark, and its header.
+fn headed(bytes: &[u8], separator: Option<u8>) -> Result<(&[u8], Header), String> {
     if let Some((found, advice)) = no_table(bytes) {
         return Err(format!("{found}: {advice}"));
     }
@@ -50,15 +71,7 @@ pub fn read_csv(bytes: &[u8], separator: Option<u8>) -> Result<Csv, String> {
         names: cells(line, separator),
         headless: false,
     };
-    if let Some(flaw) = flaw(text, &header) {
-        return Err(flaw.sentence(header.names.len()));
-    }
-    let frame = parse(text, &header, |_| DataType::String, None, false);
-    Ok(Csv {
-        frame: frame.map_err(|e| first_line(&e))?,
-        decimal_comma: separator == b';',
-        short: short_rows(text, &header),
-    })
+    Ok((text, header))
 }
 
 #[cfg(test)]
@@ -80,9 +93,8 @@ mod tests {
         assert_eq!(long.get_column_names(), ["a\nb", "c"]);
         assert_eq!(long.height(), 1);
         let cut = b"\na,\"b\nb\",c\n1,2,\n\n1\n\"x\n,\",2\n1,2,3";
-        let cut = read_csv(cut, None).unwrap();
-        assert_eq!(cut.frame.height(), 5);
-        assert_eq!(cut.short, [(2, 1), (3, 2)]);
+        assert_eq!(read_csv(cut, None).unwrap().frame.height(), 5);
+        assert_eq!(short_rows(cut, None).unwrap(), [(2, 1), (3, 2)]);
         for (bytes, what) in [
             (&b"a,b\n1,2,3\n"[..], "row 1 has 3 cells"),
             (b"a,b\n1,\"2\n", "row 1 opens a quote"),

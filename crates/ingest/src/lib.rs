@@ -34,7 +34,7 @@ mod tracks;
 
 pub use maveric_bag::begins_ns;
 
-pub use csv::{Csv, read_csv};
+pub use csv::{Csv, read_csv, short_rows};
 pub use drive_file::{drive_frame, read_drive_from, write_drive_to};
 pub use error::IngestError;
 pub use inspect::{

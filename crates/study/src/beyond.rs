@@ -179,20 +179,7 @@ mod tests {
                 ..EmbeddingRow::new(id, who.clone(), "own".parse().unwrap(), style())
             }
         };
-        let turned = ConditionRow {
-            participant: who.clone(),
-            condition: "sporty".parse().unwrap(),
-            adb_hat: None,
-            moved_points: None,
-            moved_points_sd: None,
-            clamped: false,
-            angle_rad: None,
-            lent: None,
-            beyond_training: false,
-            beyond_why: None,
-            sweep: None,
-            embedding: style(),
-        };
+        let turned = ConditionRow::new(who.clone(), "sporty".parse().unwrap(), style());
         let of = |first: bool, second: bool, placed: &[ConditionRow]| {
             let rows = [drive(1, first), drive(2, second)];
             let turned = turned_for(&rows, placed, &design).into_values();

@@ -161,80 +161,117 @@ impl Flaw {
     }
 }
 
-/// The first flaw of a text; rows are counted from 1 below the header, or from the first line where there is none.
-pub(crate) fn flaw(text: &[u8], header: &Header) -> Option<Flaw> {
+/// A row of a text, as it ends.
+struct RowEnd<'a> {
+    /// Rows above it, the header among them.
+    nth: usize,
+    /// Lines above its end: a quoted cell may have several.
+    lines: usize,
+    /// Its cells.
+    cells: usize,
+    /// All of it, and its last cell.
+    whole: &'a [u8],
+    last: &'a [u8],
+    /// Whether the text ends here without a line's end.
+    is_cut: bool,
+}
+
+/// Looks at the rows of a text, from the header on, until `look` finds something.
+///
+/// # Errors
+/// The lines above a quoted cell that is never closed.
+fn look_at_rows<T>(
+    text: &[u8],
+    separator: u8,
+    mut look: impl FnMut(&RowEnd<'_>) -> Option<T>,
+) -> Result<Option<T>, usize> {
+    // Where row and cell begin, whether the cell began with a quote, and whether that is still open.
+    let (mut begin, mut cell, mut quoted, mut inside) = (0, 0, false, false);
+    let (mut nth, mut lines, mut cells, mut opened) = (0, 0, 1, 0);
+    for at in memchr::memchr3_iter(separator, b'\n', b'"', text) {
+        match text[at] {
+            b'"' if at == cell => (quoted, inside, opened) = (true, true, lines),
+            b'"' => inside ^= quoted,
+            _ if inside => lines += usize::from(text[at] == b'\n'),
+            b'\n' => {
+                let (whole, last) = (&text[begin..at], &text[cell..at]);
+                let is_cut = false;
+                let row = RowEnd {
+                    nth,
+                    lines,
+                    cells,
+                    whole,
+                    last,
+                    is_cut,
+                };
+                if let Some(found) = look(&row) {
+                    return Ok(Some(found));
+                }
+                (nth, lines, cells, quoted) = (nth + 1, lines + 1, 1, false);
+                (begin, cell) = (at + 1, at + 1);
+            }
+            _ => (cells, cell, quoted) = (cells + 1, at + 1, false),
+        }
+    }
+    if inside {
+        return Err(opened);
+    }
+    let (whole, last) = (&text[begin..], &text[cell..]);
+    let is_cut = true;
+    Ok(look(&RowEnd {
+        nth,
+        lines,
+        cells,
+        whole,
+        last,
+        is_cut,
+    }))
+}
+
+/// A text from its header on.
+fn below_preamble<'a>(text: &'a [u8], header: &Header) -> &'a [u8] {
     let mut lines = text.split_inclusive(|&b| b == b'\n');
     let above: usize = lines.by_ref().take(header.preamble).map(<[u8]>::len).sum();
-    let text = &text[above..];
+    &text[above..]
+}
+
+/// The first flaw of a text; rows are counted from 1 below the header, or from the first line where there is none.
+pub(crate) fn flaw(text: &[u8], header: &Header) -> Option<Flaw> {
+    let text = below_preamble(text, header);
     let width = header.names.len();
     if !header.headless && is_plain(text, header.separator, width) {
         return None;
     }
-    // Where the cell begins, whether it began with a quote, and whether that is still open.
-    let (mut cell, mut quoted, mut inside) = (0, false, false);
-    // The row that is being read, its cells so far, and the row in which the last quoted cell began; 0 is the header.
-    let (mut row, mut found, mut opened) = (usize::from(header.headless), 1, 0);
-    for at in memchr::memchr3_iter(header.separator, b'\n', b'"', text) {
-        match text[at] {
-            b'"' if at == cell => (quoted, inside, opened) = (true, true, row),
-            b'"' => inside ^= quoted,
-            _ if inside => row += usize::from(text[at] == b'\n'),
-            b'\n' => {
-                // A single cell too many that is empty is a separator at the end of the line.
-                if row > 0
-                    && found > width
-                    && (found > width + 1 || !text[cell..at].trim_ascii().is_empty())
-                {
-                    return Some(Flaw::TooWide { row, found });
-                }
-                if header.headless && found < width {
-                    return Some(Flaw::TooNarrow { row, found });
-                }
-                (row, found, cell, quoted) = (row + 1, 1, at + 1, false);
-            }
-            _ => (found, cell, quoted) = (found + 1, at + 1, false),
+    let first = usize::from(header.headless);
+    let flaw_of = |end: &RowEnd<'_>| {
+        let (row, found) = (end.lines + first, end.cells);
+        // A single cell too many that is empty is a separator at the end of the line.
+        let is_more = found > width + 1 || !end.last.trim_ascii().is_empty();
+        if row > 0 && found > width && is_more {
+            return Some(Flaw::TooWide { row, found });
         }
+        let is_row = !end.is_cut || !end.whole.is_empty();
+        (header.headless && found < width && is_row).then_some(Flaw::TooNarrow { row, found })
+    };
+    match look_at_rows(text, header.separator, flaw_of) {
+        Ok(flaw) => flaw,
+        Err(lines) => Some(Flaw::OpenQuote { row: lines + first }),
     }
-    let last = found > width && (found > width + 1 || !text[cell..].trim_ascii().is_empty());
-    if inside {
-        return Some(Flaw::OpenQuote { row: opened });
-    }
-    if header.headless && found < width && (found > 1 || cell < text.len()) {
-        return Some(Flaw::TooNarrow { row, found });
-    }
-    (row > 0 && last).then_some(Flaw::TooWide { row, found })
 }
 
 /// The rows that end before the header does, each with its number of cells; rows are counted from 0 below the header, and a line without
 /// anything is none that ends.
 pub(crate) fn short_rows(text: &[u8], header: &Header) -> Vec<(usize, usize)> {
-    let mut lines = text.split_inclusive(|&b| b == b'\n');
-    let above: usize = lines.by_ref().take(header.preamble).map(<[u8]>::len).sum();
-    let text = &text[above..];
-    let width = header.names.len();
-    let is_short = |found: usize, line: &[u8]| found < width && !line.trim_ascii().is_empty();
-    let mut short = Vec::new();
-    let (mut line, mut cell, mut quoted, mut inside) = (0, 0, false, false);
-    // The header is row 0.
-    let (mut row, mut found) = (0_usize, 1);
-    for at in memchr::memchr3_iter(header.separator, b'\n', b'"', text) {
-        match text[at] {
-            b'"' if at == cell => (quoted, inside) = (true, true),
-            b'"' => inside ^= quoted,
-            _ if inside => {}
-            b'\n' => {
-                if row > 0 && is_short(found, &text[line..at]) {
-                    short.push((row - 1, found));
-                }
-                (row, found, quoted) = (row + 1, 1, false);
-                (line, cell) = (at + 1, at + 1);
-            }
-            _ => (found, cell, quoted) = (found + 1, at + 1, false),
+    let (width, mut short) = (header.names.len(), Vec::new());
+    let note = |end: &RowEnd<'_>| {
+        let is_short = end.cells < width && !end.whole.trim_ascii().is_empty();
+        if end.nth > 0 && is_short {
+            short.push((end.nth - 1, end.cells));
         }
-    }
-    if row > 0 && is_short(found, &text[line..]) {
-        short.push((row - 1, found));
-    }
+        None::<()>
+    };
+    // A quote that is never closed is told as a flaw.
+    let _ = look_at_rows(below_preamble(text, header), header.separator, note);
     short
 }
 

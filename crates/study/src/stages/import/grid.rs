@@ -60,9 +60,10 @@ impl Grid {
             problem,
         };
         let separator = tabs.then_some(b'\t');
-        let maveric_ingest::Csv {
-            frame, mut short, ..
-        } = maveric_ingest::read_csv(&text, separator).map_err(bad)?;
+        let frame = maveric_ingest::read_csv(&text, separator)
+            .map_err(bad)?
+            .frame;
+        let mut short = maveric_ingest::short_rows(&text, separator).map_err(bad)?;
         let mut cells: Vec<Vec<String>> = Vec::new();
         for column in frame.columns() {
             let column = column.str().map_err(|e| bad(e.to_string()))?;

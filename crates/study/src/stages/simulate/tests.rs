@@ -15,20 +15,11 @@ fn asked(more: &[&str]) -> Simulate {
 }
 
 fn row(participant: &str, condition: &str) -> ConditionRow {
-    ConditionRow {
-        participant: ParticipantId::new(participant).unwrap(),
-        condition: condition.parse().unwrap(),
-        adb_hat: None,
-        moved_points: None,
-        moved_points_sd: None,
-        clamped: false,
-        angle_rad: None,
-        lent: None,
-        beyond_training: false,
-        beyond_why: None,
-        sweep: None,
-        embedding: Embedding::new(vec![0.0]).unwrap(),
-    }
+    ConditionRow::new(
+        ParticipantId::new(participant).unwrap(),
+        condition.parse().unwrap(),
+        Embedding::new(vec![0.0]).unwrap(),
+    )
 }
 
 #[test]

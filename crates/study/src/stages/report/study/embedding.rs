@@ -3,6 +3,7 @@
 use super::Run;
 use crate::{
     atomic_write::if_there,
+    beyond::own_drives,
     error::StudyError,
     run_folder::{MODEL_FILE, embeddings_path},
     tables::{
@@ -10,7 +11,7 @@ use crate::{
         embeddings::{EmbeddingRow, read_embeddings},
     },
 };
-use maveric_domain::{ConditionId, DriveId, ParticipantId, occasion::is_first};
+use maveric_domain::{ConditionId, DriveId, ParticipantId};
 use maveric_model::Model;
 use maveric_model::style_space::{LinearHead, PerpendicularEllipse};
 use maveric_pages::study::{StudyPage, line_panels};
@@ -185,10 +186,8 @@ fn first_by_hand(
     baseline: Option<ConditionId>,
 ) -> impl Iterator<Item = &EmbeddingRow> {
     let mut met = BTreeSet::new();
-    let is_own = move |row: &&EmbeddingRow| {
-        row.adb_used && Some(row.condition) == baseline && is_first(&row.session)
-    };
-    let own = tested.iter().filter(is_own);
+    let own = baseline.map(|baseline| own_drives(tested, baseline));
+    let own = own.into_iter().flatten().filter(|row| row.adb_used);
     own.filter(move |row| met.insert(&row.participant))
 }
 
@@ -313,18 +312,12 @@ mod tests {
 
     fn row(who: &str, condition: &str, hat: f64) -> ConditionRow {
         ConditionRow {
-            participant: ParticipantId::new(who).unwrap(),
-            condition: condition.parse().unwrap(),
             adb_hat: Some(hat),
-            moved_points: None,
-            moved_points_sd: None,
-            clamped: false,
-            angle_rad: None,
-            lent: None,
-            beyond_training: false,
-            beyond_why: None,
-            sweep: None,
-            embedding: Embedding::new(vec![0.5]).unwrap(),
+            ..ConditionRow::new(
+                ParticipantId::new(who).unwrap(),
+                condition.parse().unwrap(),
+                Embedding::new(vec![0.5]).unwrap(),
+            )
         }
     }
 
