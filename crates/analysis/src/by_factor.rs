@@ -113,7 +113,7 @@ fn means(
             means.push(LevelMean {
                 n: those.len(),
                 mean: mean.mean,
-                interval: mean.ci_low.zip(mean.ci_high),
+                interval: mean.ci.ends(),
                 within: whole
                     .then(|| within(&those, columns, &inside, &levels))
                     .flatten(),

@@ -6,7 +6,9 @@ use crate::{
     verdict::ALPHA,
 };
 use maveric_domain::{ConditionId, design::Sign};
-use maveric_stats::{MarginalContrast, Named, Posthoc, PosthocTest, WithinSubjects, compare};
+use maveric_stats::{
+    Interval, MarginalContrast, Named, Posthoc, PosthocTest, WithinSubjects, compare,
+};
 
 impl Contrast {
     pub(crate) fn untested([first, second]: [ConditionId; 2], expected: Option<Sign>) -> Self {
@@ -44,8 +46,7 @@ impl Contrast {
         let mut effect = pair.effect.clone();
         if sign < 0.0 {
             effect.value = effect.value.map(|v| -v);
-            (effect.ci_low, effect.ci_high) =
-                (effect.ci_high.map(|v| -v), effect.ci_low.map(|v| -v));
+            effect.ci = effect.ci.negated();
         }
         // Wilcoxon's sum of positive ranks turns into that of the negative ones.
         let statistic = pair.statistic.map(|s| match (tested.test, sign < 0.0) {
@@ -97,14 +98,8 @@ impl ModelPairs<'_> {
             };
         };
         let estimate = sign * pair.estimate;
-        let ends = pair.ci_low.zip(pair.ci_high);
-        let ends = ends.map(|(low, high)| {
-            if sign < 0.0 {
-                (-high, -low)
-            } else {
-                (low, high)
-            }
-        });
+        let turned = |ci: Interval| if sign < 0.0 { ci.negated() } else { ci };
+        let ends = turned(pair.ci).ends();
         let (mean, se, interval, odds) = if self.test == ContrastTest::Ordinal {
             (raw, None, None, Odds::of_logits(estimate, ends))
         } else {
@@ -178,10 +173,7 @@ mod tests {
             let negated = |v: Option<f64>| v.map(|v| -v);
             assert!(one.value.unwrap() > 0.0);
             assert_eq!(other.value, negated(one.value));
-            assert_eq!(
-                (other.ci_low, other.ci_high),
-                (negated(one.ci_high), negated(one.ci_low))
-            );
+            assert_eq!(other.ci, one.ci.negated());
         }
         let tested = posthoc(&data, PosthocTest::T, Adjustment::None, ALPHA).unwrap();
         let unknown = Contrast::from_posthoc(&tested, [calm, "own".parse().unwrap()], None);

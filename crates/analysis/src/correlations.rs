@@ -1,7 +1,7 @@
 //! The tests of `maveric_stats` as the analyses ask for them: too few data give no number, not a failure.
 
 use crate::{AnalysisError, result::Correlation};
-use maveric_stats::{CorrelationMethod, StatsError, circular_linear, rm_correlation};
+use maveric_stats::{CorrelationMethod, Interval, StatsError, circular_linear, rm_correlation};
 
 fn none(method: &str, n: usize) -> Correlation {
     Correlation {
@@ -10,8 +10,7 @@ fn none(method: &str, n: usize) -> Correlation {
         df: n.saturating_sub(2),
         r: None,
         p: None,
-        ci_low: None,
-        ci_high: None,
+        ci: Interval::default(),
     }
 }
 
@@ -42,11 +41,10 @@ pub(crate) fn correlate(
     let mut result = none(name, correlation.n);
     if spearman {
         if let Some(s) = correlation.spearman {
-            (result.r, result.p, result.ci_low, result.ci_high) =
-                (s.rho, s.p, s.ci_bw_low, s.ci_bw_high);
+            (result.r, result.p, result.ci) = (s.rho, s.p, s.ci_bw);
         }
     } else if let Some(p) = correlation.pearson {
-        (result.r, result.p, result.ci_low, result.ci_high) = (p.r, p.p, p.ci_low, p.ci_high);
+        (result.r, result.p, result.ci) = (p.r, p.p, p.ci);
     }
     Ok(result)
 }
@@ -64,8 +62,7 @@ pub(crate) fn correlate_within(
                 df: r.df.unwrap_or(0),
                 r: r.r,
                 p: r.p,
-                ci_low: r.ci_low,
-                ci_high: r.ci_high,
+                ci: r.ci,
                 ..none("rm_corr", within.n)
             })
         }
@@ -124,6 +121,6 @@ mod tests {
         );
         assert!((ranks.r.unwrap() - 1.0).abs() < 1e-12);
         assert!(line.r.unwrap() < 0.95 && line.df == 6);
-        assert!(line.ci_low.unwrap() < line.r.unwrap() && line.r.unwrap() < line.ci_high.unwrap());
+        assert!(line.ci.low.unwrap() < line.r.unwrap() && line.r.unwrap() < line.ci.high.unwrap());
     }
 }

@@ -89,7 +89,7 @@ fn judge(
             if model.is_none() && panel.test != Some(ContrastTest::Ordinal) {
                 // The interval is the same whatever the bounds.
                 let ordinary = equivalent((-1.0, 1.0), &differences)?.1;
-                judged.interval = ordinary.and_then(|t| t.ci_low.zip(t.ci_high));
+                judged.interval = ordinary.and_then(|t| t.ci.ends());
             }
             judged.verdict = directed(judged.n, judged.mean_difference, judged.p, sign);
         }
@@ -110,7 +110,7 @@ fn judge(
             judged.p = test.as_ref().and_then(|t| t.p);
             let sides = test.as_ref().and_then(|t| t.p_lower.zip(t.p_upper));
             judged.p_outside = sides.map(outside);
-            judged.interval = test.and_then(|t| t.ci90_low.zip(t.ci90_high));
+            judged.interval = test.and_then(|t| t.ci90.ends());
         }
     }
     Ok(judged)

@@ -105,7 +105,7 @@ fn bias(
         n: test.n,
         df: test.df,
         mean: test.estimate,
-        interval: test.ci90_low.zip(test.ci90_high),
+        interval: test.ci90.ends(),
         t: test.t,
         p: test.p_difference,
         p_holm: None,
@@ -171,9 +171,7 @@ pub(crate) fn nearer(data: &StudyData, panels: &[Panel]) -> Result<Vec<Nearer>, 
                 tied,
                 farther,
                 effect: effect.as_ref().and_then(|e| Some(-e.value?)),
-                interval: effect
-                    .as_ref()
-                    .and_then(|e| Some((-e.ci_high?, -e.ci_low?))),
+                interval: effect.as_ref().and_then(|e| e.ci.negated().ends()),
                 p,
                 p_holm: None,
             });

@@ -164,14 +164,7 @@ pub fn paired(panel: &Panel, pair: &Contrast, named: Adjustment) -> Option<Strin
     let p = pair.p_holm?;
     Some(match (panel.test?, pair.df) {
         (ContrastTest::T | ContrastTest::Mixed | ContrastTest::Ordinal, Some(df)) => {
-            let interval = effect.and_then(|e| {
-                Some(apa::Interval {
-                    level: e.confidence,
-                    low: e.ci_low?,
-                    high: e.ci_high?,
-                })
-            });
-            let size = effect.and_then(|e| Some((e.value?, interval)));
+            let size = effect.and_then(|e| Some((e.value?, e.ci)));
             apa::t(pair.statistic?, df, p, named, size)
                 .markup()
                 .to_owned()

@@ -165,7 +165,7 @@ impl Study {
             let planted = if self.carried { LEFT[0] - mean } else { 0.0 };
             if let Some(effect) = fitted.effects.get("a") {
                 outcome.off = Some(effect.estimate - planted);
-                let ends = effect.ci_low.zip(effect.ci_high);
+                let ends = effect.ci.ends();
                 outcome.covered = ends.map(|(low, high)| low <= planted && planted <= high);
             }
         }

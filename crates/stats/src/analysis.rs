@@ -3,8 +3,8 @@
 use serde::{Deserialize, Serialize};
 
 use crate::{
-    Conover, Friedman, Mauchly, Named, Nemenyi, PairedT, PooledT, Reasons, RmAnova, ShapiroWilk,
-    Sphericity, Wilcoxon, WithinSubjects,
+    Conover, Friedman, Interval, Mauchly, Named, Nemenyi, PairedT, PooledT, Reasons, RmAnova,
+    ShapiroWilk, Sphericity, Wilcoxon, WithinSubjects,
     friedman::{self, Exact, RankTable},
     normality::{RoystonWeights, shapiro_wilk_with},
     numerics::decimal::Written,
@@ -20,11 +20,10 @@ pub struct ConditionSummary {
     pub mean: f64,
     /// Standard deviation, over n-1.
     pub sd: f64,
-    /// Lower end of the 95 % within-subject interval of the mean (Morey, 2008): subjects'
+    /// The 95 % within-subject interval of the mean (Morey, 2008): subjects'
     /// means taken out, variance times k/(k-1).
-    pub within_ci_low: Option<f64>,
-    /// Upper end.
-    pub within_ci_high: Option<f64>,
+    #[serde(flatten, with = "crate::interval::within_ci")]
+    pub within_ci: Interval,
 }
 
 /// Everything this crate computes for n subjects under k conditions.
@@ -278,8 +277,7 @@ pub(crate) fn summaries(data: &WithinSubjects, parts: &Decomposition) -> Named<C
         ConditionSummary {
             mean,
             sd: (squares / (n - 1.0)).sqrt(),
-            within_ci_low: half.map(|h| mean - h),
-            within_ci_high: half.map(|h| mean + h),
+            within_ci: Interval::around(mean, half),
         }
     };
     data.conditions()

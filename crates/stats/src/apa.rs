@@ -10,7 +10,7 @@ mod results;
 
 pub use results::Statements;
 
-use crate::{Adjustment, markup};
+use crate::{Adjustment, Interval, markup};
 use std::fmt;
 
 /// A formatted result.
@@ -61,8 +61,8 @@ impl Statement {
     }
 
     /// `…, 95% CI [−1.73, −0.67]`; nothing without an interval.
-    fn ci(mut self, interval: Option<Interval>, write: fn(f64, usize) -> String) -> Self {
-        if let Some(Interval { level, low, high }) = interval {
+    fn ci(mut self, level: f64, ci: Interval, write: fn(f64, usize) -> String) -> Self {
+        if let Some((low, high)) = ci.ends() {
             let level = number(level * 100.0, 0);
             let ends = [write(low, 2), write(high, 2)].join(", ");
             self.0
@@ -75,28 +75,6 @@ impl Statement {
 impl fmt::Display for Statement {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(&markup::plain(&self.0))
-    }
-}
-
-/// An interval with its level, such as 0.95.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Interval {
-    /// Level in 0..1.
-    pub level: f64,
-    /// Lower end.
-    pub low: f64,
-    /// Upper end.
-    pub high: f64,
-}
-
-impl Interval {
-    /// `None` unless both ends exist.
-    pub(crate) fn from_ends(level: f64, low: Option<f64>, high: Option<f64>) -> Option<Self> {
-        Some(Self {
-            level,
-            low: low?,
-            high: high?,
-        })
     }
 }
 
@@ -209,8 +187,8 @@ pub struct F {
     pub p: f64,
     /// Partial eta squared.
     pub eta2_partial: Option<f64>,
-    /// Interval of `eta2_partial`, with its own level.
-    pub interval: Option<Interval>,
+    /// Its 90 % interval.
+    pub eta2_partial_ci90: Interval,
     /// Epsilon of the sphericity correction that was applied.
     pub epsilon: Option<f64>,
 }
@@ -219,7 +197,7 @@ pub struct F {
 pub fn f(test: &F) -> Statement {
     Statement::f_test([test.df_effect, test.df_error], test.f, test.p)
         .and_bounded("*η*_{p}^{2}", test.eta2_partial)
-        .ci(test.interval, bounded)
+        .ci(0.9, test.eta2_partial_ci90, bounded)
         .and_bounded("*ε*", test.epsilon)
 }
 
@@ -236,17 +214,19 @@ fn of_n(symbol: &str, value: f64, [df, n]: [usize; 2], p: f64, w: Option<f64>) -
         .and_bounded("*W*", w)
 }
 
-/// `t(23) = −5.90, p_Holm < .001, dz = −1.20, 95% CI [−1.73, −0.67]`.
+/// `t(23) = −5.90, p_Holm < .001, dz = −1.20, 95% CI [−1.73, −0.67]`; dz with its 95 % interval.
 pub fn t(
     statistic: f64,
     df: f64,
     p: f64,
     adjusted: Adjustment,
-    dz: Option<(f64, Option<Interval>)>,
+    dz: Option<(f64, Interval)>,
 ) -> Statement {
     let statement = Statement::with_df("*t*", &[df], statistic).p(p, adjusted);
     match dz {
-        Some((dz, ci)) => statement.and("*d*_{z}", &number(dz, 2)).ci(ci, number),
+        Some((dz, ci)) => statement
+            .and("*d*_{z}", &number(dz, 2))
+            .ci(0.95, ci, number),
         None => statement,
     }
 }
@@ -270,7 +250,7 @@ mod tests {
             df_error: 69.0,
             p: 3.2e-11,
             eta2_partial: Some(0.523),
-            interval: Interval::from_ends(0.9, Some(0.381), Some(0.617)),
+            eta2_partial_ci90: (0.381, 0.617).into(),
             epsilon: None,
         };
         assert_eq!(
@@ -281,7 +261,7 @@ mod tests {
             df_effect: 2.76,
             df_error: 63.49,
             epsilon: Some(0.92),
-            interval: None,
+            eta2_partial_ci90: Interval::default(),
             ..test
         };
         assert_eq!(
@@ -298,7 +278,7 @@ mod tests {
 
     #[test]
     fn paired_t_keeps_the_zero_of_an_unbounded_effect() {
-        let ci = Interval::from_ends(0.95, Some(-1.73), Some(-0.67));
+        let ci = (-1.73, -0.67).into();
         let written = t(-5.9, 23.0, 2e-6, Adjustment::Holm, Some((-1.2, ci))).to_string();
         assert_eq!(
             written,

@@ -11,7 +11,7 @@ use serde::{Deserialize, Serialize};
 use statistic::Sample;
 
 use crate::{
-    Reasons, StatsError, WithinSubjects,
+    Interval, Reasons, StatsError, WithinSubjects,
     normality::quantile,
     numerics::distributions::{normal_quantile, normal_upper},
 };
@@ -82,15 +82,6 @@ impl Default for BootstrapSettings {
             confidence: 0.95,
         }
     }
-}
-
-/// Both ends of an interval.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
-pub struct Interval {
-    /// Lower end.
-    pub low: Option<f64>,
-    /// Upper end.
-    pub high: Option<f64>,
 }
 
 /// An estimate with its bootstrap intervals.
@@ -180,10 +171,7 @@ pub fn bootstrap(
     let (_, squares) = crate::numerics::moments::mean_and_square_sum(values.iter().copied());
     result.se = Some((squares / (values.len() as f64 - 1.0)).sqrt());
     let tail = 0.5 * (1.0 - settings.confidence);
-    let between = |low: f64, high: f64| Interval {
-        low: Some(quantile(&values, low)),
-        high: Some(quantile(&values, high)),
-    };
+    let between = |low: f64, high: f64| (quantile(&values, low), quantile(&values, high)).into();
     result.percentile = between(tail, 1.0 - tail);
     match bca_levels(&sample, &values, estimate, tail) {
         Some((low, high)) => result.bca = between(low, high),

@@ -4,6 +4,7 @@ use serde::{Deserialize, Serialize};
 use std::collections::{BTreeMap, BTreeSet};
 
 use crate::{
+    Interval,
     numerics::{
         distributions::{t_quantile_two_sided, t_two_sided},
         moments::mean_and_square_sum,
@@ -40,10 +41,9 @@ pub struct CaseCrossover {
     pub estimate: Option<f64>,
     /// exp(estimate).
     pub odds_ratio: Option<f64>,
-    /// Lower end of the 95 % interval of the odds ratio: the odds at which t of the people's scores would be as large as it may be.
-    pub odds_ratio_ci_low: Option<f64>,
-    /// Upper end.
-    pub odds_ratio_ci_high: Option<f64>,
+    /// The 95 % interval of the odds ratio: the odds at which t of the people's scores would be as large as it may be.
+    #[serde(flatten, with = "crate::interval::odds_ratio_ci")]
+    pub odds_ratio_ci: Interval,
     /// Standard error of the estimate as the likelihood has it, as if moments of one person knew nothing of each other.
     pub se_model: Option<f64>,
     /// t of the people's scores (slopes of their log likelihoods) at odds of 1.
@@ -152,8 +152,9 @@ pub fn case_crossover(strata: &[CaseStratum]) -> CaseCrossover {
         };
         brent(past, low, high).map(libm::exp)
     };
-    (result.odds_ratio_ci_low, result.odds_ratio_ci_high) = (end(-1.0), end(1.0));
-    let ends = [result.odds_ratio_ci_low, result.odds_ratio_ci_high];
+    let (low, high) = (end(-1.0), end(1.0));
+    result.odds_ratio_ci = Interval { low, high };
+    let ends = [low, high];
     for (name, _) in TESTS.iter().zip(ends).filter(|(_, end)| end.is_none()) {
         let reason = "the interval has no end on this side";
         result.undefined.note(name, reason);
@@ -267,8 +268,8 @@ mod tests {
         close(found.t, mean / (squares / 16.0 / n).sqrt());
         assert_eq!(found.df, Some(16));
         let ends = (
-            found.odds_ratio_ci_low.unwrap(),
-            found.odds_ratio_ci_high.unwrap(),
+            found.odds_ratio_ci.low.unwrap(),
+            found.odds_ratio_ci.high.unwrap(),
         );
         let odds = found.odds_ratio.unwrap();
         assert!(ends.0 < 1.0 && 1.0 < odds && odds < ends.1, "{found:?}");
@@ -325,8 +326,8 @@ mod tests {
         close(b.estimate, -a.estimate.unwrap());
         close(b.p, a.p.unwrap());
         close(
-            b.odds_ratio_ci_low.map(|low| 1.0 / low),
-            a.odds_ratio_ci_high.unwrap(),
+            b.odds_ratio_ci.low.map(|low| 1.0 / low),
+            a.odds_ratio_ci.high.unwrap(),
         );
     }
 
@@ -345,11 +346,12 @@ mod tests {
             .collect();
         let found = case_crossover(&strata);
         let all: Vec<&CaseStratum> = strata.iter().collect();
-        for end in [found.odds_ratio_ci_low, found.odds_ratio_ci_high] {
-            let t = t_of_scores(&all, end.unwrap().ln(), found.sd.unwrap()).unwrap();
+        let (low, high) = found.odds_ratio_ci.ends().unwrap();
+        for end in [low, high] {
+            let t = t_of_scores(&all, end.ln(), found.sd.unwrap()).unwrap();
             assert!((t_two_sided(t, 7.0) - 0.05).abs() < 1e-6);
         }
-        let low = found.odds_ratio_ci_low.unwrap();
+        let low = found.odds_ratio_ci.low.unwrap();
         assert_eq!(found.p.unwrap() < 0.05, low > 1.0);
     }
 
@@ -371,7 +373,7 @@ mod tests {
                 .contains("every event")
         );
         assert!(always.p.unwrap() < 0.001);
-        assert_eq!(always.odds_ratio_ci_low, None);
+        assert_eq!(always.odds_ratio_ci.low, None);
         assert!(always.undefined.get("odds_ratio_ci_low").is_some());
         let one = case_crossover(&[
             stratum("a", &[1.0], &[0.0, 2.0]),

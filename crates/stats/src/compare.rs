@@ -308,7 +308,7 @@ fn say_why(omnibus: &Omnibus, checks: &[AssumptionCheck], undefined: &mut Reason
         if omnibus.test == OmnibusTest::Wilcoxon {
             undefined.note("omnibus.df1", "Wilcoxon's test has no degrees of freedom");
         }
-        if omnibus.effect.value.is_some() && omnibus.effect.ci_low.is_none() {
+        if omnibus.effect.value.is_some() && omnibus.effect.ci.low.is_none() {
             let reason = "the differences do not vary, or the effect is at its limit";
             undefined.note_ends(&["omnibus.effect.ci"], reason);
         }
@@ -323,7 +323,7 @@ fn say_why(omnibus: &Omnibus, checks: &[AssumptionCheck], undefined: &mut Reason
     if omnibus.test == OmnibusTest::Friedman {
         let reason = "Friedman's chi-squared has neither";
         undefined.note_below("omnibus", &["df2", "epsilon"], reason);
-        if omnibus.effect.ci_low.is_none() {
+        if omnibus.effect.ci.low.is_none() {
             let reason =
                 "all subjects order the conditions alike, so there is no F of the ranks to invert";
             undefined.note_ends(&["omnibus.effect.ci"], reason);

@@ -55,7 +55,7 @@ pub fn within_subject_intervals(rows: &[Vec<f64>]) -> Option<Vec<[f64; 3]>> {
     let data = data.ok()?;
     let intervals = summaries(&data, &decompose(&data));
     let ends =
-        |(_, s): (_, &crate::ConditionSummary)| Some([s.mean, s.within_ci_low?, s.within_ci_high?]);
+        |(_, s): (_, &crate::ConditionSummary)| Some([s.mean, s.within_ci.low?, s.within_ci.high?]);
     intervals.iter().map(ends).collect()
 }
 

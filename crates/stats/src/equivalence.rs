@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use crate::{
-    Named, Reasons, StatsError, WithinSubjects,
+    Interval, Named, Reasons, StatsError, WithinSubjects,
     analysis::by_pair,
     complete,
     numerics::{
@@ -62,14 +62,12 @@ pub struct Tost {
     pub p: Option<f64>,
     /// Holm's correction of `p` over all pairs.
     pub p_holm: Option<f64>,
-    /// Lower end of the 90 % interval of the estimate, which lies within the bounds where p < .05.
-    pub ci90_low: Option<f64>,
-    /// Upper end.
-    pub ci90_high: Option<f64>,
-    /// Lower end of the 95 % interval of the estimate.
-    pub ci_low: Option<f64>,
-    /// Upper end.
-    pub ci_high: Option<f64>,
+    /// The 90 % interval of the estimate, which lies within the bounds where p < .05.
+    #[serde(flatten, with = "crate::interval::ci90")]
+    pub ci90: Interval,
+    /// The 95 % interval of the estimate.
+    #[serde(flatten, with = "crate::interval::ci")]
+    pub ci: Interval,
     /// estimate / se: against no difference.
     pub t: Option<f64>,
     /// Two-sided p against no difference.
@@ -267,10 +265,8 @@ fn tost(differences: &[f64], constant: bool, bounds: Bounds) -> (Tost, Reasons) 
         p_upper,
         p,
         p_holm: None,
-        ci90_low: half.map(|h| estimate - h),
-        ci90_high: half.map(|h| estimate + h),
-        ci_low: ordinary.map(|half| estimate - half),
-        ci_high: ordinary.map(|half| estimate + half),
+        ci90: Interval::around(estimate, half),
+        ci: Interval::around(estimate, ordinary),
         t,
         p_difference,
         dz: sd.map(|sd| estimate / sd),
@@ -291,7 +287,7 @@ mod tests {
             let bounds = Bounds::Raw { low: -high, high };
             let found = equivalence_one(&values, 0.0, bounds).unwrap();
             let test = found.tost.get("value").unwrap();
-            let inside = test.ci90_low.unwrap() > -high && test.ci90_high.unwrap() < high;
+            let inside = test.ci90.low.unwrap() > -high && test.ci90.high.unwrap() < high;
             assert_eq!(test.equivalent, Some(inside));
         }
     }

@@ -5,7 +5,7 @@ mod exact;
 use serde::{Deserialize, Serialize};
 
 use crate::{
-    Reasons, WithinSubjects,
+    Interval, Reasons, WithinSubjects,
     numerics::{
         decimal,
         distributions::{chi2_upper, f_upper},
@@ -25,11 +25,10 @@ pub struct Friedman {
     pub p: Option<f64>,
     /// Kendall's W = χ² / (n (k-1)): partial eta squared of the ranks.
     pub kendall_w: Option<f64>,
-    /// Lower end of its 90 % interval, that of partial eta squared for F of the ranks:
+    /// Its 90 % interval, that of partial eta squared for F of the ranks:
     /// ncp / (ncp + (n-1)(k-1)). `bootstrap` gives one that does not lean on F.
-    pub kendall_w_ci90_low: Option<f64>,
-    /// Upper end of that interval.
-    pub kendall_w_ci90_high: Option<f64>,
+    #[serde(flatten, with = "crate::interval::kendall_w_ci90")]
+    pub kendall_w_ci90: Interval,
     /// Iman and Davenport's F = (n-1) χ² / (n (k-1) - χ²).
     #[serde(rename = "F")]
     pub f: Option<f64>,
@@ -180,8 +179,7 @@ pub(crate) fn test(table: &RankTable, exact: Exact) -> (Friedman, Reasons) {
         df: Some(table.k - 1),
         p: Some(chi2_upper(chi2, d1)),
         kendall_w: table.kendall_w(),
-        kendall_w_ci90_low: interval.map(|(low, _)| low / (low + d2)),
-        kendall_w_ci90_high: interval.map(|(_, high)| high / (high + d2)),
+        kendall_w_ci90: Interval::from(interval).map(|ncp| ncp / (ncp + d2)),
         f,
         f_df1: Some(d1),
         f_df2: Some(d2),

@@ -19,7 +19,8 @@ pub(crate) use t::student;
 use serde::{Deserialize, Serialize};
 
 use crate::{
-    Adjustment, Named, PMethod, Reasons, StatsError, numerics::distributions::t_quantile_two_sided,
+    Adjustment, Interval, Named, PMethod, Reasons, StatsError,
+    numerics::distributions::t_quantile_two_sided,
 };
 
 /// The values of one group in short.
@@ -31,10 +32,9 @@ pub struct GroupSummary {
     pub mean: f64,
     /// Their standard deviation, with n - 1.
     pub sd: Option<f64>,
-    /// Lower end of the 95 % interval of the mean, by t with n - 1 degrees of freedom.
-    pub ci_low: Option<f64>,
-    /// Upper end.
-    pub ci_high: Option<f64>,
+    /// The 95 % interval of the mean, by t with n - 1 degrees of freedom.
+    #[serde(flatten, with = "crate::interval::ci")]
+    pub ci: Interval,
 }
 
 /// Comparison of independent groups; each row is another person.
@@ -138,8 +138,7 @@ pub fn groups(groups: &[String], values: &[Option<f64>]) -> Result<GroupsAnalysi
             n: s.values.len(),
             mean,
             sd,
-            ci_low: half.map(|h| mean - h),
-            ci_high: half.map(|h| mean + h),
+            ci: Interval::around(mean, half),
         };
         (s.name.clone(), summary)
     });
@@ -234,8 +233,8 @@ mod tests {
         let half = 1.959_963_984_540_054 * (12.0_f64 / 90.0).sqrt();
         for (end, expected) in [
             (Some(u.rank_biserial), r),
-            (u.rank_biserial_ci_low, libm::tanh(libm::atanh(r) - half)),
-            (u.rank_biserial_ci_high, libm::tanh(libm::atanh(r) + half)),
+            (u.rank_biserial_ci.low, libm::tanh(libm::atanh(r) - half)),
+            (u.rank_biserial_ci.high, libm::tanh(libm::atanh(r) + half)),
         ] {
             assert!(
                 (end.unwrap() - expected).abs() < 1e-12,

@@ -24,6 +24,7 @@ mod forced_choice;
 mod friedman;
 mod groups;
 mod hierarchical;
+pub mod interval;
 pub mod markup;
 mod mcnemar;
 mod mixed;
@@ -55,7 +56,7 @@ pub use bayes::{
     BayesCorrelation, BayesCorrelationAnalysis, BayesT, BayesTAnalysis, Prior, bayes_correlation,
     bayes_groups, bayes_one, bayes_paired,
 };
-pub use bootstrap::{Bootstrap, BootstrapData, BootstrapSettings, Interval, Statistic, bootstrap};
+pub use bootstrap::{Bootstrap, BootstrapData, BootstrapSettings, Statistic, bootstrap};
 pub use by_design::{
     AskedTest, ByDesign, CarriedOver, CarryOver, Chosen, ChosenTest, CorrectedTerm, DesignChoice,
     DesignColumns, DesignPlan, DesignShape, DesignTable, EffectMethod, EffectTest,
@@ -90,6 +91,7 @@ pub use groups::{
     OneWayAnova, SeveralGroups, WelchAnova, groups,
 };
 pub use hierarchical::{Belief, Hierarchical, PersonRows, hierarchical};
+pub use interval::Interval;
 pub use mcnemar::{McNemar, McNemarTest, mcnemar};
 pub use mixed::{
     Bend, Congruence, CongruenceData, FixedEffect, Formula, InterceptVariance, MarginalContrast,

@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use crate::{
-    Named, Reasons, StatsError, WithinSubjects,
+    Interval, Named, Reasons, StatsError, WithinSubjects,
     numerics::distributions::{chi2_upper, f_upper},
     power::z_for,
     proportion::clopper_pearson,
@@ -40,16 +40,14 @@ pub struct McNemarTest {
     pub neither: usize,
     /// Share of yes in A minus that in B.
     pub difference: f64,
-    /// Lower end of its 95 % interval: Bonett and Price (2012), Wald's with half a person added to each cell that differs.
-    pub difference_ci_low: f64,
-    /// Upper end.
-    pub difference_ci_high: f64,
+    /// Its 95 % interval: Bonett and Price (2012), Wald's with half a person added to each cell that differs.
+    #[serde(flatten, with = "crate::interval::difference_ci")]
+    pub difference_ci: Interval,
     /// (only A) / (only B), the odds ratio of the pairs.
     pub odds_ratio: Option<f64>,
-    /// Lower end of its 95 % interval: Clopper and Pearson's of (only A) / (only A + only B), as odds.
-    pub odds_ratio_ci_low: Option<f64>,
-    /// Upper end; none where nobody said yes in B alone.
-    pub odds_ratio_ci_high: Option<f64>,
+    /// Its 95 % interval: Clopper and Pearson's of (only A) / (only A + only B), as odds.
+    #[serde(flatten, with = "crate::interval::odds_ratio_ci")]
+    pub odds_ratio_ci: Interval,
     /// Two-sided binomial p of those who differ: never too small, and too large with few.
     pub p_exact: Option<f64>,
     /// The same less half the probability of what was seen: Fagerland, Lydersen and Laake (2013) advise it.
@@ -157,11 +155,12 @@ pub(crate) fn test(a: &[f64], b: &[f64]) -> (McNemarTest, Reasons) {
         only_b,
         neither,
         difference: (x - y) / n,
-        difference_ci_low: (p_a - p_b - half).max(-1.0),
-        difference_ci_high: (p_a - p_b + half).min(1.0),
+        difference_ci: ((p_a - p_b - half).max(-1.0), (p_a - p_b + half).min(1.0)).into(),
         odds_ratio: (only_b > 0).then(|| x / y),
-        odds_ratio_ci_low: ends.map(|(low, _)| odds(low)),
-        odds_ratio_ci_high: ends.filter(|_| only_b > 0).map(|(_, high)| odds(high)),
+        odds_ratio_ci: Interval {
+            low: ends.map(|(low, _)| odds(low)),
+            high: ends.filter(|_| only_b > 0).map(|(_, high)| odds(high)),
+        },
         p_exact,
         p_mid,
         chi2,
@@ -216,16 +215,16 @@ mod tests {
         near(test.chi2, 49.0 / 9.0);
         near(test.odds_ratio, 8.0);
         // Clopper and Pearson of 8 of 9: .5175 to .9972.
-        assert!((test.odds_ratio_ci_low.unwrap() - 0.517_504 / 0.482_496).abs() < 1e-4);
-        assert!((test.odds_ratio_ci_high.unwrap() - 0.997_191 / 0.002_809).abs() < 0.5);
+        assert!((test.odds_ratio_ci.low.unwrap() - 0.517_504 / 0.482_496).abs() < 1e-4);
+        assert!((test.odds_ratio_ci.high.unwrap() - 0.997_191 / 0.002_809).abs() < 0.5);
         // (9 − 2) / 22 ± 1.96 √((11/22 − (7/22)²) / 22).
         assert!((test.difference - 7.0 / 20.0).abs() < 1e-12);
         assert!(
-            (test.difference_ci_low - 0.054_308).abs() < 1e-5,
+            (test.difference_ci.low.unwrap() - 0.054_308).abs() < 1e-5,
             "{test:?}"
         );
         assert!(
-            (test.difference_ci_high - 0.582_056).abs() < 1e-5,
+            (test.difference_ci.high.unwrap() - 0.582_056).abs() < 1e-5,
             "{test:?}"
         );
         assert_eq!(found.yes.get("a"), Some(&0.6));
@@ -233,7 +232,7 @@ mod tests {
         assert_eq!((turned.p_exact, turned.p_mid), (test.p_exact, test.p_mid));
         assert!((turned.difference + test.difference).abs() < 1e-12);
         assert!(
-            (turned.odds_ratio_ci_low.unwrap() * test.odds_ratio_ci_high.unwrap() - 1.0).abs()
+            (turned.odds_ratio_ci.low.unwrap() * test.odds_ratio_ci.high.unwrap() - 1.0).abs()
                 < 1e-9
         );
     }
@@ -265,7 +264,7 @@ mod tests {
         assert!(none.undefined.get("mcnemar.p_exact").is_some());
         assert!(none.statements().is_empty());
         let alone = mcnemar(&table([0, 6, 0, 0])).unwrap().mcnemar;
-        assert_eq!((alone.odds_ratio, alone.odds_ratio_ci_high), (None, None));
+        assert_eq!((alone.odds_ratio, alone.odds_ratio_ci.high), (None, None));
         near(alone.p_exact, 2.0 / 64.0);
     }
 

@@ -24,7 +24,7 @@ pub use ratio::{RatioTest, Region};
 use serde::{Deserialize, Serialize};
 
 use crate::{
-    Named, Reasons, StatsError, complete,
+    Interval, Named, Reasons, StatsError, complete,
     numerics::{matrix::Matrix, minimise::minimise},
     within_subjects::Index,
 };
@@ -55,10 +55,9 @@ pub struct FixedEffect {
     pub t: Option<f64>,
     /// Two-sided, by t with `df` degrees of freedom.
     pub p: Option<f64>,
-    /// Lower end of the 95 % interval.
-    pub ci_low: Option<f64>,
-    /// Upper end.
-    pub ci_high: Option<f64>,
+    /// The 95 % interval.
+    #[serde(flatten, with = "crate::interval::ci")]
+    pub ci: Interval,
 }
 
 /// A fitted linear mixed model.
@@ -280,7 +279,7 @@ fn describe(
             .map(|i| f64::from(u8::from(i == j)))
             .collect();
         let effect = estimates.effect(&unit);
-        if effect.ci_low.is_none() {
+        if effect.ci.low.is_none() {
             undefined.note(
                 &format!("fixed.{name}"),
                 "the variances are not determined, so neither are their degrees of freedom",

@@ -7,7 +7,7 @@ mod rows;
 use serde::{Deserialize, Serialize};
 
 use crate::{
-    Named, Reasons, StatsError,
+    Interval, Named, Reasons, StatsError,
     numerics::distributions::{chi2_upper, normal_quantile, normal_two_sided},
     within_subjects::pairs,
 };
@@ -26,10 +26,9 @@ pub struct OrdinalParameter {
     pub z: Option<f64>,
     /// Two-sided.
     pub p: Option<f64>,
-    /// Lower end of the 95 % interval.
-    pub ci_low: Option<f64>,
-    /// Upper end.
-    pub ci_high: Option<f64>,
+    /// The 95 % interval.
+    #[serde(flatten, with = "crate::interval::ci")]
+    pub ci: Interval,
 }
 
 /// The variance of the subjects' intercepts.
@@ -220,8 +219,7 @@ fn describe(
             se,
             z,
             p: z.map(normal_two_sided),
-            ci_low: estimate.zip(half).map(|(e, h)| e - h),
-            ci_high: estimate.zip(half).map(|(e, h)| e + h),
+            ci: estimate.map_or_else(Interval::default, |e| Interval::around(e, half)),
         }
     };
     // With another reference thresholds and coefficients would mean something else.

@@ -3,8 +3,9 @@
 use serde::{Deserialize, Serialize};
 
 use crate::{
-    Adjustment, Named, Nemenyi, PMethod, PairedT, Reasons, StatsError, Wilcoxon, WithinSubjects,
-    analysis, friedman::RankTable, numerics::moments::mean_and_square_sum, rm_anova,
+    Adjustment, Interval, Named, Nemenyi, PMethod, PairedT, Reasons, StatsError, Wilcoxon,
+    WithinSubjects, analysis, friedman::RankTable, numerics::moments::mean_and_square_sum,
+    rm_anova,
 };
 
 /// The test of a pair of conditions.
@@ -46,10 +47,9 @@ pub struct Effect {
     pub name: EffectName,
     /// The estimate.
     pub value: Option<f64>,
-    /// Lower end of the interval.
-    pub ci_low: Option<f64>,
-    /// Upper end.
-    pub ci_high: Option<f64>,
+    /// The interval.
+    #[serde(flatten, with = "crate::interval::ci")]
+    pub ci: Interval,
     /// Confidence of the interval: 0.95 for pairs, 0.90 for partial eta squared and W.
     pub confidence: f64,
 }
@@ -183,8 +183,8 @@ pub(crate) fn all_pairs(
         }
         for (part, value) in [
             ("effect.value", pair.effect.value),
-            ("effect.ci_low", pair.effect.ci_low),
-            ("effect.ci_high", pair.effect.ci_high),
+            ("effect.ci_low", pair.effect.ci.low),
+            ("effect.ci_high", pair.effect.ci.high),
         ] {
             if value.is_none() {
                 let reason = "the differences do not vary, or the effect is at its limit";
@@ -294,8 +294,7 @@ fn dz(tests: &Named<PairedT>) -> Vec<Effect> {
     let effect = |t: &PairedT| Effect {
         name: EffectName::Dz,
         value: t.dz,
-        ci_low: t.dz_ci_low,
-        ci_high: t.dz_ci_high,
+        ci: t.dz_ci,
         confidence: 0.95,
     };
     tests.values().map(effect).collect()
@@ -305,8 +304,7 @@ fn rank_biserial(tests: &Named<Wilcoxon>) -> Vec<Effect> {
     let effect = |w: &Wilcoxon| Effect {
         name: EffectName::RankBiserial,
         value: w.rank_biserial,
-        ci_low: w.rank_biserial_ci_low,
-        ci_high: w.rank_biserial_ci_high,
+        ci: w.rank_biserial_ci,
         confidence: 0.95,
     };
     tests.values().map(effect).collect()

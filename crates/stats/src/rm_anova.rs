@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use crate::{
-    Reasons, WithinSubjects,
+    Interval, Reasons, WithinSubjects,
     numerics::{
         decimal,
         distributions::f_upper,
@@ -32,25 +32,22 @@ pub struct RmAnova {
     pub ss_error: f64,
     /// SSc / (SSc + SSe).
     pub eta2_partial: Option<f64>,
-    /// Lower end of its 90 % interval, by the noncentral F: ncp / (ncp + df2).
-    pub eta2_partial_ci90_low: Option<f64>,
-    /// Upper end of that interval.
-    pub eta2_partial_ci90_high: Option<f64>,
+    /// Its 90 % interval, by the noncentral F: ncp / (ncp + df2).
+    #[serde(flatten, with = "crate::interval::eta2_partial_ci90")]
+    pub eta2_partial_ci90: Interval,
     /// SSc / (SSc + SSe + SSs).
     pub eta2_generalized: Option<f64>,
-    /// Lower end of its 90 % interval: the limits ncp MSe of the noncentral F in the place
+    /// Its 90 % interval: the limits ncp MSe of the noncentral F in the place
     /// of SSc, the other sums of squares as observed. Approximate, since SSs varies too;
     /// without differences of subjects it is the interval of partial eta squared.
-    pub eta2_generalized_ci90_low: Option<f64>,
-    /// Upper end of that interval.
-    pub eta2_generalized_ci90_high: Option<f64>,
+    #[serde(flatten, with = "crate::interval::eta2_generalized_ci90")]
+    pub eta2_generalized_ci90: Interval,
     /// (SSc - df1 MSe) / (SSc + SSe + SSs + MSs); it may be negative.
     pub omega2_partial: Option<f64>,
-    /// Lower end of its 90 % interval: ncp MSe in the place of SSc - df1 MSe, above and
+    /// Its 90 % interval: ncp MSe in the place of SSc - df1 MSe, above and
     /// below. Never negative, as the population's value.
-    pub omega2_partial_ci90_low: Option<f64>,
-    /// Upper end of that interval.
-    pub omega2_partial_ci90_high: Option<f64>,
+    #[serde(flatten, with = "crate::interval::omega2_partial_ci90")]
+    pub omega2_partial_ci90: Interval,
     /// What other programs print for the same data.
     #[serde(flatten)]
     pub compat: RmAnovaCompat,
@@ -60,9 +57,8 @@ pub struct RmAnova {
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct RmAnovaCompat {
     /// The interval of partial eta squared mapped as Steiger (2004) and MBESS do: ncp / (ncp + df1 + df2 + 1).
-    pub eta2_partial_ci90_mbess_low: Option<f64>,
-    /// Upper end of that interval.
-    pub eta2_partial_ci90_mbess_high: Option<f64>,
+    #[serde(flatten, with = "crate::interval::eta2_partial_ci90_mbess")]
+    pub eta2_partial_ci90_mbess: Interval,
 }
 
 /// Residuals of the additive model and the sums of squares, from one pass over the data.
@@ -182,6 +178,7 @@ pub(crate) fn test(data: &WithinSubjects, parts: &Decomposition) -> (RmAnova, Re
         let effect = ncp * ms_error;
         effect / (effect + d1 * ms_error + ss_error + ss_subject + ms_subject)
     };
+    let interval = Interval::from(interval);
     let anova = RmAnova {
         f,
         p,
@@ -191,19 +188,15 @@ pub(crate) fn test(data: &WithinSubjects, parts: &Decomposition) -> (RmAnova, Re
         ss_subject,
         ss_error,
         eta2_partial: (effect > 0.0).then(|| ss_condition / effect),
-        eta2_partial_ci90_low: interval.map(|(low, _)| share(low)),
-        eta2_partial_ci90_high: interval.map(|(_, high)| share(high)),
+        eta2_partial_ci90: interval.map(share),
         compat: RmAnovaCompat {
-            eta2_partial_ci90_mbess_low: interval.map(|(low, _)| share_mbess(low)),
-            eta2_partial_ci90_mbess_high: interval.map(|(_, high)| share_mbess(high)),
+            eta2_partial_ci90_mbess: interval.map(share_mbess),
         },
         eta2_generalized: (total > 0.0).then(|| ss_condition / total),
-        eta2_generalized_ci90_low: interval.map(|(low, _)| share_of_all(low)),
-        eta2_generalized_ci90_high: interval.map(|(_, high)| share_of_all(high)),
+        eta2_generalized_ci90: interval.map(share_of_all),
         omega2_partial: (total > 0.0)
             .then(|| (ss_condition - d1 * ms_error) / (total + ms_subject)),
-        omega2_partial_ci90_low: interval.map(|(low, _)| share_less_error(low)),
-        omega2_partial_ci90_high: interval.map(|(_, high)| share_less_error(high)),
+        omega2_partial_ci90: interval.map(share_less_error),
     };
     (anova, reasons)
 }

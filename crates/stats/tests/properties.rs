@@ -3,9 +3,9 @@
 #![expect(clippy::cast_possible_wrap, reason = "samples of a few values")]
 
 use maveric_stats::{
-    Adjustment, BootstrapData, BootstrapSettings, Comparison, CorrelationMethod, PosthocTest,
-    Statistic, WithinAnalysis, WithinSubjects, adjust, bootstrap, compare, correlate, normality,
-    posthoc, within,
+    Adjustment, BootstrapData, BootstrapSettings, Comparison, CorrelationMethod, Interval,
+    PosthocTest, Statistic, WithinAnalysis, WithinSubjects, adjust, bootstrap, compare, correlate,
+    normality, posthoc, within,
 };
 use proptest::prelude::*;
 use serde_json::Value;
@@ -55,7 +55,7 @@ fn statistics(data: &WithinSubjects) -> Vec<Option<f64>> {
         a.friedman.p_exact,
     ];
     for pair in a.paired.values() {
-        all.extend([pair.t, pair.p_holm, pair.dz_ci_low]);
+        all.extend([pair.t, pair.p_holm, pair.dz_ci.low]);
     }
     for pair in a.wilcoxon.values() {
         all.extend([pair.p_exact, pair.rank_biserial]);
@@ -146,20 +146,20 @@ proptest! {
             _ => true,
         };
         for t in a.paired.values() {
-            prop_assert!(holds(t.dz_ci_low, t.dz, t.dz_ci_high));
-            prop_assert!(holds(t.gz_ci_low, t.gz, t.gz_ci_high));
-            prop_assert!(holds(t.d_av_ci_low, t.d_av, t.d_av_ci_high));
+            prop_assert!(holds(t.dz_ci.low, t.dz, t.dz_ci.high));
+            prop_assert!(holds(t.gz_ci.low, t.gz, t.gz_ci.high));
+            prop_assert!(holds(t.d_av_ci.low, t.d_av, t.d_av_ci.high));
             prop_assert!(t.p.is_none_or(|p| p > 0.0));
         }
         for w in a.wilcoxon.values() {
-            prop_assert!(holds(w.rank_biserial_ci_low, w.rank_biserial, w.rank_biserial_ci_high));
+            prop_assert!(holds(w.rank_biserial_ci.low, w.rank_biserial, w.rank_biserial_ci.high));
         }
         let anova = &a.rm_anova;
-        for (low, high) in [
-            (anova.eta2_partial_ci90_low, anova.eta2_partial_ci90_high),
-            (anova.eta2_generalized_ci90_low, anova.eta2_generalized_ci90_high),
-            (anova.omega2_partial_ci90_low, anova.omega2_partial_ci90_high),
-            (a.friedman.kendall_w_ci90_low, a.friedman.kendall_w_ci90_high),
+        for Interval { low, high } in [
+            anova.eta2_partial_ci90,
+            anova.eta2_generalized_ci90,
+            anova.omega2_partial_ci90,
+            a.friedman.kendall_w_ci90,
         ] {
             prop_assert!(holds(Some(0.0), low, high) && holds(low, high, Some(1.0)));
             prop_assert_eq!(low.is_some(), high.is_some());

@@ -16,7 +16,7 @@ pub(super) fn findings(presses: Option<&Presses>) -> Vec<Finding> {
     });
     let parts = presses.before.iter().map(|row| {
         let test = &row.test;
-        let interval = test.odds_ratio_ci_low.zip(test.odds_ratio_ci_high);
+        let interval = test.odds_ratio_ci.ends();
         let estimate = (test.odds_ratio, row.p_holm);
         Part::differs(&row.precursor, test.people, estimate).with_interval(interval)
     });

@@ -17,7 +17,7 @@ pub(super) fn retest(design: &Design, repeats: Option<&Repeats>) -> Option<Findi
         .filter(|row| Some(row.condition) == design.baseline_id() && row.n >= FEWEST_FOR_ICC);
     let part = |row: &crate::Retest| {
         let icc = row.icc.as_ref()?;
-        let interval = icc.ci_low.zip(icc.ci_high);
+        let interval = icc.ci.ends();
         let estimate = (icc.icc, interval);
         Some(Part::within(
             &row.outcome,

@@ -15,7 +15,7 @@ pub(super) fn line(analysis: &Analysis) -> Option<Finding> {
         None => ("with_score", analysis.line.as_ref().and_then(score)?),
     };
     let part = Part::directed(key, decides.n, (decides.r, decides.p), Sign::Plus);
-    let part = part.with_interval(decides.ci_low.zip(decides.ci_high));
+    let part = part.with_interval(decides.ci.ends());
     Some(Finding::every(Question::Style, vec![part]))
 }
 
@@ -37,6 +37,7 @@ mod tests {
         testing::{analysed, position, tables},
     };
     use Verdict::{Fails, NotShown, Shown, TooFew};
+    use maveric_stats::Interval;
 
     fn correlation(r: f64, p: f64, n: usize) -> Correlation {
         Correlation {
@@ -45,8 +46,7 @@ mod tests {
             df: n.saturating_sub(2),
             r: Some(r),
             p: Some(p),
-            ci_low: None,
-            ci_high: None,
+            ci: Interval::default(),
         }
     }
 

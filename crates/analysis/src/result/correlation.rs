@@ -1,6 +1,6 @@
 //! A correlation of two columns.
 
-use maveric_stats::apa;
+use maveric_stats::{Interval, apa};
 use serde::{Deserialize, Serialize};
 
 /// A correlation of two columns with its test.
@@ -16,10 +16,9 @@ pub struct Correlation {
     pub r: Option<f64>,
     /// Its p value.
     pub p: Option<f64>,
-    /// Lower end of its 95 % interval.
-    pub ci_low: Option<f64>,
-    /// Upper end.
-    pub ci_high: Option<f64>,
+    /// Its 95 % interval.
+    #[serde(flatten, with = "maveric_stats::interval::ci")]
+    pub ci: Interval,
 }
 
 impl Correlation {

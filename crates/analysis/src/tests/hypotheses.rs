@@ -50,12 +50,12 @@ fn a_table_a_sentence_and_an_equivalence_of_one_outcome_are_of_the_same_people_t
     let test = test_of(below);
     near(
         Some(width(below)),
-        test.ci_high.unwrap() - test.ci_low.unwrap(),
+        test.ci.high.unwrap() - test.ci.low.unwrap(),
     );
     let test = test_of(same);
     near(
         Some(width(same)),
-        test.ci90_high.unwrap() - test.ci90_low.unwrap(),
+        test.ci90.high.unwrap() - test.ci90.low.unwrap(),
     );
     let bias = a.reproduction[0].bias.as_ref().unwrap();
     assert_eq!((bias.n, a.reproduction[0].n), (7, 7));

@@ -235,7 +235,7 @@ impl StudyPage<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use maveric_stats::{Effect, EffectName};
+    use maveric_stats::{Effect, EffectName, Interval};
 
     #[test]
     fn what_is_0_or_1_alone_ends_there_and_an_amount_at_0_only() {
@@ -262,8 +262,7 @@ mod tests {
             effect: Some(Effect {
                 name: EffectName::Dz,
                 value: Some(size),
-                ci_low: None,
-                ci_high: None,
+                ci: Interval::default(),
                 confidence: 0.95,
             }),
             p: Some(0.01),

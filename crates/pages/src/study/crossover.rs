@@ -77,7 +77,7 @@ impl StudyPage<'_> {
             let left = fitted.map(|f| {
                 let effects = f.effects.iter().map(|(id, effect)| {
                     let label = label_of_id(self.design, id);
-                    let ends = interval(effect.ci_low.zip(effect.ci_high), 2, false);
+                    let ends = interval(effect.ci.ends(), 2, false);
                     format!("{label} {}{ends}", apa::number(effect.estimate, 2))
                 });
                 effects.collect::<Vec<_>>()

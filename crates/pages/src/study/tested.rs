@@ -9,7 +9,7 @@ use maveric_analysis::{Contrast, Panel};
 use maveric_domain::Design;
 use maveric_stats::{
     Adjustment, ByDesign, Chosen, ChosenTest, EffectMethod, FactorialFinding, GroupsAnalysis,
-    PERIOD, SmallSample, apa::Statements,
+    Interval, PERIOD, SmallSample, apa::Statements,
 };
 use minijinja::{Value, context};
 use serde::Serialize;
@@ -44,8 +44,8 @@ struct Numbers {
     /// What the effect size is.
     size: Option<&'static str>,
     effect_size: Option<f64>,
-    low: Option<f64>,
-    high: Option<f64>,
+    #[serde(flatten)]
+    ci: Interval,
 }
 
 /// The test of each effect that the design crosses; of one factor, of groups and of ordered answers a single one.
@@ -146,8 +146,7 @@ fn of_one(found: &maveric_stats::Comparison) -> Numbers {
         p: omnibus.p,
         size: Some(size),
         effect_size: omnibus.effect.value,
-        low: omnibus.effect.ci_low,
-        high: omnibus.effect.ci_high,
+        ci: omnibus.effect.ci,
     }
 }
 
@@ -173,8 +172,7 @@ fn of_factors(found: &FactorialFinding) -> Vec<(String, Numbers)> {
             p: test.p,
             size: size.map(|_| "eta2_partial"),
             effect_size: size.and_then(|e| e.eta2_partial),
-            low: size.and_then(|e| e.eta2_partial_ci90_low),
-            high: size.and_then(|e| e.eta2_partial_ci90_high),
+            ci: size.map(|e| e.eta2_partial_ci90).unwrap_or_default(),
         };
         (name.to_owned(), numbers)
     };
@@ -194,8 +192,7 @@ fn of_groups(found: &Chosen<GroupsAnalysis>) -> Numbers {
                 p: test.and_then(|t| t.p),
                 size: Some("hedges_g"),
                 effect_size: size.and_then(|s| s.g),
-                low: size.and_then(|s| s.g_ci_low),
-                high: size.and_then(|s| s.g_ci_high),
+                ci: size.map(|s| s.g_ci).unwrap_or_default(),
                 ..Numbers::default()
             }
         }
@@ -207,8 +204,7 @@ fn of_groups(found: &Chosen<GroupsAnalysis>) -> Numbers {
                 p: test.and_then(|t| t.p),
                 size: Some("rank_biserial"),
                 effect_size: test.map(|t| t.rank_biserial),
-                low: test.and_then(|t| t.rank_biserial_ci_low),
-                high: test.and_then(|t| t.rank_biserial_ci_high),
+                ci: test.map(|t| t.rank_biserial_ci).unwrap_or_default(),
                 ..Numbers::default()
             }
         }

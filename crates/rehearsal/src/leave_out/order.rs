@@ -404,8 +404,8 @@ fn mean_of(
     let analysis = within_without_exact(&data);
     let test = analysis.paired.get("a|b");
     Ok(Some(Mean {
-        low: test.and_then(|t| t.ci_low),
-        high: test.and_then(|t| t.ci_high),
+        low: test.and_then(|t| t.ci.low),
+        high: test.and_then(|t| t.ci.high),
         dz: test.and_then(|t| t.dz),
         ..alone
     }))

@@ -167,7 +167,7 @@ mod tests {
         // Differences of .4 three times and -.4 twice: their mean is less than chance would have it, and takes nothing away.
         let squares = 5.0 * (0.4_f64.powi(2) - 0.08_f64.powi(2));
         assert!((speed.sem - (squares / 8.0).sqrt()).abs() < 1e-12);
-        assert!(speed.sem_low.unwrap() < speed.sem && speed.sem < speed.sem_high.unwrap());
+        assert!(speed.sem_ci.low.unwrap() < speed.sem && speed.sem < speed.sem_ci.high.unwrap());
         assert!(speed.icc.unwrap() > 0.9);
         let gap = &found[1];
         assert!(gap.n == 0 && gap.icc.is_none());
@@ -175,6 +175,6 @@ mod tests {
         assert!(position.n == 5 && position.icc.as_ref().unwrap().icc.unwrap() > 0.9);
         // Everybody at one score: a spread of 0, without an interval, and no correlation.
         let score = score.icc.as_ref().unwrap();
-        assert_eq!((score.sem, score.sem_low, score.icc), (0.0, None, None));
+        assert_eq!((score.sem, score.sem_ci.low, score.icc), (0.0, None, None));
     }
 }

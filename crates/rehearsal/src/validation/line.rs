@@ -74,7 +74,7 @@ pub fn agreement(
             .zip(adb)
             .filter(|(v, a)| v.is_some() && a.is_some())
             .count(),
-        adb_interval: score.as_ref().and_then(|p| p.ci_low.zip(p.ci_high)),
+        adb_interval: score.as_ref().and_then(|p| p.ci.ends()),
         adb: score.and_then(|p| p.r),
         latent: r(latent)?.and_then(|p| p.r),
     })

@@ -42,7 +42,7 @@ pub fn retest(first: &[Values], again: &[Values]) -> Vec<Retest> {
             n,
             missing: one.len() - n,
             icc: agreement.as_ref().and_then(|f| f.icc),
-            interval: agreement.as_ref().and_then(|f| f.ci_low.zip(f.ci_high)),
+            interval: agreement.as_ref().and_then(|f| f.ci.ends()),
             sem: agreement.as_ref().map(|f| f.sem),
             sdc: agreement.map(|f| f.sdc),
         }

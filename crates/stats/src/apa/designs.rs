@@ -1,7 +1,7 @@
 //! The sentences of factors, groups, bounds and models.
 
 use super::{
-    F, Interval, Statement, Statements, bounded, chi2, degrees, f, number, of_n, p_symbol,
+    F, Statement, Statements, bounded, chi2, degrees, f, number, of_n, p_symbol,
     parts::ranks,
     probability,
     results::{of_each, says_itself, those},
@@ -33,14 +33,13 @@ impl Factorial {
         let corrected = sphericity.map(|s| (s.correction(), s.corrected(s.correction(), effect.p)));
         let (epsilon, p) = corrected.map_or((None, effect.p), |(_, corrected)| corrected);
         let times = epsilon.unwrap_or(1.0);
-        let (low, high) = (effect.eta2_partial_ci90_low, effect.eta2_partial_ci90_high);
         Some(f(&F {
             f: effect.f?,
             df_effect: effect.df1 as f64 * times,
             df_error: effect.df2 as f64 * times,
             p: p?,
             eta2_partial: effect.eta2_partial,
-            interval: Interval::from_ends(0.9, low, high),
+            eta2_partial_ci90: effect.eta2_partial_ci90,
             epsilon: epsilon
                 .filter(|_| corrected.is_some_and(|(c, _)| c != SphericityCorrection::None)),
         }))
@@ -70,9 +69,10 @@ impl Statements for GroupsAnalysis {
                 let test = self.welch_t.values().next()?;
                 let statement = t(test.t?, test.df?, test.p?, Adjustment::None, None);
                 let size = self.hedges.values().next()?;
-                let ci = Interval::from_ends(0.95, size.g_ci_low, size.g_ci_high);
                 Some(match size.g {
-                    Some(g) => statement.and("*g*", &number(g, 2)).ci(ci, number),
+                    Some(g) => statement
+                        .and("*g*", &number(g, 2))
+                        .ci(0.95, size.g_ci, number),
                     None => statement,
                 })
             };
@@ -113,8 +113,7 @@ impl Statements for Equivalence {
                 upper
             };
             let statement = t(weaker, test.df as f64, test.p?, Adjustment::None, None);
-            let ci = Interval::from_ends(0.9, test.ci90_low, test.ci90_high);
-            Some(statement.ci(ci, number))
+            Some(statement.ci(0.9, test.ci90, number))
         })
     }
 }
@@ -175,7 +174,6 @@ impl McNemarTest {
 
     /// `8 against 1, mid-p = .021, exact p = .039, difference = .35, 95% CI [.05, .58]`.
     fn statement(&self, p_mid: f64, adjusted: Adjustment) -> Statement {
-        let (low, high) = (self.difference_ci_low, self.difference_ci_high);
         let mid = probability(p_symbol(adjusted), p_mid);
         let exact_symbol = match adjusted {
             Adjustment::None => "exact *p*",
@@ -190,7 +188,7 @@ impl McNemarTest {
             self.only_a, self.only_b
         ))
         .and("difference", &bounded(self.difference, 2))
-        .ci(Interval::from_ends(0.95, Some(low), Some(high)), bounded)
+        .ci(0.95, self.difference_ci, bounded)
     }
 }
 
@@ -252,9 +250,8 @@ impl Statements for Ordinal {
         };
         let mut statements = those([("lr", lr())]);
         statements.extend(of_each(&self.quadrature.coef, |_, parameter| {
-            let ci = Interval::from_ends(0.95, parameter.ci_low, parameter.ci_high);
             let value = number(parameter.estimate?, 2);
-            let statement = Statement(format!("*b* = {value}")).ci(ci, number);
+            let statement = Statement(format!("*b* = {value}")).ci(0.95, parameter.ci, number);
             let statement = statement.and("*z*", &number(parameter.z?, 2));
             Some(statement.p(parameter.p?, Adjustment::None))
         }));
@@ -293,14 +290,13 @@ impl Statements for FactorialFinding {
                     Some(b),
                 ) => {
                     let effect = self.anova.anova.get(name)?;
-                    let (low, high) = (effect.eta2_partial_ci90_low, effect.eta2_partial_ci90_high);
                     f(&F {
                         f: value,
                         df_effect: a,
                         df_error: b,
                         p,
                         eta2_partial: effect.eta2_partial,
-                        interval: Interval::from_ends(0.9, low, high),
+                        eta2_partial_ci90: effect.eta2_partial_ci90,
                         epsilon: test
                             .epsilon
                             .filter(|_| test.correction != SphericityCorrection::None),

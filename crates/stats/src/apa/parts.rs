@@ -40,6 +40,7 @@ pub(super) fn ranks(method: EffectMethod, value: f64) -> Statement {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::Interval;
 
     #[test]
     fn a_contrast_is_said_as_the_test_that_it_had() {
@@ -51,8 +52,7 @@ mod tests {
             statistic: Some(2.0),
             df: Some(11.0),
             p: Some(0.07),
-            ci_low: None,
-            ci_high: None,
+            ci: Interval::default(),
         };
         assert_eq!(
             t.statement(0.14).unwrap().markup(),

@@ -2,12 +2,12 @@
 
 use std::fmt;
 
-use super::{F, Interval, Statement, bounded, chi2, f, number, r, r_rm, rho, t, wilcoxon};
+use super::{F, Statement, bounded, chi2, f, number, r, r_rm, rho, t, wilcoxon};
 use crate::{
-    Adjustment, AlphaAnalysis, Bootstrap, Comparison, Correlation, Effect, Friedman,
-    FriedmanAnalysis, Levene, Mauchly, Named, Normality, Omnibus, OmnibusTest, Posthoc,
-    PosthocPair, PosthocTest, RmAnova, RmAnovaAnalysis, RmCorrelationAnalysis, Sphericity,
-    SphericityCorrection, VarianceTests, WithinAnalysis,
+    Adjustment, AlphaAnalysis, Bootstrap, Comparison, Correlation, Friedman, FriedmanAnalysis,
+    Interval, Levene, Mauchly, Named, Normality, Omnibus, OmnibusTest, Posthoc, PosthocPair,
+    PosthocTest, RmAnova, RmAnovaAnalysis, RmCorrelationAnalysis, Sphericity, SphericityCorrection,
+    VarianceTests, WithinAnalysis,
 };
 
 /// A result that can be said as APA has it.
@@ -80,7 +80,6 @@ const ALPHA: f64 = 0.05;
 fn of_anova(anova: &RmAnova, mauchly: &Mauchly, sphericity: &Sphericity) -> Option<Statement> {
     let corrected = mauchly.p.is_none_or(|p| p < ALPHA) && anova.df1 > 1;
     let epsilon = if corrected { sphericity.gg } else { None };
-    let (low, high) = (anova.eta2_partial_ci90_low, anova.eta2_partial_ci90_high);
     Some(f(&F {
         f: anova.f?,
         df_effect: anova.df1 as f64 * epsilon.unwrap_or(1.0),
@@ -91,7 +90,7 @@ fn of_anova(anova: &RmAnova, mauchly: &Mauchly, sphericity: &Sphericity) -> Opti
             anova.p?
         },
         eta2_partial: anova.eta2_partial,
-        interval: Interval::from_ends(0.9, low, high),
+        eta2_partial_ci90: anova.eta2_partial_ci90,
         epsilon,
     }))
 }
@@ -125,8 +124,7 @@ impl Statements for WithinAnalysis {
         let friedman = of_friedman(&self.friedman, self.n);
         let mut statements = those([("rm_anova", anova), ("friedman", friedman)]);
         statements.extend(of_each(&self.paired, |_, pair| {
-            let ci = Interval::from_ends(0.95, pair.dz_ci_low, pair.dz_ci_high);
-            let dz = pair.dz.map(|dz| (dz, ci));
+            let dz = pair.dz.map(|dz| (dz, pair.dz_ci));
             let (df, p) = (pair.df as f64, pair.p_holm?);
             Some(t(pair.t?, df, p, Adjustment::Holm, dz))
         }));
@@ -151,9 +149,13 @@ impl Omnibus {
             return Some(wilcoxon(statistic, p, Adjustment::None, effect.value));
         }
         let df1 = self.df1?;
+        let ci = if short {
+            Interval::default()
+        } else {
+            effect.ci
+        };
         if self.test == OmnibusTest::PairedT {
-            let interval = of_effect(effect).filter(|_| !short);
-            let dz = effect.value.map(|dz| (dz, interval));
+            let dz = effect.value.map(|dz| (dz, ci));
             return Some(t(statistic, df1, p, Adjustment::None, dz));
         }
         if self.test == OmnibusTest::Friedman {
@@ -166,14 +168,10 @@ impl Omnibus {
             df_error: self.df2?,
             p,
             eta2_partial: effect.value,
-            interval: of_effect(effect).filter(|_| !short),
+            eta2_partial_ci90: ci,
             epsilon: self.epsilon.filter(|_| !short && corrected),
         }))
     }
-}
-
-fn of_effect(effect: &Effect) -> Option<Interval> {
-    Interval::from_ends(effect.confidence, effect.ci_low, effect.ci_high)
 }
 
 impl Statements for Comparison {
@@ -199,7 +197,7 @@ impl Posthoc {
         let (effect, adjust) = (&pair.effect, self.adjust);
         Some(match self.test {
             PosthocTest::T | PosthocTest::PooledT => {
-                let dz = effect.value.map(|dz| (dz, of_effect(effect)));
+                let dz = effect.value.map(|dz| (dz, effect.ci));
                 t(statistic, pair.df? as f64, p_value, adjust, dz)
             }
             PosthocTest::Conover => t(statistic, pair.df? as f64, p_value, adjust, None),
@@ -278,8 +276,7 @@ impl Statements for AlphaAnalysis {
         let alpha = &self.alpha;
         let statement = || {
             let raw = Statement(format!("*α* = {}", bounded(alpha.raw?, 2)));
-            let ci = Interval::from_ends(0.95, alpha.ci_low, alpha.ci_high);
-            Some(raw.ci(ci, bounded))
+            Some(raw.ci(0.95, alpha.ci, bounded))
         };
         let omega = alpha
             .omega
@@ -291,9 +288,9 @@ impl Statements for AlphaAnalysis {
 impl Statements for Bootstrap {
     fn statements(&self) -> Vec<(String, Statement)> {
         let (level, estimate) = (self.settings.confidence, self.estimate);
-        let statement = |ends: crate::Interval| {
-            let ci = Some(Interval::from_ends(level, ends.low, ends.high)?);
-            Some(Statement(format!("estimate {}", number(estimate?, 2))).ci(ci, number))
+        let statement = |ci: Interval| {
+            ci.ends()?;
+            Some(Statement(format!("estimate {}", number(estimate?, 2))).ci(level, ci, number))
         };
         those([
             ("bca", statement(self.bca)),

@@ -7,7 +7,7 @@ use super::{
     parts::unknown,
 };
 use crate::{
-    FactorialDesign, StatsError, WithinSubjects,
+    FactorialDesign, Interval, StatsError, WithinSubjects,
     factorial::{SubjectCovariate, level_weights},
     groups,
     numerics::{
@@ -45,10 +45,9 @@ pub struct LevelContrast {
     pub df: Option<f64>,
     /// Two-sided.
     pub p: Option<f64>,
-    /// Lower end of the 95 % interval of the contrast, not adjusted.
-    pub ci_low: Option<f64>,
-    /// Upper end.
-    pub ci_high: Option<f64>,
+    /// The 95 % interval of the contrast, not adjusted.
+    #[serde(flatten, with = "crate::interval::ci")]
+    pub ci: Interval,
 }
 
 /// A contrast of levels, tested as the effect that it is a part of was: signed ranks or the ranks of two groups where ranks decided, a
@@ -156,8 +155,7 @@ impl Scores<'_> {
             statistic: None,
             df: None,
             p: None,
-            ci_low: None,
-            ci_high: None,
+            ci: Interval::default(),
         }
     }
 
@@ -178,8 +176,7 @@ impl Scores<'_> {
             statistic: Some(estimate / se),
             df: Some(df),
             p: Some(t_two_sided(estimate / se, df)),
-            ci_low: half.map(|h| estimate - h),
-            ci_high: half.map(|h| estimate + h),
+            ci: Interval::around(estimate, half),
             ..plain
         }
     }

@@ -3,7 +3,8 @@
 use serde::{Deserialize, Serialize};
 
 use crate::{
-    Effect, EffectName, Friedman, PMethod, Posthoc, RmAnova, Sphericity, SphericityCorrection,
+    Effect, EffectName, Friedman, Interval, PMethod, Posthoc, RmAnova, Sphericity,
+    SphericityCorrection,
 };
 
 /// The omnibus test chosen.
@@ -96,8 +97,7 @@ pub(super) fn of_anova(
         effect: Effect {
             name: EffectName::Eta2Partial,
             value: anova.eta2_partial,
-            ci_low: anova.eta2_partial_ci90_low,
-            ci_high: anova.eta2_partial_ci90_high,
+            ci: anova.eta2_partial_ci90,
             confidence: 0.90,
         },
     }
@@ -122,8 +122,7 @@ pub(super) fn of_friedman(friedman: &Friedman) -> Omnibus {
         effect: Effect {
             name: EffectName::KendallW,
             value: friedman.kendall_w,
-            ci_low: friedman.kendall_w_ci90_low,
-            ci_high: friedman.kendall_w_ci90_high,
+            ci: friedman.kendall_w_ci90,
             confidence: 0.90,
         },
     }
@@ -136,8 +135,7 @@ pub(super) fn of_pair(test: OmnibusTest, posthoc: &Posthoc) -> Omnibus {
         Effect {
             name: EffectName::Dz,
             value: None,
-            ci_low: None,
-            ci_high: None,
+            ci: Interval::default(),
             confidence: 0.95,
         },
         |pair| pair.effect.clone(),

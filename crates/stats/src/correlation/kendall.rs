@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use crate::{
-    PMethod, Reasons,
+    Interval, PMethod, Reasons,
     numerics::{decimal::tied, distributions::normal_two_sided},
     ranks,
 };
@@ -17,11 +17,10 @@ pub struct Kendall {
     pub p: Option<f64>,
     /// Which of the two.
     pub p_method: Option<PMethod>,
-    /// Lower end of the 95 % interval: Fisher's z with variance 0.437/(n-4) (Fieller et
+    /// The 95 % interval: Fisher's z with variance 0.437/(n-4) (Fieller et
     /// al., 1957).
-    pub ci_low: Option<f64>,
-    /// Upper end.
-    pub ci_high: Option<f64>,
+    #[serde(flatten, with = "crate::interval::ci")]
+    pub ci: Interval,
 }
 
 /// Tie sums of one column: Σ t(t-1)/2, Σ t(t-1)(t-2), Σ t(t-1)(2t+5).
@@ -91,8 +90,7 @@ pub(super) fn test(x: &[f64], y: &[f64]) -> (Kendall, Reasons) {
         tau_b: Some(tau),
         p: Some(p),
         p_method: Some(method),
-        ci_low: interval.map(|(low, _)| low),
-        ci_high: interval.map(|(_, high)| high),
+        ci: interval.into(),
     };
     (result, reasons)
 }

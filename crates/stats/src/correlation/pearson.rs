@@ -4,7 +4,7 @@ use serde::{Deserialize, Serialize};
 
 use super::{fisher_interval, p_of_r};
 use crate::{
-    Reasons,
+    Interval, Reasons,
     numerics::moments::{centred, is_constant, is_rounding, largest},
 };
 
@@ -20,10 +20,9 @@ pub struct Pearson {
     /// Two-sided. For exactly linear data, which no sample of independent normal columns
     /// is, the smallest positive number of double precision.
     pub p: Option<f64>,
-    /// Lower end of the 95 % interval by Fisher's z, standard error 1/√(n-3).
-    pub ci_low: Option<f64>,
-    /// Upper end.
-    pub ci_high: Option<f64>,
+    /// The 95 % interval by Fisher's z, standard error 1/√(n-3).
+    #[serde(flatten, with = "crate::interval::ci")]
+    pub ci: Interval,
 }
 
 /// r, exactly ±1 for data that are linear up to rounding; `None` if a column is constant.
@@ -75,8 +74,7 @@ pub(super) fn test(x: &[f64], y: &[f64]) -> (Pearson, Reasons) {
         t: inner.map(|r| r * (df / ((1.0 - r) * (1.0 + r))).sqrt()),
         df: Some(x.len() - 2),
         p,
-        ci_low: interval.map(|(low, _)| low),
-        ci_high: interval.map(|(_, high)| high),
+        ci: interval.into(),
     };
     (result, reasons)
 }

@@ -3,7 +3,9 @@
 use serde::{Deserialize, Serialize};
 
 use super::{fisher_interval, p_of_r, pearson};
-use crate::{Reasons, StatsError, complete, numerics::moments::centred, within_subjects::Index};
+use crate::{
+    Interval, Reasons, StatsError, complete, numerics::moments::centred, within_subjects::Index,
+};
 
 /// The common correlation within subjects.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -14,10 +16,9 @@ pub struct RmCorrelation {
     pub df: Option<usize>,
     /// Two-sided, t = r √(df / (1 - r²)).
     pub p: Option<f64>,
-    /// Lower end of the 95 % interval by Fisher's z, standard error 1/√(df-1).
-    pub ci_low: Option<f64>,
-    /// Upper end.
-    pub ci_high: Option<f64>,
+    /// The 95 % interval by Fisher's z, standard error 1/√(df-1).
+    #[serde(flatten, with = "crate::interval::ci")]
+    pub ci: Interval,
     /// The common slope of y on x within subjects.
     pub slope: Option<f64>,
 }
@@ -112,8 +113,7 @@ pub fn rm_correlation(
             r,
             df: r.map(|_| df),
             p: r.map(|r| p_of_r(r, df as f64)),
-            ci_low: interval.map(|(low, _)| low),
-            ci_high: interval.map(|(_, high)| high),
+            ci: interval.into(),
             slope,
         },
         undefined,

@@ -4,7 +4,7 @@ use serde::{Deserialize, Serialize};
 
 use super::{fisher_interval, p_of_r, spearman_exact};
 use crate::{
-    PMethod, Reasons,
+    Interval, PMethod, Reasons,
     numerics::{decimal, distributions::normal_upper},
     ranks,
 };
@@ -25,16 +25,14 @@ pub struct Spearman {
     /// All pairings, given the ties, |ρ| at least as large; up to 14 pairs. R is exact only
     /// to 9, without ties.
     pub p_exact: Option<f64>,
-    /// Lower end of the 95 % interval by Fisher's z with standard error 1/√(n-3), as JASP
+    /// The 95 % interval by Fisher's z with standard error 1/√(n-3), as JASP
     /// and pingouin.
-    pub ci_low: Option<f64>,
-    /// Upper end.
-    pub ci_high: Option<f64>,
-    /// Lower end by Bonett and Wright (2000): variance (1 + ρ²/2)/(n-3). This is the one
+    #[serde(flatten, with = "crate::interval::ci")]
+    pub ci: Interval,
+    /// The interval by Bonett and Wright (2000): variance (1 + ρ²/2)/(n-3). This is the one
     /// whose coverage is right.
-    pub ci_bw_low: Option<f64>,
-    /// Upper end.
-    pub ci_bw_high: Option<f64>,
+    #[serde(flatten, with = "crate::interval::ci_bw")]
+    pub ci_bw: Interval,
     /// What other programs print for the same data.
     #[serde(flatten)]
     pub compat: SpearmanCompat,
@@ -118,10 +116,8 @@ pub(super) fn test(x: &[f64], y: &[f64]) -> (Spearman, Reasons) {
         df: Some(x.len() - 2),
         p_t,
         p_exact,
-        ci_low: fisher.map(|(low, _)| low),
-        ci_high: fisher.map(|(_, high)| high),
-        ci_bw_low: bonett.map(|(low, _)| low),
-        ci_bw_high: bonett.map(|(_, high)| high),
+        ci: fisher.into(),
+        ci_bw: bonett.into(),
         compat: SpearmanCompat { p_r_default },
     };
     (result, reasons)

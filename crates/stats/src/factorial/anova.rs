@@ -7,7 +7,7 @@ use super::{
     cells::{Cells, Rows, average, contrasts, products, unit_average},
 };
 use crate::{
-    Mauchly, Named, Reasons, Sphericity,
+    Interval, Mauchly, Named, Reasons, Sphericity,
     numerics::{distributions::f_upper, moments::dot, noncentral::f_ncp_interval},
     sphericity,
 };
@@ -30,16 +30,14 @@ pub struct FactorialEffect {
     pub ss_error: f64,
     /// SS / (SS + SSe).
     pub eta2_partial: Option<f64>,
-    /// Lower end of its 90 % interval, by the noncentral F: ncp / (ncp + df2).
-    pub eta2_partial_ci90_low: Option<f64>,
-    /// Upper end.
-    pub eta2_partial_ci90_high: Option<f64>,
+    /// Its 90 % interval, by the noncentral F: ncp / (ncp + df2).
+    #[serde(flatten, with = "crate::interval::eta2_partial_ci90")]
+    pub eta2_partial_ci90: Interval,
     /// SS / (SS + all error sums of squares), every factor counted as manipulated.
     pub eta2_generalized: Option<f64>,
-    /// Lower end of its 90 % interval: the limits ncp MSe in the place of SS, the errors as observed.
-    pub eta2_generalized_ci90_low: Option<f64>,
-    /// Upper end.
-    pub eta2_generalized_ci90_high: Option<f64>,
+    /// Its 90 % interval: the limits ncp MSe in the place of SS, the errors as observed.
+    #[serde(flatten, with = "crate::interval::eta2_generalized_ci90")]
+    pub eta2_generalized_ci90: Interval,
     /// With a factor within subjects (SS - df1 MSe) / (SS + SSe + SSs + MSs), s the subjects within groups; between subjects
     /// (SS - df1 MSs) / (SS + (n - df1) MSs). It may be negative.
     pub omega2_partial: Option<f64>,
@@ -176,6 +174,7 @@ fn describe(
     };
     let partial = |ncp: f64| ncp / (ncp + d2);
     let generalized = |ncp: f64| ncp * ms_error / (ncp * ms_error + all_errors);
+    let interval = Interval::from(interval);
     let test = FactorialEffect {
         f,
         df1: sums.df1,
@@ -184,11 +183,9 @@ fn describe(
         ss,
         ss_error,
         eta2_partial: (ss + ss_error > 0.0).then(|| ss / (ss + ss_error)),
-        eta2_partial_ci90_low: interval.map(|(low, _)| partial(low)),
-        eta2_partial_ci90_high: interval.map(|(_, high)| partial(high)),
+        eta2_partial_ci90: interval.map(partial),
         eta2_generalized: (ss + all_errors > 0.0).then(|| ss / (ss + all_errors)),
-        eta2_generalized_ci90_low: interval.map(|(low, _)| generalized(low)),
-        eta2_generalized_ci90_high: interval.map(|(_, high)| generalized(high)),
+        eta2_generalized_ci90: interval.map(generalized),
         omega2_partial: f.map(|_| (ss - d1 * ms_error) / below),
     };
     (test, reasons)

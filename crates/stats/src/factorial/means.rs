@@ -7,7 +7,7 @@ use super::{
     cells::{Cells, Rows, average, contrasts, difference, level, products},
 };
 use crate::{
-    Named, Reasons,
+    Interval, Named, Reasons,
     numerics::{
         distributions::{f_upper, t_quantile_two_sided, t_two_sided},
         matrix::Matrix,
@@ -23,10 +23,9 @@ pub struct MarginalMean {
     pub mean: f64,
     /// Its standard error.
     pub se: f64,
-    /// Lower end of its 95 % interval.
-    pub ci_low: Option<f64>,
-    /// Upper end.
-    pub ci_high: Option<f64>,
+    /// Its 95 % interval.
+    #[serde(flatten, with = "crate::interval::ci")]
+    pub ci: Interval,
 }
 
 /// The difference of two marginal means, A minus B.
@@ -42,10 +41,9 @@ pub struct CellContrast {
     pub p: Option<f64>,
     /// Holm's correction over the pairs beside it.
     pub p_holm: Option<f64>,
-    /// Lower end of its 95 % interval, not adjusted.
-    pub ci_low: Option<f64>,
-    /// Upper end.
-    pub ci_high: Option<f64>,
+    /// Its 95 % interval, not adjusted.
+    #[serde(flatten, with = "crate::interval::ci")]
+    pub ci: Interval,
 }
 
 /// The effect of one factor at one level of another, averaged over all others.
@@ -149,8 +147,7 @@ impl<'a> Means<'a> {
                 let marginal = MarginalMean {
                     mean,
                     se,
-                    ci_low: half.map(|h| mean - h),
-                    ci_high: half.map(|h| mean + h),
+                    ci: Interval::around(mean, half),
                 };
                 (names.join(":"), marginal)
             };
@@ -198,8 +195,7 @@ impl<'a> Means<'a> {
                 t,
                 p: t.map(|t| t_two_sided(t, self.cells.freedom as f64)),
                 p_holm: None,
-                ci_low: half.map(|h| estimate - h),
-                ci_high: half.map(|h| estimate + h),
+                ci: Interval::around(estimate, half),
             };
             (name, contrast)
         };

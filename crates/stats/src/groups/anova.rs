@@ -4,7 +4,7 @@ use serde::{Deserialize, Serialize};
 
 use super::Samples;
 use crate::{
-    Reasons,
+    Interval, Reasons,
     numerics::{distributions::f_upper, noncentral::f_ncp_interval},
 };
 
@@ -26,10 +26,9 @@ pub struct OneWayAnova {
     pub ss_within: f64,
     /// Share of the sum of squares between groups.
     pub eta2: Option<f64>,
-    /// Lower end of its 90 % interval, by the noncentral F: ncp / (ncp + df2).
-    pub eta2_ci90_low: Option<f64>,
-    /// Upper end.
-    pub eta2_ci90_high: Option<f64>,
+    /// Its 90 % interval, by the noncentral F: ncp / (ncp + df2).
+    #[serde(flatten, with = "crate::interval::eta2_ci90")]
+    pub eta2_ci90: Interval,
     /// (SSb - df1 MSw) / (SSb + SSw + MSw); it may be negative.
     pub omega2: Option<f64>,
 }
@@ -83,8 +82,7 @@ pub(super) fn fisher(samples: &Samples) -> (OneWayAnova, Reasons) {
         ss_between,
         ss_within,
         eta2: varies.then(|| ss_between / ss_total),
-        eta2_ci90_low: interval.map(|(low, _)| low / (low + d2)),
-        eta2_ci90_high: interval.map(|(_, high)| high / (high + d2)),
+        eta2_ci90: Interval::from(interval).map(|ncp| ncp / (ncp + d2)),
         omega2: error.map(|error| (ss_between - d1 * error) / (ss_total + error)),
     };
     (anova, reasons)

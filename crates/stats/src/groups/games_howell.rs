@@ -6,7 +6,7 @@ use super::{
     Sample,
     t::{no_welch_error, welch_error},
 };
-use crate::{Reasons, numerics::studentized_range};
+use crate::{Interval, Reasons, numerics::studentized_range};
 
 /// Welch's t of two of several groups, by the studentised range of all of them.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -17,10 +17,9 @@ pub struct GamesHowell {
     pub df: Option<f64>,
     /// P(range of k means > |t| √2): already for all pairs.
     pub p: Option<f64>,
-    /// Lower end of the simultaneous 95 % interval of the difference.
-    pub ci_low: Option<f64>,
-    /// Upper end.
-    pub ci_high: Option<f64>,
+    /// The simultaneous 95 % interval of the difference.
+    #[serde(flatten, with = "crate::interval::ci")]
+    pub ci: Interval,
 }
 
 pub(super) fn test(a: &Sample, b: &Sample, k: usize) -> (GamesHowell, Reasons) {
@@ -47,8 +46,7 @@ pub(super) fn test(a: &Sample, b: &Sample, k: usize) -> (GamesHowell, Reasons) {
         t,
         df: error.map(|(_, df)| df),
         p,
-        ci_low: half.map(|h| difference - h),
-        ci_high: half.map(|h| difference + h),
+        ci: Interval::around(difference, half),
     };
     (result, reasons)
 }

@@ -4,7 +4,7 @@ use serde::{Deserialize, Serialize};
 
 use super::Sample;
 use crate::{
-    PMethod, Reasons,
+    Interval, PMethod, Reasons,
     numerics::distributions::{fisher_ends, normal_quantile, normal_two_sided},
     ranks::{self, greatest_common_divisor},
 };
@@ -20,10 +20,9 @@ pub struct MannWhitney {
     pub u: f64,
     /// 2 U / (nA nB) - 1, from -1 to 1.
     pub rank_biserial: f64,
-    /// Lower end of its 95 % interval: Fisher's z with the null standard error of U.
-    pub rank_biserial_ci_low: Option<f64>,
-    /// Upper end.
-    pub rank_biserial_ci_high: Option<f64>,
+    /// Its 95 % interval: Fisher's z with the null standard error of U.
+    #[serde(flatten, with = "crate::interval::rank_biserial_ci")]
+    pub rank_biserial_ci: Interval,
     /// The normal deviate of U, ties corrected, without continuity correction.
     pub z: Option<f64>,
     /// `p_exact` where all pairs have it, else `p_normal_cc`.
@@ -80,8 +79,7 @@ pub(super) fn test(a: &Sample, b: &Sample) -> (MannWhitney, Reasons) {
     let result = MannWhitney {
         u,
         rank_biserial: biserial,
-        rank_biserial_ci_low: interval.map(|(low, _)| low),
-        rank_biserial_ci_high: interval.map(|(_, high)| high),
+        rank_biserial_ci: interval.into(),
         z: sd.map(|sd| away / sd),
         p: None,
         p_method: None,

@@ -4,7 +4,7 @@ use serde::{Deserialize, Serialize};
 
 use super::Sample;
 use crate::{
-    Reasons,
+    Interval, Reasons,
     numerics::{
         distributions::{t_quantile_two_sided, t_two_sided},
         noncentral::t_ncp_interval,
@@ -25,10 +25,9 @@ pub struct MeanDifference {
     pub p: Option<f64>,
     /// Holm's correction over all pairs.
     pub p_holm: Option<f64>,
-    /// Lower end of the 95 % interval of the difference.
-    pub ci_low: Option<f64>,
-    /// Upper end.
-    pub ci_high: Option<f64>,
+    /// The 95 % interval of the difference.
+    #[serde(flatten, with = "crate::interval::ci")]
+    pub ci: Interval,
 }
 
 /// The standardised difference of two groups, variance pooled over both.
@@ -38,14 +37,12 @@ pub struct Hedges {
     pub d: Option<f64>,
     /// d times Hedges' exact correction, Γ(m/2) / (√(m/2) Γ((m-1)/2)), m = nA + nB - 2.
     pub g: Option<f64>,
-    /// Lower end of the 95 % interval of d, by the noncentral t.
-    pub d_ci_low: Option<f64>,
-    /// Upper end.
-    pub d_ci_high: Option<f64>,
-    /// Lower end of the interval of g: that of d times the same correction.
-    pub g_ci_low: Option<f64>,
-    /// Upper end.
-    pub g_ci_high: Option<f64>,
+    /// The 95 % interval of d, by the noncentral t.
+    #[serde(flatten, with = "crate::interval::d_ci")]
+    pub d_ci: Interval,
+    /// The interval of g: that of d times the same correction.
+    #[serde(flatten, with = "crate::interval::g_ci")]
+    pub g_ci: Interval,
 }
 
 /// Standard error and degrees of freedom without equal variances; `None` if a group has one value or neither varies.
@@ -113,8 +110,7 @@ fn test(
         df: error.map(|(_, df)| df),
         p: error.zip(t).map(|((_, df), t)| t_two_sided(t, df)),
         p_holm: None,
-        ci_low: half.map(|h| mean_diff - h),
-        ci_high: half.map(|h| mean_diff + h),
+        ci: Interval::around(mean_diff, half),
     };
     (result, reasons)
 }
@@ -142,14 +138,14 @@ pub(super) fn hedges(a: &Sample, b: &Sample) -> (Hedges, Reasons) {
         let reason = "no noncentral t leaves 2.5 % beyond this t";
         reasons.note_ends(&["d_ci", "g_ci"], reason);
     }
-    let corrected = interval.zip(factor);
+    let corrected = interval
+        .zip(factor)
+        .map(|((low, high), factor)| (low * factor, high * factor));
     let result = Hedges {
         d,
         g: d.zip(factor).map(|(d, factor)| d * factor),
-        d_ci_low: interval.map(|(low, _)| low),
-        d_ci_high: interval.map(|(_, high)| high),
-        g_ci_low: corrected.map(|((low, _), factor)| low * factor),
-        g_ci_high: corrected.map(|((_, high), factor)| high * factor),
+        d_ci: interval.into(),
+        g_ci: corrected.into(),
     };
     (result, reasons)
 }

@@ -7,6 +7,7 @@ use super::{
     components::{AtZero, Components},
     satterthwaite::{Information, Satterthwaite},
 };
+use crate::Interval;
 use crate::numerics::{
     distributions::{t_quantile_two_sided, t_two_sided},
     moments::dot,
@@ -74,8 +75,7 @@ impl<'a> Estimates<'a> {
             df,
             t,
             p: t.zip(df).map(|(t, df)| t_two_sided(t, df)),
-            ci_low: half.map(|h| estimate - h),
-            ci_high: half.map(|h| estimate + h),
+            ci: Interval::around(estimate, half),
         }
     }
 }

@@ -4,7 +4,7 @@ use serde::{Deserialize, Serialize};
 
 use super::{columns::Weight, described::Described, formula::Formula};
 use crate::{
-    MarginalMean, Named, Reasons,
+    Interval, MarginalMean, Named, Reasons,
     numerics::distributions::{t_quantile_two_sided, t_two_sided},
     within_subjects::each_pair,
 };
@@ -24,10 +24,9 @@ pub struct MarginalContrast {
     pub p: Option<f64>,
     /// Holm's correction over the pairs of the term.
     pub p_holm: Option<f64>,
-    /// Lower end of the 95 % interval, not adjusted.
-    pub ci_low: Option<f64>,
-    /// Upper end.
-    pub ci_high: Option<f64>,
+    /// The 95 % interval, not adjusted.
+    #[serde(flatten, with = "crate::interval::ci")]
+    pub ci: Interval,
 }
 
 impl MarginalContrast {
@@ -42,8 +41,7 @@ impl MarginalContrast {
             t,
             p: df.map(|df| t_two_sided(t, df)),
             p_holm: None,
-            ci_low: half.map(|h| estimate - h),
-            ci_high: half.map(|h| estimate + h),
+            ci: Interval::around(estimate, half),
         }
     }
 
@@ -122,8 +120,7 @@ impl Described<'_> {
             let mean = MarginalMean {
                 mean,
                 se,
-                ci_low: half.map(|h| mean - h),
-                ci_high: half.map(|h| mean + h),
+                ci: Interval::around(mean, half),
             };
             (name, mean)
         };

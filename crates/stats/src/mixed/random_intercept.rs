@@ -225,7 +225,7 @@ impl Described<'_> {
     fn coefficients(&self, undefined: &mut Reasons) -> Named<FixedEffect> {
         let one = |(name, weights): (String, Vec<f64>)| {
             let effect = self.estimates.effect(&weights);
-            if effect.ci_low.is_none() {
+            if effect.ci.low.is_none() {
                 let parts = ["df", "p", "ci_low", "ci_high"];
                 undefined.note_below(&format!("coef.{name}"), &parts, NO_FREEDOM);
             }

@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use crate::{
-    Reasons,
+    Interval, Reasons,
     numerics::{
         decimal,
         distributions::{t_quantile_two_sided, t_two_sided},
@@ -26,30 +26,26 @@ pub struct PairedT {
     pub p: Option<f64>,
     /// Holm's correction over all pairs of the analysis.
     pub p_holm: Option<f64>,
-    /// Lower end of the 95 % interval of the mean difference.
-    pub ci_low: Option<f64>,
-    /// Upper end.
-    pub ci_high: Option<f64>,
+    /// The 95 % interval of the mean difference.
+    #[serde(flatten, with = "crate::interval::ci")]
+    pub ci: Interval,
     /// Mean difference over the standard deviation of the differences.
     pub dz: Option<f64>,
     /// dz times Hedges' exact correction, Γ(m/2) / (√(m/2) Γ((m-1)/2)), m = n-1.
     pub gz: Option<f64>,
-    /// Lower end of the 95 % interval of dz, by the noncentral t.
-    pub dz_ci_low: Option<f64>,
-    /// Upper end.
-    pub dz_ci_high: Option<f64>,
-    /// Lower end of the 95 % interval of gz: that of dz times the same correction.
-    pub gz_ci_low: Option<f64>,
-    /// Upper end.
-    pub gz_ci_high: Option<f64>,
+    /// The 95 % interval of dz, by the noncentral t.
+    #[serde(flatten, with = "crate::interval::dz_ci")]
+    pub dz_ci: Interval,
+    /// The 95 % interval of gz: that of dz times the same correction.
+    #[serde(flatten, with = "crate::interval::gz_ci")]
+    pub gz_ci: Interval,
     /// Mean difference over the root of the mean of both variances; what pingouin calls
     /// Cohen's d of a paired design.
     pub d_av: Option<f64>,
-    /// Lower end of its 95 % interval: that of dz times the ratio of both standard
+    /// Its 95 % interval: that of dz times the ratio of both standard
     /// deviations (Algina and Keselman, 2003).
-    pub d_av_ci_low: Option<f64>,
-    /// Upper end.
-    pub d_av_ci_high: Option<f64>,
+    #[serde(flatten, with = "crate::interval::d_av_ci")]
+    pub d_av_ci: Interval,
 }
 
 /// Compares two columns of shape `(n,)`, n ≥ 2; `t95` is the two-sided 5 % quantile.
@@ -90,7 +86,9 @@ pub(crate) fn test(a: &[f64], b: &[f64], t95: Option<f64>) -> (PairedT, Reasons)
         let names = ["d_av", "d_av_ci_low", "d_av_ci_high"];
         reasons.note_all(&names, "neither condition varies");
     }
-    let corrected = interval.zip(correction);
+    let corrected = interval
+        .zip(correction)
+        .map(|((low, high), factor)| (low * factor, high * factor));
     let over_average = interval
         .zip(sd)
         .filter(|_| average_sd > 0.0)
@@ -101,17 +99,13 @@ pub(crate) fn test(a: &[f64], b: &[f64], t95: Option<f64>) -> (PairedT, Reasons)
         df: a.len() - 1,
         p: t.map(|t| t_two_sided(t, df)),
         p_holm: None,
-        ci_low: half.map(|h| mean - h),
-        ci_high: half.map(|h| mean + h),
+        ci: Interval::around(mean, half),
         dz,
         gz: dz.zip(correction).map(|(dz, factor)| dz * factor),
-        dz_ci_low: interval.map(|(low, _)| low),
-        dz_ci_high: interval.map(|(_, high)| high),
-        gz_ci_low: corrected.map(|((low, _), factor)| low * factor),
-        gz_ci_high: corrected.map(|((_, high), factor)| high * factor),
+        dz_ci: interval.into(),
+        gz_ci: corrected.into(),
         d_av,
-        d_av_ci_low: over_average.map(|(low, _)| low),
-        d_av_ci_high: over_average.map(|(_, high)| high),
+        d_av_ci: over_average.into(),
     };
     (result, reasons)
 }

@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::signed_ranks::{MOST_EXACT, SignedRanks, Zeros};
-use crate::{Reasons, numerics::distributions::fisher_interval};
+use crate::{Interval, Reasons, numerics::distributions::fisher_interval};
 
 /// How a p value was computed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
@@ -62,10 +62,9 @@ pub struct Wilcoxon {
     pub p_pratt_exact: Option<f64>,
     /// (W+ - W-) / (W+ + W-), from -1 to 1.
     pub rank_biserial: Option<f64>,
-    /// Lower end of its 95 % interval: Fisher's z with the null standard error of W.
-    pub rank_biserial_ci_low: Option<f64>,
-    /// Upper end.
-    pub rank_biserial_ci_high: Option<f64>,
+    /// Its 95 % interval: Fisher's z with the null standard error of W.
+    #[serde(flatten, with = "crate::interval::rank_biserial_ci")]
+    pub rank_biserial_ci: Interval,
     /// What other programs print for the same data.
     #[serde(flatten)]
     pub compat: WilcoxonCompat,
@@ -141,8 +140,7 @@ fn of_ranks(main: &SignedRanks, pratt: &SignedRanks) -> Wilcoxon {
         p_pratt: pratt.p_normal(0.0).filter(|_| some),
         p_pratt_exact,
         rank_biserial: biserial,
-        rank_biserial_ci_low: interval.map(|(low, _)| low),
-        rank_biserial_ci_high: interval.map(|(_, high)| high),
+        rank_biserial_ci: interval.into(),
         compat: WilcoxonCompat::default(),
     }
 }
@@ -200,7 +198,7 @@ fn reasons(result: &Wilcoxon) -> Reasons {
         let reason = format!("not computed: more than {MOST_EXACT} differences");
         reasons.note_all(&["p_exact", "p_exact_holm", "p_pratt_exact"], &reason);
     }
-    if result.rank_biserial_ci_low.is_none() {
+    if result.rank_biserial_ci.low.is_none() {
         let reason = "the correlation is at its limit, where Fisher's z is infinite";
         reasons.note_ends(&["rank_biserial_ci"], reason);
     }
@@ -223,8 +221,8 @@ mod tests {
         let (r, half) = (15.0 / 21.0, 1.959_963_984_540_054 * 91.0_f64.sqrt() / 21.0);
         for (end, expected) in [
             (w.rank_biserial, r),
-            (w.rank_biserial_ci_low, libm::tanh(libm::atanh(r) - half)),
-            (w.rank_biserial_ci_high, libm::tanh(libm::atanh(r) + half)),
+            (w.rank_biserial_ci.low, libm::tanh(libm::atanh(r) - half)),
+            (w.rank_biserial_ci.high, libm::tanh(libm::atanh(r) + half)),
         ] {
             assert!(
                 (end.unwrap() - expected).abs() < 1e-12,

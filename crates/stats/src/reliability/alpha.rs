@@ -21,11 +21,10 @@ pub struct Alpha {
     pub standardized: Option<f64>,
     /// r̄, the mean correlation of two items.
     pub mean_r: Option<f64>,
-    /// Lower end of the 95 % interval of `raw`: Feldt's, or where people answered several sheets each the BCa
+    /// The 95 % interval of `raw`: Feldt's, or where people answered several sheets each the BCa
     /// interval of a bootstrap that draws whole people (percentiles where BCa does not exist).
-    pub ci_low: Option<f64>,
-    /// Upper end.
-    pub ci_high: Option<f64>,
+    #[serde(flatten, with = "crate::interval::ci")]
+    pub ci: Interval,
     /// `raw` from pairwise covariances, the default of psych and pingouin.
     pub raw_pairwise: Option<f64>,
     /// `standardized` from pairwise covariances.
@@ -152,8 +151,7 @@ pub fn alpha(
         raw,
         standardized: mean_r.map(standardized).filter(|a| a.is_finite()),
         mean_r,
-        ci_low: interval.map(|(low, _)| low),
-        ci_high: interval.map(|(_, high)| high),
+        ci: interval.into(),
         raw_pairwise: pairwise.as_ref().and_then(|m| raw_alpha(m, &all_items)),
         standardized_pairwise: pairwise
             .as_ref()
@@ -233,7 +231,7 @@ fn say_why(alpha: &Alpha, k: usize, undefined: &mut Reasons) {
             undefined.note(name, reason);
         }
     }
-    if alpha.ci_low.is_none() {
+    if alpha.ci.low.is_none() {
         let reason =
             "there is no alpha to put an interval around, or one person answered all sheets";
         undefined.note_ends(&["alpha.ci"], reason);
@@ -382,7 +380,7 @@ mod tests {
             .collect();
         let found = alpha(&items, by_person.then_some(&people[..])).unwrap();
         assert_eq!(found.people, (by_person && times > 1).then_some(6));
-        (found.alpha.ci_low.unwrap(), found.alpha.ci_high.unwrap())
+        (found.alpha.ci.low.unwrap(), found.alpha.ci.high.unwrap())
     }
 
     #[test]

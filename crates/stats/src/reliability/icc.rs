@@ -4,7 +4,7 @@ use serde::{Deserialize, Serialize};
 use std::f64::consts::SQRT_2;
 
 use crate::{
-    HALF_95, Reasons, StatsError, complete,
+    HALF_95, Interval, Reasons, StatsError, complete,
     numerics::{
         distributions::f_quantile_upper,
         moments::{is_constant, is_rounding},
@@ -23,17 +23,15 @@ pub struct Icc {
     pub missing: usize,
     /// Share of the variance of one reading that is between people; below 0 where people differ less than chance would have it.
     pub icc: Option<f64>,
-    /// Lower end of its 95 % interval.
-    pub ci_low: Option<f64>,
-    /// Upper end.
-    pub ci_high: Option<f64>,
+    /// Its 95 % interval.
+    #[serde(flatten, with = "crate::interval::ci")]
+    pub ci: Interval,
     /// Standard error of measurement: the standard deviation of one person's readings, in their unit, occasions and error together:
     /// √(σ²_occasion + σ²_error), where a σ²_occasion below 0 counts as 0.
     pub sem: f64,
-    /// Lower end of its 95 % interval.
-    pub sem_low: Option<f64>,
-    /// Upper end.
-    pub sem_high: Option<f64>,
+    /// Its 95 % interval.
+    #[serde(flatten, with = "crate::interval::sem")]
+    pub sem_ci: Interval,
     /// Smallest detectable change: two readings of one person differ by less 95 times of 100; 1.96 · √2 · SEM.
     pub sdc: f64,
     /// Why numbers do not exist, by name.
@@ -64,7 +62,7 @@ pub struct Icc {
 /// let columns: Vec<(&str, &[Option<f64>])> = judges.iter().map(|c| ("judge", c.as_slice())).collect();
 /// let found = maveric_stats::icc(&columns)?;
 /// assert!((found.icc.unwrap() - 0.2898).abs() < 5e-5);
-/// assert!((found.ci_low.unwrap() - 0.0188).abs() < 5e-5 && (found.ci_high.unwrap() - 0.7611).abs() < 5e-5);
+/// assert!((found.ci.low.unwrap() - 0.0188).abs() < 5e-5 && (found.ci.high.unwrap() - 0.7611).abs() < 5e-5);
 /// assert!((found.sem - 2.5028).abs() < 5e-5 && (found.sdc - 6.9373).abs() < 5e-5);
 /// # Ok::<(), maveric_stats::StatsError>(())
 /// ```
@@ -106,11 +104,9 @@ pub fn icc(occasions: &[(&str, &[Option<f64>])]) -> Result<Icc, StatsError> {
         k: times,
         missing: complete.missing,
         icc: None,
-        ci_low: None,
-        ci_high: None,
+        ci: Interval::default(),
         sem,
-        sem_low: sem_interval.map(|ends| ends.0),
-        sem_high: sem_interval.map(|ends| ends.1),
+        sem_ci: sem_interval.into(),
         sdc: HALF_95 * SQRT_2 * sem,
         undefined: Reasons::default(),
     };
@@ -142,7 +138,7 @@ pub fn icc(occasions: &[(&str, &[Option<f64>])]) -> Result<Icc, StatsError> {
         .map(|f| n * (between - f * rest) / (f * others + n * between));
     let high = f_quantile_upper(0.025, free, n - 1.0)
         .map(|f| n * (f * between - rest) / (others + n * f * between));
-    (result.ci_low, result.ci_high) = (low, high);
+    result.ci = Interval { low, high };
     if low.is_none() || high.is_none() {
         let reason = "the F distribution has no such quantile";
         result.undefined.note_ends(&["ci"], reason);
@@ -174,8 +170,8 @@ mod tests {
         assert!(moved.icc.unwrap() < 0.7, "{moved:?}");
         // Of a move of 3: σ²_occasion is 3²/2 less what error alone gives.
         assert!(moved.sem > 2.0 && alike.sem < 0.25, "{moved:?} {alike:?}");
-        assert!(alike.ci_low.unwrap() < alike.icc.unwrap());
-        assert!(alike.ci_high.unwrap() > alike.icc.unwrap());
+        assert!(alike.ci.low.unwrap() < alike.icc.unwrap());
+        assert!(alike.ci.high.unwrap() > alike.icc.unwrap());
     }
 
     #[test]
@@ -190,9 +186,9 @@ mod tests {
         assert!((found.sem - 0.5_f64.sqrt()).abs() < 1e-12, "{found:?}");
         assert!((found.sdc - 1.96).abs() < 1e-12);
         // 2 degrees of freedom: χ² quantiles of R 7.377759 and 0.05063562.
-        let ends = [found.sem_low, found.sem_high].map(Option::unwrap);
-        assert!((ends[0] - (1.0_f64 / 7.377_759).sqrt()).abs() < 1e-6);
-        assert!((ends[1] - (1.0_f64 / 0.050_635_62).sqrt()).abs() < 1e-5);
+        let ends = found.sem_ci.ends().unwrap();
+        assert!((ends.0 - (1.0_f64 / 7.377_759).sqrt()).abs() < 1e-6);
+        assert!((ends.1 - (1.0_f64 / 0.050_635_62).sqrt()).abs() < 1e-5);
         // Differences 3, 2, 1: MS of occasions 3 · 2 · 1² = 6, of error 1/2; σ²_occasion (6 - 1/2)/3, all in all 7/3.
         let moved = of_three([4.0, 5.0, 7.0]);
         assert!(
@@ -200,9 +196,11 @@ mod tests {
             "{moved:?}"
         );
         // (7/3)² / (2²/1 + (1/3)²/2) degrees of freedom, about 1.34: wider on both sides.
-        assert!(moved.sem_low.unwrap() < moved.sem && moved.sem_high.unwrap() > 10.0 * moved.sem);
+        assert!(
+            moved.sem_ci.low.unwrap() < moved.sem && moved.sem_ci.high.unwrap() > 10.0 * moved.sem
+        );
         let same = of_three([1.0, 3.0, 6.0]);
-        assert_eq!((same.sem, same.sdc, same.sem_low), (0.0, 0.0, None));
+        assert_eq!((same.sem, same.sdc, same.sem_ci.low), (0.0, 0.0, None));
         assert!(same.undefined.get("sem_high").is_some());
     }
 
@@ -215,12 +213,12 @@ mod tests {
         let found = of(&with_hole);
         assert_eq!((found.n, found.missing), (3, 1));
         let flat = of(&[vec![Some(1.0); 4], vec![Some(1.0); 4]]);
-        assert_eq!((flat.icc, flat.ci_low), (None, None));
+        assert_eq!((flat.icc, flat.ci.low), (None, None));
         assert!(flat.undefined.get("icc").is_some());
         let same: Vec<Option<f64>> = (0..5).map(|i| Some(f64::from(i))).collect();
         let same = of(&[same.clone(), same]);
         assert!((same.icc.unwrap() - 1.0).abs() < 1e-12);
-        assert!(same.ci_low.is_none() && same.undefined.get("ci_low").is_some());
+        assert!(same.ci.low.is_none() && same.undefined.get("ci_low").is_some());
     }
 
     #[test]

@@ -49,7 +49,7 @@ pub(super) fn before(
     let values = context! { clear, people => presses.people, presses => presses.presses };
     let rows = presses.before.iter().map(|row| {
         let test = &row.test;
-        let interval = test.odds_ratio_ci_low.zip(test.odds_ratio_ci_high);
+        let interval = test.odds_ratio_ci.ends();
         IntervalRow::new(row.title.as_str(), test.odds_ratio, interval)
     });
     let drawn = Drawn::beside(1.0, rows);

@@ -34,7 +34,7 @@ pub(super) fn line(
         n => decides.n,
         r,
         explained => 100.0 * r * r,
-        interval => value(&decides.ci_low.zip(decides.ci_high)),
+        interval => value(&decides.ci.ends()),
         alpha,
         ceiling,
     };
@@ -49,7 +49,7 @@ pub(super) fn line(
         rows.push(IntervalRow {
             floor: Some(0.0),
             ceiling,
-            ..IntervalRow::new(label, fit.r, fit.ci_low.zip(fit.ci_high))
+            ..IntervalRow::new(label, fit.r, fit.ci.ends())
         });
         let fit = context! { correlation => words::correlation(fit), ..values.clone() };
         tests.push(texts.say("style", test, &fit)?);

@@ -11,7 +11,7 @@ pub(crate) fn input() -> DifferencePanels {
         df_error: 63.49,
         p: 1e-9,
         eta2_partial: Some(0.52),
-        interval: None,
+        eta2_partial_ci90: maveric_stats::Interval::default(),
         epsilon: Some(0.92),
     });
     let friedman = apa::chi2(41.19, 3, 24, 1e-8, Some(0.57));

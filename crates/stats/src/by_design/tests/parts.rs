@@ -126,9 +126,9 @@ fn without_groups_a_contrast_is_the_paired_t_test_of_each_persons_contrast() {
             (contrast.n, contrast.df),
             (PEOPLE, Some(PEOPLE as f64 - 1.0))
         );
-        let half = contrast.ci_high.unwrap() - contrast.estimate;
+        let half = contrast.ci.high.unwrap() - contrast.estimate;
         close(
-            Some(contrast.estimate - contrast.ci_low.unwrap()),
+            Some(contrast.estimate - contrast.ci.low.unwrap()),
             Some(half),
         );
     }
@@ -225,7 +225,7 @@ fn where_ranks_decide_about_an_effect_they_decide_about_its_contrast() {
     });
     let ranks = all.wilcoxon.values().next().unwrap();
     assert_eq!((contrast.statistic, contrast.p), (ranks.w_plus, ranks.p));
-    assert_eq!((contrast.se, contrast.ci_low), (None, None));
+    assert_eq!((contrast.se, contrast.ci.low), (None, None));
     let data = made.grouped();
     let found = factorial_of(&data, false);
     let contrast = level_contrast(&data, &found, &[("vehicle", pair("truck", "car"))]).unwrap();

@@ -168,7 +168,7 @@ fn over_many_tables_carry_over_is_without_bias_and_its_intervals_cover_it() {
         let effect = found.effects.get("a").unwrap();
         let off = effect.estimate - planted[0];
         (sum, squares, count) = (sum + off, squares + off * off, count + 1);
-        let (low, high) = (effect.ci_low.unwrap(), effect.ci_high.unwrap());
+        let (low, high) = (effect.ci.low.unwrap(), effect.ci.high.unwrap());
         covered += usize::from(low <= planted[0] && planted[0] <= high);
     }
     let n = f64::from(count);

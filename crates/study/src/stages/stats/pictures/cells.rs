@@ -22,7 +22,7 @@ pub(in crate::stages::stats) fn conditions(
 ) -> Picture {
     let cells = desc.iter().map(|(name, c)| ComparedCell {
         name: name.to_owned(),
-        mean: (|| Some([c.mean, c.within_ci_low?, c.within_ci_high?]))(),
+        mean: (|| Some([c.mean, c.within_ci.low?, c.within_ci.high?]))(),
     });
     let panel = ComparisonPanel {
         outcome: outcome.to_owned(),
@@ -53,7 +53,7 @@ pub(in crate::stages::stats) fn pairs(
         let effect = &pair.effect;
         ForestRow {
             name: name.to_owned(),
-            estimate: (|| Some([effect.value?, effect.ci_low?, effect.ci_high?]))(),
+            estimate: (|| Some([effect.value?, effect.ci.low?, effect.ci.high?]))(),
             said: p_text(symbol, pair.p_adjusted),
         }
     });

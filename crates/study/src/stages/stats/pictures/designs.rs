@@ -83,7 +83,7 @@ fn rainclouds(rows: &DesignRows, outcome: &str, over: Over) -> Picture {
 }
 
 fn with_ends(m: &MarginalMean) -> Option<[f64; 3]> {
-    Some([m.mean, m.ci_low?, m.ci_high?])
+    Some([m.mean, m.ci.low?, m.ci.high?])
 }
 
 /// The means of the cells of all factors: those of the effect that has the most of them.
@@ -243,7 +243,7 @@ pub(in crate::stages::stats) fn groups(
     };
     let over = Over {
         test: chosen.map_or_else(|| first(result), |(_, sentence)| sentence),
-        means: named(&result.desc, |g| Some([g.mean, g.ci_low?, g.ci_high?])),
+        means: named(&result.desc, |g| Some([g.mean, g.ci.low?, g.ci.high?])),
         intervals: "95% intervals of each group’s mean",
         pairs,
         contrasts,
@@ -274,7 +274,7 @@ pub(in crate::stages::stats) fn mixed(
         let coefficients = result.coef.iter().skip(1);
         let coefficients = coefficients.map(|(name, c)| ForestRow {
             name: name.to_owned(),
-            estimate: (|| Some([c.estimate, c.ci_low?, c.ci_high?]))(),
+            estimate: (|| Some([c.estimate, c.ci.low?, c.ci.high?]))(),
             said: p_text("*p*", c.p),
         });
         return Picture::Forest(Forest {
@@ -336,7 +336,7 @@ pub(in crate::stages::stats) fn equivalence(outcome: &str, result: &Equivalence)
             } else {
                 1.0
             };
-            let numbers = [t.estimate, t.ci90_low?, t.ci90_high?].map(|v| v * unit);
+            let numbers = [t.estimate, t.ci90.low?, t.ci90.high?].map(|v| v * unit);
             Some(numbers).filter(|numbers| numbers.iter().all(|v| v.is_finite()))
         };
         ForestRow {

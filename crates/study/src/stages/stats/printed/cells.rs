@@ -1,7 +1,7 @@
 //! Numbers as cells of a table.
 
 use maveric_report::tables::{Cell, Table, TableOf};
-use maveric_stats::apa;
+use maveric_stats::{Interval, apa};
 
 /// A table of these rows, named by its title: the columns that are told come after. Headers with marks.
 pub(super) fn table<T>(title: &str, rows: impl IntoIterator<Item = T>) -> TableOf<T> {
@@ -68,11 +68,7 @@ pub(super) fn shown(cell: &Cell) -> String {
 }
 
 /// `[.38, .62]` with the way in which the ends are written.
-pub(super) fn interval(
-    low: Option<f64>,
-    high: Option<f64>,
-    write: fn(Option<f64>) -> Cell,
-) -> Cell {
+pub(super) fn interval(Interval { low, high }: Interval, write: fn(Option<f64>) -> Cell) -> Cell {
     match (low, high) {
         (None, None) => Cell::Missing,
         _ => Cell::Text(format!("[{}, {}]", shown(&write(low)), shown(&write(high)))),
@@ -99,7 +95,16 @@ mod tests {
             ]
         );
         assert_eq!(shown(&p(Some(1e-9))), "< .001");
-        assert_eq!(shown(&interval(Some(0.1), None, share)), "[.100, –]");
+        assert_eq!(
+            shown(&interval(
+                Interval {
+                    low: Some(0.1),
+                    high: None
+                },
+                share
+            )),
+            "[.100, –]"
+        );
     }
 
     #[test]

@@ -31,21 +31,21 @@ fn sentences(result: &impl Statements) -> Vec<String> {
 pub(in crate::stages::stats) fn correlation(result: &Correlation, x: &str, y: &str) -> Printed {
     let pearson = result.pearson.as_ref().map(|r| {
         let by = how(r.p.map(|_| PMethod::T));
-        ("Pearson r", r.r, (r.ci_low, r.ci_high), r.p, by)
+        ("Pearson r", r.r, r.ci, r.p, by)
     });
-    let spearman = result.spearman.as_ref().map(|rho| {
-        let ends = (rho.ci_bw_low, rho.ci_bw_high);
-        ("Spearman rho", rho.rho, ends, rho.p, how(rho.p_method))
-    });
-    let kendall = result.kendall.as_ref().map(|tau| {
-        let ends = (tau.ci_low, tau.ci_high);
-        ("Kendall tau-b", tau.tau_b, ends, tau.p, how(tau.p_method))
-    });
+    let spearman = result
+        .spearman
+        .as_ref()
+        .map(|rho| ("Spearman rho", rho.rho, rho.ci_bw, rho.p, how(rho.p_method)));
+    let kendall = result
+        .kendall
+        .as_ref()
+        .map(|tau| ("Kendall tau-b", tau.tau_b, tau.ci, tau.p, how(tau.p_method)));
     let rows = [pearson, spearman, kendall].into_iter().flatten();
     let mut table = table("Coefficients", rows)
         .text("", |row| row.0)
         .right("Coefficient", |row| share(row.1))
-        .right("95% CI", |row| interval(row.2.0, row.2.1, share))
+        .right("95% CI", |row| interval(row.2, share))
         .right("*p*", |row| p(row.3))
         .right("By", |row| row.4.clone())
         .done();
@@ -71,7 +71,7 @@ pub(in crate::stages::stats) fn rm_correlation(
     let what = format!("Correlation of {x} and {y} within subjects");
     let r = &result.rm_corr;
     let mut lines = sentences(result);
-    let ci = interval(r.ci_low, r.ci_high, share);
+    let ci = interval(r.ci, share);
     lines.push(format!("95% CI {}", shown(&ci)));
     if let Some(slope) = r.slope {
         let (slope, x, y) = (

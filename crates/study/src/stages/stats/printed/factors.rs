@@ -78,9 +78,7 @@ fn effects(result: &Factorial) -> Table {
         .right("*ε*_{GG}", |(name, _)| epsilon(name, |s| share(s.gg)))
         .right("*p*_{GG}", |(name, _)| epsilon(name, |s| p(s.p_gg)))
         .right("*η*_{p}^{2}", |(_, e)| share(e.eta2_partial))
-        .right("90% CI", |(_, e)| {
-            interval(e.eta2_partial_ci90_low, e.eta2_partial_ci90_high, share)
-        })
+        .right("90% CI", |(_, e)| interval(e.eta2_partial_ci90, share))
         .right("*η*_{G}^{2}", |(_, e)| share(e.eta2_generalized))
         .done()
 }
@@ -105,7 +103,7 @@ pub(super) fn marginal(name: &str, means: &Named<MarginalMean>) -> Table {
         .text("", |(cell, _)| *cell)
         .right("*M*", |(_, m)| number(m.mean))
         .right("*SE*", |(_, m)| number(m.se))
-        .right("95% CI", |(_, m)| interval(m.ci_low, m.ci_high, optional))
+        .right("95% CI", |(_, m)| interval(m.ci, optional))
         .done()
 }
 
@@ -113,7 +111,7 @@ fn contrasts(term: &str, pairs: &Named<CellContrast>) -> Table {
     table(&format!("Pairs of {term} (A minus B, Holm)"), pairs.iter())
         .text("", |(name, _)| *name)
         .right("Difference", |(_, c)| number(c.estimate))
-        .right("95% CI", |(_, c)| interval(c.ci_low, c.ci_high, optional))
+        .right("95% CI", |(_, c)| interval(c.ci, optional))
         .right("*t*", |(_, c)| optional(c.t))
         .right("*p*", |(_, c)| p(c.p))
         .right("*p*_{Holm}", |(_, c)| p(c.p_holm))

@@ -6,7 +6,7 @@ use super::{
     named_sentences,
 };
 use maveric_report::tables::Cell;
-use maveric_stats::{Equivalence, GroupsAnalysis};
+use maveric_stats::{Equivalence, GroupsAnalysis, Interval};
 
 pub(in crate::stages::stats) fn groups(result: &GroupsAnalysis) -> Printed {
     let who = format!(
@@ -17,7 +17,7 @@ pub(in crate::stages::stats) fn groups(result: &GroupsAnalysis) -> Printed {
         .text("", |(name, _)| *name)
         .right("*n*", |(_, g)| Cell::count(g.n))
         .right("*M*", |(_, g)| number(g.mean))
-        .right("95% CI", |(_, g)| interval(g.ci_low, g.ci_high, optional))
+        .right("95% CI", |(_, g)| interval(g.ci, optional))
         .right("*SD*", |(_, g)| optional(g.sd))
         .done();
     desc.notes = named_sentences(result);
@@ -26,16 +26,12 @@ pub(in crate::stages::stats) fn groups(result: &GroupsAnalysis) -> Printed {
     let pairs = table(title, result.welch_t.iter().zip(others))
         .text("", |((name, _), _)| *name)
         .right("Difference", |((_, t), _)| number(t.mean_diff))
-        .right("95% CI", |((_, t), _)| {
-            interval(t.ci_low, t.ci_high, optional)
-        })
+        .right("95% CI", |((_, t), _)| interval(t.ci, optional))
         .right("*t*", |((_, t), _)| optional(t.t))
         .right("*df*", |((_, t), _)| degrees(t.df))
         .right("*p*", |((_, t), _)| p(t.p))
         .right("*g*", |(_, (size, _))| effect(size.g))
-        .right("95% CI", |(_, (size, _))| {
-            interval(size.g_ci_low, size.g_ci_high, effect)
-        })
+        .right("95% CI", |(_, (size, _))| interval(size.g_ci, effect))
         .right("*U*", |(_, (_, u))| number(u.u))
         .right("*p*", |(_, (_, u))| p(u.p))
         .right("*r*_{rb}", |(_, (_, u))| share(Some(u.rank_biserial)))
@@ -51,9 +47,7 @@ pub(in crate::stages::stats) fn groups(result: &GroupsAnalysis) -> Printed {
             .right("*t* (Games-Howell)", |((_, t), _)| optional(t.t))
             .right("*df*", |((_, t), _)| degrees(t.df))
             .right("*p*", |((_, t), _)| p(t.p))
-            .right("95% CI", |((_, t), _)| {
-                interval(t.ci_low, t.ci_high, optional)
-            })
+            .right("95% CI", |((_, t), _)| interval(t.ci, optional))
             .right("*z* (Dunn)", |(_, z)| optional(z.z))
             .right("*p*_{Holm}", |(_, z)| p(z.p_holm))
             .done();
@@ -66,10 +60,11 @@ pub(in crate::stages::stats) fn equivalence(result: &Equivalence) -> Printed {
     let mut table = table("Equivalence", result.tost.iter())
         .text("", |(name, _)| *name)
         .right("Difference", |(_, t)| number(t.estimate))
-        .right("90% CI", |(_, t)| {
-            interval(t.ci90_low, t.ci90_high, optional)
+        .right("90% CI", |(_, t)| interval(t.ci90, optional))
+        .right("Bounds", |(_, t)| {
+            let (low, high) = (t.low, t.high);
+            interval(Interval { low, high }, optional)
         })
-        .right("Bounds", |(_, t)| interval(t.low, t.high, optional))
         .right("*p* (two one-sided)", |(_, t)| p(t.p))
         .right("*p*_{Holm}", |(_, t)| p(t.p_holm))
         .right("Equivalent", |(_, t)| {

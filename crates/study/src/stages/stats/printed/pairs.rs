@@ -16,11 +16,7 @@ pub(super) fn comparison(result: &Comparison) -> Printed {
     let omnibus = &result.omnibus;
     let mut finding = sentences(result, &["omnibus"]);
     if omnibus.test == OmnibusTest::Friedman {
-        let ci = shown(&interval(
-            omnibus.effect.ci_low,
-            omnibus.effect.ci_high,
-            share,
-        ));
+        let ci = shown(&interval(omnibus.effect.ci, share));
         let how = match omnibus.p_method {
             OmnibusP::Exact => "*p* is exact: all orders of the ranks within subjects",
             OmnibusP::ImanDavenport => "*p* is that of Iman and Davenport's *F* of the ranks",
@@ -118,8 +114,6 @@ fn pairs(result: &Posthoc) -> Table {
             Cell::text(if pair.reject == Some(true) { "†" } else { "" })
         })
         .right(size, |(_, pair)| write(pair.effect.value))
-        .right("95% CI", |(_, pair)| {
-            interval(pair.effect.ci_low, pair.effect.ci_high, write)
-        })
+        .right("95% CI", |(_, pair)| interval(pair.effect.ci, write))
         .done()
 }

@@ -71,7 +71,7 @@ pub(super) fn conditions(
         .right("*SD*", mean(|c| number(c.sd)))
         .right(
             "95% within-subject CI",
-            mean(|c| interval(c.within_ci_low, c.within_ci_high, optional)),
+            mean(|c| interval(c.within_ci, optional)),
         )
         .and_if(shapiro.is_some(), |table| {
             table
@@ -139,26 +139,23 @@ fn sizes(result: &RmAnova) -> Table {
         (
             "partial eta squared",
             result.eta2_partial,
-            result.eta2_partial_ci90_low,
-            result.eta2_partial_ci90_high,
+            result.eta2_partial_ci90,
         ),
         (
             "generalised eta squared",
             result.eta2_generalized,
-            result.eta2_generalized_ci90_low,
-            result.eta2_generalized_ci90_high,
+            result.eta2_generalized_ci90,
         ),
         (
             "omega squared",
             result.omega2_partial,
-            result.omega2_partial_ci90_low,
-            result.omega2_partial_ci90_high,
+            result.omega2_partial_ci90,
         ),
     ];
     table("Effect sizes", rows)
         .text("", |row| row.0)
         .right("Estimate", |row| share(row.1))
-        .right("90% CI", |row| interval(row.2, row.3, share))
+        .right("90% CI", |row| interval(row.2, share))
         .done()
 }
 
@@ -178,7 +175,7 @@ fn ranks(result: &Friedman) -> Table {
         ("F (Iman-Davenport)", optional(result.f), two, result.f_p),
         ("chi-squared", optional(result.chi2), df, result.p),
     ];
-    let ci = interval(result.kendall_w_ci90_low, result.kendall_w_ci90_high, share);
+    let ci = interval(result.kendall_w_ci90, share);
     let (w, ci) = (shown(&share(result.kendall_w)), shown(&ci));
     table("Friedman", rows)
         .text("By", |row| row.0)
@@ -193,15 +190,11 @@ fn t_pairs(result: &WithinAnalysis) -> Table {
     table("Pairs by paired t (A minus B, Holm)", pairs)
         .text("", |((name, _), _)| *name)
         .right("Difference", |((_, t), _)| number(t.mean_diff))
-        .right("95% CI", |((_, t), _)| {
-            interval(t.ci_low, t.ci_high, optional)
-        })
+        .right("95% CI", |((_, t), _)| interval(t.ci, optional))
         .right("*t*", |((_, t), _)| optional(t.t))
         .right("*p*_{Holm}", |((_, t), _)| p(t.p_holm))
         .right("*d*_{z}", |((_, t), _)| effect(t.dz))
-        .right("95% CI", |((_, t), _)| {
-            interval(t.dz_ci_low, t.dz_ci_high, effect)
-        })
+        .right("95% CI", |((_, t), _)| interval(t.dz_ci, effect))
         .right("*g*_{z}", |((_, t), _)| effect(t.gz))
         .right("*d*_{av}", |((_, t), _)| effect(t.d_av))
         .right("pooled *p*_{Holm}", |(_, pooled)| p(pooled.p_holm))
@@ -221,9 +214,7 @@ fn rank_pairs(result: &WithinAnalysis) -> Table {
     .right("*W*_{−}", |((_, w), _)| sum(w.w_minus))
     .right("Wilcoxon *p*_{Holm}", |((_, w), _)| p(w.p_holm))
     .right("*r*_{rb}", |((_, w), _)| share(w.rank_biserial))
-    .right("95% CI", |((_, w), _)| {
-        interval(w.rank_biserial_ci_low, w.rank_biserial_ci_high, share)
-    })
+    .right("95% CI", |((_, w), _)| interval(w.rank_biserial_ci, share))
     .right("Conover *p*_{Holm}", |(_, (conover, _))| p(conover.p_holm))
     .right("Nemenyi *p*", |(_, (_, nemenyi))| p(Some(nemenyi.p)))
     .done()

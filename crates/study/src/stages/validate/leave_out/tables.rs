@@ -195,12 +195,12 @@ impl Words<'_> {
             .right("*n*", |m| Cell::count(m.n))
             .right("SEM", |m| Cell::number(icc(m, |i| Some(i.sem)), 3))
             .right("95% CI", |m| {
-                interval(icc(m, |i| i.sem_low).zip(icc(m, |i| i.sem_high)), 3)
+                interval(icc(m, |i| i.sem_ci.low).zip(icc(m, |i| i.sem_ci.high)), 3)
             })
             .right("SDC", |m| Cell::number(icc(m, |i| Some(i.sdc)), 3))
             .right("ICC(2,1)", |m| Cell::bounded(icc(m, |i| i.icc), 2))
             .right("95% CI ", |m| {
-                interval(icc(m, |i| i.ci_low).zip(icc(m, |i| i.ci_high)), 2)
+                interval(icc(m, |i| i.ci.low).zip(icc(m, |i| i.ci.high)), 2)
             })
             .noted(text("retest", "note", &values)?);
         Ok(vec![table])
